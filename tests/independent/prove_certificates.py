@@ -27,7 +27,7 @@ from check_certificate import check
 import vibeam
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.flight.proof.certificate import Certificate
-from vibeam.runs.models import equal
+from vibeam.studies.cost.models import equal
 from vibeam_models.laws.compliant import LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 

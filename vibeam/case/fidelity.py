@@ -148,7 +148,7 @@ def _at_its_stop(scene: RigScene, small: Structure, static: float) -> ImpactSyst
     if scene.stop.law is not None:
         built = replace(built, law=scene.stop.law.contact(float(np.sum(built.contact**2))))
     elif scene.stop.restitution_of != "contact":
-        built = _seen_by_first_mode(built)
+        built = with_first_mode_restitution(built, built.restitution)
     if small.contact_flexibility:
         built = replace(built, law=built.contact_law.in_series(small.contact_flexibility))
     if scene.platform is None or scene.platform.coupling == "one-way":
@@ -196,12 +196,13 @@ def gap_wear(scene: AnyScene) -> float | None:
     return None if scene.stop is None else scene.stop.wear
 
 
-def _seen_by_first_mode(built: ImpactSystem) -> ImpactSystem:
-    """System with the contact restitution that gives mode 1 the restitution of the case."""
+def with_first_mode_restitution(system: ImpactSystem, restitution: float) -> ImpactSystem:
+    """System with the contact's restitution with which mode 1 sees so much; ValueError where none in [0, 1] does."""
     from vibeam_models.laws.restitution import contact_restitution
 
-    mobility = float(np.sum(built.contact**2))
-    return replace(built, restitution=contact_restitution(built.restitution, float(built.contact[0]), mobility))
+    if system.law is not None or np.isnan(restitution):
+        raise ValueError("the contact law has no one coefficient of restitution that could be carried over")
+    return replace(system, restitution=contact_restitution(restitution, float(system.contact[0]), system.mobility))
 
 
 class Model(ABC):

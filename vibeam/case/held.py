@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from vibeam.case.fidelity import with_first_mode_restitution
+
 if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import AnyScene, RigScene
@@ -58,10 +60,7 @@ def with_other_choice(scene: RigScene, system: ImpactSystem) -> ImpactSystem:
 
     ValueError where no contact restitution in [0, 1] shows mode 1 that coefficient.
     """
-    from vibeam_models.laws.restitution import contact_restitution
-
     given = scene.stop.usual_restitution
     if scene.stop.restitution_of == "first mode":
         return replace(system, restitution=given)
-    mobility = system.mobility
-    return replace(system, restitution=contact_restitution(given, float(system.contact[0]), mobility))
+    return with_first_mode_restitution(system, given)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import isfinite
 from os import sep
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,6 +14,7 @@ from vibeam.cli.errors import Made, UsageError, of_case
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.casefile.quantities import Dimension
     from vibeam.runs.result import Result
 
 
@@ -45,6 +47,19 @@ TableFile = Annotated[
         "--out", metavar="FILE", help=f"The CSV file, or the folder for it; {_NEW_FOLDERS}.", show_default=False
     ),
 ]
+
+
+def number(option: str, text: str, kind: Dimension, positive: bool = False) -> float:
+    """Value of an option in SI units; UsageError where it is none, or not above 0 where it must be."""
+    from vibeam.casefile.quantities import UnitError, to_si
+
+    try:
+        value = to_si(text, kind)
+    except UnitError as error:
+        raise UsageError(f"{option}: {error}") from None
+    if positive and not (isfinite(value) and value > 0):
+        raise UsageError(f"{option}: {text} must be above 0")
+    return value
 
 
 def load(path: Path, settings: list[str] | None) -> Case:

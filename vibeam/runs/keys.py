@@ -108,7 +108,7 @@ def estimates_key(case: Case, branches: Mapping[str, Branches]) -> str:
 
 
 def kept_or_made(store: Store | None, record: Record[Made], key: str, make: Callable[[], Made]) -> Made:
-    """What the file keeps of a ``record`` under ``key``, else what ``make`` makes, which it keeps from now on."""
+    """Value that the file keeps of a ``record`` under ``key``, else what ``make`` makes, which it keeps from now on."""
     kept = store.kept(record, key) if store else None
     if kept is not None:
         return kept

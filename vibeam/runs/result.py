@@ -91,7 +91,7 @@ class Result(Mapping[str, Branches]):
 
     @property
     def held(self) -> str:
-        """What its comparisons hold fixed and, where known, the peaks with the other choice; empty without any."""
+        """Coefficient held in its comparisons and, where known, the peaks with the other choice; empty without any."""
         compared = [name for name, finest in self.finest.items() if name != finest]
         labels = dict.fromkeys(held_of(self.case.scene_of(name)).label for name in compared)
         return "\n".join(filter(None, [", ".join(labels), *map(both_peaks, self.comparisons)]))

@@ -100,7 +100,7 @@ def remarks(result: Result) -> list[str]:
 
 
 def _cure(overview: Overview | None) -> str:
-    """What brings a rig to its stop: where the sweep leaves mode 1 out, to sweep over it."""
+    """Cure that brings a rig to its stop: where the sweep leaves mode 1 out, to sweep over it."""
     if overview is None or not overview.beside:
         return "narrow the gap, or drive harder"
     return f"sweep over mode 1, at {overview.first}, narrow the gap, or drive harder"

@@ -136,7 +136,7 @@ def _systems(case: Case) -> dict[str, ImpactSystem]:
 
 
 def _not_shown(case: Case, systems: Mapping[str, ImpactSystem]) -> Iterator[Fault]:
-    """What a figure cannot show."""
+    """Faults of fidelities that a figure cannot show."""
     from vibeam.figures.sheet import refusal
 
     for plan in case.shows.values():
@@ -187,7 +187,7 @@ class Overview:
 
     @property
     def beside(self) -> bool:
-        """Whether mode 1 as it is lies outside the sweep."""
+        """True where mode 1 as it is lies outside the sweep."""
         return not self.sweep[0] <= self.model.first <= self.sweep[1]
 
     def warnings(self) -> Iterator[str]:

@@ -13,17 +13,18 @@ from stand_in import HELD_AT_CONTACT, RIG, SDOF, curve
 from typer.testing import CliRunner
 
 import vibeam
+from vibeam.case.fidelity import with_first_mode_restitution
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.flight.engine.threads import OutOfTime
 from vibeam.report.cost import parts, runs, sentences, sheet
 from vibeam.report.work_precision import work_precision
-from vibeam.runs.models import finest, first_mode_restitution_of, models, with_first_mode_restitution
 from vibeam.runs.sweep import sweep
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost import study as study_module
 from vibeam.studies.cost.measure import Setting, measure, series_of
+from vibeam.studies.cost.models import finest, first_mode_restitution_of, models
 from vibeam.studies.cost.planning import Planning, RunSchedule, run_schedule
 from vibeam.studies.cost.reference import bound
 from vibeam.studies.cost.row import LinkShare, part, shares, split, timed

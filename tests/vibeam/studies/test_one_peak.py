@@ -11,9 +11,9 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.report.tables import responses
-from vibeam.runs.models import Model
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
+from vibeam.studies.cost.models import CostModel
 from vibeam.studies.cost.planning import Planning
 from vibeam.studies.influence.curve import refined_peak, swept
 from vibeam.studies.regression.check import check
@@ -52,7 +52,7 @@ def test_all_commands_have_one_peak_of_a_sweep_that_does_not_repeat_there(case: 
     assert not top.repeats
     (row,) = check(case, result, partial=True)
     assert (row.passed, row.notes[0]) == (True, "up: the motion at the peak does not repeat")
-    model = Model("sdof", case.fidelities["sdof"], case.system("sdof"))
+    model = CostModel("sdof", case.fidelities["sdof"], case.system("sdof"))
     assert Planning(case, model).plan.drive.omega == pytest.approx(2 * np.pi * top.frequency)
     own = refined_peak(swept(case, "sdof", model.system))
     assert (own.amplitude.number, own.frequency.number) == (top.amplitude, top.frequency)

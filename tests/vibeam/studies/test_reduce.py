@@ -15,11 +15,11 @@ import vibeam
 from tests.benchmarks.recommended import flown
 from tests.models.bench import RIG, STEEL
 from tests.models.test_sparse import net, squared_frequencies
-from vibeam.runs.models import first_mode_restitution_of
-from vibeam.studies.reduce.losses import INSTANTS, ContactPulse, Question, assurance
-from vibeam.studies.reduce.response import Claim, ResponseError
+from vibeam.observe.restitution import first_mode_restitution
+from vibeam.studies.reduce.losses import Question, ResponseError, assurance
+from vibeam.studies.reduce.response import Claim
 from vibeam.studies.reduce.study import Losses, ReductionStudy, _recommended, _reference
-from vibeam.studies.reduce.transfer import ModalForm, TransferStudy, contact_time
+from vibeam.studies.reduce.transfer import INSTANTS, ContactPulse, ModalForm, TransferStudy, contact_time
 from vibeam_models.beam import assemble
 from vibeam_models.beams.beam import Damping
 from vibeam_models.laws.compliant import LinearStop
@@ -124,7 +124,7 @@ def test_restitutions_are_those_of_the_table_of_modes() -> None:
             assert row.contact_restitution == pytest.approx(mode.contact_restitution, rel=1e-9)
             assert row.mobility == pytest.approx(1 - mode.share, rel=1e-6)
             whole = case.system("all")
-            seen = first_mode_restitution_of(whole)
+            seen = first_mode_restitution(whole)
             assert row.restitution == pytest.approx(abs(row.first_mode_restitution - seen) / (1 - seen), abs=1e-9)
             assert (row.restitution > 0.01) == (held == "contact")
             assert row.impact == row.mobility  # a rigid stop: contact time 0

@@ -13,7 +13,7 @@ from tests.benchmarks.recommended_beams import drawn, misses
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.report.reduce import claim, reduction_tables
-from vibeam.studies.reduce.response import Amplitudes, ResponseError, response_error
+from vibeam.studies.reduce.losses import Amplitudes, ResponseError, response_error
 from vibeam_models.laws.restitution import first_mode_restitution
 
 CASES = NEUTRAL.parent

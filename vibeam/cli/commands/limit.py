@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Iterator
+from math import isfinite
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
-from vibeam.cli.errors import of_case
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, number, table_path
+from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_sheet
+
+if TYPE_CHECKING:
+    from vibeam_models.laws import ContactLaw
+
+LEAST = 8  # modes
 
 
 def limit(
@@ -32,17 +39,34 @@ def limit(
 
     The limit and the rate are observed; where there is no limit it says why.
     """
+    from vibeam.casefile.quantities import dimension
     from vibeam.figures.units import units_of
     from vibeam.report.limit import sheet
-    from vibeam.studies.limit.study import LimitRow, counts, laws_of, quantity
     from vibeam.studies.limit.study import limit as limits
 
     loaded = load(case, set_)
     path = None if out is None else table_path(loaded, out, "limit")
-
-    def made() -> list[LimitRow]:
-        at = None if frequency is None else quantity("--frequency", frequency, "Hz")
-        return limits(loaded, counts(modes), at, quantity("--speed", speed, "m/s"), laws_of(linear, hertz))
-
-    found = sheet(of_case(case, made), units_of(loaded, speed=0.05))
+    at = None if frequency is None else number("--frequency", frequency, dimension("Hz"), positive=True)
+    struck, laws = number("--speed", speed, dimension("m/s"), positive=True), list(_elastic(linear, hertz))
+    found = sheet(of_case(case, lambda: limits(loaded, _counts(modes), at, struck, laws)), units_of(loaded, speed=0.05))
     print_sheet(found, as_json, [] if path is None else found.write(path, loaded.figure))
+
+
+def _counts(modes: int) -> tuple[int, ...]:
+    """Numbers of modes 1, 2, 4 … up to ``modes``."""
+    if modes < LEAST or modes & (modes - 1):
+        raise UsageError(f"--modes: {modes} must be a power of two from {LEAST} on")
+    return tuple(2**k for k in range(modes.bit_length()))
+
+
+def _elastic(linear: str | None, hertz: float | None) -> Iterator[ContactLaw]:
+    """Elastic stops of these stiffnesses."""
+    from vibeam.casefile.quantities import dimension
+    from vibeam_models.laws.yielding import Elastic, Linear
+
+    if linear is not None:
+        yield Linear(number("--linear", linear, dimension("N/m"), positive=True), damping=0.0)
+    if hertz is not None:
+        if not (isfinite(hertz) and hertz > 0):
+            raise UsageError(f"--hertz: {hertz:g} must be above 0")
+        yield Elastic(hertz)

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
-from vibeam.cli.errors import UsageError, of_case
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, number, table_path
+from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet
 
 if TYPE_CHECKING:
-    from vibeam.casefile.quantities import Dimension
+    pass
 
 
 def reduce(
@@ -47,20 +47,10 @@ def reduce(
 
     loaded = load(case, set_)
     path = table_path(loaded, out, "reduce")
-    share, begin = _number("--within", within, units.RATIO), _number("--from", low, units.FREQUENCY)
-    end = None if high is None else _number("--to", high, units.FREQUENCY)
-    time = None if contact_time is None else _number("--contact-time", contact_time, units.TIME)
+    share, begin = number("--within", within, units.RATIO), number("--from", low, units.FREQUENCY)
+    end = None if high is None else number("--to", high, units.FREQUENCY)
+    time = None if contact_time is None else number("--contact-time", contact_time, units.TIME)
     band = None if end is None and begin == 0 else (begin, end or WIDER * float(loaded.sweep.frequency.max()))
     study = of_case(case, lambda: reduced(loaded, within=share, band=band, contact_time=time, bases=basis, most=most))
     found = sheet(study)
     print_sheet(found, as_json, found.write(path, loaded.figure))
-
-
-def _number(option: str, text: str, kind: Dimension) -> float:
-    """Value of an option in SI units; UsageError where it is none."""
-    from vibeam.casefile.quantities import UnitError, to_si
-
-    try:
-        return to_si(text, kind)
-    except UnitError as error:
-        raise UsageError(f"{option}: {error}") from None

@@ -33,7 +33,7 @@ READ = 8  # repetitions of a motion over which it is read
 
 @dataclass(frozen=True)
 class Motion:
-    """What is compared of the motions at the points of a branch, (points,): NaN and 0 where not known."""
+    """Motions at the points of a branch as far as they are compared, (points,): NaN and 0 where not known."""
 
     amplitude: Array
     velocity: Array

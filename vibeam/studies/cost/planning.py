@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.runs.models import Model
 from vibeam.studies.cost.measure import Plan, Series, Setting, measure
+from vibeam.studies.cost.models import CostModel
 from vibeam.studies.cost.reference import FLIGHT, curve
 from vibeam.system.impact_system import Drive
 from vibeam_models.arrays import Array
@@ -27,7 +27,7 @@ POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 200, 10
 class Planning:
     """Plans of a case, each made on first use; ``finest``: the model whose motion defines them."""
 
-    def __init__(self, case: Case, finest: Model) -> None:
+    def __init__(self, case: Case, finest: CostModel) -> None:
         self._case, self._finest = case, finest
 
     @cached_property
@@ -57,15 +57,15 @@ class Planning:
         """Plan with at least the case's own settling, for the exact runs."""
         return replace(self.plan, settle=max(self._case.sweep.settle, self.plan.settle))
 
-    def of(self, model: Model) -> Plan:
+    def of(self, model: CostModel) -> Plan:
         """Plan with the drive of the model's own scene."""
         return self._driven(model, self.plan)
 
-    def long_of(self, model: Model) -> Plan:
+    def long_of(self, model: CostModel) -> Plan:
         """Long plan with the drive of the model's own scene."""
         return self._driven(model, self.long)
 
-    def _driven(self, model: Model, plan: Plan) -> Plan:
+    def _driven(self, model: CostModel, plan: Plan) -> Plan:
         if not self._case.scenes:
             return plan
         place = np.array([plan.drive.omega])

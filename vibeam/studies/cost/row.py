@@ -20,8 +20,9 @@ from statistics import median
 import numpy as np
 
 from vibeam.flight.engine.threads import Clock
-from vibeam.runs.models import Model, equal, first_mode_restitution_of, with_first_mode_restitution
+from vibeam.case.fidelity import with_first_mode_restitution
 from vibeam.studies.cost.measure import Measurement, Plan, Setting
+from vibeam.studies.cost.models import CostModel, equal, first_mode_restitution_of
 from vibeam.studies.cost.reference import RunErrors, errors
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse, complete, periodic
@@ -95,13 +96,13 @@ def part(name: str, found: LinkShare) -> Part:
     return Part(name, mean, rms, max(abs(low), abs(high)), lowest=low, highest=high, peak=found.at_peak)
 
 
-Build = Callable[[Model, Model], ImpactSystem]
+Build = Callable[[CostModel, CostModel], ImpactSystem]
 Fly = Callable[[ImpactSystem], FrequencyResponse]
 
 
 def split(
-    model: Model,
-    finest: Model,
+    model: CostModel,
+    finest: CostModel,
     exact: FrequencyResponse,
     top: FrequencyResponse,
     build: Build,
@@ -130,7 +131,7 @@ def split(
     return Split(model.name, model.system.size, r1, total, tuple(parts), len(whole.values), cpu)
 
 
-def _reduced_alike(model: Model, finest: Model, top: FrequencyResponse, build: Build, fly: Fly) -> FrequencyResponse:
+def _reduced_alike(model: CostModel, finest: CostModel, top: FrequencyResponse, build: Build, fly: Fly) -> FrequencyResponse:
     alike = build(model, finest)
     try:
         alike = with_first_mode_restitution(alike, first_mode_restitution_of(finest.system))
@@ -228,13 +229,13 @@ class References:
     reference: Measurement
 
 
-def stopped(model: Model, setting: Setting, why: str) -> RunRow:
+def stopped(model: CostModel, setting: Setting, why: str) -> RunRow:
     """Row of a run that did not end."""
     return _row(model, setting, RunErrors(), RunErrors(), (), None, 0, why)
 
 
 def compared(
-    model: Model, setting: Setting, plan: Plan, found: Measurement, work: Work, references: References
+    model: CostModel, setting: Setting, plan: Plan, found: Measurement, work: Work, references: References
 ) -> RunRow:
     """Row of a run that ended, with or without failed points."""
     motions = int(np.count_nonzero(complete(found.response)))
@@ -248,8 +249,8 @@ def compared(
 
 
 def _row(
-    model: Model, setting: Setting, total: RunErrors, numerical: RunErrors, parts: tuple[Part, ...], work: Work | None,
-    motions: int, why: str,
+    model: CostModel, setting: Setting, total: RunErrors, numerical: RunErrors, parts: tuple[Part, ...],
+    work: Work | None, motions: int, why: str,
 ) -> RunRow:  # fmt: skip
     return RunRow(
         model.name, model.system.size, setting.solver, setting.method, setting.setting,

@@ -15,9 +15,9 @@ from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.flight.engine.threads import Clock, OutOfTime
 from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import compared_model, held_comparison
-from vibeam.runs.models import CUT_SOLVERS, Model, built, finest, models
 from vibeam.solvers import SOLVERS
 from vibeam.studies.cost.measure import Measurement, Plan, Setting, measure, series_of
+from vibeam.studies.cost.models import CUT_SOLVERS, CostModel, built, finest, models
 from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_schedule
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
 from vibeam.studies.cost.row import References, RunRow, Split, Work, compared, front, split, stopped, timed
@@ -112,7 +112,7 @@ class _CostRuns:
             for series in series_of(name, 1.0):
                 self._warm(series[0], smallest_first)
 
-    def _warm(self, setting: Setting, models: Sequence[Model]) -> None:
+    def _warm(self, setting: Setting, models: Sequence[CostModel]) -> None:
         """Short run on the first model that the solver can take, as long as a share of the budget."""
         plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
         for model in models:
@@ -162,8 +162,8 @@ class _CostRuns:
         run = lambda: measure(system, setting, plan, self.clock, deadline)  # noqa: E731
         return timed(run, self.clock, self.asked.repeats, spend)
 
-    def _split(self, model: Model, top: Measurement) -> Split:
-        def build(one: Model, other: Model) -> ImpactSystem:
+    def _split(self, model: CostModel, top: Measurement) -> Split:
+        def build(one: CostModel, other: CostModel) -> ImpactSystem:
             if one is other:
                 return other.system
             kept = {name: getattr(other.fidelity, name) for name in ("reduction", "modes", "parameters")}
@@ -190,7 +190,7 @@ class _CostRuns:
                     self.refused.append(LeftOut(model.name, name, str(refusal)))
         return schedules
 
-    def _estimate(self, model: Model, setting: Setting) -> float:
+    def _estimate(self, model: CostModel, setting: Setting) -> float:
         """Estimated seconds of a run: known for flight, extrapolated from two periods, its warm-up, for others.
 
         Infinite where these take so long that all cannot fit into the budget.

@@ -1,5 +1,5 @@
-"""The limit of infinitely many modes: what converges, how fast, and where there is no limit.
+"""Limit of infinitely many modes: which quantities converge, how fast, and which have no limit.
 
-``sequences`` evaluates a rig in 1, 2, 4 … modes with something held, ``rates`` observes how a sequence converges and
-extrapolates it or refuses, ``study`` puts them together.
+``sequences`` evaluates a rig in 1, 2, 4 … modes with something held, and observes how each sequence converges, or
+refuses its limit; ``study`` puts them together.
 """

@@ -22,6 +22,7 @@ from typing import Any, Literal
 import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
+from vibeam.observe.restitution import first_mode_restitution
 from vibeam.periodic.predicted_response import OrbitKind, PredictedResponse
 from vibeam.runs.closed_motions import HARDER, SOFTER, closed_motion
 from vibeam.runs.comparison.limit import LEAST_SHARE, RESOLVED
@@ -29,7 +30,6 @@ from vibeam.solvers.collision import struck
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 from vibeam_models.laws import ContactLaw
-from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_models.scene import RigScene, Scene
 
 BARE = (
@@ -81,13 +81,10 @@ def of_restitution(
     found: Sequence[ImpactSystem], held: str, omega: float, base: float, output: str
 ) -> Iterator[ModeSequence]:
     """The other coefficient, and amplitude and impact velocity of the exact motion at one drive."""
-    mobility = np.array([each.mobility for each in found])
+    mobility = [each.mobility for each in found]
     bare = "" if mobility[-1] * LEAST_SHARE < mobility[len(mobility) // 2] else BARE
     if held == "contact":
-        seen = (
-            first_mode_restitution(s.restitution, float(s.contact[0]), m) for s, m in zip(found, mobility, strict=True)
-        )
-        yield ModeSequence("R₁ of mode 1", "1", tuple(seen), bare)
+        yield ModeSequence("R₁ of mode 1", "1", tuple(map(first_mode_restitution, found)), bare)
     else:
         yield ModeSequence("R of the contact", "1", tuple(each.restitution for each in found), bare)
     there = [exact_motion(each, omega, base, output) for each in found]
@@ -115,7 +112,7 @@ def moving_law(found: Sequence[ImpactSystem]) -> str:
 
 
 def of_collision(found: Sequence[ImpactSystem], speed: float) -> Iterator[ModeSequence]:
-    """What mode 1 keeps of its velocity in one collision at ``speed`` m/s, and how long the contact lasts."""
+    """Share of its velocity that mode 1 keeps in one collision at ``speed`` m/s, and how long the contact lasts."""
     seen, why = [struck(each, speed) for each in found], moving_law(found)
     yield ModeSequence("R₁ of mode 1", "1", tuple(each.mode_restitution for each in seen), why)
     yield ModeSequence("R of the contact", "1", tuple(each.restitution for each in seen), why)

@@ -1,4 +1,4 @@
-"""The limit N → ∞ of a case's rig, for each thing that can be held, and how a command line asks for it."""
+"""Limit N → ∞ of a case's rig, for each thing that can be held."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from vibeam.casefile.quantities import UnitError, dimension, to_si
 from vibeam.runs.closed_motions import unsuited, without_closed_forms
 from vibeam.studies.limit.sequences import (
     ModeSequence,
@@ -23,7 +22,6 @@ from vibeam.studies.limit.sequences import (
     with_restitution,
 )
 from vibeam_models.laws import ContactLaw
-from vibeam_models.laws.yielding import Elastic, Linear
 from vibeam_models.scene import RigScene
 
 if TYPE_CHECKING:
@@ -146,36 +144,3 @@ def _enough(counts: Sequence[int], values: Sequence[float], seen: ObservedLimit)
     far = np.flatnonzero(~(off <= WITHIN * abs(seen.limit)))
     first = int(far[-1]) + 1 if len(far) else 0
     return counts[first] if first < len(counts) else 0
-
-
-LEAST = 8  # modes
-
-
-def quantity(name: str, text: str, unit: str) -> float:
-    """Positive number in SI of the option ``name``; ValueError says what is wrong with it."""
-    try:
-        value = to_si(text, dimension(unit))
-    except UnitError as error:
-        raise ValueError(f"{name}: {error}") from None
-    if not (isfinite(value) and value > 0):
-        raise ValueError(f"{name}: {text} must be above 0")
-    return value
-
-
-def laws_of(linear: str | None, hertz: float | None) -> list[ContactLaw]:
-    """Elastic stops of these stiffnesses; ValueError for one that is not above 0."""
-    laws: list[ContactLaw] = []
-    if linear is not None:
-        laws.append(Linear(quantity("--linear", linear, "N/m"), damping=0.0))
-    if hertz is not None:
-        if not (isfinite(hertz) and hertz > 0):
-            raise ValueError(f"--hertz: {hertz:g} must be above 0")
-        laws.append(Elastic(hertz))
-    return laws
-
-
-def counts(modes: int) -> tuple[int, ...]:
-    """Numbers of modes 1, 2, 4 … up to ``modes``; ValueError unless that is a power of two from 8 on."""
-    if modes < LEAST or modes & (modes - 1):
-        raise ValueError(f"--modes: {modes} must be a power of two from {LEAST} on")
-    return tuple(2**k for k in range(modes.bit_length()))

@@ -1,1 +1,1 @@
-"""What a reduction loses, known beforehand."""
+"""Losses of a reduction, known beforehand."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Basis:
+class ReductionBasis:
     """A reduction with its ``parameters``; ``why``: why the case cannot have it, empty where it can."""
 
     name: str
@@ -32,7 +32,7 @@ class Basis:
         return self.declared.make(structure, n, **self.parameters)
 
 
-def bases_of(case: Case, names: tuple[str, ...] | None) -> list[Basis]:
+def bases_of(case: Case, names: tuple[str, ...] | None) -> list[ReductionBasis]:
     """Bases of a case: all that count modes and need nothing more, then those that its fidelities say the keys of.
 
     ``names``: these alone; ValueError, with those that there are, for another.
@@ -44,32 +44,32 @@ def bases_of(case: Case, names: tuple[str, ...] | None) -> list[Basis]:
     return [found[name] for name in names or found]
 
 
-def _plain(case: Case) -> Iterator[Basis]:
+def _plain(case: Case) -> Iterator[ReductionBasis]:
     """Without keys; a Krylov space about the middle of the sweep."""
     middle = float((case.sweep.frequency.min() + case.sweep.frequency.max()) / 2)
     for declared in REDUCTIONS.values():
         if declared.counts and not declared.needs:
             further = {"frequency": middle} if "frequency" in declared.takes else {}
-            yield Basis(declared.name, declared, further, _refusal(case, declared))
+            yield ReductionBasis(declared.name, declared, further, _refusal(case, declared))
 
 
-def _of_fidelities(case: Case) -> Iterator[Basis]:
+def _of_fidelities(case: Case) -> Iterator[ReductionBasis]:
     for fidelity in case.fidelities.values():
         declared = REDUCTIONS[fidelity.reduction]
         if declared.counts and fidelity.parameters:
             yield _of_fidelity(case, fidelity, declared)
 
 
-def _of_fidelity(case: Case, fidelity: Fidelity, declared: ReductionDeclaration) -> Basis:
+def _of_fidelity(case: Case, fidelity: Fidelity, declared: ReductionDeclaration) -> ReductionBasis:
     scene: Any = case.scene_of(fidelity.name)
     try:
-        return Basis(fidelity.name, declared, parameters_of(scene, fidelity), _refusal(case, declared))
+        return ReductionBasis(fidelity.name, declared, parameters_of(scene, fidelity), _refusal(case, declared))
     except ValueError as refusal:  # no flight to make it of
-        return Basis(fidelity.name, declared, why=str(refusal))
+        return ReductionBasis(fidelity.name, declared, why=str(refusal))
 
 
 def _refusal(case: Case, declared: ReductionDeclaration) -> str:
-    """Why the stop cannot go with a contact without mass."""
+    """Reason why the stop cannot go with a contact without mass."""
     if not declared.massless or case.scene.stop is None:
         return ""
     try:

@@ -1,50 +1,87 @@
-"""Losses of one reduction: frequencies, shapes, static stiffness, mobility, restitution, transfer, contact."""
+"""Losses of one reduction: in its response, frequencies, shapes, stiffness, mobility, restitution, transfer."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf, nan
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import nan
 
 import numpy as np
 
-from vibeam.studies.reduce.response import UNKNOWN, ResponseError
-from vibeam.studies.reduce.transfer import ModalForm, TransferErrors, TransferStudy
-from vibeam_models.arrays import Array
+from vibeam.studies.reduce.transfer import ContactPulse, ModalForm, TransferErrors, TransferStudy
+from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_reductions.projection import Reduction
 
-INSTANTS = 65  # of a contact at which the half-sine pulse is looked at
+ALIKE = 0.9  # share of the full model's motions that a model within the accuracy must make too
 
 
 @dataclass(frozen=True)
-class ContactPulse:
-    """A half-sine force at the contact for ``duration`` s, on a stop of ``stiffness`` N/m (∞: rigid)."""
+class ResponseError:
+    """Error in amplitude over a sweep, as a share of that of all modes, where both make the same motion.
 
-    duration: float
-    stiffness: float = inf
+    ``worst``, at ``mu`` Hz, and ``rms``, NaN where not known; of ``known`` motions of all modes, ``alike`` are made.
+    ``complete``: these are all that are looked at, and not only those known in closed form; ``given_up``: the flight
+    ended where the model was seen to be off by more than the accuracy.
+    """
 
-    def deflection(self, omega: Array, c: Array, flexibility: float = 0.0) -> Array:
-        """Displacement (INSTANTS,) of the contact in m per N, undamped modes, from rest.
+    worst: float = nan
+    mu: float = nan
+    rms: float = nan
+    alike: int = 0
+    known: int = 0
+    complete: bool = False
+    given_up: bool = False
 
-        η'' + ω²η = c sin νt, ν = π/T: η = c (sin νt − (ν/ω) sin ωt)/(ω² − ν²). ``flexibility``: without mass, m/N.
-        """
-        nu, times = np.pi / self.duration, np.linspace(0, self.duration, INSTANTS)[:, None]
-        apart = omega**2 - nu**2
-        near = np.abs(apart) < 1e-9 * nu**2
-        swung = times * np.sinc(omega * times / np.pi)
-        usual = (np.sin(nu * times) - nu * swung) / np.where(near, 1.0, apart)
-        resonant = (np.sin(nu * times) - nu * times * np.cos(nu * times)) / (2 * nu**2)
-        return np.asarray(np.where(near, resonant, usual) @ c**2 + flexibility * np.sin(nu * times[:, 0]))
+    def within(self, accuracy: float) -> bool:
+        """Test whether no motion is off by more, and next to none is another one."""
+        return self.worst <= accuracy and self.alike >= ALIKE * self.known
 
-    def error(self, full: Array, found: Array) -> float:
-        """Largest difference of two such deflections, relative to the largest approach of beam and stop together."""
-        approach = full + np.sin(np.pi * np.linspace(0, 1, INSTANTS)) / self.stiffness
-        return float(np.abs(found - full).max() / np.abs(approach).max())
+
+UNKNOWN = ResponseError()
+
+
+@dataclass(frozen=True, eq=False)
+class Amplitudes:
+    """Amplitudes in m of a model's motions at points of a sweep, by kind: (points, kinds), NaN where there is none.
+
+    ``which``: the points' places in the sweep's frequencies, ``mu`` these in Hz; the first ``done`` of them were looked
+    at, by so many evaluations × modes, the ``cost``.
+    """
+
+    which: Index
+    mu: Array
+    values: Array
+    done: int
+    cost: float = 0.0
+
+    @property
+    def points(self) -> Flags:
+        """Mask of the points with a motion that is known."""
+        return np.asarray(np.isfinite(self.values).any(axis=1))
+
+
+def response_error(pairs: Sequence[tuple[Amplitudes, Amplitudes]]) -> ResponseError:
+    """Error of a model's amplitudes, each beside those of all modes at the same points, kind by kind."""
+    if not pairs:
+        return UNKNOWN
+    mu = np.concatenate([np.repeat(full.mu[: len(full.values)], full.values.shape[1]) for _, full in pairs])
+    ours = np.concatenate([found.values.ravel() for found, _ in pairs])
+    whole = np.concatenate([full.values.ravel() for _, full in pairs])
+    known = np.isfinite(whole) & (whole != 0)
+    alike = np.flatnonzero(known & np.isfinite(ours))
+    counted = ResponseError(alike=len(alike), known=int(known.sum()))
+    if not len(alike):
+        return counted
+    off = np.abs(ours[alike] / whole[alike] - 1)
+    top = int(np.argmax(off))
+    rms = float(np.sqrt(np.mean(off**2)))
+    return replace(counted, worst=float(off[top]), mu=float(mu[alike[top]]), rms=rms)
 
 
 @dataclass(frozen=True)
 class Losses:
-    """What a reduction to ``modes`` coordinates loses, each a share of the full model's value.
+    """Losses of a reduction to ``modes`` coordinates, each a share of the full model's value.
 
     - ``frequency``: largest relative error of a natural frequency in the band (1 where the mode is missing), which is
       mode ``frequency_mode``; ``modes_kept``: the modes from the first one on that are within the accuracy;
@@ -90,7 +127,7 @@ class Losses:
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of every reduction: a transfer study, the number of modes in the band, the contact, an accuracy."""
+    """Question to every reduction: a transfer study, the number of modes in the band, the contact, an accuracy."""
 
     transfer: TransferStudy
     in_band: int
@@ -100,7 +137,7 @@ class Question:
     within: float
 
     def losses(self, name: str, n: int, made: Reduction) -> tuple[Losses, dict[str, TransferErrors]]:
-        """What the reduction ``made`` loses, and its transfer functions' errors over the band."""
+        """Losses of the reduction ``made``, and its transfer functions' errors over the band."""
         full, small = self.transfer.full, ModalForm.of(made.structure)
         off, mac = frequency_errors(full, small), assurance(full, made, small)
         band = np.append(off, np.ones(max(self.in_band - len(off), 0)))[: max(self.in_band, 1)]

@@ -10,19 +10,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.fidelity import gap_drift, gap_wear, system_of
+from vibeam.case.fidelity import gap_drift, gap_wear, system_of, with_first_mode_restitution
 from vibeam.case.reduced_structure import static_at_contact
+from vibeam.observe.restitution import first_mode_restitution
 from vibeam.runs.closed_motions import FREE, KINDS, closed_amplitudes, unsuited, without_closed_forms
 from vibeam.runs.estimate.of_case import LARGEST
 from vibeam.runs.sweep import march
+from vibeam.studies.reduce.losses import ALIKE, UNKNOWN, Amplitudes, ResponseError, response_error
 from vibeam.system.response import periodic
-from vibeam_models.arrays import Array, Flags, Index
-from vibeam_models.laws.restitution import contact_restitution, first_mode_restitution
+from vibeam_models.arrays import Array, Index
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
 COUNTS = (31, 7)  # frequencies of a sweep that is flown in place of a longer one; fewer where those cost too much
 BUDGET = 6e7  # evaluations of the contact × modes that all modes' sweep may cost: about ten seconds
-ALIKE = 0.9  # share of the full model's motions that a model within the accuracy must make too
 ENOUGH = 0.5  # share of the frequencies at which the full model's motion must be known for a recommendation
 COLUMNS = 18  # of amplitudes by period: 0, which stays empty, 1 … 16, and −1, no contact, as the last
 
@@ -52,33 +51,8 @@ COSTLY = (
 
 
 @dataclass(frozen=True)
-class ResponseError:
-    """Error in amplitude over a sweep, as a share of that of all modes, where both make the same motion.
-
-    ``worst``, at ``mu`` Hz, and ``rms``, NaN where not known; of ``known`` motions of all modes, ``alike`` are made.
-    ``complete``: these are all that are looked at, and not only those known in closed form; ``given_up``: the flight
-    ended where the model was seen to be off by more than the accuracy.
-    """
-
-    worst: float = nan
-    mu: float = nan
-    rms: float = nan
-    alike: int = 0
-    known: int = 0
-    complete: bool = False
-    given_up: bool = False
-
-    def within(self, accuracy: float) -> bool:
-        """Whether no motion is off by more, and next to none is another one."""
-        return self.worst <= accuracy and self.alike >= ALIKE * self.known
-
-
-UNKNOWN = ResponseError()
-
-
-@dataclass(frozen=True)
 class Claim:
-    """What a recommendation is of: the amplitude at the ``frequencies`` of a sweep, against all ``modes``.
+    """Claim of a recommendation: it is of the amplitude at the ``frequencies`` of a sweep, against all ``modes``.
 
     Motions of all modes are known in ``closed`` form at so many of them, with impacts at ``struck``; at ``flown``
     points the sweep was flown, and ``repeating`` of its motions repeat. ``why_flown``: there are no closed forms.
@@ -93,44 +67,6 @@ class Claim:
     repeating: int = 0
     why_flown: str = ""
     refused: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class Amplitudes:
-    """Amplitudes in m of a model's motions at points of a sweep, by kind: (points, kinds), NaN where there is none.
-
-    ``which``: the points' places in the sweep's frequencies, ``mu`` these in Hz; the first ``done`` of them were looked
-    at, by so many evaluations × modes, the ``cost``.
-    """
-
-    which: Index
-    mu: Array
-    values: Array
-    done: int
-    cost: float = 0.0
-
-    @property
-    def points(self) -> Flags:
-        """Mask of the points with a motion that is known."""
-        return np.asarray(np.isfinite(self.values).any(axis=1))
-
-
-def response_error(pairs: Sequence[tuple[Amplitudes, Amplitudes]]) -> ResponseError:
-    """Error of a model's amplitudes, each beside those of all modes at the same points, kind by kind."""
-    if not pairs:
-        return UNKNOWN
-    mu = np.concatenate([np.repeat(full.mu[: len(full.values)], full.values.shape[1]) for _, full in pairs])
-    ours = np.concatenate([found.values.ravel() for found, _ in pairs])
-    whole = np.concatenate([full.values.ravel() for _, full in pairs])
-    known = np.isfinite(whole) & (whole != 0)
-    alike = np.flatnonzero(known & np.isfinite(ours))
-    counted = ResponseError(alike=len(alike), known=int(known.sum()))
-    if not len(alike):
-        return counted
-    off = np.abs(ours[alike] / whole[alike] - 1)
-    top = int(np.argmax(off))
-    rms = float(np.sqrt(np.mean(off**2)))
-    return replace(counted, worst=float(off[top]), mu=float(mu[alike[top]]), rms=rms)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,14 +100,20 @@ class FullResponse:
     def with_first_mode_held(self, structures: Sequence[Structure | None]) -> list[ResponseError]:
         """Errors in closed form with R₁ of all modes held, in place of R at the contact of a rigid stop."""
         made = [self._tried(small) for small in structures]
-        models = [None if model is None or unsuited(model) else _seeing(model, self.first_mode) for model in made]
+        models = [None if model is None or unsuited(model) else self._seeing_all(model) for model in made]
         return [UNKNOWN if model is None else self._error(model) for model in models]
+
+    def _seeing_all(self, model: ImpactSystem) -> ImpactSystem | None:
+        """Model with the R₁ of all modes; None where no restitution of the contact gives that."""
+        try:
+            return with_first_mode_restitution(model, self.first_mode)
+        except ValueError:
+            return None
 
     @property
     def first_mode(self) -> float:
         """R₁, what mode 1 sees of a rigid stop in the model of all modes."""
-        c = self.full.contact
-        return first_mode_restitution(self.full.restitution, float(c[0]), float(c @ c))
+        return first_mode_restitution(self.full)
 
     def _tried(self, small: Structure | None) -> ImpactSystem | None:
         try:
@@ -195,7 +137,7 @@ class FullResponse:
 
     @property
     def claim(self) -> Claim:
-        """What is known of all modes."""
+        """Claim by what is known of all modes."""
         known, struck = self.closed.points, np.isfinite(self.closed.values[:, :FREE]).any(axis=1)
         found = Claim(self.full.size, len(known), int(known.sum()), int(struck.sum()), why_flown=self.no_closed_forms)
         if "_sweep" not in self.__dict__ and self.share == 1:
@@ -210,7 +152,7 @@ class FullResponse:
 
     @cached_property
     def no_closed_forms(self) -> str:
-        """Why there are no closed forms; empty where there are."""
+        """Reason why there are no closed forms; empty where there are."""
         scene: Any = self.case.scene
         many = f"{self.full.size} modes are too many" if self.full.size > LARGEST else ""
         return without_closed_forms(scene, self._omega) or many or unsuited(self.full)
@@ -285,23 +227,14 @@ class FullResponse:
         return found
 
 
-def _seeing(model: ImpactSystem, first_mode: float) -> ImpactSystem | None:
-    """Model with the contact's restitution of which its mode 1 sees so much; None where no contact gives that."""
-    c = model.contact
-    try:
-        return replace(model, restitution=contact_restitution(first_mode, float(c[0]), float(c @ c)))
-    except ValueError:
-        return None
-
-
 def _repeats(least: float, found: Amplitudes) -> bool:
-    """Whether at least so many of the points can still repeat, within the budget."""
+    """Test whether at least so many of the points can still repeat, within the budget."""
     still = len(found.values) - found.done + int(found.points.sum())
     return found.cost <= BUDGET and still >= least
 
 
 def _near(whole: Amplitudes, accuracy: float, found: Amplitudes) -> bool:
-    """Whether a model can still be within the accuracy of the sweep of all modes."""
+    """Test whether a model can still be within the accuracy of the sweep of all modes."""
     ours, theirs = (replace(part, values=part.values[: found.done]) for part in (found, whole))
     error, missable = response_error([(ours, theirs)]), (1 - ALIKE) * int(whole.points.sum())
     return not error.worst > accuracy and error.known - error.alike <= missable

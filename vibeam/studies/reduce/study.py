@@ -1,4 +1,4 @@
-"""What a reduction of a case loses, known beforehand, and the number of coordinates that is enough."""
+"""Losses of the reductions of a case, known beforehand, and the number of coordinates that is enough."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.studies.reduce.bases import Basis, bases_of
-from vibeam.studies.reduce.losses import ContactPulse, Losses, Question
+from vibeam.studies.reduce.bases import ReductionBasis, bases_of
+from vibeam.studies.reduce.losses import Losses, Question
 from vibeam.studies.reduce.response import Claim, FullResponse
-from vibeam.studies.reduce.transfer import ModalForm, TransferErrors, TransferStudy
+from vibeam.studies.reduce.transfer import ContactPulse, ModalForm, TransferErrors, TransferStudy
 from vibeam.studies.reduce.transfer import contact_time as time_in_contact
 from vibeam_models.arguments import whole
 from vibeam_models.beam import structure_of
@@ -89,7 +89,7 @@ def reduce(
     bases: Sequence[str] | None = None,
     most: int = MOST,
 ) -> ReductionStudy:
-    """What each reduction of a case's structure loses with n = 1 … ``most`` coordinates, and the n that is enough.
+    """Losses of each reduction of a case's structure with n = 1 … ``most`` coordinates, and the n that is enough.
 
     Nothing is flown where all modes' motions are known in closed form at every frequency (``FullResponse``).
     ``within``: accuracy by which a number is recommended; ``band`` in Hz: of transfer functions and frequencies, from 0
@@ -178,7 +178,7 @@ class _Answer:
     curves: dict[tuple[str, int, str], TransferErrors] = field(default_factory=dict)
 
 
-def _answered(question: Question, structure: Structure, bases: Sequence[Basis], most: int) -> list[_Answer]:
+def _answered(question: Question, structure: Structure, bases: Sequence[ReductionBasis], most: int) -> list[_Answer]:
     answers = [_Answer() for _ in bases]
     for basis, answer in zip(bases, answers, strict=True):
         for n in range(1, most + 1):
@@ -209,7 +209,7 @@ def _with_responses(answer: _Answer, full: FullResponse | None, within: float) -
     return [replace(row, response=response) for row, response in zip(answer.rows, found, strict=True)]
 
 
-def _recommended(basis: Basis, rows: Sequence[Losses], claim: Claim, within: float) -> Recommendation:
+def _recommended(basis: ReductionBasis, rows: Sequence[Losses], claim: Claim, within: float) -> Recommendation:
     """The least n such that it and all larger ones that are known are within the accuracy."""
     if not any(isfinite(row.loss) for row in rows):
         return Recommendation(basis.name, None, None, why=rows[-1].why)
@@ -224,7 +224,7 @@ def _cure(
     full: FullResponse | None, claim: Claim, recommended: Sequence[Recommendation], answers: Sequence[_Answer],
     within: float,
 ) -> list[str]:  # fmt: skip
-    """What holding R₁ of all modes would save where R held at the contact asks for many coordinates, or too many."""
+    """Sentence on the coordinates that holding R₁ of all modes would save, where R is held at the contact."""
     if full is None or claim.refused or not claim.closed or full.case.scene.held[0] != "contact":
         return []
     fewer = []
@@ -247,8 +247,8 @@ def _least(rows: Sequence[tuple[Losses, bool]]) -> Losses | None:
     return enough
 
 
-def _absent(bases: Sequence[Basis], rows: Sequence[Losses]) -> list[str]:
-    """Why a basis has no row at all."""
+def _absent(bases: Sequence[ReductionBasis], rows: Sequence[Losses]) -> list[str]:
+    """Reasons why a basis has no row at all."""
     found = []
     for basis in bases:
         own = [row for row in rows if row.basis == basis.name]

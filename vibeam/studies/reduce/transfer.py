@@ -1,9 +1,10 @@
-"""Transfer functions of a full and a reduced structure, their errors, and estimates that need no full solution."""
+"""Transfer functions of a full and a reduced structure and their errors, estimated too; and the contact's pulse."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from vibeam_models.structure import Structure
 from vibeam_reductions.projection import Reduction
 
 COUPLED = 1e-6  # share of off-diagonal modal damping from which it counts
+INSTANTS = 65  # of a contact at which the half-sine pulse is looked at
 HOLLOW = 0.01  # of the largest value in the band: what an error is relative to in an antiresonance
 
 
@@ -34,7 +36,7 @@ class ModalForm:
 
     @cached_property
     def coupled(self) -> bool:
-        """Whether damping couples the modes."""
+        """Test whether damping couples the modes."""
         scale = np.sqrt(np.abs(np.outer(np.diag(self.damping), np.diag(self.damping))))
         beside = np.abs(self.damping - np.diag(np.diag(self.damping)))
         return bool(np.any(beside > COUPLED * np.where(scale > 0, scale, 1.0)))
@@ -166,3 +168,29 @@ def contact_time(form: ModalForm, law: Spring) -> float:
     squared, shapes = np.linalg.eigh(np.diag(form.omega**2) + law.stiffness * np.outer(c, c))
     shares = law.stiffness * (c @ shapes) ** 2 / squared
     return float(np.pi / np.sqrt(squared[np.argmax(shares)]))
+
+
+@dataclass(frozen=True)
+class ContactPulse:
+    """A half-sine force at the contact for ``duration`` s, on a stop of ``stiffness`` N/m (∞: rigid)."""
+
+    duration: float
+    stiffness: float = inf
+
+    def deflection(self, omega: Array, c: Array, flexibility: float = 0.0) -> Array:
+        """Displacement (INSTANTS,) of the contact in m per N, undamped modes, from rest.
+
+        η'' + ω²η = c sin νt, ν = π/T: η = c (sin νt − (ν/ω) sin ωt)/(ω² − ν²). ``flexibility``: without mass, m/N.
+        """
+        nu, times = np.pi / self.duration, np.linspace(0, self.duration, INSTANTS)[:, None]
+        apart = omega**2 - nu**2
+        near = np.abs(apart) < 1e-9 * nu**2
+        swung = times * np.sinc(omega * times / np.pi)
+        usual = (np.sin(nu * times) - nu * swung) / np.where(near, 1.0, apart)
+        resonant = (np.sin(nu * times) - nu * times * np.cos(nu * times)) / (2 * nu**2)
+        return np.asarray(np.where(near, resonant, usual) @ c**2 + flexibility * np.sin(nu * times[:, 0]))
+
+    def error(self, full: Array, found: Array) -> float:
+        """Largest difference of two such deflections, relative to the largest approach of beam and stop together."""
+        approach = full + np.sin(np.pi * np.linspace(0, 1, INSTANTS)) / self.stiffness
+        return float(np.abs(found - full).max() / np.abs(approach).max())

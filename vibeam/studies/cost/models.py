@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
-from vibeam_models.laws.restitution import contact_restitution, first_mode_restitution
+from vibeam_models.laws.restitution import first_mode_restitution
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -20,7 +20,7 @@ CUT_SOLVERS = ("flight", "orbit")  # prefix of a truncated model
 
 
 @dataclass(frozen=True)
-class Model:
+class CostModel:
     """Fidelity with its system; ``cut``: not in the case, truncated to show the effect of the number of modes.
 
     ``like``: the fidelity of the case whose scene it uses.
@@ -33,23 +33,23 @@ class Model:
     like: str = ""
 
 
-def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Model], dict[str, str]]:
+def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[CostModel], dict[str, str]]:
     """Models in the case's order, then truncated ones by ``counts`` of modes; and the model of each name.
 
     ``counts`` None: 1, 2, 4, 8 … below the finest fidelity's. Fidelities that differ in their solver alone are one
     model. ValueError for a fidelity that cannot be built.
     """
-    found: list[Model] = []
+    found: list[CostModel] = []
     same: dict[str, str] = {}
     for name, fidelity in case.fidelities.items():
-        _add(found, same, Model(name, fidelity, case.system(name), like=name))
+        _add(found, same, CostModel(name, fidelity, case.system(name), like=name))
     if case.scene.given_mode is not None:
         return found, same
     top = finest(found)
     for count in [n for n in COUNTS if n < top.system.size] if counts is None else counts:
         cut: dict[str, Any] = {"reduction": "modal", "modes": count, "parameters": {}}
         fidelity = replace(top.fidelity, name=f"modes_{count}", **cut)
-        _add(found, {}, Model(fidelity.name, fidelity, built(case, fidelity, top.name), True, top.name))
+        _add(found, {}, CostModel(fidelity.name, fidelity, built(case, fidelity, top.name), True, top.name))
     return found, same
 
 
@@ -58,12 +58,12 @@ def built(case: Case, fidelity: Fidelity, like: str) -> ImpactSystem:
     return system(case.scene_of(like), fidelity)
 
 
-def finest(found: list[Model]) -> Model:
-    """Model with most modes, the first of several."""
+def finest(found: list[CostModel]) -> CostModel:
+    """CostModel with most modes, the first of several."""
     return max(found, key=lambda model: model.system.size)
 
 
-def _add(found: list[Model], same: dict[str, str], new: Model) -> None:
+def _add(found: list[CostModel], same: dict[str, str], new: CostModel) -> None:
     twin = next((model for model in found if equal(model.system, new.system)), None)
     if twin is None:
         found.append(new)
@@ -85,12 +85,4 @@ def first_mode_restitution_of(model: ImpactSystem) -> float:
     """First-mode restitution R₁; NaN where the law has no single coefficient."""
     if model.law is not None:
         return float("nan")
-    return first_mode_restitution(model.restitution, float(model.contact[0]), float(np.sum(model.contact**2)))
-
-
-def with_first_mode_restitution(model: ImpactSystem, restitution: float) -> ImpactSystem:
-    """System with first-mode ``restitution``; ValueError where no contact restitution gives it."""
-    if model.law is not None or np.isnan(restitution):
-        raise ValueError("the contact law has no one coefficient of restitution that could be carried over")
-    mobility = float(np.sum(model.contact**2))
-    return replace(model, restitution=contact_restitution(restitution, float(model.contact[0]), mobility))
+    return first_mode_restitution(model.restitution, float(model.contact[0]), model.mobility)
