@@ -19,8 +19,8 @@ from statistics import median
 
 import numpy as np
 
-from vibeam.flight.engine.threads import Clock
 from vibeam.case.fidelity import with_first_mode_restitution
+from vibeam.flight.engine.threads import Clock
 from vibeam.studies.cost.measure import Measurement, Plan, Setting
 from vibeam.studies.cost.models import CostModel, equal, first_mode_restitution_of
 from vibeam.studies.cost.reference import RunErrors, errors
@@ -131,7 +131,9 @@ def split(
     return Split(model.name, model.system.size, r1, total, tuple(parts), len(whole.values), cpu)
 
 
-def _reduced_alike(model: CostModel, finest: CostModel, top: FrequencyResponse, build: Build, fly: Fly) -> FrequencyResponse:
+def _reduced_alike(
+    model: CostModel, finest: CostModel, top: FrequencyResponse, build: Build, fly: Fly
+) -> FrequencyResponse:
     alike = build(model, finest)
     try:
         alike = with_first_mode_restitution(alike, first_mode_restitution_of(finest.system))
