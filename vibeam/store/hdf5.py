@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Iterable
+from itertools import count
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     import h5py
     from numpy.typing import DTypeLike
 
+_NUMBERS = count()  # HDF5 tells files in memory apart by their names
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -28,7 +30,7 @@ def in_memory(content: bytes = b"") -> h5py.File:
     import h5py
 
     if not content:
-        return h5py.File("results", "w", driver="core", backing_store=False)
+        return h5py.File(f"results {next(_NUMBERS)}", "w", driver="core", backing_store=False)
     return h5py.File(h5py.h5f.open_file_image(content, h5py.h5f.FILE_IMAGE_OPEN_RW))
 
 

@@ -275,6 +275,25 @@ def test_a_block_that_is_damaged_or_of_another_branch_is_not_there(tmp_path: Pat
         assert list(tmp_path.iterdir()) == [path]
 
 
+def test_blocks_from_which_nothing_goes_on_are_deleted(tmp_path: Path) -> None:
+    """Of a run that was killed when all were gathered, just before they were deleted."""
+    path, folder = written(tmp_path / "a.h5"), tmp_path / "a.h5.parts"
+    folder.mkdir()
+    (folder / "beam-up-000000001.npz").write_bytes(b"gathered")
+    before = path.read_bytes()
+    written(path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_several_files_are_open_at_once(tmp_path: Path) -> None:
+    paths = [tmp_path / name for name in ("a.h5", "b.h5")]
+    with opened(paths[0], CASE) as one, opened(paths[1], CASE) as other:
+        put(one, range(2))
+        put(other, range(3))
+    assert [int(np.isfinite(read(path)["beam", "up"].amplitude).sum()) for path in paths] == [2, 3]
+
+
 def test_a_record_is_kept_for_its_key(tmp_path: Path) -> None:
     path = written(tmp_path / "a.h5")
     with opened(path, CASE) as store:

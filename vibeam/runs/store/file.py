@@ -27,7 +27,7 @@ from vibeam.runs.store.branches import (
     write_rows,
 )
 from vibeam.runs.store.records import Kept, Keyed, Record, keep, kept, read_models, write_models
-from vibeam.store.errors import CURE, FAULTS, StoreError, reading, reason, unopened
+from vibeam.store.errors import CURE, ELSEWHERE, FAULTS, StoreError, reading, reason, unopened
 from vibeam.store.hdf5 import SIGNATURE, content_of, in_memory, text_of
 from vibeam.store.place import Place, locked, place_of
 from vibeam.store.provenance import note_continued
@@ -97,12 +97,12 @@ class Store:
 
     def _gather(self) -> None:
         """Put the whole file in place, and discard the blocks, which are in it."""
-        if not self._begun and not self._new:
+        if not self._begun and self._new:
+            if self._place.target.exists() and not self._fresh:
+                raise StoreError(f"{self.path}: another program has made it meanwhile: {ELSEWHERE}")
+            self._place.discard()  # of an old file, with the same keys perhaps
+        elif not self._begun:
             note_continued(self._file["provenance"])
-        if not self._begun and self._fresh:
-            self._place.discard()  # of the old file, and of the same keys perhaps
-        elif not self._begun and self._new and self._place.target.exists():
-            raise StoreError(f"{self.path}: another program has made it meanwhile: choose another --out")
         self._place.replace(content_of(self._file))
         self._place.discard()
         self._begun, self._changed, self._blocks = True, False, 0
@@ -173,6 +173,8 @@ def _continued(place: Place, plan: Plan, tell: Tell) -> Store:
     with reading(path, "it"):
         blocks = join_blocks(file, place.folder)
         models = read_models(file)
+    if not blocks:
+        place.discard()  # what is there goes on from nothing
     wanted = plan(models)
     with reading(path, "it"):
         line = adapted(file, path, wanted)
@@ -216,7 +218,7 @@ def _is_ours(content: bytes) -> bool:
 
 def _refuse_others(path: Path, content: bytes) -> None:
     if not _is_ours(content):
-        raise StoreError(f"{path}: is no vibeam result: choose another --out, or delete it")
+        raise StoreError(f"{path}: is no vibeam result: {ELSEWHERE}, or delete it")
 
 
 def _open(place: Place, content: bytes) -> h5py.File:
