@@ -11,8 +11,8 @@ import numpy as np
 from pydantic import BaseModel
 
 from vibeam.case.plans import AccuracyPlan, Direction, FitPlan, Reference, ShowPlan, SweepPlan
-from vibeam.casefile.calibration import keys_chosen
 from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.number_keys import keys_chosen
 from vibeam.casefile.tables.effects import effects_of_scene
 from vibeam.casefile.tables.expectations import expectation, measured_number
 from vibeam.casefile.tables.stop import contact_law
@@ -195,7 +195,7 @@ def _expectations(case: AnyCase, swept: Direction) -> dict[str, Expectation]:
 def _fit(case: AnyCase) -> FitPlan | None:
     if case.fit is None:
         return None
-    from vibeam.casefile.calibration import plan_of
+    from vibeam.casefile.number_keys import plan_of
 
     return plan_of(case.fit, case)
 

@@ -7,40 +7,34 @@ hide another.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
+from functools import partial
 from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Any
 
 from pydantic import ValidationError
 
-from vibeam.casefile.calibration import absent_checks, chosen_checks, fit_checks, fit_in_si
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
-from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.keys import model_of, rig_checks
 from vibeam.casefile.maps import map_complaints, maps_in_si, value_complaints
-from vibeam.casefile.overrides import OverrideError, override
-from vibeam.casefile.places import Places, name_map
+from vibeam.casefile.number_keys import (
+    absent_checks,
+    chosen_checks,
+    fit_checks,
+    fit_in_si,
+    uncertain_checks,
+    uncertain_in_si,
+)
+from vibeam.casefile.overrides import OverrideError, Places, name_map, override
+from vibeam.casefile.quantities import UNIT_SYSTEMS
 from vibeam.casefile.tables.cases import AnyCase
-from vibeam.casefile.tables.expectations import expectation_checks, measured_checks
+from vibeam.casefile.tables.expectations import amount_checks, amounts_in_si, expectation_checks, measured_checks
 from vibeam.casefile.tables.figures import figure_checks, measurement_checks
-from vibeam.casefile.tables.harmonics import harmonic_checks
-from vibeam.casefile.tables.readings import amount_checks, amounts_in_si
 from vibeam.casefile.tables.references import reference_checks
-from vibeam.casefile.tables.stop import stop_checks
 from vibeam.casefile.tables.studies import study_checks
-from vibeam.casefile.tables.sweep import plan_checks
 from vibeam.casefile.tables.table import name_checks
-from vibeam.casefile.uncertain import uncertain_checks, uncertain_in_si
-from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, shortened
-
-
-def rig_checks(case: Any, folder: File) -> Iterator[Complaint]:
-    """Every complaint about keys of the rig and its sweep that do not go together; ``case``: as read, or declared."""
-    yield from KINDS[case.kind].checks(case, folder)
-    yield from stop_checks(case)
-    yield from harmonic_checks(case)
-    yield from plan_checks(case, folder)
 
 
 def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -69,14 +63,15 @@ def checked(
     _name_fidelities(tables, lines)
     case, wrong = _validated(tables, file.parent)
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
+    own = {name: variant.declared for name, variant in changed.items()}
     if case is not None and not wrong + more:
-        more = list(value_complaints(tables, case, lambda own: _validated(own, file.parent)))
-        more += absent_checks(case, {name: variant.declared for name, variant in changed.items()})
+        more = list(value_complaints(case, partial(model_of, case, own, file)))
+        more += absent_checks(case, own)
     faults += [place.fault(complaint) for complaint in wrong + more]
     if faults or case is None:
         raise CaseError(faults)
-    own = {name: each.declared.model_copy(update={"units": "SI"}) for name, each in changed.items()}
-    return _settled(case, changed), own, place
+    settled = {name: each.model_copy(update={"units": "SI"}) for name, each in own.items()}
+    return _settled(case, changed), settled, place
 
 
 def _share_units(tables: dict[str, Any]) -> None:

@@ -15,8 +15,8 @@ from pydantic.fields import FieldInfo
 
 from vibeam.casefile.field_tables import flat
 from vibeam.casefile.overrides import OverrideError, override
+from vibeam.casefile.quantities import UnitSystem
 from vibeam.casefile.toml import key_parts
-from vibeam.casefile.unit_systems import UnitSystem
 from vibeam.casefile.validation import (
     SHARED,
     entry_of,

@@ -12,9 +12,9 @@ from pydantic_core import CoreSchema, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
 from vibeam.casefile.fields import Entry, JsonSchema, Several, ValueEntry
+from vibeam.casefile.quantities import UnitSystem
 from vibeam.casefile.toml import key_parts
 from vibeam.casefile.toml_writing import name_of
-from vibeam.casefile.unit_systems import UnitSystem
 from vibeam.exchange.faults import as_shown_in_message, suggest
 from vibeam_models.arguments import real
 

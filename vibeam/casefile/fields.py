@@ -13,8 +13,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
-from vibeam.casefile.quantities import FREQUENCY, RATIO, Dimension, to_si
-from vibeam.casefile.unit_systems import SI, UnitSystem
+from vibeam.casefile.quantities import FREQUENCY, RATIO, SI, Dimension, UnitSystem, to_si
 from vibeam.exchange.faults import as_shown_in_message, suggestion
 
 JsonSchema = dict[str, Any]

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ValidationError
-
 from vibeam.case.fidelity import Model
-from vibeam.casefile.checks import rig_checks
 from vibeam.casefile.fidelity_changes import field_at
-from vibeam.casefile.fields import Count, Entry, OneOrSeveral, Quantity, Several
+from vibeam.casefile.fields import Entry, OneOrSeveral, Quantity
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.overrides import OverrideError, override
-from vibeam.casefile.tables.sweep import fidelity_of
+from vibeam.casefile.number_keys import value_at
+from vibeam.casefile.overrides import with_value
+from vibeam.casefile.tables.drive import harmonic_checks
+from vibeam.casefile.tables.stop import stop_checks
+from vibeam.casefile.tables.sweep import fidelity_of, plan_checks
 from vibeam.casefile.tables.table import content
-from vibeam.casefile.toml import key_parts
-from vibeam.casefile.uncertain import value_at
-from vibeam.casefile.unit_systems import SI
-from vibeam.casefile.validation import SHARED, complaints, entry_of, fields_of, physics_keys
+from vibeam.casefile.validation import SHARED, entry_of, physics_keys
 from vibeam.casefile.validation import read as read_tables
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault
 
@@ -28,6 +26,14 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Fidelity
     from vibeam_models.scene import AnyScene
+
+
+def rig_checks(case: Any, folder: File) -> Iterator[Complaint]:
+    """Every complaint about keys of the rig and its sweep that do not go together; ``case``: as read, or declared."""
+    yield from KINDS[case.kind].checks(case, folder)
+    yield from stop_checks(case)
+    yield from harmonic_checks(case)
+    yield from plan_checks(case, folder)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,9 +58,7 @@ class CaseKeys:
 
     def model(self, fidelity: str) -> KeyedModel:
         """Model of one fidelity."""
-        own = self.changed.get(fidelity, self.declared)
-        named = {fidelity: self.declared.fidelity[fidelity]}
-        return KeyedModel(own.model_copy(update={"fidelity": named}), fidelity, self.path)
+        return model_of(self.declared, self.changed, self.path, fidelity)
 
     def case(self, settings: Mapping[str, Any]) -> Case:
         """The case with keys at other values, SI where they have no unit; CaseError for what it may not have."""
@@ -120,7 +124,7 @@ class KeyedModel(Model):
         tables, left = self.tables, self._table.without or ()
         for key, value in values.items():
             if not any(key == each or key.startswith(f"{each}.") for each in left):
-                tables = _with(tables, key, float(value))
+                tables = with_value(tables, key, float(value))
         return replace(self, tables=tables, changes=self.changes | values.keys())
 
     def checked(self) -> KeyedModel:
@@ -153,48 +157,7 @@ class KeyedModel(Model):
         return KINDS[self.tables.kind].most_modes_of(self.tables, self.path.parent)[0]
 
 
-def _with(tables: Any, key: str, value: float) -> Any:
-    """Tables with a key at another value; CaseError where that key by itself is wrong."""
-    try:
-        return _put(tables, key_parts(key), value)
-    except LookupError:
-        return _read_with(tables, key, value)
-    except ValueError as fault:
-        raise CaseError([Fault(OVERRIDE, None, key, str(fault))]) from None
-
-
-def _put(table: Any, path: Sequence[str], value: float) -> Any:
-    """A copy of a table with the number at a path changed; LookupError where it has none."""
-    if not path:
-        return value
-    first, *rest = path
-    if isinstance(table, Mapping):
-        return {**table, first: _put(table[first], rest, value)}
-    if isinstance(table, tuple):
-        at = int(first) if first.isdigit() else len(table)
-        return (*table[:at], _put(table[at], rest, value), *table[at + 1 :])
-    field = fields_of(type(table))[first]
-    name = first if field.alias is None else f"{first}_"
-    entry, inner = entry_of(field), getattr(table, name)
-    if rest and inner is None:
-        raise LookupError(first)
-    if rest:
-        return table.model_copy(update={name: _put(inner, rest, value)})
-    if entry is None:
-        raise LookupError(first)
-    given = int(value) if isinstance(entry, Count) and value.is_integer() else value
-    alone = isinstance(entry, Several) and isinstance(inner, tuple) and len(inner) == 1
-    return table.model_copy(update={name: entry.read([given] if alone else given, SI)})
-
-
-def _read_with(tables: Any, key: str, value: float) -> Any:
-    """Tables with a key that was not there, read anew; CaseError where they cannot be read with it."""
-    plain = content(tables)
-    try:
-        override(plain, key, int(value) if value.is_integer() else value, literal=True)
-        return type(tables).model_validate(plain, context=SI)
-    except OverrideError as fault:
-        raise CaseError([Fault(OVERRIDE, None, key, str(fault))]) from None
-    except ValidationError as error:
-        wrong = complaints(error, type(tables))[0]
-        raise CaseError(Fault(OVERRIDE, None, ".".join(map(str, path)), said) for path, said in wrong) from None
+def model_of(declared: Any, changed: Mapping[str, Any], path: Path, fidelity: str) -> KeyedModel:
+    """Model of a fidelity of a ``declared`` case, of which others than it are ``changed``."""
+    own = changed.get(fidelity, declared)
+    return KeyedModel(own.model_copy(update={"fidelity": {fidelity: declared.fidelity[fidelity]}}), fidelity, path)

@@ -85,19 +85,19 @@ KINDS = Registry(
     ),
     CaseKind(
         "matrices",
-        "vibeam.casefile.tables.matrices:matrices_rules",
-        "vibeam.casefile.tables.matrices:matrices_output",
+        "vibeam.casefile.tables.given:matrices_rules",
+        "vibeam.casefile.tables.given:matrices_output",
         "vibeam.casefile.build:matrices_scene",
-        "vibeam.casefile.tables.matrices:matrices_modes",
-        "vibeam.casefile.tables.matrices:matrices_sources",
+        "vibeam.casefile.tables.given:matrices_modes",
+        "vibeam.casefile.tables.given:matrices_sources",
     ),
     CaseKind(
         "modes",
-        "vibeam.casefile.tables.modes:modes_rules",
-        "vibeam.casefile.tables.modes:modes_output",
+        "vibeam.casefile.tables.given:modes_rules",
+        "vibeam.casefile.tables.given:modes_output",
         "vibeam.casefile.build:modes_scene",
-        "vibeam.casefile.tables.modes:modes_count",
-        "vibeam.casefile.tables.modes:modes_sources",
+        "vibeam.casefile.tables.given:modes_count",
+        "vibeam.casefile.tables.given:modes_sources",
     ),
 )
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from copy import deepcopy
 from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -16,18 +15,16 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.fields import Count, Entry, OneOrSeveral, Quantity
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.overrides import override
-from vibeam.casefile.quantities import with_unit
+from vibeam.casefile.quantities import SI, UnitSystem, with_unit
 from vibeam.casefile.tables.maps import count_of, direction_of, picture_complaints, random_complaints
 from vibeam.casefile.tables.table import Frequency, named_fidelity, plan_of
-from vibeam.casefile.unit_systems import SI, UnitSystem
-from vibeam.casefile.validation import SHARED, entry_of, physics_keys, units_of
-from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
+from vibeam.casefile.validation import entry_of, units_of
+from vibeam.exchange.faults import CaseError, Complaint, KeyPath, as_shown_in_message
 
 if TYPE_CHECKING:
+    from vibeam.case.fidelity import Model
     from vibeam.casefile.tables.cases import AnyCase
 
-Validate = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
 LARGEST = 10**9  # points of a map
 
 
@@ -139,40 +136,28 @@ def _frequency(case: Any, table: Any, keys: list[str]) -> float | None:
     return None if grid is None or grid.points != 1 else grid.from_
 
 
-def value_complaints(tables: dict[str, Any], declared: AnyCase, validate: Validate) -> Iterator[Complaint]:
-    """Complaints of the rules between keys about the ends of each axis, in each fidelity of its map.
+def value_complaints(declared: AnyCase, model: Callable[[str], Model]) -> Iterator[Complaint]:
+    """Complaints of the rules between keys about the ends of each axis, in the ``model`` of each fidelity of its map.
 
-    ``declared``: the case, in which nothing is wrong; ``validate``: validates other tables of this kind.
+    ``declared``: the case, in which nothing is wrong.
     """
     for name, table in declared.map.items():
         for index, axis in enumerate(table.axes):
             if axis.key_ in (FREQUENCY, *STARTS):
                 continue
-            key = key_of(axis.key_, declared, type(declared))
-            numbers = axis_values(axis, key, units_of(declared.units))
+            numbers = axis_values(axis, key_of(axis.key_, declared, type(declared)), units_of(declared.units))
             for place, value in {0: numbers[0], len(numbers) - 1: numbers[-1]}.items():
                 where = ("values", place) if axis.values else ("to" if place else "from",)
-                found: dict[Complaint, str] = {}
+                found: dict[tuple[str, str], str] = {}
                 for fidelity in table.fidelities or tuple(declared.fidelity):
-                    for complaint in _with_value(tables, declared, fidelity, axis.key_, key.written(value), validate):
-                        found.setdefault(complaint, fidelity)
-                for (path, message), fidelity in found.items():
-                    said = f"{axis.key_} = {value:g} in fidelity {fidelity}, {'.'.join(map(str, path))}: {message}"
+                    try:
+                        model(fidelity).at({axis.key_: value}).checked()
+                    except CaseError as error:
+                        for fault in error.faults:
+                            found.setdefault((fault.key, fault.message), fidelity)
+                for (key, message), fidelity in found.items():
+                    said = f"{axis.key_} = {value:g} in fidelity {fidelity}, {key}: {message}"
                     yield ("map", name, "axes", index, *where), said
-
-
-def _with_value(
-    tables: dict[str, Any], declared: AnyCase, fidelity: str, key: str, value: Any, validate: Validate
-) -> list[Complaint]:
-    """Complaints about a case of one fidelity with a key set."""
-    own = {name: deepcopy(tables[name]) for name in (*physics_keys(type(declared)), *SHARED) if name in tables}
-    model = deepcopy(tables["fidelity"][fidelity])
-    own["fidelity"] = {fidelity: model}
-    if "set" in model and not key.startswith("fidelity."):
-        model["set"] = {**model["set"], key: value}
-    else:
-        override(own, key, value, literal=True)
-    return validate(own)[1]
 
 
 def maps_in_si(case: Any) -> dict[str, Any]:

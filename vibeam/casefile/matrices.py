@@ -15,7 +15,7 @@ import numpy as np
 from vibeam.casefile.coordinates import Coordinates
 from vibeam.casefile.field_tables import file_name
 from vibeam.casefile.matrix_faults import damping_faults, entry_faults, mass_faults, stiffness_faults
-from vibeam.casefile.unit_systems import UNIT_SYSTEMS, UnitSystem
+from vibeam.casefile.quantities import UNIT_SYSTEMS, UnitSystem
 from vibeam.exchange.faults import Complaint
 from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.matrices.declaration import read_matrix

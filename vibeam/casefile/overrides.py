@@ -1,18 +1,24 @@
-"""Overrides: single keys of a case given beside its file, ``{"sweep.frequency.points": 31}``."""
+"""Overrides: single keys of a case given beside its file, ``{"sweep.frequency.points": 31}``; where keys come from."""
 
 from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
+from vibeam.casefile.fields import Count, Several
+from vibeam.casefile.quantities import SI
 from vibeam.casefile.tables.cases import case_table
+from vibeam.casefile.tables.table import content
 from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_parts, too_deep
-from vibeam.casefile.validation import lists_of
-from vibeam.exchange.faults import KeyPath, as_shown_in_message
+from vibeam.casefile.toml_writing import name_of
+from vibeam.casefile.validation import complaints, entry_of, fields_of, lists_of
+from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, as_shown_in_message, shortened
 
 _INDEX = re.compile("[0-9]{1,9}")
 
@@ -136,3 +142,102 @@ def _from_text(text: str) -> Any:
     except (ValueError, RecursionError):
         return text
     return found["value"] if list(found) == ["value"] and "\n" not in text else text
+
+
+MAP = "map"
+
+
+def name_map(tables: dict[str, Any]) -> bool:
+    """Give the map that [map] is, where it has keys that are no tables, the name "map", in place; whether there is one.
+
+    No key of a map is a table, so that whatever is one is a map with a name. A name that is taken stays as it was.
+    """
+    given = tables.get(MAP)
+    if not isinstance(given, dict):
+        return False
+    own = {key: value for key, value in given.items() if not isinstance(value, dict)}
+    if not own or MAP in given:
+        return False
+    tables[MAP] = {MAP: own} | {key: value for key, value in given.items() if key not in own}
+    return True
+
+
+def as_written(path: KeyPath) -> KeyPath:
+    """The path of a key of the map without a name as the file has it."""
+    return (MAP, *path[2:]) if path[:2] == (MAP, MAP) else path
+
+
+@dataclass(frozen=True)
+class Places:
+    """Origins of the keys of a case: lines of the file, or overrides."""
+
+    file: str
+    lines: Mapping[KeyPath, int]
+    overridden: set[KeyPath]
+    unnamed_map: bool
+
+    def fault(self, complaint: Complaint) -> Fault:
+        """The fault of a key at its line, or in the override that set it."""
+        path, message = complaint
+        path = as_written(path) if self.unnamed_map else path
+        key = ".".join(name_of(shortened(str(part))) for part in path)
+        places = [path[:length] for length in range(len(path), 0, -1)]
+        if self.overridden.intersection(places):
+            return Fault(OVERRIDE, None, key, message)
+        for place in places:
+            if place in self.lines:
+                return Fault(self.file, self.lines[place], key, message)
+            if self._opened(place):
+                return Fault(OVERRIDE, None, key, message)
+        return Fault(self.file, None, key, message)
+
+    def _opened(self, place: KeyPath) -> bool:
+        """Test whether an override opened this table."""
+        return any(path[: len(place)] == place for path in self.overridden)
+
+
+def with_value(tables: Any, key: str, value: float) -> Any:
+    """Tables with a key at another value; CaseError where that key by itself is wrong."""
+    try:
+        return _replaced(tables, key_parts(key), value)
+    except LookupError:
+        return _read_with(tables, key, value)
+    except ValueError as fault:
+        raise CaseError([Fault(OVERRIDE, None, key, str(fault))]) from None
+
+
+def _replaced(table: Any, path: Sequence[str], value: float) -> Any:
+    """A copy of a table with the number at a path changed; LookupError where it has none."""
+    if not path:
+        return value
+    first, *rest = path
+    if isinstance(table, Mapping):
+        return {**table, first: _replaced(table[first], rest, value)}
+    if isinstance(table, tuple):
+        at = int(first) if first.isdigit() else len(table)
+        return (*table[:at], _replaced(table[at], rest, value), *table[at + 1 :])
+    field = fields_of(type(table))[first]
+    name = first if field.alias is None else f"{first}_"
+    entry, inner = entry_of(field), getattr(table, name)
+    if rest and inner is None:
+        raise LookupError(first)
+    if rest:
+        return table.model_copy(update={name: _replaced(inner, rest, value)})
+    if entry is None:
+        raise LookupError(first)
+    given = int(value) if isinstance(entry, Count) and value.is_integer() else value
+    alone = isinstance(entry, Several) and isinstance(inner, tuple) and len(inner) == 1
+    return table.model_copy(update={name: entry.read([given] if alone else given, SI)})
+
+
+def _read_with(tables: Any, key: str, value: float) -> Any:
+    """Tables with a key that was not there, read anew; CaseError where they cannot be read with it."""
+    plain = content(tables)
+    try:
+        override(plain, key, int(value) if value.is_integer() else value, literal=True)
+        return type(tables).model_validate(plain, context=SI)
+    except OverrideError as fault:
+        raise CaseError([Fault(OVERRIDE, None, key, str(fault))]) from None
+    except ValidationError as error:
+        wrong = complaints(error, type(tables))[0]
+        raise CaseError(Fault(OVERRIDE, None, ".".join(map(str, path)), said) for path, said in wrong) from None

@@ -27,11 +27,11 @@ from vibeam.casefile.checks import checked
 from vibeam.casefile.keys import CaseKeys
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.maps import map_plans
+from vibeam.casefile.number_keys import uncertain_inputs
 from vibeam.casefile.overrides import OverrideError, tables_of
 from vibeam.casefile.tables.sweep import fidelity_of
 from vibeam.casefile.tables.table import content, digest, plan_of, toml_text
 from vibeam.casefile.toml import parsed
-from vibeam.casefile.uncertain import uncertain_inputs
 from vibeam.exchange.faults import CaseError, Fault, KeyPath
 
 

@@ -12,11 +12,11 @@ from pydantic.fields import FieldInfo
 from vibeam.casefile.field_tables import TableOr
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.kinds import KINDS, kind_of
+from vibeam.casefile.quantities import SI, UNIT_SYSTEMS, UnitSystem
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.effects import EffectTable
 from vibeam.casefile.tables.table import CALLED, note
 from vibeam.casefile.toml_writing import name_of, to_fill_in, to_toml
-from vibeam.casefile.unit_systems import SI, UNIT_SYSTEMS, UnitSystem
 from vibeam.exchange.faults import KNOWN, Complaint, KeyPath, as_shown_in_message, suggest, suggestion
 from vibeam_models.effects import tables as effect_tables
 

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from stand_in import one_mode
 
 import vibeam
+from vibeam.casefile.documentation import template
 from vibeam.casefile.read import parse
 from vibeam.casefile.rigs import RIGS
-from vibeam.casefile.template import template
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import CaseError, Fault, printable
 from vibeam.solvers import SOLVERS as DECLARED

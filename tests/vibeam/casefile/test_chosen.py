@@ -8,9 +8,8 @@ from typing import Any
 
 import pytest
 
-from vibeam.casefile.calibration import keys_chosen
+from vibeam.casefile.number_keys import keys_chosen, value_at
 from vibeam.casefile.read import parse
-from vibeam.casefile.uncertain import value_at
 from vibeam.exchange.faults import CaseError
 
 CASES = Path(__file__).parents[3] / "cases"

@@ -12,8 +12,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from vibeam.casefile.documentation import case_schema, reference_table
-from vibeam.casefile.template import template
+from vibeam.casefile.documentation import case_schema, reference_table, template
 
 CASES = sorted((Path(__file__).parents[3] / "cases").rglob("*.toml"))
 SCHEMA = case_schema()

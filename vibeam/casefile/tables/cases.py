@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import settings
 from vibeam.casefile.fields import POSITIVE, TEXT, Each, Quantity, Word
+from vibeam.casefile.quantities import UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
 from vibeam.casefile.tables.effects import effect_tables, with_effects
@@ -23,7 +24,6 @@ from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
 from vibeam.casefile.tables.table import ACCURATE, Ratio, Table, Within, key, table
-from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import FIGURES
 from vibeam_models.effects import EFFECTS
@@ -173,13 +173,13 @@ def _given(kind: str, doc: str, own: Any) -> type[AnyCase]:
 
 
 def _matrices() -> type[AnyCase]:
-    from vibeam.casefile.tables.matrices import MatricesTable
+    from vibeam.casefile.tables.given import MatricesTable
 
     return _given("matrices", "A structure by its own matrices.", MatricesTable)
 
 
 def _modes() -> type[AnyCase]:
-    from vibeam.casefile.tables.modes import ModesTable
+    from vibeam.casefile.tables.given import ModesTable
 
     return _given("modes", "A structure by its modes.", ModesTable)
 

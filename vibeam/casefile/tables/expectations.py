@@ -1,18 +1,177 @@
-"""Tables of numbers that a model is compared with, expected or measured; rules between them and what is swept."""
+"""Tables of numbers that a model is compared with, expected or measured; their amounts, in a unit of what is read."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from decimal import Decimal
 from types import SimpleNamespace
 from typing import Any
 
 from vibeam.case.plans import EXTENTS, Direction, Expectation, MeasuredNumber, ResultNumber
-from vibeam.casefile.fields import ANY, POSITIVE, Entry, Word
-from vibeam.casefile.tables.outputs import of_displacement
-from vibeam.casefile.tables.readings import AmountEntry, si_unit
+from vibeam.casefile import quantities as units
+from vibeam.casefile.fields import ANY, NUMBER_WITH_UNIT, POSITIVE, Entry, Range, Word
+from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.quantities import SI, Dimension, UnitSystem
+from vibeam.casefile.tables.outputs import of_displacement, quantity_named
 from vibeam.casefile.tables.table import NAME, QUANTITIES, named_fidelity, plan_keys, plan_of, table
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
 from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, READ
+from vibeam.system.quantities import LAYOUT
+
+RATE = units.dimension("1/s")
+ANGLE, TURNING, JERK = (units.dimension(unit) for unit in ("rad", "rad/s", "m/s^3"))
+COMPARED = (units.RATIO, units.FREQUENCY, units.LENGTH, units.SPEED, units.TIME, RATE, units.ACCELERATION, ANGLE)
+
+#: dimension of an output's quantity, and of its rate
+READ_AS = {
+    "displacement": (units.LENGTH, units.SPEED),
+    "velocity": (units.SPEED, units.ACCELERATION),
+    "acceleration": (units.ACCELERATION, JERK),
+    "slope": (ANGLE, TURNING),
+    "strain": (units.RATIO, RATE),
+}
+
+#: dimension of a quantity by its unit, with a beam on the bench; q and q/s of a displacement
+DIMENSIONS = {
+    "1": units.RATIO,
+    "Hz": units.FREQUENCY,
+    "q": units.LENGTH,
+    "q/s": units.SPEED,
+    "c": units.LENGTH,
+    "c/s": units.SPEED,
+    "s": units.TIME,
+    "1/s": RATE,
+}
+
+
+def kind_of_reading(unit: str, *, plain: bool, of: str = "displacement") -> units.Dimension:
+    """Dimension of a compared quantity by its unit; ``plain``: outputs have none; ``of``: what the output reads."""
+    if plain and unit[0] in "qc":
+        return units.RATIO
+    return READ_AS[of][unit.endswith("/s")] if unit.startswith("q") else DIMENSIONS[unit]
+
+
+@dataclass(frozen=True)
+class Amount:
+    """Number in SI and its dimension; None: written without a unit, in those of ``system``. ``percent``: so written."""
+
+    number: float
+    kind: units.Dimension | None = None
+    percent: bool = False
+    system: UnitSystem | None = SI
+
+    def of(self, wanted: units.Dimension) -> Amount:
+        """The same in SI, as that of a quantity; UnitError where its unit is missing."""
+        return self if self.kind else Amount(units.to_si(self.number, wanted, self.system), wanted)
+
+    def fault(self, quantity: str, wanted: units.Dimension) -> str | None:
+        """Reason why this cannot be a ``quantity``, which is of the dimension ``wanted``."""
+        try:
+            kind = self.of(wanted).kind
+        except units.UnitError as missing:
+            return str(missing)
+        if kind is None or kind == wanted:
+            return None
+        written = "a percentage" if self.percent else kind.phrase
+        return f'{written}, but "{quantity}" is {wanted.phrase}: write it as {as_shown_in_message(wanted.example)}'
+
+
+@dataclass(frozen=True)
+class AmountEntry(Entry):
+    """A number with any unit that a compared quantity may have, or a percentage; a plain number where it has none."""
+
+    range: Range
+
+    def read(self, value: Any, system: UnitSystem | None) -> Amount:
+        """As ``Entry.read``."""
+        if not isinstance(value, str):
+            units.to_si(value, units.RATIO)
+            amount = Amount(value, system=system)
+        else:
+            kind = next((kind for kind in COMPARED if _suits(value, kind)), units.RATIO)
+            amount = Amount(units.to_si(value, kind), kind, value.strip().endswith("%"))
+        self.range.check(amount.number, value)
+        return amount
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return " ".join(filter(None, ["number | % | Hz | m | m/s | s | 1/s | m/s^2 | rad", self.range.describe()]))
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        text = {"type": "string", "pattern": NUMBER_WITH_UNIT}
+        return {"anyOf": [{"type": "number"} | self.range.schema(), text]}
+
+    def canonical(self, value: Any) -> Any:
+        """As ``Entry.canonical``."""
+        if not isinstance(value, Amount):
+            return value
+        if value.percent:
+            return f"{Decimal(repr(value.number)) * 100:f} %"
+        return units.with_unit(value.number, value.kind or units.RATIO)
+
+
+def _suits(text: str, kind: units.Dimension) -> bool:
+    try:
+        units.to_si(text, kind)
+    except units.UnitError:
+        return False
+    return True
+
+
+AMOUNTS = {"expect": ("value",), "measured": ("value", "scatter"), "reference": ("offset", "uncertainty")}
+SHARES = ("scatter", "uncertainty")  # which may be a percentage of the value
+
+
+def amount_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about amounts whose unit is missing, or not one of the quantity that is read."""
+    for kind, keys in AMOUNTS.items():
+        for name, reading in getattr(case, kind).items():
+            for key in keys if reading.quantity is not None else ():
+                amount = getattr(reading, key)
+                if amount is None or (amount.percent and key in SHARES):
+                    continue
+                if fault := amount.fault(reading.quantity, dimension_read(case, reading)):
+                    yield (kind, name, key), fault
+
+
+def amounts_in_si(case: Any) -> dict[str, Any]:
+    """The comparing tables of a checked case, by name, their amounts in SI."""
+    return {
+        kind: {name: _in_si(case, reading, keys) for name, reading in getattr(case, kind).items()}
+        for kind, keys in AMOUNTS.items()
+    }
+
+
+def _in_si(case: Any, reading: Any, keys: tuple[str, ...]) -> Any:
+    kind = dimension_read(case, reading)
+    amounts = {key: amount for key in keys if (amount := getattr(reading, key)) is not None}
+    return reading.model_copy(update={key: amount.of(kind) for key, amount in amounts.items()})
+
+
+def dimension_read(case: Any, reading: Any) -> Dimension:
+    """Dimension of what a table reads, off the output of its figure, or of the sweep."""
+    shown = case.show.get(getattr(reading, "show", None))
+    of = quantity_named(case, (shown and shown.output) or case.sweep.output).name
+    unit = unit_of_reading(reading.quantity, getattr(reading, "against", None))
+    return kind_of_reading(unit, plain=KINDS[case.kind].plain, of=of)
+
+
+def si_unit(case: Any, reading: Any) -> str:
+    """SI unit of what a table reads; ``"1"`` of a plain number."""
+    return dimension_read(case, reading).unit or "1"
+
+
+def unit_of_reading(quantity: str, against: str | None) -> str:
+    """Unit of a compared quantity: q and q/s of an output and its rate, c and c/s of the contact, Hz, 1/s, or 1."""
+    if against is not None:
+        return "1"
+    if quantity in LIMITS + OF_OUTPUT:
+        return "q" if quantity in OF_OUTPUT else "c"
+    if quantity in EXTENTS:
+        return "q" if quantity == "peak" else "Hz"
+    return READ[quantity] if quantity in READ else LAYOUT[quantity].unit
 
 
 def expectation_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -92,9 +251,9 @@ MeasuredTable: Any = _reading_table(
 )  # fmt: skip
 
 
-def expectation(name: str, table: Any, swept: Direction) -> Expectation:
+def expectation(name: str, said: Any, swept: Direction) -> Expectation:
     """Plan of an [expect.NAME]."""
-    return plan_of(Expectation, table, name=name, value=table.value.number, direction=table.direction or swept)
+    return plan_of(Expectation, said, name=name, value=said.value.number, direction=said.direction or swept)
 
 
 def measured_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -105,16 +264,16 @@ def measured_checks(case: SimpleNamespace) -> Iterator[Complaint]:
 
 def measured_number(name: str, case: Any, swept: Direction, chose: tuple[str, ...]) -> MeasuredNumber:
     """Plan of a [measured.NAME] of a case; ``chose``: the keys that the number chose."""
-    table = case.measured[name]
+    said = case.measured[name]
     return plan_of(
-        MeasuredNumber, table, name=name, value=table.value.number, scatter=_absolute_scatter(table),
-        direction=table.direction or swept, unit=si_unit(case, table), chose=chose,
+        MeasuredNumber, said, name=name, value=said.value.number, scatter=_absolute_scatter(said),
+        direction=said.direction or swept, unit=si_unit(case, said), chose=chose,
     )  # fmt: skip
 
 
-def _absolute_scatter(table: Any) -> float | None:
+def _absolute_scatter(said: Any) -> float | None:
     """Scatter in the unit of the value; a percentage is of the value, of a difference by itself."""
-    if table.scatter is None:
+    if said.scatter is None:
         return None
-    relative = table.scatter.percent and table.against is None and table.value.number != 0
-    return float(table.scatter.number) * (abs(table.value.number) if relative else 1.0)
+    relative = said.scatter.percent and said.against is None and said.value.number != 0
+    return float(said.scatter.number) * (abs(said.value.number) if relative else 1.0)

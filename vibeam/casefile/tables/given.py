@@ -1,18 +1,23 @@
-"""Rules common to cases whose structure is given, by matrices or modes."""
+"""Tables of a structure that is given, by matrices or modes, in place of a beam; the rules of cases that have one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.casefile.fields import TEXT
+from vibeam.casefile.field_tables import MATRIX_FILE, ROWS, SHAPE, SHAPES, row
+from vibeam.casefile.fields import POSITIVE, TEXT, Quantity, Several, Word
+from vibeam.casefile.quantities import MASS, UNIT_SYSTEMS
+from vibeam.casefile.tables.beam import damping_checks
 from vibeam.casefile.tables.drive import MOTIONS, DriveTable, drive_checks, list_checks
 from vibeam.casefile.tables.effects import effect_checks, platform_output
 from vibeam.casefile.tables.figures import show_table
 from vibeam.casefile.tables.stop import stop_table
 from vibeam.casefile.tables.sweep import SweepTable
-from vibeam.casefile.tables.table import NAME, Table, key, less
+from vibeam.casefile.tables.table import NAME, Frequency, Ratio, Table, key, less
+from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.figures import FIGURES
 
@@ -99,3 +104,160 @@ def given_show_table() -> Any:
     """The table of a further figure, whose output is one of those that the case names."""
     meaning = "whose motion is shown: sensor, contact, or one of outputs; absent = the sweep's"
     return show_table("GivenShowTable", tuple(FIGURES), (Annotated[Any, TEXT], key(meaning, "sensor", None)))
+
+
+_SYSTEMS = " or ".join(map(to_toml, UNIT_SYSTEMS))
+FULL = 3000  # coordinates up to which all modes can be had
+
+
+def matrices_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Complaints about the matrices, the rows over them, the drive."""
+    table = case.matrices
+    if table.damping_matrix is None:
+        yield from damping_checks(table, "matrices")
+    elif table.damping_ratio is not None or table.damping != "constant":
+        yield ("matrices", "damping_matrix"), "the damping is said twice: keep the matrix, or damping and damping_ratio"
+    if table.units is None:
+        yield ("matrices", "units"), f"missing (of length, force, time, mass): write units = {_SYSTEMS}"
+    from vibeam.casefile.matrices import given_matrices
+
+    given, complaints = given_matrices(table, folder)
+    yield from complaints
+    yield from given_rules(case, "matrices")
+    size = 0 if given is None else given.structure.size
+    for name, fidelity in case.fidelity.items() if size > FULL else ():
+        if fidelity.reduction == "full":
+            said = f"the shapes of all {size} modes are {8e-9 * size**2:.1f} GB and their eigenproblem takes hours"
+            yield ("fidelity", name, "reduction"), f'{said}: write reduction = "modal", modes = 20'
+
+
+def matrices_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
+    """A complaint where a motion is asked for that the case does not name."""
+    yield from given_output(case, path, output, "matrices")
+
+
+def matrices_modes(case: Any, folder: File) -> tuple[int, str]:
+    """Number of modes: as many as coordinates."""
+    from vibeam.casefile.matrices import given_matrices
+
+    found = given_matrices(case.matrices, folder)[0]
+    return (0 if found is None else found.structure.size), "the matrices give"
+
+
+def matrices_sources(case: Any, folder: File) -> dict[str, str]:
+    """The files of a case and what they hold."""
+    from vibeam.casefile.matrices import sources
+
+    return sources(case.matrices, folder)
+
+
+class MatricesTable(Table):
+    """A structure by its own mass and stiffness matrix, in place of beam, mass and sensor.
+
+    Files: Matrix Market (.mtx), NumPy and SciPy (.npy, .npz), HDF5 (.h5), MATLAB (.mat), text of Abaqus (.mtx, .inp)
+    and Nastran's DMIG (.pch, .bdf). Coordinates are counted from 1, as rows of the matrices; where a file has nodes,
+    they may be said by node and direction.
+    """
+
+    mass: Annotated[dict[str, str], MATRIX_FILE] = key(
+        "file of M, and the matrix's name where it holds several", "M.mtx"
+    )
+    stiffness: Annotated[dict[str, str], MATRIX_FILE] = key("file of K", "K.mtx")
+    damping_matrix: Annotated[dict[str, str] | None, MATRIX_FILE] = key(
+        "file of C, instead of damping ratios", "C.mtx", None, written=False
+    )
+    damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
+        "of the first mode; for rayleigh a list of two, of modes 1 and 2; left away where damping is a list", 0.01, None
+    )
+    damping: Annotated[str | tuple[float, ...], Several(Ratio, words=("constant", "stiffness", "rayleigh"))] = key(
+        "constant: the same ratio in every mode; stiffness: in proportion to the frequency; rayleigh: mass and "
+        "stiffness; or the ratios mode by mode",
+        "constant",
+        "constant",
+    )
+    units: Annotated[str | None, Word(tuple(UNIT_SYSTEMS))] = key(
+        "consistent units of the matrices: of length, force, time, mass; absent = those of the case", "SI", None
+    )
+    contact: Annotated[Any, row()] = key("what meets the stop, positive toward it", 2)
+    sensor: Annotated[Any, row()] = key("the sensor of the displacement; absent = the contact", 1, None)
+    outputs: Annotated[dict[str, Any], ROWS] = key("further outputs, each a row", {"foot": 1}, {}, written=False)
+    base: Annotated[Any, row(("all", "x", "y", "z"))] = key(
+        "what each coordinate reads when the base moves by 1 unit of length, r of the load −M r; all = 1 in each",
+        "all",
+        None,
+    )
+    force: Annotated[Any, row()] = key("where drive.force acts, instead of a moving base", 2, None, written=False)
+    moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key(
+        "that a platform carries; absent = rᵀM r", "3 kg", None, written=False
+    )
+
+
+def modes_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Complaints about the modes, the drive, and the mass that a platform carries."""
+    from vibeam.casefile.modes import given_modes
+
+    yield from given_modes(case.modes, folder)[1]
+    yield from given_rules(case, "modes")
+    if case.platform is not None and case.platform.coupling == "two-way" and case.modes.moving_mass is None:
+        said = "the mass that a platform carries is more than that of so many modes"
+        yield ("modes", "moving_mass"), f'missing ({said}): write moving_mass = "3 kg"'
+
+
+def modes_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
+    """A complaint where a motion is asked for that the case does not name."""
+    yield from given_output(case, path, output, "modes")
+
+
+def modes_count(case: Any, folder: File) -> tuple[int, str]:
+    """Number of modes."""
+    from vibeam.casefile.modes import given_modes
+
+    found = given_modes(case.modes, folder)[0]
+    return (0 if found is None else found.structure.size), "[modes] gives"
+
+
+def modes_sources(case: Any, folder: File) -> dict[str, str]:
+    """The file of a case and what it holds."""
+    from vibeam.casefile.modes import sources
+
+    return sources(case.modes, folder)
+
+
+class ModesTable(Table):
+    """A structure by its modes, measured or computed, in place of beam, mass and sensor.
+
+    Shapes are one number for each mode, mass-normalised (kg^-½), as vibeam modes prints them; or, with a universal
+    file of modes (data set 55; needs pip install 'vibeam[lab]'), a node and its direction.
+    """
+
+    file: Annotated[str | None, TEXT] = key(
+        "universal file with the modes; absent = they stand here", "rig.uff", None, written=False
+    )
+    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
+        "natural frequencies; absent = the file's", ["5.2754 Hz", "12.398 Hz"], None
+    )
+    damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
+        "of each mode, or one of all; absent = the file's", [0.01, 0.012], None
+    )
+    modal_mass: Annotated[tuple[float, ...] | None, Several(Quantity(MASS, POSITIVE), alone=True)] = key(
+        "of each mode, or one of all, in the scale of the shapes; absent = 1 kg, or the file's",
+        "1 kg",
+        None,
+        written=False,
+    )
+    contact: Annotated[Any, SHAPE] = key("shapes where it meets the stop, positive toward it, kg^-½", [0.6755, 0.4586])
+    sensor: Annotated[Any, SHAPE] = key("shapes at the sensor; absent = at the contact", [0.3972, -0.585], None)
+    outputs: Annotated[dict[str, Any], SHAPES] = key(
+        "further outputs, each shapes", {"foot": [0.3972, -0.585]}, {}, written=False
+    )
+    base: Annotated[Any, SHAPE] = key(
+        "what a moving base does to each mode, its participation φᵀM r, kg^½ (vibeam modes calls it load)",
+        [1.8077, -0.482],
+        None,
+    )
+    force: Annotated[Any, SHAPE] = key(
+        "shapes where drive.force acts, instead of a moving base", [0.6755, 0.4586], None, written=False
+    )
+    moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key(
+        "that a platform with two-way coupling carries", "3.5 kg", None, written=False
+    )

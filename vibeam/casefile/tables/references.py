@@ -22,8 +22,7 @@ from vibeam.casefile.fields import (
     Word,
 )
 from vibeam.casefile.quantities import RATIO
-from vibeam.casefile.tables.expectations import swept_checks
-from vibeam.casefile.tables.readings import Amount, AmountEntry, si_unit
+from vibeam.casefile.tables.expectations import Amount, AmountEntry, si_unit, swept_checks
 from vibeam.casefile.tables.table import QUANTITIES, Frequency, Table, key, named_fidelity
 from vibeam.exchange.curves.record import QUANTITIES as OF_CURVES
 from vibeam.exchange.curves.record import ROLES, ReferenceForm, known_unit

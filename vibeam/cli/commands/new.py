@@ -27,8 +27,8 @@ def new(
     as_json: AsJson = False,
 ) -> None:
     """Write a case to start from, every key explained; never over a file that is there."""
+    from vibeam.casefile.documentation import template
     from vibeam.casefile.rigs import RIGS
-    from vibeam.casefile.template import template
     from vibeam.exchange.faults import suggest
 
     if rig not in RIGS:
