@@ -175,7 +175,7 @@ class Case:
 
 
 def quantity_of(case: Case, output: str) -> OutputQuantity:
-    """What an output reads; a displacement where it is none of the case's own."""
+    """Quantity that an output reads; a displacement where it is none of the case's own."""
     return next((each.kind for each in case.scene.outputs if each.name == output), DISPLACEMENT)
 
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from vibeam.casefile.tables.cases import AnyCase
     from vibeam.casefile.tables.sweep import SweepTable
     from vibeam.observe.measuring_chain import Chain
-    from vibeam_models.given import GivenScene, GivenStructure
+    from vibeam_models.given import GivenScene
 
 
 def beam_scene(case: AnyCase, folder: Path) -> Scene:
@@ -77,29 +77,15 @@ def sdof_scene(case: AnyCase, folder: Path) -> SdofScene:
     )
 
 
-def matrices_scene(case: AnyCase, folder: Path) -> GivenScene:
-    """The scene of matrices of one's own, SI units."""
-    from vibeam.casefile.matrices import given_matrices
-
-    given, _ = given_matrices(case.matrices, folder)
-    return _given_scene(case, given, case.matrices.force)
-
-
-def modes_scene(case: AnyCase, folder: Path) -> GivenScene:
-    """The scene of modes of one's own, SI units."""
-    from vibeam.casefile.modes import given_modes
-
-    given, _ = given_modes(case.modes, folder)
-    return _given_scene(case, given, case.modes.force)
-
-
-def _given_scene(case: Any, given: GivenStructure | None, force: Any) -> GivenScene:
+def given_scene(case: AnyCase, folder: Path) -> GivenScene:
+    """The scene of matrices or modes of one's own, SI units."""
+    from vibeam.casefile.tables.given import given_structure
     from vibeam_models.given import GivenScene
 
+    given, _ = given_structure(case, folder)
     assert given is not None  # its rules have found nothing wrong
-    on_structure = {} if force is None else {"at": 0.0}
-    base = Base(**dict(case.drive) | on_structure)
-    return GivenScene(given, _stop(case.stop, 0.0), base, effects_of_scene(case))
+    on_structure = {} if getattr(case, case.kind).force is None else {"at": 0.0}
+    return GivenScene(given, _stop(case.stop, 0.0), Base(**dict(case.drive) | on_structure), effects_of_scene(case))
 
 
 def _stop(table: Any, position: float) -> Stop:

@@ -1,21 +1,101 @@
-"""The coordinates of given matrices: their numbers, nodes and directions; rows over them."""
+"""Reading of a structure that is given: its files and rows, with every complaint; the coordinates of matrices."""
 
 from __future__ import annotations
 
+import json
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
+from hashlib import sha256
 from pathlib import Path as File
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from vibeam.casefile.field_tables import DIRECTIONS, file_name
-from vibeam.exchange.files import FormatError
+from vibeam.exchange.faults import Complaint
+from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.matrices.declaration import read_matrix
 from vibeam.exchange.matrices.entries import Label
 from vibeam_models.arrays import Array
+from vibeam_models.beams.beam import Damping
+from vibeam_models.given import GivenStructure
+from vibeam_models.structure import Structure
 
+ROWS = ("contact", "sensor", "base", "force")
+KEPT = 8  # structures
 SHOWN = 6  # nodes in a message
+
+
+@dataclass
+class StructureReading(ABC):
+    """Files and rows of a given structure, read one after the other: complaints are collected, none hides another.
+
+    ``values``: of its table; ``carried``: mass that a platform carries, kg.
+    """
+
+    values: Mapping[str, Any]
+    folder: File
+    complaints: list[Complaint] = field(default_factory=list)
+    carried: float | None = None
+
+    kind: ClassVar[str]
+    keys: ClassVar[tuple[str, ...]]
+
+    @abstractmethod
+    def structure(self) -> Structure | None:
+        """Structure; None where there are complaints that leave none."""
+
+    def damping(self) -> Damping | None:
+        """Damping of the modes, of a structure that does not have it already."""
+        return None
+
+    def complain(self, key: str, message: str) -> None:
+        """Complain about a key of the table."""
+        self.complaints.append(((self.kind, *key.split(".")), message))
+
+    def rows_said(self) -> dict[str, Any]:
+        """Rows that the table says, outputs among them."""
+        said = {key: self.values[key] for key in ROWS if self.values[key] is not None}
+        return said | {f"outputs.{name}": row for name, row in (self.values["outputs"] or {}).items()}
+
+
+def outputs_of(rows: Mapping[str, Array]) -> dict[str, Array]:
+    """Outputs among rows by name: the sensor, at the contact where it has no place of its own, and further ones."""
+    outputs = {"sensor": rows.get("sensor", rows["contact"])}
+    return outputs | {key.partition(".")[2]: row for key, row in rows.items() if key.startswith("outputs.")}
+
+
+def digests(named: Mapping[str, str], folder: File) -> dict[str, str]:
+    """SHA-256 of the content of files, by key; a file that is not there has none."""
+    found = {}
+    for key, name in named.items():
+        try:
+            found[key] = digest_of(folder / name)
+        except FormatError:
+            found[key] = ""
+    return found
+
+
+def given(
+    reading: type[StructureReading], table: Any, files: Mapping[str, str], folder: File
+) -> tuple[GivenStructure | None, tuple[Complaint, ...]]:
+    """Structure that a table with these ``files`` declares (None: it cannot be made), and every complaint about it."""
+    values = {key: getattr(table, key) for key in reading.keys}
+    return _given(reading, json.dumps([values, digests(files, folder)], sort_keys=True, default=list), folder)
+
+
+@lru_cache(maxsize=KEPT)
+def _given(
+    reading: type[StructureReading], said: str, folder: File
+) -> tuple[GivenStructure | None, tuple[Complaint, ...]]:
+    made = reading(json.loads(said)[0], folder)
+    structure = made.structure()
+    if structure is None or made.complaints:
+        return None, tuple(made.complaints)
+    digest = sha256(said.encode()).hexdigest()
+    return GivenStructure(digest, made.kind, structure, made.damping(), made.carried), ()
 
 
 @dataclass(frozen=True)

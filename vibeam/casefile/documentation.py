@@ -133,7 +133,7 @@ def _default(entry: Entry | None, field: FieldInfo) -> str:
 
 
 def meaning_of(field: FieldInfo) -> str:
-    """What a key means and, in brackets, what it may hold."""
+    """Meaning of a key and, in brackets, what it may hold."""
     entry = entry_of(field)
     kind = entry.describe() if entry and not table_of(field) else ""
     return f"{field.description} [{kind}]" if kind and kind != "text" else field.description or ""

@@ -86,18 +86,18 @@ KINDS = Registry(
     CaseKind(
         "matrices",
         "vibeam.casefile.tables.given:matrices_rules",
-        "vibeam.casefile.tables.given:matrices_output",
-        "vibeam.casefile.build:matrices_scene",
-        "vibeam.casefile.tables.given:matrices_modes",
-        "vibeam.casefile.tables.given:matrices_sources",
+        "vibeam.casefile.tables.given:given_output",
+        "vibeam.casefile.build:given_scene",
+        "vibeam.casefile.tables.given:most_modes",
+        "vibeam.casefile.tables.given:sources",
     ),
     CaseKind(
         "modes",
         "vibeam.casefile.tables.given:modes_rules",
-        "vibeam.casefile.tables.given:modes_output",
-        "vibeam.casefile.build:modes_scene",
-        "vibeam.casefile.tables.given:modes_count",
-        "vibeam.casefile.tables.given:modes_sources",
+        "vibeam.casefile.tables.given:given_output",
+        "vibeam.casefile.build:given_scene",
+        "vibeam.casefile.tables.given:most_modes",
+        "vibeam.casefile.tables.given:sources",
     ),
 )
 

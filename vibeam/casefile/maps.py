@@ -78,7 +78,7 @@ def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: t
 
 
 def key_of(name: str, case: Any, model: type[AnyCase]) -> _Key:
-    """What reads the values of an axis."""
+    """Reading of the values of an axis."""
     if name == FREQUENCY:
         return _Key(Frequency, "Hz")
     if name in STARTS:

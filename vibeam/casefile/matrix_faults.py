@@ -1,4 +1,4 @@
-"""What is wrong with a matrix that should be a structure's: by how much, and where."""
+"""Faults of a matrix that should be a structure's: by how much, and where."""
 
 from __future__ import annotations
 

@@ -2,66 +2,43 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import lru_cache
-from hashlib import sha256
 from pathlib import Path as File
 from typing import Any
 
 import numpy as np
 
-from vibeam.casefile.coordinates import SHOWN
+from vibeam.casefile.coordinates import ROWS, SHOWN, StructureReading, given, outputs_of
 from vibeam.casefile.field_tables import DIRECTIONS, file_name
 from vibeam.exchange.faults import Complaint
-from vibeam.exchange.files import FormatError, digest_of
+from vibeam.exchange.files import FormatError
 from vibeam.exchange.uff import FileModes, read_modes
 from vibeam_models.arrays import Array
 from vibeam_models.given import GivenStructure
 from vibeam_models.structure import Structure
 
-ROWS = ("contact", "sensor", "base", "force")
 KEYS = (*ROWS, "outputs", "file", "frequency", "damping_ratio", "modal_mass", "moving_mass")
-KEPT = 8
 
 
-def sources(table: Any, folder: File) -> dict[str, str]:
-    """SHA-256 of the content of the file of modes, where there is one."""
-    if table.file is None:
-        return {}
-    try:
-        return {"file": digest_of(folder / table.file)}
-    except FormatError:
-        return {"file": ""}
+def files_of(table: Any) -> dict[str, str]:
+    """Files that [modes] names, by key."""
+    return {} if table.file is None else {"file": table.file}
 
 
 def given_modes(table: Any, folder: File) -> tuple[GivenStructure | None, tuple[Complaint, ...]]:
-    """The structure that a table declares (None: it cannot be made), and every complaint about it."""
-    values = {key: getattr(table, key) for key in KEYS}
-    return _given(json.dumps([values, sources(table, folder)], sort_keys=True), folder)
+    """Structure that [modes] declares (None: it cannot be made), and every complaint about it."""
+    return given(ModesReading, table, files_of(table), folder)
 
 
-@lru_cache(maxsize=KEPT)
-def _given(said: str, folder: File) -> tuple[GivenStructure | None, tuple[Complaint, ...]]:
-    values, _ = json.loads(said)
-    made = _Reading(values, folder)
-    structure = made.structure()
-    if structure is None or made.complaints:
-        return None, tuple(made.complaints)
-    return GivenStructure(
-        sha256(said.encode()).hexdigest(), "modes", structure, carried=values["moving_mass"]
-    ), ()  # fmt: skip
+class ModesReading(StructureReading):
+    """Reading of modes, and of the shapes at places."""
 
-
-@dataclass
-class _Reading:
-    values: Mapping[str, Any]
-    folder: File
-    complaints: list[Complaint] = field(default_factory=list)
+    kind = "modes"
+    keys = KEYS
 
     def structure(self) -> Structure | None:
-        """The structure; None where there are complaints that leave none."""
+        """As ``StructureReading.structure``."""
+        self.carried = self.values["moving_mass"]
         file = self._file()
         frequency = self._each("frequency", None if file is None else file.frequency)
         if frequency is None:
@@ -72,15 +49,12 @@ class _Reading:
             return None
         if not mass.all():
             said = "its modes have no modal mass, so that their shapes have no scale"
-            self._complain("modal_mass", f'missing ({said}): write modal_mass = "1 kg" if they are mass-normalised')
+            self.complain("modal_mass", f'missing ({said}): write modal_mass = "1 kg" if they are mass-normalised')
             return None
         rows = self._rows(file, mass)
         self._carries(rows)
         whole = "contact" in rows and ("base" in rows or "force" in rows)
         return _made(frequency, damping, rows) if whole and not self.complaints else None
-
-    def _complain(self, key: str, message: str) -> None:
-        self.complaints.append((("modes", *key.split(".")), message))
 
     def _file(self) -> FileModes | None:
         if self.values["file"] is None:
@@ -88,7 +62,7 @@ class _Reading:
         try:
             return read_modes(self.folder / self.values["file"])
         except FormatError as error:
-            self._complain("file", f"{file_name(self.values['file'])}: {error}")
+            self.complain("file", f"{file_name(self.values['file'])}: {error}")
             return None
 
     def _each(self, key: str, known: Array | None, count: int | None = None) -> Array | None:
@@ -96,28 +70,26 @@ class _Reading:
         said = self.values[key]
         if said is None:
             if known is None and self.values["file"] is None:
-                self._complain(key, f"missing: write {key} = [{EXAMPLES[key]}], one for each mode")
+                self.complain(key, f"missing: write {key} = [{EXAMPLES[key]}], one for each mode")
             return known
         numbers = np.array(said, dtype=float)
         wanted = count if known is None else len(known)
         if wanted is not None and len(numbers) not in ((1, wanted) if key != "frequency" else (wanted,)):
-            self._complain(key, f"{len(numbers)} numbers for {wanted} modes")
+            self.complain(key, f"{len(numbers)} numbers for {wanted} modes")
             return None
         return numbers if wanted is None else np.broadcast_to(numbers, (wanted,))
 
     def _rows(self, file: FileModes | None, mass: Array) -> dict[str, Array]:
-        said = {key: self.values[key] for key in ROWS if self.values[key] is not None}
-        said |= {f"outputs.{name}": row for name, row in (self.values["outputs"] or {}).items()}
         found = {}
-        for key, each in said.items():
+        for key, each in self.rows_said().items():
             try:
                 row = self._row(each, file, len(mass))
             except ValueError as error:
-                self._complain(key, str(error))
+                self.complain(key, str(error))
                 continue
             found[key] = row / np.sqrt(mass)
             if not row.any():
-                self._complain(key, "reads nothing: all of its values are 0")
+                self.complain(key, "reads nothing: all of its values are 0")
         return found
 
     def _row(self, said: Sequence[Any], file: FileModes | None, count: int) -> Array:
@@ -130,7 +102,7 @@ class _Reading:
     def _carries(self, rows: Mapping[str, Array]) -> None:
         carried = self.values["moving_mass"]
         if carried is not None and "base" in rows and carried < (least := float(rows["base"] @ rows["base"])):
-            self._complain("moving_mass", f"{carried:g} kg is less than the modes move by themselves, {least:.4g} kg")
+            self.complain("moving_mass", f"{carried:g} kg is less than the modes move by themselves, {least:.4g} kg")
 
 
 EXAMPLES = {"frequency": '"… Hz", "… Hz"', "damping_ratio": "…, …", "modal_mass": '"… kg"'}
@@ -150,8 +122,7 @@ def _at(file: FileModes | None, term: Mapping[str, Any]) -> Array:
 def _made(frequency: Array, damping: Array, rows: Mapping[str, Array]) -> Structure:
     """M = I, C = diag(2ζω), K = diag(ω²)."""
     omega = 2 * np.pi * frequency
-    outputs = {"sensor": rows.get("sensor", rows["contact"])}
-    outputs |= {key.partition(".")[2]: row for key, row in rows.items() if key.startswith("outputs.")}
+    outputs = outputs_of(rows)
     return Structure(
         M=np.eye(len(omega)),
         C=np.diag(2 * damping * omega),

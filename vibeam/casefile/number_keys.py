@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from vibeam.case.plans import FitKey, FitPlan, Uncertain
 from vibeam.casefile.fidelity_changes import field_at
-from vibeam.casefile.fields import OneOrSeveral, Quantity, Range, Several
+from vibeam.casefile.fields import OneOrSeveral, Quantity, Several
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.quantities import RATIO, to_si, with_unit
+from vibeam.casefile.quantities import RATIO, Range, to_si, with_unit
 from vibeam.casefile.tables.studies import FitTable
 from vibeam.casefile.tables.table import not_there
 from vibeam.casefile.toml import key_parts

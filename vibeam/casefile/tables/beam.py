@@ -9,7 +9,8 @@ from typing import Annotated, Any
 
 from vibeam.case.plans import MOST_ELEMENTS
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import POSITIVE, Count, Quantity, Range, Several, Word
+from vibeam.casefile.fields import Count, Quantity, Several, Word
+from vibeam.casefile.quantities import POSITIVE, Range
 from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks

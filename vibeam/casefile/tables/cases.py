@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import settings
-from vibeam.casefile.fields import POSITIVE, TEXT, Each, Quantity, Word
-from vibeam.casefile.quantities import UNIT_SYSTEMS
+from vibeam.casefile.fields import TEXT, Each, Quantity, Word
+from vibeam.casefile.quantities import POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
 from vibeam.casefile.tables.effects import effect_tables, with_effects

@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import flat
-from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Count, Each, OneOrSeveral, Quantity, Several
+from vibeam.casefile.fields import Count, Each, OneOrSeveral, Quantity, Several
+from vibeam.casefile.quantities import NOT_NEGATIVE, POSITIVE
 from vibeam.casefile.tables.table import Frequency, Place, Ratio, Table, key
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.figures import FIGURES

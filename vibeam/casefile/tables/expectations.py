@@ -10,9 +10,9 @@ from typing import Any
 
 from vibeam.case.plans import EXTENTS, Direction, Expectation, MeasuredNumber, ResultNumber
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import ANY, NUMBER_WITH_UNIT, POSITIVE, Entry, Range, Word
+from vibeam.casefile.fields import Entry, Word
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.quantities import SI, Dimension, UnitSystem
+from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE, SI, Dimension, Range, UnitSystem
 from vibeam.casefile.tables.outputs import of_displacement, quantity_named
 from vibeam.casefile.tables.table import NAME, QUANTITIES, named_fidelity, plan_keys, plan_of, table
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest

@@ -9,8 +9,9 @@ from typing import Annotated, Any
 
 from vibeam.case.plans import FigurePlan, ShowPlan
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import POSITIVE, Count, Quantity, Several, Word, names
+from vibeam.casefile.fields import Count, Quantity, Several, Word, names
 from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.quantities import POSITIVE
 from vibeam.casefile.tables.outputs import OUTPUT_NAME, shown_output
 from vibeam.casefile.tables.table import (
     QUANTITIES,

@@ -8,8 +8,8 @@ from types import SimpleNamespace
 from typing import Annotated, Any
 
 from vibeam.casefile.field_tables import MATRIX_FILE, ROWS, SHAPE, SHAPES, row
-from vibeam.casefile.fields import POSITIVE, TEXT, Quantity, Several, Word
-from vibeam.casefile.quantities import MASS, UNIT_SYSTEMS
+from vibeam.casefile.fields import TEXT, Quantity, Several, Word
+from vibeam.casefile.quantities import MASS, POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import damping_checks
 from vibeam.casefile.tables.drive import MOTIONS, DriveTable, drive_checks, list_checks
 from vibeam.casefile.tables.effects import effect_checks, platform_output
@@ -20,9 +20,37 @@ from vibeam.casefile.tables.table import NAME, Frequency, Ratio, Table, key, les
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.figures import FIGURES
+from vibeam_models.given import GivenStructure
 
 OWN = ("sensor", "contact", "platform")  # outputs that no row of one's own is called
 OF_BEAM = ("gain", "moment", "at")  # keys of a beam's drive
+
+
+def given_structure(case: Any, folder: File) -> tuple[GivenStructure | None, tuple[Complaint, ...]]:
+    """The structure of a case (None: it cannot be made), and every complaint about it."""
+    if case.kind == "modes":
+        from vibeam.casefile.modes import given_modes
+
+        return given_modes(case.modes, folder)
+    from vibeam.casefile.matrices import given_matrices
+
+    return given_matrices(case.matrices, folder)
+
+
+def most_modes(case: Any, folder: File) -> tuple[int, str]:
+    """Number of modes, as many as coordinates, and what gives it."""
+    found = given_structure(case, folder)[0]
+    gives = {"matrices": "the matrices give", "modes": "[modes] gives"}[case.kind]
+    return (0 if found is None else found.structure.size), gives
+
+
+def sources(case: Any, folder: File) -> dict[str, str]:
+    """The files of a case and what they hold."""
+    from vibeam.casefile import matrices, modes
+    from vibeam.casefile.coordinates import digests
+
+    module = modes if case.kind == "modes" else matrices
+    return digests(module.files_of(getattr(case, case.kind)), folder)
 
 
 def given_rules(case: SimpleNamespace, kind: str) -> Iterator[Complaint]:
@@ -67,9 +95,9 @@ def _moved(case: SimpleNamespace, kind: str) -> Iterator[Complaint]:
         yield from drive_checks(case)
 
 
-def given_output(case: SimpleNamespace, path: KeyPath, output: str | None, kind: str) -> Iterator[Complaint]:
-    """A complaint where a motion is asked for that [``kind``] does not name."""
-    known = [*OWN, *(getattr(case, kind).outputs or {})]
+def given_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
+    """A complaint where a motion is asked for that the table of the structure does not name."""
+    known = [*OWN, *(getattr(case, case.kind).outputs or {})]
     if output is not None and output not in known:
         yield path, f"{as_shown_in_message(output)} is no output; {suggest(output, known)}"
     else:
@@ -119,9 +147,7 @@ def matrices_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         yield ("matrices", "damping_matrix"), "the damping is said twice: keep the matrix, or damping and damping_ratio"
     if table.units is None:
         yield ("matrices", "units"), f"missing (of length, force, time, mass): write units = {_SYSTEMS}"
-    from vibeam.casefile.matrices import given_matrices
-
-    given, complaints = given_matrices(table, folder)
+    given, complaints = given_structure(case, folder)
     yield from complaints
     yield from given_rules(case, "matrices")
     size = 0 if given is None else given.structure.size
@@ -129,26 +155,6 @@ def matrices_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         if fidelity.reduction == "full":
             said = f"the shapes of all {size} modes are {8e-9 * size**2:.1f} GB and their eigenproblem takes hours"
             yield ("fidelity", name, "reduction"), f'{said}: write reduction = "modal", modes = 20'
-
-
-def matrices_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
-    """A complaint where a motion is asked for that the case does not name."""
-    yield from given_output(case, path, output, "matrices")
-
-
-def matrices_modes(case: Any, folder: File) -> tuple[int, str]:
-    """Number of modes: as many as coordinates."""
-    from vibeam.casefile.matrices import given_matrices
-
-    found = given_matrices(case.matrices, folder)[0]
-    return (0 if found is None else found.structure.size), "the matrices give"
-
-
-def matrices_sources(case: Any, folder: File) -> dict[str, str]:
-    """The files of a case and what they hold."""
-    from vibeam.casefile.matrices import sources
-
-    return sources(case.matrices, folder)
 
 
 class MatricesTable(Table):
@@ -194,33 +200,11 @@ class MatricesTable(Table):
 
 def modes_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     """Complaints about the modes, the drive, and the mass that a platform carries."""
-    from vibeam.casefile.modes import given_modes
-
-    yield from given_modes(case.modes, folder)[1]
+    yield from given_structure(case, folder)[1]
     yield from given_rules(case, "modes")
     if case.platform is not None and case.platform.coupling == "two-way" and case.modes.moving_mass is None:
         said = "the mass that a platform carries is more than that of so many modes"
         yield ("modes", "moving_mass"), f'missing ({said}): write moving_mass = "3 kg"'
-
-
-def modes_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
-    """A complaint where a motion is asked for that the case does not name."""
-    yield from given_output(case, path, output, "modes")
-
-
-def modes_count(case: Any, folder: File) -> tuple[int, str]:
-    """Number of modes."""
-    from vibeam.casefile.modes import given_modes
-
-    found = given_modes(case.modes, folder)[0]
-    return (0 if found is None else found.structure.size), "[modes] gives"
-
-
-def modes_sources(case: Any, folder: File) -> dict[str, str]:
-    """The file of a case and what it holds."""
-    from vibeam.casefile.modes import sources
-
-    return sources(case.modes, folder)
 
 
 class ModesTable(Table):

@@ -100,7 +100,7 @@ def _near(case: SimpleNamespace, on: str, length: float) -> Iterator[Complaint]:
 
 
 def _nodes(case: SimpleNamespace, on: str) -> Iterator[tuple[KeyPath, float | None]]:
-    """Where the section, the support or what is carried changes."""
+    """Places where the section, the support or what is carried changes."""
     for name in ("section", "plate"):
         for index, each in enumerate(getattr(case, name) or ()):
             if each.on == on:

@@ -11,7 +11,8 @@ from pydantic import Field
 from vibeam.case.grid_keys import STARTS, MapPlan
 from vibeam.case.plans import MOST_POINTS
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import POSITIVE, TEXT, Count, Quantity, ValueEntry, names
+from vibeam.casefile.fields import TEXT, Count, Quantity, ValueEntry, names
+from vibeam.casefile.quantities import POSITIVE
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
 from vibeam.casefile.tables.table import Table, key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath
@@ -101,7 +102,7 @@ def picture_complaints(case: SimpleNamespace, path: KeyPath, table: SimpleNamesp
 
 
 def direction_of(table: Any, keys: list[str], swept: str | None) -> str:
-    """Which way the last axis is swept: as said, else apart where motions have starts of their own, else the sweep's.
+    """Way of the last axis: as said, else apart where motions have starts of their own, else the sweep's.
 
     Along a key that changes the modes nothing can be carried: also apart.
     """

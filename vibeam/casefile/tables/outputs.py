@@ -7,7 +7,8 @@ from types import SimpleNamespace
 from typing import Annotated, Any
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import FLAG, NOT_NEGATIVE, TEXT, Quantity, ValueEntry, Word
+from vibeam.casefile.fields import FLAG, TEXT, Quantity, ValueEntry, Word
+from vibeam.casefile.quantities import NOT_NEGATIVE
 from vibeam.casefile.tables.effects import platform_output
 from vibeam.casefile.tables.table import NAME, OUTPUTS, Table, key
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggestion
@@ -108,7 +109,7 @@ def beam_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Ite
 
 
 def quantity_named(case: Any, output: str | None) -> OutputQuantity:
-    """What an output of a case reads, by its name; a displacement where it is none of [output.NAME]."""
+    """Quantity that an output of a case reads, by its name; a displacement where it is none of [output.NAME]."""
     table = (getattr(case, "output", None) or {}).get(output)
     return OUTPUT_QUANTITIES[(table and table.quantity) or DISPLACEMENT.name]
 

@@ -9,19 +9,8 @@ from typing import Annotated, Any, cast
 
 from vibeam.case.plans import DIRECTIONS, Direction, Reference
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import (
-    ANY,
-    FLAG,
-    NUMBER_WITH_UNIT,
-    POSITIVE,
-    TEXT,
-    JsonSchema,
-    Quantity,
-    Several,
-    ValueEntry,
-    Word,
-)
-from vibeam.casefile.quantities import RATIO
+from vibeam.casefile.fields import FLAG, TEXT, JsonSchema, Quantity, Several, ValueEntry, Word
+from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE, RATIO
 from vibeam.casefile.tables.expectations import Amount, AmountEntry, si_unit, swept_checks
 from vibeam.casefile.tables.table import QUANTITIES, Frequency, Table, key, named_fidelity
 from vibeam.exchange.curves.record import QUANTITIES as OF_CURVES

@@ -11,9 +11,9 @@ from pydantic import Field
 
 from vibeam.case.plans import DIRECTIONS, MOST_ELEMENTS, MOST_POINTS
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
-from vibeam.casefile.fields import NOT_NEGATIVE, TEXT, Count, Quantity, Several, Word, names
+from vibeam.casefile.fields import TEXT, Count, Quantity, Several, Word, names
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.quantities import FREQUENCY
+from vibeam.casefile.quantities import FREQUENCY, NOT_NEGATIVE
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
 from vibeam.casefile.tables.table import Frequency, Periods, Table, content, key
 from vibeam.exchange.faults import Complaint, KeyPath

@@ -15,19 +15,8 @@ from pydantic.fields import FieldInfo
 
 from vibeam.case.plans import MOST_POINTS
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import (
-    FLAG,
-    NOT_NEGATIVE,
-    POSITIVE,
-    TEXT,
-    Count,
-    Each,
-    Entry,
-    Quantity,
-    Range,
-    Several,
-    Word,
-)
+from vibeam.casefile.fields import FLAG, TEXT, Count, Each, Entry, Quantity, Several, Word
+from vibeam.casefile.quantities import NOT_NEGATIVE, POSITIVE, Range
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam_models.keys import Key, defaults_of, keys_of
 
