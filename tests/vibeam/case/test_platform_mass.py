@@ -32,13 +32,7 @@ def upper(platform: float, **settings: object) -> float:
 
 @pytest.mark.parametrize(
     ("frequency", "mass", "settings"),
-    [
-        (8.125, 1.8, ACCELEROMETER),
-        (7.875, 3.4, ACCELEROMETER),
-        (7.875, 3.5, {}),
-        (7.625, 35.4, {}),
-        (7.65, 18.7, {}),
-    ],
+    [(8.125, 1.8, ACCELEROMETER), (7.875, 3.4, ACCELEROMETER), (7.875, 3.5, {}), (7.625, 35.4, {}), (7.65, 18.7, {})],
 )
 def test_a_frequency_bounds_the_platforms_mass(frequency: float, mass: float, settings: dict[str, object]) -> None:
     assert brentq(lambda each: upper(each, **settings) - frequency, 1.0, 100.0, xtol=1e-3) == pytest.approx(

@@ -76,7 +76,7 @@ WRONG = [
     (
         'width = "20 mm"\n',
         "",
-        "2: beam.width: missing (width of the section): write width = \"… mm\"",
+        "2: beam.width: missing (width of the section): write width = \"… mm\""
     ),
     ('[sensor]\nposition = "100 mm"\n', "", " sensor: the table is missing: add [sensor]"),
     ('[fidelity.sdof]\nreduction = "static_mode"\n', "", " fidelity: the table is missing: add [fidelity.NAME]"),
@@ -154,7 +154,7 @@ def test_one_fault_is_one_line_with_its_place_and_cure(right, wrong, message):
             '"amplitude"',
             '"amplitud"',
             "31: reference.exact.quantity: 'amplitud' is not one of \"amplitude\" | \"reach\" | \"maximum\" | \"minimum\""
-            " | \"impact_velocity\" | \"impacts_per_period\" | \"period\"; did you mean 'amplitude'?",
+            " | \"impact_velocity\" | \"impacts_per_period\" | \"period\"; did you mean 'amplitude'?"
         ),
         ('"1 %"', '"1 mm"', "32: reference.exact.tolerance: '1 mm' is a length, not a plain number"),
         ('"1 %"', '"1 %"\ndirection = "up"', "33: reference.exact.direction: \"up\" is not swept: sweep.direction is \"down\""),
@@ -270,24 +270,7 @@ def test_an_entry_of_a_list_of_tables_is_set_by_its_index():
         ("a = 1\n".encode("utf-16"), ": is UTF-16 text: save it as UTF-8"),
         (b'a = "\0"\n', ":1: not TOML at column 6: Illegal character '\\x00'"),
     ],
-    ids=[
-        "empty",
-        "comment",
-        "binary",
-        "large",
-        "syntax",
-        "twice",
-        "cut",
-        "deep",
-        "digits",
-        "parts",
-        "many",
-        "quoted",
-        "lists",
-        "inline",
-        "utf-16",
-        "nul",
-    ],
+    ids=range(16),
 )
 def test_what_is_no_case_at_all(tmp_path, content, message):
     file = tmp_path / "mine.toml"
@@ -371,16 +354,16 @@ def test_a_case_with_a_piece_replaced_is_a_case_or_a_case_error(data):
     survives(text[:start] + piece + text[start + data.draw(st.integers(0, 12)) :])
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        (".", "'.' is a folder, not a file"),
-        ("pipe.csv", "'pipe.csv' is not a regular file"),
-        ("/dev/zero", "'/dev/zero' is not a regular file"),
-        ("vast.csv", "'vast.csv' has 6000 MB; such a file may have 100 MB at most"),
-        ("a\x1b.csv", "no file 'a\\x1b.csv' in the case file's folder"),
-    ],
-)
+REFUSED = [
+    (".", "'.' is a folder, not a file"),
+    ("pipe.csv", "'pipe.csv' is not a regular file"),
+    ("/dev/zero", "'/dev/zero' is not a regular file"),
+    ("vast.csv", "'vast.csv' has 6000 MB; such a file may have 100 MB at most"),
+    ("a\x1b.csv", "no file 'a\\x1b.csv' in the case file's folder"),
+]
+
+
+@pytest.mark.parametrize(("name", "message"), REFUSED)
 def test_a_reference_that_is_no_table_is_refused_before_anything_runs(tmp_path, name, message):
     os.mkfifo(tmp_path / "pipe.csv")
     with (tmp_path / "vast.csv").open("wb") as file:
@@ -398,27 +381,29 @@ values = st.recursive(
 )
 KEYS = [
     ".".join(["set"] * 500),
-    "beam.length",
-    "beam.damping",
-    "beam.damping_ratio",
-    "beam.elements",
-    "stop.gap",
-    "sensor.position",
-    "drive.gain",
-    "beam",
-    "drive",
-    "drive.amplitude",
-    "sweep",
-    "sweep.frequency",
-    "sweep.frequency.to",
-    "fidelity",
-    "reference",
-    "fidelity.sdof",
-    "fidelity.sdof.modes",
-    "reference.exact.file",
-    "added_mass",
-    "added_mass.0",
-    "sdof",
+    *[
+        "beam.length",
+        "beam.damping",
+        "beam.damping_ratio",
+        "beam.elements",
+        "stop.gap",
+        "sensor.position",
+        "drive.gain",
+        "beam",
+        "drive",
+        "drive.amplitude",
+        "sweep",
+        "sweep.frequency",
+        "sweep.frequency.to",
+        "fidelity",
+        "reference",
+        "fidelity.sdof",
+        "fidelity.sdof.modes",
+        "reference.exact.file",
+        "added_mass",
+        "added_mass.0",
+        "sdof",
+    ],
 ]
 keys = st.sampled_from(KEYS)
 

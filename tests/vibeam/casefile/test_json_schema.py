@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import pytest
 from jsonschema import Draft202012Validator
 
 from vibeam.casefile.documentation import case_schema, reference_table, template
@@ -28,9 +27,10 @@ def test_it_is_a_schema_that_json_can_hold() -> None:
     assert json.loads(json.dumps(SCHEMA, allow_nan=False)) == SCHEMA
 
 
-@pytest.mark.parametrize("file", CASES, ids=lambda file: file.stem)
-def test_every_case_fits_it(file: Path) -> None:
-    VALIDATOR.validate(tomllib.loads(file.read_text(encoding="utf-8")))
+def test_every_case_fits_it() -> None:
+    faults = {file.stem: [*VALIDATOR.iter_errors(tomllib.loads(file.read_text(encoding="utf-8")))] for file in CASES}
+    assert len(faults) > 50
+    assert {stem: found for stem, found in faults.items() if found} == {}
 
 
 def test_the_template_fits_it_with_and_without_what_is_optional() -> None:
@@ -42,39 +42,26 @@ def test_the_template_fits_it_with_and_without_what_is_optional() -> None:
     VALIDATOR.validate(whole)
 
 
-@pytest.mark.parametrize(
-    ("path", "value"),
-    [
-        ("beam.length", "long"),
-        ("beam.length", -1),
-        ("beam.length", True),
-        ("beam.lenght", 1),
-        ("beam.elements", 0),
-        ("beam.elements", 1.5),
-        ("beam.damping", "none"),
-        ("beam.damping", []),
-        ("stop.restitution", 1.5),
-        ("stop.law", "hooke"),
-        ("sweep.frequency", "14 Hz"),
-        ("sweep.frequency.points", "many"),
-        ("fidelity.sdof.solver", "ode"),
-        ("fidelity.sdof.set", {}),
-        ("fidelity.sdof.without", ["stop.gap", "stop.gap"]),
-        ("expect", {"a": {"fidelity": "sdof"}}),
-        ("measured", {"a": {"fidelity": "sdof", "quantity": "peak", "value": "1 mm"}}),
-        ("cost", {"solvers": []}),
-        ("sdof", {"natural_frequency": 1}),
-        ("title", None),
-    ],
-)
-def test_what_is_no_case_does_not_fit(path: str, value: Any) -> None:
-    tables = case()
-    *above, last = path.split(".")
-    place = tables
-    for name in above:
-        place = place[name]
-    place[last] = value
-    assert not VALIDATOR.is_valid(tables)
+WRONG = (
+    ("beam.length", "long"), ("beam.length", -1), ("beam.length", True), ("beam.lenght", 1), ("beam.elements", 0),
+    ("beam.elements", 1.5), ("beam.damping", "none"), ("beam.damping", []), ("stop.restitution", 1.5),
+    ("stop.law", "hooke"), ("sweep.frequency", "14 Hz"), ("sweep.frequency.points", "many"),
+    ("fidelity.sdof.solver", "ode"), ("fidelity.sdof.set", {}),
+    ("fidelity.sdof.without", ["stop.gap", "stop.gap"]), ("expect", {"a": {"fidelity": "sdof"}}),
+    ("measured", {"a": {"fidelity": "sdof", "quantity": "peak", "value": "1 mm"}}), ("cost", {"solvers": []}),
+    ("sdof", {"natural_frequency": 1}), ("title", None),
+)  # fmt: skip
+
+
+def test_what_is_no_case_does_not_fit() -> None:
+    for path, value in WRONG:
+        tables = case()
+        *above, last = path.split(".")
+        place = tables
+        for name in above:
+            place = place[name]
+        place[last] = value
+        assert not VALIDATOR.is_valid(tables), (path, value)
 
 
 def explained_in(part: Any) -> Iterator[tuple[str, str | None]]:

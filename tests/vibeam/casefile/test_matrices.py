@@ -111,7 +111,7 @@ def test_an_exported_beam_gives_the_same_response(ending: str, tmp_path: Path) -
     amplitudes = [
         vibeam.sweep(
             each.system("two_modes"), omega=2 * np.pi * case.sweep.frequency, amplitude=case.base_amplitude, settle=20,
-            hold=10, output="sensor",
+            hold=10, output="sensor"
         ).amplitude
         for each in (own, case)
     ]  # fmt: skip
@@ -394,11 +394,7 @@ OF_KEYS = [
     ('base = "all"', 'base = "all"\nforce = 1', "8: matrices.force: the drive is said twice"),
     ("sensor = 1", "sensor = 1\noutputs = { contact = 1 }", "7: matrices.outputs.contact: must be letters"),
     ("damping_ratio = 0.01\n", "", "1: matrices.damping_ratio: missing"),
-    (
-        "damping_ratio",
-        'damping_matrix = "M.mtx"\ndamping_ratio',
-        "4: matrices.damping_matrix: the damping is said",
-    ),
+    ("damping_ratio", 'damping_matrix = "M.mtx"\ndamping_ratio', "4: matrices.damping_matrix: the damping is said"),
     ('"SI"', '"mm"', "8: matrices.units: 'mm' is not one of"),
     ('units = "SI"\n', "", '1: matrices.units: missing (of length, force, time, mass): write units = "SI" or "'),
     ("[stop]", "[gravity]\n[stop]", "10: gravity: [gravity] and [matrices] do not go together: keep [matrices]"),

@@ -136,7 +136,7 @@ OF_KEYS = [
     ("contact = [0.7, 0.5, -0.2]\n", "", "1: modes.contact: missing"),
     (
         "contact = [0.7, 0.5, -0.2]", 'contact = { node = 1, direction = "x" }',
-        "4: modes.contact: a node and its direction are of a file",
+        "4: modes.contact: a node and its direction are of a file"
     ),
     ("[0.01, 0.02, 0.03]", "[0.01, 0.02]", "3: modes.damping_ratio: 2 numbers for 3 modes"),
     ("damping_ratio = [0.01, 0.02, 0.03]\n", "", "1: modes.damping_ratio: missing: write damping_ratio = […"),

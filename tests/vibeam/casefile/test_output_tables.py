@@ -183,33 +183,33 @@ def _without_references(path: Path) -> Path:
         ({"output.gauge.absolute": True}, 'output.gauge.absolute: goes with quantity = "acceleration" alone'),
         (
             {"plate": [{"start": 0, "end": "20 mm", "width": "20 mm", "thickness": "1 mm", "mass": "3 g"}]},
-            'output.gauge.distance: missing (a plate is bonded there): write distance = "0.5 mm"',
+            'output.gauge.distance: missing (a plate is bonded there): write distance = "0.5 mm"'
         ),
         (
             {"section": [{"start": 0, "end": "20 mm", "shape": "general", "area": 2e-5, "second_moment": 2e-12}]},
-            'output.gauge.distance: missing (shape = "general" has no height): write distance',
+            'output.gauge.distance: missing (shape = "general" has no height): write distance'
         ),
         (
             {"sweep.output": "speed", "fidelity.sdof.solver": "averaging"},
-            'fidelity.sdof.solver: "averaging" reads no velocity, which sweep.output "speed" is: write "flight" or',
+            'fidelity.sdof.solver: "averaging" reads no velocity, which sweep.output "speed" is: write "flight" or'
         ),
         (
             {"sweep.output": "speed", "stop.law": "hertz", "stop.stiffness": "1e7 N/m^1.5", "stop.restitution": None,
              "stop.restitution_of": None},
-            'sweep.output: the velocity in the contacts of stop.law = "hertz" is not read',
+            'sweep.output: the velocity in the contacts of stop.law = "hertz" is not read'
         ),
         (
             {"show.a.kind": "section", "show.a.frequency": "15 Hz", "show.a.output": "speed"},
-            'show.a.output: kind = "section" shows no velocity, which "speed" is: write output = "sensor"',
+            'show.a.output: kind = "section" shows no velocity, which "speed" is: write output = "sensor"'
         ),
         (
             {"sweep.output": "speed", "show.a.kind": "curve", "show.a.quantity": "output_reach"},
-            'show.a.quantity: "output_reach" is of a displacement, sweep.output "speed" is of the quantity velocity',
+            'show.a.quantity: "output_reach" is of a displacement, sweep.output "speed" is of the quantity velocity'
         ),
         (
             {"sweep.output": "speed", "measured.a.fidelity": "sdof", "measured.a.quantity": "amplitude",
              "measured.a.frequency": "15 Hz", "measured.a.value": "1 mm", "measured.a.source": "x"},
-            'measured.a.value: a length, but "amplitude" is a speed',
+            'measured.a.value: a length, but "amplitude" is a speed'
         ),
     ],
 )  # fmt: skip

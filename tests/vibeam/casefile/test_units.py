@@ -57,11 +57,7 @@ def test_a_quantity_in_si(value, kind, expected):
         ("180 kg", units.LENGTH, "'180 kg' is a mass, not a length"),
         ("3 s", units.FREQUENCY, "'3 s' is a time, not a frequency"),
         ("3 Hz", units.LENGTH, "'3 Hz' is a frequency, not a length"),
-        (
-            "3 1/s",
-            units.FREQUENCY,
-            "'3 1/s' is a quantity of dimension time^-1, not a frequency: write Hz or rad/s",
-        ),
+        ("3 1/s", units.FREQUENCY, "'3 1/s' is a quantity of dimension time^-1, not a frequency: write Hz or rad/s"),
         ("5 %", units.LENGTH, "'5 %' is a plain number, not a length"),
         ("5 mm", units.RATIO, "'5 mm' is a length, not a plain number"),
         ("5 m/s", units.LENGTH, "'5 m/s' is a speed, not a length"),
