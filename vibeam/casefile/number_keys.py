@@ -173,13 +173,14 @@ def _reference(case: SimpleNamespace, path: Any, name: str) -> Iterator[Complain
         yield path, f"{told}: a fit takes {', '.join(READ_OFF)}"
 
 
-def plan_of(table: FitTable, case: Any) -> FitPlan:
-    """The plan of a checked table."""
-    names = table.references or tuple(
-        name for name, each in case.reference.items() if each.quantity in (*READ_OFF, None)
-    )
-    keys = tuple(read_key(name, bounds, KINDS[case.kind].declaration(), case) for name, bounds in table.keys.items())
-    return FitPlan(keys, tuple(names), table.unstable or ())
+def fit_plan(case: Any) -> FitPlan | None:
+    """The plan of [fit] of a checked case; None where it has none."""
+    if case.fit is None:
+        return None
+    usual = (name for name, each in case.reference.items() if each.quantity in (*READ_OFF, None))
+    model = KINDS[case.kind].declaration()
+    keys = tuple(read_key(name, bounds, model, case) for name, bounds in case.fit.keys.items())
+    return FitPlan(keys, tuple(case.fit.references or usual), case.fit.unstable or ())
 
 
 def read_key(name: str, bounds: Any, model: Any, case: Any) -> FitKey:
