@@ -303,5 +303,5 @@ class ShowPlan:
         "Hz", "of ringing: where it is looked for; modes below two thirds of it are taken off", "101 Hz", None, above=0,
         written=False,
     )  # fmt: skip
-    own: Mapping[str, Any] = field(default_factory=dict)
+    own: Mapping[str, Any] = field(default_factory=dict, hash=False)
     format: tuple[str, ...] = ()
