@@ -37,8 +37,13 @@ def axis_faults(keys: Sequence[str], carried: bool, frequency: float | None, ran
         found.append(("frequency", f'missing where {FREQUENCY} is no axis: write frequency = "15.3 Hz"'))
     given = [key for key in keys if key in STARTS]
     if carried and keys and is_structural(keys[-1]):
-        found.append((keys[-1], 'changes the modes, so no state is carried along it: put another axis last, or write '
-                      'direction = "apart"'))  # fmt: skip
+        found.append(
+            (
+                keys[-1],
+                "changes the modes, so no state is carried along it: put another axis last, or write "
+                'direction = "apart"',
+            )
+        )
     if carried and (given or random):
         what = given[0] if given else "starts"
         found.append((what, 'where each motion has a start of its own none is carried: write direction = "apart"'))
@@ -50,9 +55,17 @@ def axis_faults(keys: Sequence[str], carried: bool, frequency: float | None, ran
 RUNS = ("up", "down", "both", "apart")
 STROBES = 32  # of a bifurcation diagram that does not say
 READ = (
-    "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "period", "rest", "energy",
+    "amplitude",
+    "reach",
+    "maximum",
+    "minimum",
+    "impacts_per_period",
+    "impact_velocity",
+    "period",
+    "rest",
+    "energy",
     "lyapunov",
-)  # fmt: skip
+)
 
 PICTURES = {
     "period": "class of the motion over two axes, a panel for each value of a third",
@@ -92,8 +105,9 @@ class MapPlan:
         RUNS,
         "which way the last axis is swept, the state carried; apart = every point from its own start; absent = the "
         "sweep's, or apart where starts are given",
-        "up", None,
-    )  # fmt: skip
+        "up",
+        None,
+    )
     frequency: float | None = declare.quantity(
         "Hz", "of the drive, where sweep.frequency is no axis", "15.3 Hz", None, above=0, written=False
     )
@@ -101,27 +115,42 @@ class MapPlan:
     hold: int = declare.count(1, MOST_POINTS, "drive periods read; absent = the sweep's", 50, None)
     output: str = declare.text("the output that is read; absent = the sweep's", "contact", None, written=False)
     quantities: tuple[str, ...] = declare.word(
-        READ, "what is stored; absent = amplitude and period, and what the picture needs", ["amplitude", "period"],
-        None, several=True, written=False,
-    )  # fmt: skip
+        READ,
+        "what is stored; absent = amplitude and period, and what the picture needs",
+        ["amplitude", "period"],
+        None,
+        several=True,
+        written=False,
+    )
     quantity: str = declare.word(
         READ, 'what picture = "values" shows; absent = amplitude', "impact_velocity", None, written=False
     )
     strobes: int = declare.count(
-        1, 10_000, "values at the end of a period that are stored; absent = "
-        f"{STROBES} of a bifurcation diagram, else none", 64, None, written=False,
-    )  # fmt: skip
+        1,
+        10_000,
+        f"values at the end of a period that are stored; absent = {STROBES} of a bifurcation diagram, else none",
+        64,
+        None,
+        written=False,
+    )
     starts: int | None = declare.count(
         1, 100_000, "random starts of every point: what coexists is counted", 50, None, written=False
     )
     seed: int = declare.count(0, 2**31 - 1, "of the random starts", 1, 1, written=False)
     spread: float | None = declare.quantity(
-        "m", "how far from 0 the contact starts at random, its velocity within Ω times that", "1 mm", None, above=0,
+        "m",
+        "how far from 0 the contact starts at random, its velocity within Ω times that",
+        "1 mm",
+        None,
+        above=0,
         written=False,
-    )  # fmt: skip
+    )
     boundaries: bool = declare.declared(
         declare.Key(
-            "whether exact boundaries of motions with one impact a period are laid over, where there are any", False,
-            flag=True, written=False,
-        ), True,
-    )  # fmt: skip
+            "whether exact boundaries of motions with one impact a period are laid over, where there are any",
+            False,
+            flag=True,
+            written=False,
+        ),
+        True,
+    )

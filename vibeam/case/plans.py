@@ -41,16 +41,24 @@ class ResultNumber:
     frequency: float | None = declare.quantity(
         "Hz",
         "where, one of the sweep's (of a limit or a figure anywhere); none for the peak, the range of period 1, modes",
-        "15.3 Hz", None, above=0,
-    )  # fmt: skip
+        "15.3 Hz",
+        None,
+        above=0,
+    )
     show: str | None = declare.text(
-        "the [show.NAME] that the quantity is read off, its mean unless number chooses one", "ringing", None,
+        "the [show.NAME] that the quantity is read off, its mean unless number chooses one",
+        "ringing",
+        None,
         written=False,
-    )  # fmt: skip
+    )
     number: float | None = declare.quantity(
-        "", "number of the mode, or order of the harmonic, that is read off the figure of show", 2, None, least=0,
+        "",
+        "number of the mode, or order of the harmonic, that is read off the figure of show",
+        2,
+        None,
+        least=0,
         written=False,
-    )  # fmt: skip
+    )
     against: str | None = declare.text(
         "another fidelity: the value is then the relative difference to it", "beam", None
     )
@@ -69,13 +77,17 @@ class Expectation(ResultNumber):
 
     value: float = declare.quantity("", "the number expected, with its unit", "34 %")
     tolerance: float = declare.quantity(
-        "", "largest difference: relative to the value, or, with against or where the value is 0, of the number itself",
-        "1 %", above=0,
-    )  # fmt: skip
+        "",
+        "largest difference: relative to the value, or, with against or where the value is 0, of the number itself",
+        "1 %",
+        above=0,
+    )
     source: str = declare.text(
         "who derived the value; absent = it is an earlier result of the model, a regression value",
-        "closed form, Babitsky 1998", "", written=False,
-    )  # fmt: skip
+        "closed form, Babitsky 1998",
+        "",
+        written=False,
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,9 +165,15 @@ class CostPlan:
     """Plan of ``vibeam cost``: frequencies in Hz, ``budget`` in CPU seconds; None: the defaults."""
 
     frequency: tuple[float, ...] | None = declare.quantity(
-        "Hz", "drive frequencies; absent = nine of the sweep's", ["14 Hz", "15 Hz", "16 Hz"], None, above=0,
-        several=True, ascending=True, written=False,
-    )  # fmt: skip
+        "Hz",
+        "drive frequencies; absent = nine of the sweep's",
+        ["14 Hz", "15 Hz", "16 Hz"],
+        None,
+        above=0,
+        several=True,
+        ascending=True,
+        written=False,
+    )
     settle: int | None = declare.count(
         0, MOST_POINTS, "drive periods left out; absent = the sweep's, 100 at most", 100, None, written=False
     )
@@ -166,14 +184,20 @@ class CostPlan:
         "those compared; absent = all", ["flight", "orbit", "direct"], None, written=False
     )
     modes: tuple[int, ...] | None = declare.count(
-        1, 2 * MOST_ELEMENTS,
-        "the finest fidelity cut off after so many modes, each; absent = 1, 2, 4, 8 … below its own", [1, 2, 4, 8],
-        None, several=True, written=False,
-    )  # fmt: skip
-    reference: str | None = declare.text(
-        "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity", "exact", None,
+        1,
+        2 * MOST_ELEMENTS,
+        "the finest fidelity cut off after so many modes, each; absent = 1, 2, 4, 8 … below its own",
+        [1, 2, 4, 8],
+        None,
+        several=True,
         written=False,
-    )  # fmt: skip
+    )
+    reference: str | None = declare.text(
+        "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity",
+        "exact",
+        None,
+        written=False,
+    )
     repeats: int = declare.count(1, 1000, "how often a run is timed, where that is short", 3, 3)
     budget: float = declare.quantity("s", "CPU time of the runs compared", "60 s", 60.0, above=0)
 
@@ -189,9 +213,13 @@ class InfluencePlan:
         OF_INFLUENCE, "what must stay as it is", ["peak", "peak_frequency"], OF_INFLUENCE, several=True, written=False
     )
     frequency: float | None = declare.quantity(
-        "Hz", "where ringing and apparent restitution are read; absent = at the peak, each model's own", "15.3 Hz",
-        None, above=0, written=False,
-    )  # fmt: skip
+        "Hz",
+        "where ringing and apparent restitution are read; absent = at the peak, each model's own",
+        "15.3 Hz",
+        None,
+        above=0,
+        written=False,
+    )
     tolerance: float = declare.quantity(
         "", "relative, of the peak, the ringing and its frequency", "1 %", 0.01, above=0
     )
@@ -200,9 +228,12 @@ class InfluencePlan:
     )
     restitution_tolerance: float = declare.quantity("", "of the apparent restitution", 0.01, 0.01, above=0)
     points: int = declare.count(
-        3, MOST_POINTS,
-        "drive frequencies, of the sweep's, at most; peaks and ends are then narrowed down between them", 31, 31,
-    )  # fmt: skip
+        3,
+        MOST_POINTS,
+        "drive frequencies, of the sweep's, at most; peaks and ends are then narrowed down between them",
+        31,
+        31,
+    )
     settle: int | None = declare.count(
         0, MOST_POINTS, "drive periods left out; absent = the sweep's", 300, None, written=False
     )
@@ -300,8 +331,12 @@ class ShowPlan:
     )
     output: str = declare.text("the output that is shown; absent = the sweep's output", "contact", None, written=False)
     near: float | None = declare.quantity(
-        "Hz", "of ringing: where it is looked for; modes below two thirds of it are taken off", "101 Hz", None, above=0,
+        "Hz",
+        "of ringing: where it is looked for; modes below two thirds of it are taken off",
+        "101 Hz",
+        None,
+        above=0,
         written=False,
-    )  # fmt: skip
+    )
     own: Mapping[str, Any] = field(default_factory=dict, hash=False)
     format: tuple[str, ...] = ()

@@ -37,9 +37,10 @@ def _is_plain(value: Any) -> bool:
 
 #: names and plain values, whose meaning is another's: a solver's options
 OPTIONS = ValueEntry(
-    _options, "table { name = value, … }",
+    _options,
+    "table { name = value, … }",
     {"type": "object", "additionalProperties": {"type": ["number", "string", "boolean"]}},
-)  # fmt: skip
+)
 
 
 @dataclass(frozen=True)
@@ -221,9 +222,11 @@ _NUMBER = {"anyOf": [{"type": "number"}, {"type": "object"}]}
 
 #: one number for each mode, or places whose values in a file's shapes are added
 SHAPE = ValueEntry(
-    _shape, f"list of numbers, one for each mode | {PLACE}",
-    {"anyOf": [{"type": "object"}, {"type": "array", "items": _NUMBER, "minItems": 1}]}, _as_list,
-)  # fmt: skip
+    _shape,
+    f"list of numbers, one for each mode | {PLACE}",
+    {"anyOf": [{"type": "object"}, {"type": "array", "items": _NUMBER, "minItems": 1}]},
+    _as_list,
+)
 
 
 def _by_name(one: ValueEntry, called: str) -> ValueEntry:

@@ -199,11 +199,20 @@ def _plan(name: str, table: Any, declared: AnyCase, sweep: SweepPlan) -> MapPlan
     if table.picture == "bifurcation" and not strobes:
         strobes = min(STROBES, hold)
     return plan_of(
-        MapPlan, table, name=name, fidelities=table.fidelities or tuple(declared.fidelity), axes=tuple(axes),
-        direction=run, frequency=_frequency(declared, table, keys),
-        settle=sweep.settle if table.settle is None else table.settle, hold=hold, output=table.output or sweep.output,
-        quantities=_quantities(table, strobes), quantity=table.quantity or "amplitude", strobes=strobes,
-    )  # fmt: skip
+        MapPlan,
+        table,
+        name=name,
+        fidelities=table.fidelities or tuple(declared.fidelity),
+        axes=tuple(axes),
+        direction=run,
+        frequency=_frequency(declared, table, keys),
+        settle=sweep.settle if table.settle is None else table.settle,
+        hold=hold,
+        output=table.output or sweep.output,
+        quantities=_quantities(table, strobes),
+        quantity=table.quantity or "amplitude",
+        strobes=strobes,
+    )
 
 
 NEEDED = {

@@ -195,9 +195,16 @@ def _shows(case: AnyCase, sweep: SweepPlan, shared: Any, seen: Mapping[str, Any]
         followed = (grid, sweep.direction) if kind.of_beam and table.direction else ()
         own = {key: getattr(table, key) for key in kind.known if key not in COMMON}
         found[name] = plan_of(
-            ShowPlan, table, name=name, kind=table.kind, fidelities=fidelities, frequency=frequency,
-            key=digest(physics, content(table), fidelities, frequency, *followed), output=table.output or sweep.output,
-            settle=sweep.settle if table.settle is None else table.settle, own=own,
+            ShowPlan,
+            table,
+            name=name,
+            kind=table.kind,
+            fidelities=fidelities,
+            frequency=frequency,
+            key=digest(physics, content(table), fidelities, frequency, *followed),
+            output=table.output or sweep.output,
+            settle=sweep.settle if table.settle is None else table.settle,
+            own=own,
             format=own.get("format") or kind.formats,
-        )  # fmt: skip
+        )
     return found

@@ -121,7 +121,8 @@ def _asked(show: Any, map_: Any) -> Parts:
         "expect": (dict[str, ExpectTable], key("numbers to check against", None, {}, **LATER)),
         "measured": (dict[str, MeasuredTable], key("numbers that were measured", None, {}, **LATER)),
         "chosen_by": (
-            Annotated[Any, settings("[names]")], key(chosen, {"platform.mass": ["decay", "peak"]}, None, **LATER)
+            Annotated[Any, settings("[names]")],
+            key(chosen, {"platform.mass": ["decay", "peak"]}, None, **LATER),
         ),
         "show": (dict[str, show], key("further figures", None, {}, **LATER)),
         "map": (dict[str, map_], key("maps over keys of the case", None, {}, **LATER)),
@@ -129,7 +130,7 @@ def _asked(show: Any, map_: Any) -> Parts:
         "figure": (FigureTable, key("how figures are written", None, FigureTable(), **LATER)),
         "cost": (CostTable, key("what vibeam cost does", None, CostTable(), **LATER)),
         "fit": (FitTable | None, key(fit, None, None, **LATER)),
-    }  # fmt: skip
+    }
 
 
 def _influence() -> Parts:
@@ -141,11 +142,17 @@ def _beam() -> type[AnyCase]:
     outputs = dict[str, OutputTable] | None, key("further outputs", None, None, written=False)
     show = show_table("ShowTable", tuple(FIGURES))
     return _case(
-        "beam", "A beam on the bench.", {"beam": (with_effects("beam", BeamTable), ...), "mass": mass},
-        effect_tables("beam"), {"stop": (stop_table(), ...)},
-        {"sensor": (SensorTable, ...), "output": outputs, "drive": (DriveTable, ...)}, effect_tables("base"),
-        _measured(MeasurementTable, SweepTable, FidelityTable), _asked(show, MapTable), _influence(),
-    )  # fmt: skip
+        "beam",
+        "A beam on the bench.",
+        {"beam": (with_effects("beam", BeamTable), ...), "mass": mass},
+        effect_tables("beam"),
+        {"stop": (stop_table(), ...)},
+        {"sensor": (SensorTable, ...), "output": outputs, "drive": (DriveTable, ...)},
+        effect_tables("base"),
+        _measured(MeasurementTable, SweepTable, FidelityTable),
+        _asked(show, MapTable),
+        _influence(),
+    )
 
 
 def _sdof() -> type[AnyCase]:
@@ -155,21 +162,27 @@ def _sdof() -> type[AnyCase]:
     )
     source = Annotated[Any, TEXT], key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "", **ASIDE)
     return _case(
-        "sdof", "A single degree of freedom by itself.", {"title": title, "source": source, "sdof": (SdofTable, ...)},
+        "sdof",
+        "A single degree of freedom by itself.",
+        {"title": title, "source": source, "sdof": (SdofTable, ...)},
         {"stop": (sdof_stop_table(), ...), "drive": (SdofDriveTable, ...)},
         _measured(SdofMeasurementTable, SdofSweepTable, SdofFidelityTable),
         _asked(show_table("ShowTable", tuple(FIGURES)), SdofMapTable),
-    )  # fmt: skip
+    )
 
 
 def _given(kind: str, doc: str, own: Any) -> type[AnyCase]:
     from vibeam.casefile.tables.given import GivenDriveTable, GivenSweepTable, given_show_table, given_stop_table
 
     return _case(
-        kind, doc, {kind: (own, ...), "stop": (given_stop_table(), ...), "drive": (GivenDriveTable, ...)},
-        effect_tables("base"), _measured(MeasurementTable, GivenSweepTable, FidelityTable),
-        _asked(given_show_table(), MapTable), _influence(),
-    )  # fmt: skip
+        kind,
+        doc,
+        {kind: (own, ...), "stop": (given_stop_table(), ...), "drive": (GivenDriveTable, ...)},
+        effect_tables("base"),
+        _measured(MeasurementTable, GivenSweepTable, FidelityTable),
+        _asked(given_show_table(), MapTable),
+        _influence(),
+    )
 
 
 def _matrices() -> type[AnyCase]:

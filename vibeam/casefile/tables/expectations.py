@@ -240,15 +240,18 @@ def _reading_table(name: str, plan: type[ResultNumber], meaning: str, **entries:
 
 
 ExpectTable: Any = _reading_table(
-    "ExpectTable", Expectation,
+    "ExpectTable",
+    Expectation,
     "A number that a fidelity is checked against, by itself or against another fidelity, one table each.",
     value=AmountEntry(ANY),
-)  # fmt: skip
+)
 MeasuredTable: Any = _reading_table(
-    "MeasuredTable", MeasuredNumber,
+    "MeasuredTable",
+    MeasuredNumber,
     "A number that was measured, which the model is compared with and never judged by, one table each.",
-    value=AmountEntry(ANY), scatter=AmountEntry(POSITIVE),
-)  # fmt: skip
+    value=AmountEntry(ANY),
+    scatter=AmountEntry(POSITIVE),
+)
 
 
 def expectation(name: str, said: Any, swept: Direction) -> Expectation:
@@ -266,9 +269,15 @@ def measured_number(name: str, case: Any, swept: Direction, chose: tuple[str, ..
     """Plan of a [measured.NAME] of a case; ``chose``: the keys that the number chose."""
     said = case.measured[name]
     return plan_of(
-        MeasuredNumber, said, name=name, value=said.value.number, scatter=_absolute_scatter(said),
-        direction=said.direction or swept, unit=si_unit(case, said), chose=chose,
-    )  # fmt: skip
+        MeasuredNumber,
+        said,
+        name=name,
+        value=said.value.number,
+        scatter=_absolute_scatter(said),
+        direction=said.direction or swept,
+        unit=si_unit(case, said),
+        chose=chose,
+    )
 
 
 def _absolute_scatter(said: Any) -> float | None:

@@ -62,5 +62,7 @@ class FitTable(Table):
     )
     unstable: Annotated[tuple[str, ...] | None, Each(TEXT)] = key(
         "those of them measured by control-based continuation: their points may lie on unstable branches",
-        ["controlled"], None, written=False,
-    )  # fmt: skip
+        ["controlled"],
+        None,
+        written=False,
+    )
