@@ -107,7 +107,7 @@ class MeasuredNumber(ResultNumber):
     chose: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SweepPlan:
     """Sweep: ``frequency`` in Hz, ascending, shape (points,); ``settle`` and ``hold`` in drive periods.
 
@@ -115,10 +115,12 @@ class SweepPlan:
     """
 
     frequency: NDArray[np.float64]
-    direction: Direction
-    settle: int
-    hold: int
-    output: str
+    direction: Literal["up", "down", "both"] = declare.word(
+        DIRECTIONS, "which way the frequencies are run", "both", "both"
+    )
+    settle: int = declare.count(0, MOST_POINTS, "drive periods left out before the reading", 300)
+    hold: int = declare.count(1, MOST_POINTS, "drive periods read", 50)
+    output: str = declare.text("the output that is read", "sensor", "sensor")
 
 
 @dataclass(frozen=True)
@@ -280,9 +282,20 @@ class FitKey:
 class FitPlan:
     """Plan of ``vibeam fit``: estimated keys, the references by name, those with points on unstable branches."""
 
-    keys: tuple[FitKey, ...]
-    references: tuple[str, ...]
-    unstable: tuple[str, ...] = ()
+    keys: tuple[FitKey, ...] = declare.text(
+        "what is estimated: dotted keys of the case with [lowest, highest]",
+        {"drive.gain": ["3e-4", "9e-4"], "stop.restitution": [0.5, 0.95]},
+    )
+    references: tuple[str, ...] = declare.text(
+        "the [reference.NAME] that it is estimated from; absent = all", ["laser"], None, several=True, written=False
+    )
+    unstable: tuple[str, ...] = declare.text(
+        "those of them measured by control-based continuation: their points may lie on unstable branches",
+        ["controlled"],
+        None,
+        several=True,
+        written=False,
+    )
 
 
 @dataclass(frozen=True)

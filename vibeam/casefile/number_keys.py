@@ -18,7 +18,6 @@ from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.fields import OneOrSeveral, Quantity, Several
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import RATIO, Range, to_si, with_unit
-from vibeam.casefile.tables.studies import FitTable
 from vibeam.casefile.tables.table import not_there
 from vibeam.casefile.toml import key_parts
 from vibeam.casefile.validation import entry_of, units_of
@@ -197,15 +196,14 @@ def read_key(name: str, bounds: Any, model: Any, case: Any) -> FitKey:
     return FitKey(name, low, high, min(max(float(own), low), high))
 
 
-def fit_in_si(case: Any) -> FitTable | None:
+def fit_in_si(case: Any) -> Any:
     """[fit] of a checked case, its numbers without a unit with that of SI."""
     if case.fit is None:
         return None
     units = units_of(case.units)
     kinds = {name: number_entry(name, KINDS[case.kind].declaration(), OF_FIT).kind for name in case.fit.keys}
     keys = {name: [with_unit(each, kinds[name], units) for each in bounds] for name, bounds in case.fit.keys.items()}
-    settled: FitTable = case.fit.model_copy(update={"keys": keys})
-    return settled
+    return case.fit.model_copy(update={"keys": keys})
 
 
 Models = Mapping[str, Any]  # the cases of those fidelities that change the rig, as declared

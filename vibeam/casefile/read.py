@@ -154,7 +154,7 @@ def _sweep(table: Any) -> SweepPlan:
     grid = table.frequency
     points = np.array(grid) if isinstance(grid, tuple) else np.linspace(grid.from_, grid.to, grid.points)
     points.setflags(write=False)
-    return SweepPlan(points, table.direction, table.settle, table.hold, table.output)
+    return plan_of(SweepPlan, table, frequency=points)
 
 
 def _chain(case: AnyCase) -> Chain | None:

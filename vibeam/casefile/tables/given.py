@@ -15,7 +15,7 @@ from vibeam.casefile.tables.drive import MOTIONS, DriveTable, drive_checks, list
 from vibeam.casefile.tables.effects import effect_checks, platform_output
 from vibeam.casefile.tables.figures import show_table
 from vibeam.casefile.tables.stop import stop_table
-from vibeam.casefile.tables.sweep import SweepTable
+from vibeam.casefile.tables.sweep import SWEPT, sweep_table
 from vibeam.casefile.tables.table import NAME, Frequency, Ratio, Table, key, less
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
@@ -120,12 +120,8 @@ def given_stop_table() -> type[Table]:
     return made
 
 
-class GivenSweepTable(SweepTable):
-    """The sweep that every fidelity runs: drive frequencies and, at each, periods to settle and to hold."""
-
-    output: Annotated[str, TEXT] = key(
-        "whose displacement is read: sensor, contact, or one of outputs", "sensor", "sensor"
-    )
+_READ = key("whose displacement is read: sensor, contact, or one of outputs", "sensor", "sensor")
+GivenSweepTable = sweep_table("GivenSweepTable", SWEPT, output=(Annotated[Any, TEXT], _READ))
 
 
 def given_show_table() -> Any:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
-from vibeam.case.plans import CostPlan, InfluencePlan
+from vibeam.case.plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.casefile.field_tables import settings
-from vibeam.casefile.fields import TEXT, Each, Word
-from vibeam.casefile.tables.table import Table, key, named_fidelity, not_there, plan_keys, table
+from vibeam.casefile.fields import Each, Word
+from vibeam.casefile.tables.table import named_fidelity, not_there, plan_keys, table
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS
 
@@ -50,19 +50,4 @@ InfluenceTable: Any = table(
 )
 
 
-class FitTable(Table):
-    """Plan of vibeam fit."""
-
-    keys: Annotated[dict[str, Any], settings()] = key(
-        "what is estimated: dotted keys of the case with [lowest, highest]",
-        {"drive.gain": ["3e-4", "9e-4"], "stop.restitution": [0.5, 0.95]},
-    )
-    references: Annotated[tuple[str, ...] | None, Each(TEXT)] = key(
-        "the [reference.NAME] that it is estimated from; absent = all", ["laser"], None, written=False
-    )
-    unstable: Annotated[tuple[str, ...] | None, Each(TEXT)] = key(
-        "those of them measured by control-based continuation: their points may lie on unstable branches",
-        ["controlled"],
-        None,
-        written=False,
-    )
+FitTable: Any = table("FitTable", "Plan of vibeam fit.", plan_keys(FitPlan, keys=settings()))

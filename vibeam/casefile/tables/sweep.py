@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from vibeam.case.plans import DIRECTIONS, MOST_ELEMENTS, MOST_POINTS
+from vibeam.case.plans import MOST_ELEMENTS, MOST_POINTS, SweepPlan
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
 from vibeam.casefile.fields import TEXT, Count, Quantity, Several, Word, names
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import FREQUENCY, NOT_NEGATIVE
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
-from vibeam.casefile.tables.table import Frequency, Periods, Table, content, key
+from vibeam.casefile.tables.table import Frequency, Table, content, key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS, ReductionDeclaration
@@ -86,17 +86,18 @@ class GridTable(Table):
 FrequencyGrid = TableOr(GridTable, Several(Frequency, limit=MOST_POINTS, ascending=True))
 
 
-class SweepTable(Table):
-    """The sweep that every fidelity runs: drive frequencies and, at each, periods to settle and to hold."""
+def sweep_table(name: str, meaning: str, **own: tuple[Any, Any]) -> Any:
+    """The table of the sweep; ``own``: annotation and key of what is another in a kind of case."""
+    told = "drive frequencies: from, to and points, or an ascending list of Hz"
+    grid = key(told, {"from": "14 Hz", "to": "17 Hz", "points": 121})
+    keys = plan_keys(SweepPlan, output=OUTPUT_NAME)
+    return table(name, meaning, {"frequency": (Annotated[Any, FrequencyGrid], grid)} | keys | own)
 
-    frequency: Annotated[GridTable | tuple[float, ...], FrequencyGrid] = key(
-        "drive frequencies: from, to and points, or an ascending list of Hz",
-        {"from": "14 Hz", "to": "17 Hz", "points": 121},
-    )
-    direction: Annotated[str, Word(DIRECTIONS)] = key("which way the frequencies are run", "both", "both")
-    settle: Annotated[int, Periods] = key("drive periods left out before the reading", 300)
-    hold: Annotated[int, Count(1, MOST_POINTS)] = key("drive periods read", 50)
-    output: Annotated[str, OUTPUT_NAME] = key("the output that is read", "sensor", "sensor")
+
+SWEPT = "The sweep that every fidelity runs: drive frequencies and, at each, periods to settle and to hold."
+SweepTable = sweep_table("SweepTable", SWEPT)
+_MOTION = Annotated[Any, Word(("sensor", "contact"))], key("both are the one motion", "sensor", "sensor")
+SdofSweepTable = sweep_table("SdofSweepTable", "The sweep of the single degree of freedom.", output=_MOTION)
 
 
 class _Reduction(Table):
@@ -151,12 +152,6 @@ class _Solution(Table):
 
 class FidelityTable(_Solution, _Reduction):
     """A fidelity, one table each: which model of the rig is swept."""
-
-
-class SdofSweepTable(SweepTable):
-    """The sweep of the single degree of freedom."""
-
-    output: Annotated[str, Word(("sensor", "contact"))] = key("both are the one motion", "sensor", "sensor")
 
 
 class _OneMode(Table):

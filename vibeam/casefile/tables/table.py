@@ -75,8 +75,10 @@ def table(name: str, meaning: str, *parts: type[Table] | dict[str, Any]) -> Any:
 
 def declared_entry(declared: Key) -> Entry:
     """Entry that reads a declared key."""
-    if declared.flag or declared.text:
-        return FLAG if declared.flag else TEXT
+    if declared.flag:
+        return FLAG
+    if declared.text:
+        return Each(TEXT, declared.alone) if declared.several else TEXT
     if declared.words or declared.whole:
         bounds = int(declared.least or 0), int(declared.most or 0)
         named: Entry = Word(declared.words) if declared.words else Count(*bounds)
