@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, FitPlan, InfluencePlan, Reference, SweepPlan
+from vibeam.case.plans import AccuracyPlan, FigurePlan, Reference, SweepPlan
+from vibeam.case.study_plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.exchange.faults import CaseError, Complaint, Fault
 from vibeam.system.quantities import PLAIN, OutputUnits
 from vibeam_models.outputs import DISPLACEMENT, OutputQuantity
@@ -18,7 +19,8 @@ from vibeam_models.outputs import DISPLACEMENT, OutputQuantity
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity, Model
     from vibeam.case.grid_keys import MapPlan
-    from vibeam.case.plans import Expectation, MeasuredNumber, ShowPlan, Uncertain
+    from vibeam.case.plans import Expectation, MeasuredNumber, ShowPlan
+    from vibeam.case.study_plans import Uncertain
     from vibeam.exchange.curves.record import ReferenceCurve
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem

@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.plans import FitKey, FitPlan, Uncertain
+from vibeam.case.study_plans import FitKey, FitPlan, Uncertain
 from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.fields import OneOrSeveral, Quantity, Several
 from vibeam.casefile.kinds import KINDS

@@ -11,16 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import Case
-from vibeam.case.plans import (
-    AccuracyPlan,
-    CostPlan,
-    Direction,
-    FigurePlan,
-    InfluencePlan,
-    Reference,
-    ShowPlan,
-    SweepPlan,
-)
+from vibeam.case.plans import AccuracyPlan, Direction, FigurePlan, Reference, ShowPlan, SweepPlan
+from vibeam.case.study_plans import CostPlan, InfluencePlan
 from vibeam.casefile.checks import checked
 from vibeam.casefile.keys import CaseKeys
 from vibeam.casefile.kinds import KINDS

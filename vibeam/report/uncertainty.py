@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import quantity_of
-from vibeam.case.plans import Uncertain
+from vibeam.case.study_plans import Uncertain
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, units_of

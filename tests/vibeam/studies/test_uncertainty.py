@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from stand_in import curve
 
 import vibeam
-from vibeam.case.plans import Uncertain
+from vibeam.case.study_plans import Uncertain
 from vibeam.casefile.read import parse
 from vibeam.report import uncertainty as report
 from vibeam.studies.uncertainty.mean_of_peak import Pilot, _models, allocation, estimate

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
-from vibeam.case.plans import CostPlan, FitPlan, InfluencePlan
+from vibeam.case.study_plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.casefile.field_tables import settings
 from vibeam.casefile.fields import Each, Word
 from vibeam.casefile.tables.table import named_fidelity, not_there, plan_keys, table

@@ -24,7 +24,7 @@ from vibeam_models.arrays import Array, Index
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.plans import FitKey
+    from vibeam.case.study_plans import FitKey
 
 Models = Callable[[str], tuple[ModalData, Tangents]]  # of a fidelity, at all of its points
 MOTIONS = ("harder impact", "softer impact", "no contact", "left out")

@@ -32,7 +32,7 @@ from vibeam_models.base_motion import drive_amplitude
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Model
-    from vibeam.case.plans import FitKey
+    from vibeam.case.study_plans import FitKey
 
 
 @dataclass(frozen=True)

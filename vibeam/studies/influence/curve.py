@@ -18,7 +18,7 @@ from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.case.plans import InfluencePlan
+    from vibeam.case.study_plans import InfluencePlan
 
 NAN = float("nan")
 How = Literal["relative", "absolute"]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Model
-    from vibeam.case.plans import Uncertain
+    from vibeam.case.study_plans import Uncertain
 
 
 def inputs_of(uncertain: Sequence[Uncertain], shares: Array) -> Array:

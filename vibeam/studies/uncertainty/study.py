@@ -17,7 +17,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.plans import Uncertain
+    from vibeam.case.study_plans import Uncertain
 
 
 Progress = Callable[[str], None]

@@ -1,0 +1,145 @@
+"""Plans of studies: cost, influence, uncertain inputs, a fit; each declares the keys of its table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from vibeam.case.plans import MOST_ELEMENTS, MOST_POINTS, OF_INFLUENCE
+from vibeam_models import keys as declare
+
+
+@dataclass(frozen=True)
+class CostPlan:
+    """Plan of ``vibeam cost``: frequencies in Hz, ``budget`` in CPU seconds; None: the defaults."""
+
+    frequency: tuple[float, ...] | None = declare.quantity(
+        "Hz",
+        "drive frequencies; absent = nine of the sweep's",
+        ["14 Hz", "15 Hz", "16 Hz"],
+        None,
+        above=0,
+        several=True,
+        ascending=True,
+        written=False,
+    )
+    settle: int | None = declare.count(
+        0, MOST_POINTS, "drive periods left out; absent = the sweep's, 100 at most", 100, None, written=False
+    )
+    hold: int | None = declare.count(
+        1, MOST_POINTS, "drive periods read; absent = the sweep's, 10 at most", 10, None, written=False
+    )
+    solvers: tuple[str, ...] | None = declare.text(
+        "those compared; absent = all", ["flight", "orbit", "direct"], None, written=False
+    )
+    modes: tuple[int, ...] | None = declare.count(
+        1,
+        2 * MOST_ELEMENTS,
+        "the finest fidelity cut off after so many modes, each; absent = 1, 2, 4, 8 … below its own",
+        [1, 2, 4, 8],
+        None,
+        several=True,
+        written=False,
+    )
+    reference: str | None = declare.text(
+        "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity",
+        "exact",
+        None,
+        written=False,
+    )
+    repeats: int = declare.count(1, 1000, "how often a run is timed, where that is short", 3, 3)
+    budget: float = declare.quantity("s", "CPU time of the runs compared", "60 s", 60.0, above=0)
+
+
+@dataclass(frozen=True)
+class InfluencePlan:
+    """Plan of ``vibeam influence``: frequencies in Hz; None: the defaults."""
+
+    fidelity: str | None = declare.text(
+        "whose effects are taken away; absent = the one with most modes", "beam", None, written=False
+    )
+    quantities: tuple[str, ...] = declare.word(
+        OF_INFLUENCE, "what must stay as it is", ["peak", "peak_frequency"], OF_INFLUENCE, several=True, written=False
+    )
+    frequency: float | None = declare.quantity(
+        "Hz",
+        "where ringing and apparent restitution are read; absent = at the peak, each model's own",
+        "15.3 Hz",
+        None,
+        above=0,
+        written=False,
+    )
+    tolerance: float = declare.quantity(
+        "", "relative, of the peak, the ringing and its frequency", "1 %", 0.01, above=0
+    )
+    frequency_tolerance: float = declare.quantity(
+        "Hz", "of the peak's frequency and the ends of period 1", "0.1 Hz", 0.1, above=0
+    )
+    restitution_tolerance: float = declare.quantity("", "of the apparent restitution", 0.01, 0.01, above=0)
+    points: int = declare.count(
+        3,
+        MOST_POINTS,
+        "drive frequencies, of the sweep's, at most; peaks and ends are then narrowed down between them",
+        31,
+        31,
+    )
+    settle: int | None = declare.count(
+        0, MOST_POINTS, "drive periods left out; absent = the sweep's", 300, None, written=False
+    )
+    hold: int | None = declare.count(
+        1, MOST_POINTS, "drive periods read; absent = the sweep's", 50, None, written=False
+    )
+    repeats: int = declare.count(1, 1000, "how often a sweep is timed", 3, 3)
+
+
+@dataclass(frozen=True)
+class Uncertain:
+    """Uncertain input at a dotted ``key``, in SI.
+
+    ``"normal"`` of mean ``first`` and standard deviation ``second``, or ``"uniform"`` between the two.
+    """
+
+    key: str
+    kind: Literal["normal", "uniform"]
+    first: float
+    second: float
+
+    @property
+    def middle(self) -> float:
+        """Mean."""
+        return self.first if self.kind == "normal" else (self.first + self.second) / 2
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation."""
+        return self.second if self.kind == "normal" else float((self.second - self.first) / 12**0.5)
+
+
+@dataclass(frozen=True)
+class FitKey:
+    """Estimated ``key`` of a case, between ``low`` and ``high``, SI; ``start``: the case's own value, within these."""
+
+    key: str
+    low: float
+    high: float
+    start: float
+
+
+@dataclass(frozen=True)
+class FitPlan:
+    """Plan of ``vibeam fit``: estimated keys, the references by name, those with points on unstable branches."""
+
+    keys: tuple[FitKey, ...] = declare.text(
+        "what is estimated: dotted keys of the case with [lowest, highest]",
+        {"drive.gain": ["3e-4", "9e-4"], "stop.restitution": [0.5, 0.95]},
+    )
+    references: tuple[str, ...] = declare.text(
+        "the [reference.NAME] that it is estimated from; absent = all", ["laser"], None, several=True, written=False
+    )
+    unstable: tuple[str, ...] = declare.text(
+        "those of them measured by control-based continuation: their points may lie on unstable branches",
+        ["controlled"],
+        None,
+        several=True,
+        written=False,
+    )
