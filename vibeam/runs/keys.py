@@ -23,7 +23,7 @@ from vibeam_reductions.declaration import REDUCTIONS
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.store.file import Store
-    from vibeam.runs.store.records import Record
+    from vibeam.runs.store.records import KeyedRecord
     from vibeam.system.response import Branches
 
 
@@ -107,7 +107,7 @@ def estimates_key(case: Case, branches: Mapping[str, Branches]) -> str:
     return comparison_key(case, dict.fromkeys(ordered, "full model"), ordered)
 
 
-def kept_or_made(store: Store | None, record: Record[Made], key: str, make: Callable[[], Made]) -> Made:
+def kept_or_made(store: Store | None, record: KeyedRecord[Made], key: str, make: Callable[[], Made]) -> Made:
     """Value that the file keeps of a ``record`` under ``key``, else what ``make`` makes, which it keeps from now on."""
     kept = store.kept(record, key) if store else None
     if kept is not None:

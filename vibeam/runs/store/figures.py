@@ -8,7 +8,7 @@ import numpy as np
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.sheet import Column, Sheet
-from vibeam.runs.store.records import Record
+from vibeam.runs.store.records import KeyedRecord
 from vibeam.store.hdf5 import described, fixed, text_of
 from vibeam.system.quantities import METRES, DatasetQuantity, OutputUnits, unit_of
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 HOME = "show"
 
 
-def sheets_of(plan: ShowPlan, units: OutputUnits = METRES) -> Record[tuple[Sheet, ...]]:
+def sheets_of(plan: ShowPlan, units: OutputUnits = METRES) -> KeyedRecord[tuple[Sheet, ...]]:
     """Record of the data of ``plan``; ``units``: of the output that it shows."""
 
     def write(group: h5py.Group, sheets: tuple[Sheet, ...]) -> None:
@@ -32,7 +32,7 @@ def sheets_of(plan: ShowPlan, units: OutputUnits = METRES) -> Record[tuple[Sheet
         named = [name for name in plan.fidelities if name in group]
         return tuple(_sheet(group[name][index]) for name in named for index in sorted(group[name], key=int))
 
-    return Record(f"{HOME}/{plan.name}", write, read)
+    return KeyedRecord(f"{HOME}/{plan.name}", write, read)
 
 
 def _sheet(group: h5py.Group) -> Sheet:

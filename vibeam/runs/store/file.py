@@ -26,7 +26,7 @@ from vibeam.runs.store.branches import (
     rows_of,
     write_rows,
 )
-from vibeam.runs.store.records import Kept, Keyed, Record, keep, kept, read_models, write_models
+from vibeam.runs.store.records import Kept, Keyed, KeyedRecord, keep, kept, read_models, write_models
 from vibeam.store.errors import CURE, ELSEWHERE, FAULTS, StoreError, reading, reason, unopened
 from vibeam.store.hdf5 import SIGNATURE, content_of, in_memory, text_of
 from vibeam.store.place import Place, locked, place_of
@@ -123,12 +123,12 @@ class Store:
                 keep_block(self.path, self._place.folder, group, start, rows)
                 self._blocks += 1
 
-    def kept(self, record: Record[Kept], key: str) -> Kept | None:
+    def kept(self, record: KeyedRecord[Kept], key: str) -> Kept | None:
         """The record stored for ``key``, of all that decides it; None without one."""
         with self._reading(f"/{record.place}") as file:
             return kept(file, record, key)
 
-    def keep(self, record: Record[Kept], key: str, value: Kept | None) -> None:
+    def keep(self, record: KeyedRecord[Kept], key: str, value: Kept | None) -> None:
         """Replace a record by ``value``, None: by nothing."""
         with self._writing() as file:
             keep(file, record, key, value)

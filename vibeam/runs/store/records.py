@@ -32,7 +32,7 @@ CURVES = "curves"  # group of all motions known to a solver, beside those of the
 
 
 @dataclass(frozen=True)
-class Record(Generic[Kept]):
+class KeyedRecord(Generic[Kept]):
     """Group ``place`` of the file, how it is written and read; it has the key of all that decides it."""
 
     place: str
@@ -40,13 +40,13 @@ class Record(Generic[Kept]):
     read: Callable[[h5py.Group], Kept]
 
 
-def kept(file: h5py.File, record: Record[Kept], key: str) -> Kept | None:
+def kept(file: h5py.File, record: KeyedRecord[Kept], key: str) -> Kept | None:
     """The record stored for ``key``; None without one."""
     fits = key and record.place in file and text_of(file[record.place], "key") == key
     return record.read(file[record.place]) if fits else None
 
 
-def keep(file: h5py.File, record: Record[Kept], key: str, value: Kept | None) -> None:
+def keep(file: h5py.File, record: KeyedRecord[Kept], key: str, value: Kept | None) -> None:
     """Replace a record by ``value``, None: by nothing."""
     file.pop(record.place, None)
     if value is not None:
@@ -65,7 +65,7 @@ CURVE_ROWS: Mapping[str, DatasetQuantity] = {
 }
 
 
-def curves_of(fidelity: str, units: OutputUnits) -> Record[MotionCurves]:
+def curves_of(fidelity: str, units: OutputUnits) -> KeyedRecord[MotionCurves]:
     """Record of all motions known to the solver of a fidelity; ``units``: of the output."""
 
     def write(group: h5py.Group, curves: MotionCurves) -> None:
@@ -76,7 +76,7 @@ def curves_of(fidelity: str, units: OutputUnits) -> Record[MotionCurves]:
             values = values.astype(np.int64) if values.dtype == bool else values
             write_quantity(group, name, quantity, values, unit_of(quantity, units))
 
-    return Record(f"{fidelity}/{CURVES}", write, read_curves)
+    return KeyedRecord(f"{fidelity}/{CURVES}", write, read_curves)
 
 
 def read_curves(group: h5py.Group) -> MotionCurves:
@@ -136,7 +136,7 @@ def _with_differences(values: dict[str, Any]) -> dict[str, Any]:
     return values | {name: Difference(**values[name]) for name in ("held", "other")}
 
 
-COMPARISONS = Record[tuple[HeldComparison, ...]](COMPARISON, _write_comparisons, read_comparisons)
+COMPARISONS = KeyedRecord[tuple[HeldComparison, ...]](COMPARISON, _write_comparisons, read_comparisons)
 
 ESTIMATE_ROWS = {
     **{name: f"{name.replace('_', ' ')} over that of the full model, less 1, estimated" for name in QUANTITIES},
@@ -182,7 +182,7 @@ def _estimate(group: h5py.Group) -> FidelityEstimate:
     return FidelityEstimate(**head, branches=branches, why=text_of(group, "why"))
 
 
-ESTIMATED = Record[dict[str, FidelityEstimate]](ESTIMATES, _write_estimates, read_estimates)
+ESTIMATED = KeyedRecord[dict[str, FidelityEstimate]](ESTIMATES, _write_estimates, read_estimates)
 
 Keyed = Mapping[str, tuple[str, ModelProperties]]  # by fidelity: the key of all that decides them, and the properties
 
