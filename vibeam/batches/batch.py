@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from vibeam.batches.points import BatchPoints, Systems, plain_points, points_of
 from vibeam.batches.response import BatchPlan, BatchRecord
 from vibeam.flight.engine.threads import pause
-from vibeam.flight.kernels.thresholds import ELASTIC, PANEL
+from vibeam.flight.kernels.layout import ELASTIC, PANEL
 from vibeam.flight.points.points import SIDE_BY_SIDE, PointSettings, compute
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.sweep import HELD, LONGEST

@@ -20,7 +20,7 @@ import numpy as np
 from vibeam.batches.points import plain_points
 from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.flight.engine.threads import pause
-from vibeam.flight.kernels.thresholds import ELASTIC
+from vibeam.flight.kernels.layout import ELASTIC
 from vibeam.periodic.lyapunov import ALIGNED, BATCHES, lyapunov, mean_exponents
 from vibeam.periodic.stroboscopic import GIVEN, NEAR, ROUND_OFF, STALLED, StroboscopicMap
 from vibeam.system.impact_system import Drive

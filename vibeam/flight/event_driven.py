@@ -13,7 +13,7 @@ import numpy as np
 from vibeam.flight.engine.threads import unpaused
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.layout import Regime, Watch
+from vibeam.flight.kernels.layout import Regime, Watch, watch_of
 from vibeam.flight.linear.block_regime import set_output
 from vibeam.flight.readout import OUTCOMES, PointReadout
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -188,7 +188,7 @@ class EventDrivenSolver(ABC):
     def cover(
         self, drive: Drive, trace: Array, poses: Array, size: float, tasks: Array, first: int, pieces: Array
     ) -> tuple[int, int]:
-        """Fill ``pieces`` from task ``first`` on, see ``kernels.cover``: pieces written, first task without room."""
+        """Fill ``pieces`` from task ``first`` on, see ``kernels.entry``: pieces written, first task without room."""
         return self._cover(
             self._engine_for(size), drive.omega, drive.amplitude, trace, self._inward(poses), tasks, first, pieces
         )
@@ -274,12 +274,7 @@ class EventDrivenSolver(ABC):
     def _room(
         self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = layout.EVERYTHING
     ) -> Watch:
-        n = self.system.size
-        row = self._watch(output)
-        nothing, strobes = np.zeros((0, self._trace_columns)), np.zeros((hold + 1, 2, n))
-        scratch, frame = np.zeros((2, n)), np.zeros((2, n))
-        result, energy, share = np.zeros(layout.RESULT_ROWS), np.zeros(n), np.zeros(n + 1)
-        return Watch(row, nothing, trace, poses, strobes, scratch, frame, result, energy, share, reading)
+        return watch_of(self._watch(output), hold, trace, poses, reading)
 
     def _watch(self, output: str | None) -> Array:
         """Set the signal of an output (None: the contact) in every regime; its row in the kernels' order of modes."""

@@ -13,7 +13,7 @@ import vibeam
 from vibeam.flight.kernels.compiler import OPTIONS
 from vibeam.flight.kernels.lanes.elementary import exponential, sine_cosine
 from vibeam.flight.kernels.lanes.simd import eight, load, one, store, width
-from vibeam.flight.kernels.thresholds import REDUCED
+from vibeam.flight.kernels.layout import REDUCED
 from vibeam_models.arrays import Array
 
 DRIVE = vibeam.Drive(1.9, 0.8)

@@ -35,8 +35,7 @@ from vibeam.flight.engine.loading import (
 )
 from vibeam.flight.engine.loading import LEVELS as LIBRARY_LEVELS
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.sources import digest
-from vibeam.flight.libraries.sources import sources_of
+from vibeam.flight.kernels.sources import digest, sources_of
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 

@@ -29,8 +29,7 @@ from vibeam.flight.ahead_of_time.scenes import SCENES
 from vibeam.flight.ahead_of_time.wrapper import Compiled, compiled
 from vibeam.flight.engine.entries import ENTRIES
 from vibeam.flight.engine.loading import FOLDER, file_of, manifest, write_manifest
-from vibeam.flight.kernels.sources import digest
-from vibeam.flight.libraries.sources import sources_of
+from vibeam.flight.kernels.sources import digest, sources_of
 
 GROUPS = ("points", "regimes", "flight", "tangents", "moreau")  # the longest first
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from vibeam.flight.engine.entries import march
-from vibeam.flight.kernels import moreau_layout
+from vibeam.flight.kernels import layout
 from vibeam.flight.points.disturbances import carry
 from vibeam.flight.points.points import PlainPoints, PointSettings, compute
 from vibeam.flight.trajectory import simulate
@@ -47,7 +47,7 @@ def disturb() -> None:
 def step() -> None:
     """No step of Moreau–Jean time stepping."""
     march(
-        np.ones((moreau_layout.ROWS, 1)), np.ones(4), np.zeros(1), np.zeros((2, 1)), np.zeros((0, 2, 1)), np.zeros(0),
+        np.ones((layout.MOREAU_ROWS, 1)), np.ones(4), np.zeros(1), np.zeros((2, 1)), np.zeros((0, 2, 1)), np.zeros(0),
         np.zeros((0, 2)), np.zeros(2, dtype=np.int64),
     )  # fmt: skip
 

@@ -14,18 +14,22 @@ from typing import Any
 from numba.core import event
 
 LOG = logging.getLogger("vibeam")
-KERNELS = {  # by the module of the entry point: what is compiled, and about how long that takes on a common machine
-    "vibeam.flight.kernels.roots.levels": ("the tables of the exact flow", "some seconds"),
-    "vibeam.flight.kernels.entry": ("the flight kernels", "about a minute"),
-    "vibeam.flight.kernels.cover": ("the kernels of certificates", "about half a minute"),
-    "vibeam.flight.points.kernels.entry": ("the kernels of batches", "one to two minutes"),
-    "vibeam.flight.points.tangents.entry": ("the kernels of Lyapunov exponents", "about a minute"),
-    "vibeam.flight.kernels.moreau": ("time stepping", "some seconds"),
-    "vibeam.flight.kernels.regimes.entry": (
-        "the kernels of yielding stops, R(v), second stops and coupled damping",
-        "one to two minutes",
-    ),
-    "vibeam.flight.kernels.regimes.cover": ("the kernels of their certificates", "about half a minute"),
+
+PLAIN, POINTS = "vibeam.flight.kernels", "vibeam.flight.points.kernels"
+REGIMES = f"{PLAIN}.regimes.entry"
+FLIGHT = ("the flight kernels", "about a minute")
+IN_REGIMES = ("the kernels of yielding stops, R(v), second stops and coupled damping", "one to two minutes")
+KERNELS = {  # by entry point: what is compiled, and about how long that takes on a common machine
+    f"{PLAIN}.roots.pair.tabulate": ("the tables of the exact flow", "some seconds"),
+    f"{PLAIN}.entry.move": FLIGHT,
+    f"{PLAIN}.entry.poses_at": FLIGHT,
+    f"{PLAIN}.entry.cover": ("the kernels of certificates", "about half a minute"),
+    f"{PLAIN}.moreau.march": ("time stepping", "some seconds"),
+    f"{REGIMES}.move": IN_REGIMES,
+    f"{REGIMES}.poses_at": IN_REGIMES,
+    f"{REGIMES}.cover": ("the kernels of their certificates", "about half a minute"),
+    f"{POINTS}.entry.run": ("the kernels of batches", "one to two minutes"),
+    f"{POINTS}.disturbances.carry": ("the kernels of Lyapunov exponents", "about a minute"),
 }
 
 
@@ -34,15 +38,15 @@ class _Announcer(event.Listener):
 
     def __init__(self) -> None:
         self._depth = 0  # compilation holds numba's global lock: no two threads come here at once
-        self._told: set[str] = set()
+        self._told: set[tuple[str, str]] = set()
 
     def on_start(self, event: Any) -> None:
         """A kernel begins to compile: an entry point, or what it calls."""
-        module = event.data["dispatcher"].py_func.__module__
-        if self._depth == 0 and module in KERNELS and module not in self._told:
-            self._told.add(module)
-            what, time = KERNELS[module]
-            LOG.warning("compiling %s (first use only, %s)", what, time)
+        function = event.data["dispatcher"].py_func
+        known = KERNELS.get(f"{function.__module__}.{function.__qualname__}")
+        if self._depth == 0 and known is not None and known not in self._told:
+            self._told.add(known)
+            LOG.warning("compiling %s (first use only, %s)", *known)
         self._depth += 1
 
     def on_end(self, event: Any) -> None:

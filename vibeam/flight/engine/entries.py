@@ -22,7 +22,7 @@ from vibeam.flight.engine.loading import LEVELS, KernelsUnavailable, LibraryUnav
 LOG = logging.getLogger("vibeam")
 VARIABLE = "VIBEAM_KERNELS"
 CURE = "pip install 'vibeam[jit]'"
-KERNELS = "vibeam.flight.kernels"
+KERNELS, POINTS = "vibeam.flight.kernels", "vibeam.flight.points.kernels"
 
 
 def chosen(library: str, module: str, name: str) -> Callable[..., Any]:
@@ -95,17 +95,18 @@ class EntryPoint:
         return self.function(*given)
 
 
-tabulate = EntryPoint("tables", f"{KERNELS}.roots.levels", "tabulate")
+tabulate = EntryPoint("tables", f"{KERNELS}.roots.pair", "tabulate")
 move, poses_at = (EntryPoint("flight", f"{KERNELS}.entry", name) for name in ("move", "poses_at"))
-cover = EntryPoint("certificate", f"{KERNELS}.cover", "cover")
-regimes_move = EntryPoint("regimes", f"{KERNELS}.regimes.entry", "move")
-regimes_poses_at = EntryPoint("regimes", f"{KERNELS}.regimes.entry", "poses_at")
-regimes_cover = EntryPoint("regimes", f"{KERNELS}.regimes.cover", "cover")
-run_points = EntryPoint("points", "vibeam.flight.points.kernels.entry", "run")
-carry_disturbances = EntryPoint("tangents", "vibeam.flight.points.tangents.entry", "carry")
+cover = EntryPoint("certificate", f"{KERNELS}.entry", "cover")
+regimes_move, regimes_poses_at, regimes_cover = (
+    EntryPoint("regimes", f"{KERNELS}.regimes.entry", name) for name in ("move", "poses_at", "cover")
+)
+run_points = EntryPoint("points", f"{POINTS}.entry", "run")
+carry_disturbances = EntryPoint("tangents", f"{POINTS}.disturbances", "carry")
 march = EntryPoint("moreau", f"{KERNELS}.moreau", "march")
-_KERNELS = (move, poses_at, cover, regimes_move, regimes_poses_at, regimes_cover)
-ENTRIES = (tabulate, *_KERNELS, run_points, carry_disturbances, march)
+
+REGIMES = (regimes_move, regimes_poses_at, regimes_cover)
+ENTRIES = (tabulate, move, poses_at, cover, *REGIMES, run_points, carry_disturbances, march)
 
 
 def origin() -> str:

@@ -24,8 +24,7 @@ from pathlib import Path
 from typing import Any
 
 from vibeam.flight.engine.call import Call
-from vibeam.flight.kernels.sources import digest
-from vibeam.flight.libraries.sources import sources_of
+from vibeam.flight.kernels.sources import digest, sources_of
 
 FOLDER = Path(__file__).parents[1] / "libraries"
 NAME = "manifest.json"

@@ -11,9 +11,6 @@ from __future__ import annotations
 
 from math import ceil, sqrt
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.block_flow import advance_blocks, block_after
 from vibeam.flight.kernels.compiler import joined, kernel
@@ -32,19 +29,16 @@ from vibeam.flight.kernels.energy import (
     integral,
 )
 from vibeam.flight.kernels.layout import Regime, Watch
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 LOST = 1e-9  # share of its parts below which a sum is not taken, though quadrature takes many panels
-
 STEPS = 131_072  # panels of a regime at most
-
 RATE, GROWN, AMPLITUDE = range(3)  # columns of regime.terms: λ, e^{λt} − 1, and from there on a mode's amplitude each
 
 
 @kernel
 def energy_in_blocks(regime: Regime, drive: Array, own: Array, clock: float, duration: float, watch: Watch) -> None:
-    """Add ∫ E_k dt over ``duration`` of a regime entered at ``clock`` to room.energy (n,); ``own``: the modes' ω."""
+    """Add ∫ E_k dt over ``duration`` of a regime entered at ``clock`` to watch.energy (n,); ``own``: the modes' ω."""
     m, rate = regime.blocks.shape[1], drive[layout.W]
     for k in range(m):
         rate = max(rate, regime.pairs[layout.KAPPA, k])
@@ -65,7 +59,7 @@ def energy_in_blocks(regime: Regime, drive: Array, own: Array, clock: float, dur
 
 @kernel
 def is_sum_of_exponentials(regime: Regime) -> bool:
-    """Whether every block has a steady response and is not near critical damping."""
+    """True where every block has a steady response and is not near critical damping."""
     for k in range(regime.blocks.shape[1]):
         own = regime.pairs[layout.OMEGA, k]
         if regime.blocks[layout.CARRIED, k] > 0.0 or abs(regime.pairs[layout.DISC, k]) < SPLIT * SPLIT * own * own:
@@ -100,14 +94,10 @@ def set_terms(regime: Regime, drive: Array, clock: float, duration: float) -> No
             put(terms, 2 * k + 1, RATE, complex(-sigma - root, 0.0))
             add_block(regime, k, 2 * k, 0.5 * (z1 + q1 / root) + 0j, 0.5 * (z2 + q2 / root) + 0j)
             add_block(regime, k, 2 * k + 1, 0.5 * (z1 - q1 / root) + 0j, 0.5 * (z2 - q2 / root) + 0j)
-        s1, c1 = (
-            blocks[layout.RE1, k] * sine + blocks[layout.IM1, k] * cosine,
-            blocks[layout.RE1, k] * cosine - blocks[layout.IM1, k] * sine,
-        )
-        s2, c2 = (
-            blocks[layout.RE2, k] * sine + blocks[layout.IM2, k] * cosine,
-            blocks[layout.RE2, k] * cosine - blocks[layout.IM2, k] * sine,
-        )
+        s1 = blocks[layout.RE1, k] * sine + blocks[layout.IM1, k] * cosine
+        c1 = blocks[layout.RE1, k] * cosine - blocks[layout.IM1, k] * sine
+        s2 = blocks[layout.RE2, k] * sine + blocks[layout.IM2, k] * cosine
+        c2 = blocks[layout.RE2, k] * cosine - blocks[layout.IM2, k] * sine
         add_block(regime, k, 2 * m, s1 - 1j * c1, s2 - 1j * c2)
         add_block(regime, k, 2 * m + 1, blocks[layout.OFFSET1, k] + 0j, blocks[layout.OFFSET2, k] + 0j)
     for i in range(2 * m + 2):
@@ -165,7 +155,7 @@ def sum_products(terms: Array, own: Array, t: float, total: Array, parts: Array)
 
 @kernel
 def is_cancelled(total: Array, parts: Array, share: float) -> bool:
-    """Whether some mode's energy is less than that share of the parts of its sum, so that digits are lost."""
+    """True where some mode's energy is less than that share of the parts of its sum, so that digits are lost."""
     lacking = 0.0
     for k in range(total.shape[0]):
         lacking = max(lacking, share * parts[k] - total[k])
@@ -222,7 +212,7 @@ def rate_left(regime: Regime, drive: Array, time: float) -> float:
 
 @kernel
 def is_modal(regime: Regime) -> bool:
-    """Whether every block of a regime is one mode by itself, with a steady response."""
+    """True where every block of a regime is one mode by itself, with a steady response."""
     for k in range(regime.blocks.shape[1]):
         if regime.blocks[layout.MODE, k] < 0.0 or regime.blocks[layout.CARRIED, k] > 0.0:
             return False
@@ -238,11 +228,8 @@ def energy_by_mode(regime: Regime, drive: Array, clock: float, duration: float, 
     for k in range(blocks.shape[1]):
         mode = int(blocks[layout.MODE, k])
         at, rate = regime.outof[mode, 2 * k], regime.outof[n + mode, 2 * k + 1]
-        re, im, offset = (
-            at * blocks[layout.RE1, k],
-            at * blocks[layout.IM1, k],
-            at * blocks[layout.OFFSET1, k] + regime.held[mode],
-        )
+        re, im = at * blocks[layout.RE1, k], at * blocks[layout.IM1, k]
+        offset = at * blocks[layout.OFFSET1, k] + regime.held[mode]
         steady = (re * sine + im * cosine) - 1j * (re * cosine - im * sine)  # Re(steady e^{iΩt})
         x, y = at * blocks[layout.Z1, k], rate * blocks[layout.Z2, k]
         energy[mode] += flight_energy(regime.pairs, k, x, y, SteadyResponse(steady, w, offset), duration, turned)

@@ -6,15 +6,13 @@ Rest on the stop, the push of a linear stop and free flight with damping that co
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import phase
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.roots.pair import propagator
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 MOST_PIECES = 1e6  # of a Taylor series in time, then a block has no value
 
@@ -80,11 +78,8 @@ def attach(regime: Regime, drive: Array, k: int, x: float, y: float, sine: float
     s0 = 2.0 * sigma * r0 + r0 * blocks[layout.A11, k] + r1 * blocks[layout.A21, k]
     s1 = 2.0 * sigma * r1 + r0 * blocks[layout.A12, k] + r1 * blocks[layout.A22, k]
     load = strength * (r0 * blocks[layout.LOAD1, k] + r1 * blocks[layout.LOAD2, k])
-    attached[layout.ASIGMA, j], attached[layout.AOMEGA, j], attached[layout.AWEIGHT, j] = (
-        sigma,
-        pairs[layout.OMEGA, k],
-        1.0,
-    )
+    attached[layout.ASIGMA, j], attached[layout.AOMEGA, j] = sigma, pairs[layout.OMEGA, k]
+    attached[layout.AWEIGHT, j] = 1.0
     attached[layout.ASTATIC, j] = s0 * blocks[layout.CONSTANT1, k] + s1 * blocks[layout.CONSTANT2, k]
     attached[layout.ASINE, j] = strength * (s0 * blocks[layout.LOAD1, k] + s1 * blocks[layout.LOAD2, k])
     attached[layout.ACOSINE, j] = drive[layout.W] * load
@@ -113,15 +108,11 @@ def advance_blocks(regime: Regime, drive: Array, pose: Array, clock: float, dura
 
 @kernel
 def block_after(regime: Regime, drive: Array, k: int, clock: float, duration: float) -> tuple[float, float]:
-    """What is left of a block beside its steady response, ``duration`` after the regime was entered at ``clock``."""
+    """Block coordinates beside the steady response, ``duration`` after the regime was entered at ``clock``."""
     if regime.blocks[layout.CARRIED, k] > 0.0:
         return carry_block(regime, drive, k, clock, duration)
-    blocks, sigma, z1, z2 = (
-        regime.blocks,
-        regime.pairs[layout.SIGMA, k],
-        regime.blocks[layout.Z1, k],
-        regime.blocks[layout.Z2, k],
-    )
+    blocks, sigma, z1 = regime.blocks, regime.pairs[layout.SIGMA, k], regime.blocks[layout.Z1, k]
+    z2 = regime.blocks[layout.Z2, k]
     _, odd, _, rest = propagator(sigma, regime.pairs[layout.OMEGA, k], regime.pairs[layout.DISC, k], duration)
     even = rest + sigma * odd  # exp(A t) = e^{−σt} (C + S (A + σ))
     y1 = even * z1 + odd * ((blocks[layout.A11, k] + sigma) * z1 + blocks[layout.A12, k] * z2)

@@ -1,4 +1,4 @@
-"""How kernels are compiled: cached on disk, without the interpreter's lock, IEEE arithmetic as written, no allocation.
+"""Compilation of kernels: cached on disk, without the interpreter's lock, IEEE arithmetic as written, no allocation.
 
 Kernels get all their arrays from Python and make none: numba then counts no references, which in loops of a few
 nanoseconds cost more than the arithmetic. Only ``entry`` functions can be called from Python; the others are compiled
@@ -16,9 +16,7 @@ from numba.core.caching import FunctionCache
 from vibeam.flight.kernels.sources import digest, sources_of
 
 F = TypeVar("F", bound=Callable[..., Any])
-
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
-
 INNER: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 

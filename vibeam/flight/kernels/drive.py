@@ -5,20 +5,15 @@ from __future__ import annotations
 from math import cos, hypot, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import Engine, Regime
-from vibeam.flight.kernels.roots.levels import same_drive, tabulate_drive
-from vibeam.flight.kernels.thresholds import BRISK, FAR, FAR_DRIVEN, PANEL
-
-Array = NDArray[np.float64]
+from vibeam.flight.kernels.layout import BRISK, FAR, FAR_DRIVEN, PANEL, Engine, Regime
+from vibeam.flight.kernels.roots.pair import same_drive, tabulate_drive
+from vibeam_models.arrays import Array
 
 NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is attached
-
 NEARLY_FREE = 0.05  # rate / Ω below which a mode under a static force is attached
-
 LOOSE = 1e-7  # share of the stiffest rate below which a held block counts as without stiffness
 
 
@@ -71,7 +66,7 @@ def bounds_of_motion(own: float, sigma: float, omega: float) -> tuple[float, flo
 
 @kernel
 def is_attached(own: float, sigma: float, force: float, static: float, omega: float) -> bool:
-    """Whether a mode has no usable steady response: free, nearly free under a static force, undamped at resonance."""
+    """True for a mode without usable steady response: free or nearly so under a static force, undamped in resonance."""
     if own == 0.0:
         return True
     if static != 0.0 and omega > 0.0 and own + 2.0 * sigma < NEARLY_FREE * omega:
@@ -151,18 +146,14 @@ def carried_rate(pairs: Array, blocks: Array) -> float:
 
 @kernel
 def block_is_far(blocks: Array, out: Array, k: int, farthest: float, strongest: float) -> bool:
-    """Whether in some mode a block's static displacement or its steady response is beyond these."""
+    """True where in some mode a block's static displacement or its steady response is beyond these."""
     offset, driven = 0.0, 0.0
     for i in range(out.shape[0] // 2):
         a, b = out[i, 2 * k], out[i, 2 * k + 1]
         offset = max(offset, abs(a * blocks[layout.OFFSET1, k] + b * blocks[layout.OFFSET2, k]))
-        driven = max(
-            driven,
-            hypot(
-                a * blocks[layout.RE1, k] + b * blocks[layout.RE2, k],
-                a * blocks[layout.IM1, k] + b * blocks[layout.IM2, k],
-            ),
-        )
+        re = a * blocks[layout.RE1, k] + b * blocks[layout.RE2, k]
+        im = a * blocks[layout.IM1, k] + b * blocks[layout.IM2, k]
+        driven = max(driven, hypot(re, im))
     return offset > farthest or driven > strongest
 
 
@@ -175,12 +166,8 @@ def block_response(blocks: Array, k: int, omega: float, strength: float) -> None
         determinant = (1j * omega - a) * (1j * omega - d) - b * c
         y0 = ((1j * omega - d) * f0 + b * f1) / determinant
         y1 = (c * f0 + (1j * omega - a) * f1) / determinant
-        blocks[layout.RE1, k], blocks[layout.IM1, k], blocks[layout.RE2, k], blocks[layout.IM2, k] = (
-            y0.real,
-            y0.imag,
-            y1.real,
-            y1.imag,
-        )
+        blocks[layout.RE1, k], blocks[layout.IM1, k], blocks[layout.RE2, k] = y0.real, y0.imag, y1.real
+        blocks[layout.IM2, k] = y1.imag
     det = a * d - b * c
     blocks[layout.OFFSET1, k] = -(d * blocks[layout.CONSTANT1, k] - b * blocks[layout.CONSTANT2, k]) / det
     blocks[layout.OFFSET2, k] = -(a * blocks[layout.CONSTANT2, k] - c * blocks[layout.CONSTANT1, k]) / det

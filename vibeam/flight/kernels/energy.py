@@ -13,7 +13,6 @@ from math import ceil, cos, exp, expm1, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
@@ -21,29 +20,18 @@ from vibeam.flight.kernels.drive import phase
 from vibeam.flight.kernels.layout import Engine
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.pair import propagator
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 NODES = tuple(float(x + 1) / 2 for x in np.polynomial.legendre.leggauss(8)[0])
-
 WEIGHTS = tuple(float(w) / 2 for w in np.polynomial.legendre.leggauss(8)[1])
-
 FEW_NODES = tuple(float(x + 1) / 2 for x in np.polynomial.legendre.leggauss(4)[0])
-
 FEW_WEIGHTS = tuple(float(w) / 2 for w in np.polynomial.legendre.leggauss(4)[1])
-
 PANEL = 2.0  # rate times length that eight nodes resolve: (2 · 2)¹⁶ (8!)⁴ / 17 (16!)³ = 7e-14
-
 SHORT = 0.15  # the same of four: (2 · 0.15)⁸ (4!)⁴ / 9 (8!)³ = 4e-14
-
 MOST = 128  # panels a rest, and where closed forms fail: a mode that turns oftener is not resolved
-
 SPLIT = 0.05  # |λ₁ − λ₂| / 2ω below which the free motion is no sum of exponentials worth the name
-
 FADED = 40.0  # decay exponent beyond which it is over
-
 CANCELLED = 1e-3  # share of its parts below which a sum is not taken
-
 NEAR = 0.1  # |z| t below which e^{zt} − 1 is not made of the two factors'
 
 
@@ -211,7 +199,7 @@ def energy_by_quadrature(
 
 @kernel
 def carried(attached: Array, signal: Array, k: int) -> bool:
-    """Whether mode k is attached."""
+    """True where mode k is attached."""
     found = False
     for j in range(int(signal[layout.ATTACHED])):
         found = found or int(attached[layout.AMODE, j]) == k

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
@@ -12,32 +11,36 @@ from vibeam.flight.kernels.impact import chatter_left, contact_velocity, settle_
 from vibeam.flight.kernels.lanes.plain_flights import AT_STOP, NOT_PLAIN, plain_flights_in_lanes
 from vibeam.flight.kernels.lanes.simd import eight, one
 from vibeam.flight.kernels.layout import Engine
-from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight, contact_pull, end_flight
-from vibeam.flight.kernels.rest import lift_or_rest, rest_on_stop
+from vibeam.flight.kernels.modal_flow import (
+    ROUND_OFF,
+    begin_flight,
+    contact_pull,
+    end_flight,
+    lift_or_rest,
+    rest_on_stop,
+)
 from vibeam.flight.kernels.roots.double_gap import InitialState
 from vibeam.flight.kernels.roots.first_root import first_root
 from vibeam.flight.kernels.roots.signal import Start, signal_of
-from vibeam.flight.kernels.segments import Progress, Record, add, close_segment, note_chatter, open_segment, work_of
-
-Array = NDArray[np.float64]
+from vibeam.flight.kernels.segments import (
+    MotionRecord,
+    Progress,
+    add,
+    close_segment,
+    note_chatter,
+    open_segment,
+    work_of,
+)
+from vibeam_models.arrays import Array, Index
 
 EVENTS_AN_IMPACT = 4  # flight, impact, rest, release: more are no motion but a fault, and end it
-
 IDLE = 1000  # events in a row without time or impact, the same
-
 PIECE = 4_000_000  # impacts and panels, times modes and a few, after which a call pauses: some hundredths of a second
 
 
 @kernel
 def advance(
-    engine: Engine,
-    pose: Array,
-    status: Array,
-    span: float,
-    most: int,
-    trace: Array,
-    poses: Array,
-    counts: NDArray[np.int64],
+    engine: Engine, pose: Array, status: Array, span: float, most: int, trace: Array, poses: Array, counts: Index
 ) -> tuple[int, float]:
     """Carry ``pose`` and ``status`` on by ``span`` seconds: outcome, time done.
 
@@ -47,7 +50,7 @@ def advance(
     """
     done, lost, rows, idle = status[layout.DONE], status[layout.LOST], trace.shape[0], 0
     plain = engine.cells.shape[0] > 0 and engine.signal[layout.ATTACHED] == 0.0
-    begun, piece, record = work_of(counts), piece_of(pose), Record(trace, poses, counts)
+    begun, piece, record = work_of(counts), piece_of(pose), MotionRecord(trace, poses, counts)
     if done == 0.0:
         status[layout.CLOCK] = wrap(engine.drive, status[layout.CLOCK])
         status[layout.PHASE_COS], status[layout.PHASE_SIN] = phase(engine.drive, status[layout.CLOCK])
@@ -89,13 +92,13 @@ def advance(
 
 @joined
 def piece_of(pose: Array) -> int:
-    """How much of it is done between two pauses."""
+    """Work between two pauses, in impacts and panels."""
     return int(PIECE // (pose.shape[1] + 8))
 
 
 @joined
 def plain_flights(
-    engine: Engine, pose: Array, status: Array, progress: Progress, most: int, record: Record
+    engine: Engine, pose: Array, status: Array, progress: Progress, most: int, record: MotionRecord
 ) -> tuple[int, float, float, float]:
     """``plain_flights_in_lanes`` in as many lanes as serve the system."""
     if pose.shape[1] == 1:
@@ -104,7 +107,7 @@ def plain_flights(
 
 
 @kernel
-def record_impact(engine: Engine, pose: Array, status: Array, flight: float, record: Record) -> None:
+def record_impact(engine: Engine, pose: Array, status: Array, flight: float, record: MotionRecord) -> None:
     """The impact at the end of a flight."""
     before, end = apply_impact(engine, pose, status, record)
     record.counts[layout.IMPACTS] += 1
@@ -113,7 +116,7 @@ def record_impact(engine: Engine, pose: Array, status: Array, flight: float, rec
 
 
 @joined
-def free_flight(engine: Engine, pose: Array, status: Array, span: float, record: Record) -> tuple[int, float]:
+def free_flight(engine: Engine, pose: Array, status: Array, span: float, record: MotionRecord) -> tuple[int, float]:
     """One flight and the impact at its end: outcome, duration."""
     value, _, size = begin_flight(engine, pose, status[layout.PHASE_COS], status[layout.PHASE_SIN])
     if not np.isfinite(size):
@@ -149,7 +152,7 @@ def free_flight(engine: Engine, pose: Array, status: Array, span: float, record:
 
 
 @joined
-def apply_impact(engine: Engine, pose: Array, status: Array, record: Record) -> tuple[float, int]:
+def apply_impact(engine: Engine, pose: Array, status: Array, record: MotionRecord) -> tuple[float, int]:
     """The impact: velocities through the impulse, then flight, chatter's end or rest. Velocity before, what it was."""
     before = strike(engine.modes, engine.drive, pose)
     after = engine.drive[layout.RESTITUTION] * before

@@ -5,21 +5,19 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import Engine
+from vibeam.flight.kernels.layout import ELASTIC, FAITHFUL, FLOOR, LATE, NEAR, NEAR_MODES, Engine
 from vibeam.flight.kernels.modal_flow import ROUND_OFF as CANCELLED
 from vibeam.flight.kernels.modal_flow import begin_flight, contact_derivatives
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.pair import norm
-from vibeam.flight.kernels.roots.signal import Signal, magnitude, signal_of, to_node
-from vibeam.flight.kernels.thresholds import ELASTIC
-
-Array = NDArray[np.float64]
+from vibeam.flight.kernels.roots.signal import EventSignal, magnitude, signal_of, to_node
+from vibeam_models.arrays import Array
 
 ROUND_OFF = 4.0 * 2.220446049250313e-16
+ENDLESS = np.inf  # bound of the error of an accumulation's end where it has none
 
 
 @joined
@@ -76,19 +74,6 @@ def settle_on_stop(modes: Array, drive: Array, pose: Array) -> None:
     stop_contact(modes[layout.CONTACT], drive[layout.MOBILITY], pose)
 
 
-NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
-
-NEAR_MODES = 4e-15  # the same where other modes feel the impulses left out
-
-FAITHFUL = 1e-11  # share of the whole accumulation by which its end may be misjudged
-
-LATE = 1e-12  # share of the slowest time scale by which the end of the accumulation may be misjudged
-
-ENDLESS = np.inf  # bound of the error of an accumulation's end where it has none
-
-FLOOR = 1e-26  # share of the length scale below which a flight is no longer one
-
-
 @joined
 def strike(modes: Array, drive: Array, pose: Array) -> float:
     """η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S; returns v⁻, the contact velocity before (0 where round-off made it < 0).
@@ -107,7 +92,7 @@ def strike(modes: Array, drive: Array, pose: Array) -> float:
 
 @joined
 def is_faint(after: float, top: float, toward: float, loss: float, gap: float) -> bool:
-    """Whether what is left after an impact is next to nothing, so that its accumulation may be completed.
+    """True where what is left after an impact is next to nothing, so that its accumulation may be completed.
 
     ``top``: the largest impact velocity; ``toward``: the contact acceleration; ``loss``: see ``narrowing``.
     """
@@ -150,7 +135,7 @@ def chatter_left(engine: Engine, pose: Array, status: Array, after: float) -> tu
 
 @kernel
 def time_left(
-    g: Signal, contact: Array, gap: float, pose: Array, rest: Accumulation, slowest: float, share: float
+    g: EventSignal, contact: Array, gap: float, pose: Array, rest: Accumulation, slowest: float, share: float
 ) -> tuple[float, float]:
     """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where it is too early.
 
@@ -174,7 +159,7 @@ def time_left(
 
 @joined
 def all_turn(pairs: Array) -> bool:
-    """Whether no pair creeps."""
+    """True where no pair creeps."""
     turn = True
     for k in range(pairs.shape[1]):
         turn = turn and pairs[layout.DISC, k] < 0.0
@@ -182,7 +167,7 @@ def all_turn(pairs: Array) -> bool:
 
 
 @kernel
-def jerk_bound(g: Signal) -> float:
+def jerk_bound(g: EventSignal) -> float:
     """Bound of the third derivative of a gap just begun, for all later times."""
     g.terms[layout.HARMONIC] = norm(g.terms[layout.ZR], g.terms[layout.ZI])
     to_node(g.pairs)
@@ -190,7 +175,7 @@ def jerk_bound(g: Signal) -> float:
 
 
 @kernel
-def size_of_gap(g: Signal, contact: Array, gap: float, pose: Array) -> float:
+def size_of_gap(g: EventSignal, contact: Array, gap: float, pose: Array) -> float:
     """Sum of the sizes of the parts of a gap just begun."""
     pairs, _, _, signal, attached = g
     size = abs(gap) + abs(signal[layout.CONST]) + norm(signal[layout.ZR], signal[layout.ZI])
@@ -207,7 +192,7 @@ def size_of_gap(g: Signal, contact: Array, gap: float, pose: Array) -> float:
 def is_over(
     after: float, left: float, remainder: float, change: float, length: float, size: float, modes: int, slowest: float
 ) -> bool:
-    """Whether an accumulation whose rest takes ``left`` s, to ``remainder``, may be completed by its limit.
+    """True where an accumulation whose rest takes ``left`` s, to ``remainder``, may be completed by its limit.
 
     ``change``: the share by which the contact acceleration may change meanwhile; ``length``: about how far the first
     flight went; ``slowest``: the slowest rate.

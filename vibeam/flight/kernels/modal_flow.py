@@ -1,22 +1,27 @@
-"""Free flight: from the modal state to the gap as a signal, and back to the state where the flight ends."""
+"""Free flight and rest of a plain system: from the modal state to the gap, or the contact force, as a signal and back.
+
+How a rest begins, and its release where the force vanishes.
+"""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.block_flow import advance_blocks, set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import phase, wrap
-from vibeam.flight.kernels.layout import Engine
+from vibeam.flight.kernels.layout import SILENT, Engine
 from vibeam.flight.kernels.roots import taylor_pairs as att
+from vibeam.flight.kernels.roots.double_gap import InitialState
+from vibeam.flight.kernels.roots.first_root import first_root
 from vibeam.flight.kernels.roots.pair import norm, propagator
-from vibeam.flight.kernels.roots.signal import signal_of, value_at
-from vibeam.flight.kernels.thresholds import SILENT
-
-Array = NDArray[np.float64]
+from vibeam.flight.kernels.roots.signal import Start, signal_of, value_at
+from vibeam.flight.kernels.segments import MotionRecord, close_segment
+from vibeam_models.arrays import Array
 
 ROUND_OFF = 64.0 * 2.220446049250313e-16  # share of the parts of a sum below which it is none
+SMALLEST = 1e-300
 
 
 @joined
@@ -28,12 +33,8 @@ def begin_flight(engine: Engine, pose: Array, cosine: float, sine: float) -> tup
     pairs, signal, attached, modes, drive = engine.pairs, engine.signal, engine.attached, engine.modes, engine.drive
     zr = -(drive[layout.CONTACT_RE] * cosine - drive[layout.CONTACT_IM] * sine)
     zi = -(drive[layout.CONTACT_RE] * sine + drive[layout.CONTACT_IM] * cosine)
-    signal[layout.CONST], signal[layout.ZR], signal[layout.ZI], signal[layout.DRIVE] = (
-        drive[layout.CLEARANCE],
-        zr,
-        zi,
-        drive[layout.W],
-    )
+    signal[layout.CONST], signal[layout.ZR], signal[layout.ZI] = drive[layout.CLEARANCE], zr, zi
+    signal[layout.DRIVE] = drive[layout.W]
     signal[layout.COSINE], signal[layout.SINE] = cosine, sine
     value, slope = drive[layout.CLEARANCE] + zi, drive[layout.W] * zr
     size = abs(drive[layout.GAP]) + abs(drive[layout.CLEARANCE]) + norm(zr, zi)
@@ -57,6 +58,12 @@ def begin_flight(engine: Engine, pose: Array, cosine: float, sine: float) -> tup
 
 
 @joined
+def is_plain_start(order: float, value: float, size: float) -> bool:
+    """True where a flight just begun starts off the stop, or on it with a velocity: from there it may go in lanes."""
+    return bool(np.isfinite(size) and (order == 1.0 or (order == 0.0 and value > ROUND_OFF * size)))
+
+
+@joined
 def end_flight(engine: Engine, pose: Array, status: Array, flight: float, found: bool) -> None:
     """Set ``pose``, and the clock in ``status``, to the end of the flight: η_k = −x_k/w_k + Im(H_k e^{iφ}) + s_k/ω_k².
 
@@ -71,23 +78,19 @@ def end_flight(engine: Engine, pose: Array, status: Array, flight: float, found:
     status[layout.PHASE_COS], status[layout.PHASE_SIN] = cosine, sine
     w = drive[layout.W]
     for k in range(pairs.shape[1]):
-        c = modes[layout.CONTACT, k]
+        c, re, im, offset = modes[layout.CONTACT, k], modes[layout.RE, k], modes[layout.IM, k], modes[layout.OFFSET, k]
         if abs(c) > SILENT:
             x, y = -pairs[layout.XT, k] / c, -pairs[layout.YT, k] / c
         else:
-            own = (
-                modes[layout.RE, k] * signal[layout.SINE]
-                + modes[layout.IM, k] * signal[layout.COSINE]
-                + modes[layout.OFFSET, k]
-            )
-            own_slope = w * (modes[layout.RE, k] * signal[layout.COSINE] - modes[layout.IM, k] * signal[layout.SINE])
+            own = re * signal[layout.SINE] + im * signal[layout.COSINE] + offset
+            own_slope = w * (re * signal[layout.COSINE] - im * signal[layout.SINE])
             p00, p01, p10, p11 = propagator(
                 pairs[layout.SIGMA, k], pairs[layout.OMEGA, k], pairs[layout.DISC, k], flight
             )
             x = p00 * (pose[0, k] - own) + p01 * (pose[1, k] - own_slope)
             y = p10 * (pose[0, k] - own) + p11 * (pose[1, k] - own_slope)
-        pose[0, k] = x + modes[layout.OFFSET, k] + modes[layout.RE, k] * sine + modes[layout.IM, k] * cosine
-        pose[1, k] = y + w * (modes[layout.RE, k] * cosine - modes[layout.IM, k] * sine)
+        pose[0, k] = x + offset + re * sine + im * cosine
+        pose[1, k] = y + w * (re * cosine - im * sine)
     for j in range(int(signal[layout.ATTACHED])):
         k = int(attached[layout.AMODE, j])
         pose[0, k], pose[1, k] = attached[layout.TRIAL_X, j], attached[layout.TRIAL_Y, j]
@@ -125,3 +128,85 @@ def contact_pull(pairs: Array, modes: Array, drive: Array, pose: Array, status: 
     second = second if abs(second) > ROUND_OFF * second_size else 0.0
     third = third if abs(third) > ROUND_OFF * third_size else 0.0
     return second, third
+
+
+@kernel
+def begin_rest(engine: Engine, pose: Array, clock: float) -> tuple[float, float, float]:
+    """The contact force (positive: it presses) as the rest signal: its value and rate now, the size of its parts."""
+    to_block_coordinates(engine.rest, engine.drive, pose, clock)
+    force, rate, size = set_signal(engine.rest, engine.drive, layout.FORCE_SIGNAL, 1.0, clock)
+    parts = 0.0  # of the force, mode by mode, before they cancel
+    for k in range(pose.shape[1]):
+        own, damp = engine.pairs[layout.OMEGA, k], 2.0 * engine.pairs[layout.SIGMA, k]
+        push = abs(engine.modes[layout.STATIC, k]) + abs(engine.modes[layout.LOAD, k] * engine.drive[layout.STRENGTH])
+        parts += abs(engine.modes[layout.CONTACT, k]) * (own * own * abs(pose[0, k]) + damp * abs(pose[1, k]) + push)
+    return force, rate, max(size, parts / engine.drive[layout.MOBILITY])
+
+
+@kernel
+def rest_on_stop(engine: Engine, pose: Array, status: Array, span: float, record: MotionRecord) -> tuple[int, float]:
+    """One rest on the stop, until the contact force vanishes: outcome, duration."""
+    rest = engine.rest
+    force, rate, size = begin_rest(engine, pose, status[layout.CLOCK])
+    if not np.isfinite(size):
+        return layout.NOT_FINITE, 0.0
+    none = max(ROUND_OFF * size, SMALLEST)  # no more of a force than round-off
+    order = 0 if force > none else 1
+    fastest = max(engine.drive[layout.W], engine.pairs[layout.KAPPA, pose.shape[1] - 1])
+    if order == 1 and (rate <= none * fastest or force < -none):
+        toward, jerk = contact_pull(engine.pairs, engine.modes, engine.drive, pose, status)
+        if release(status, toward, jerk, False):
+            return layout.COMPLETE, 0.0
+        order = 0  # no force that can be told from none: it holds until one draws the contact away
+        rest.signal[layout.CONST] += 2.0 * none
+    found, duration, panels = first_root(
+        signal_of(rest), Start(order, rate), span, int(engine.drive[layout.COARSEST_AT_REST]),
+        InitialState(engine.modes, engine.drive, pose, layout.NO_CLOCK),
+    )  # fmt: skip
+    record.counts[layout.PANELS] += panels
+    if duration < 0.0:
+        return layout.UNRESOLVED, 0.0
+    advance_blocks(rest, engine.drive, pose, status[layout.CLOCK], duration)
+    if not np.isfinite(pose[0, 0]):
+        return layout.UNRESOLVED, 0.0
+    status[layout.CLOCK] = wrap(engine.drive, status[layout.CLOCK] + duration)
+    status[layout.PHASE_COS], status[layout.PHASE_SIN] = phase(engine.drive, status[layout.CLOCK])
+    close_segment(record.trace, duration, layout.RELEASE if found else layout.SPAN_END, 0.0, record.counts)
+    if found:
+        toward, jerk = contact_pull(engine.pairs, engine.modes, engine.drive, pose, status)
+        release(status, toward, jerk, True)
+    return layout.COMPLETE, duration
+
+
+@joined
+def opening_order(toward: float, jerk: float) -> tuple[int, float]:
+    """Order and size of the derivative by which the gap opens from the stop without velocity; −1 where it closes, 0
+    where neither can be told from round-off. ``toward``, ``jerk``: of the contact, toward the stop, in free motion.
+    """
+    if toward < 0.0:
+        return 2, -toward
+    if toward == 0.0 and jerk <= 0.0:
+        return 3 if jerk < 0.0 else 0, -jerk
+    return -1, 0.0
+
+
+@joined
+def lift_or_rest(status: Array, toward: float, jerk: float) -> int:
+    """On the stop without velocity: pressed against it (or not drawn away) it rests, drawn away it flies."""
+    order, rise = opening_order(toward, jerk)
+    status[layout.KIND] = layout.FREE if order > 0 else layout.RESTING
+    status[layout.ORDER], status[layout.RISE] = max(order, 0), rise
+    return layout.IMPACT if order > 0 else layout.STUCK
+
+
+@joined
+def release(status: Array, toward: float, jerk: float, at_root: bool) -> bool:
+    """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk at the force's root."""
+    if jerk < 0.0 and (at_root or toward >= 0.0):
+        status[layout.ORDER], status[layout.RISE] = 3.0, -jerk
+    elif toward < 0.0:
+        status[layout.ORDER], status[layout.RISE] = 2.0, -toward
+    else:
+        return False
+    status[layout.KIND] = layout.FREE
+    return True

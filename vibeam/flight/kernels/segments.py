@@ -1,24 +1,20 @@
-"""What is kept of a motion as it goes on: a row for every segment, and the time done."""
+"""Segments of a motion as it goes on: a row for each, and the time done."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined
+from vibeam_models.arrays import Array, Index
 
-Array = NDArray[np.float64]
 
-
-class Record(NamedTuple):
-    """What is kept of a motion: a row and the first pose of every segment (none where there are no rows), counts."""
+class MotionRecord(NamedTuple):
+    """Record of a motion: a row and the first pose of every segment (none where there are no rows), counts."""
 
     trace: Array  # (m, TRACE_COLUMNS)
     poses: Array  # (m, 2, n)
-    counts: NDArray[np.int64]  # (COUNT_ROWS,)
+    counts: Index  # (COUNT_ROWS,)
 
 
 class Progress(NamedTuple):
@@ -32,17 +28,14 @@ class Progress(NamedTuple):
 @joined
 def open_segment(trace: Array, poses: Array, pose: Array, status: Array, time: float, row: int) -> None:
     """Note where a segment starts."""
-    trace[row, layout.START], trace[row, layout.AT_CLOCK], trace[row, layout.WHAT] = (
-        time,
-        status[layout.CLOCK],
-        status[layout.KIND],
-    )
+    trace[row, layout.START], trace[row, layout.AT_CLOCK] = time, status[layout.CLOCK]
+    trace[row, layout.WHAT] = status[layout.KIND]
     trace[row, layout.LEFT], trace[row, layout.REMAINDER] = 0.0, 0.0
     copy_pose(pose, poses[row])
 
 
 @joined
-def close_segment(trace: Array, duration: float, end: int, before: float, counts: NDArray[np.int64]) -> None:
+def close_segment(trace: Array, duration: float, end: int, before: float, counts: Index) -> None:
     """Note how long it was and what ended it."""
     if trace.shape[0] > 0:
         row = counts[layout.SEGMENTS]
@@ -51,7 +44,7 @@ def close_segment(trace: Array, duration: float, end: int, before: float, counts
 
 
 @joined
-def note_chatter(record: Record, left: float, remainder: float) -> None:
+def note_chatter(record: MotionRecord, left: float, remainder: float) -> None:
     """Note what a chatter still takes after the impact that ends this segment, and the bound of its error."""
     if record.trace.shape[0] > 0:
         row = record.counts[layout.SEGMENTS]
@@ -74,6 +67,6 @@ def add(done: float, lost: float, step: float) -> tuple[float, float]:
 
 
 @joined
-def work_of(counts: NDArray[np.int64]) -> int:
-    """What has been done so far, in panels."""
+def work_of(counts: Index) -> int:
+    """Work done so far, in panels."""
     return int(counts[layout.IMPACTS] + counts[layout.PANELS])

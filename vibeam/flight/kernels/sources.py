@@ -7,10 +7,10 @@ from hashlib import sha256
 from pathlib import Path
 
 REGIMES = "regimes"  # the folder of the kernels that a plain system never calls
-
-EVERY = tuple(sorted(Path(__file__).parent.rglob("*.py")))
-
-FLIGHT = tuple(file for file in EVERY if REGIMES not in file.relative_to(Path(__file__).parent).parts)
+HERE = Path(__file__).parent
+EVERY = tuple(sorted(HERE.rglob("*.py")))
+FLIGHT = tuple(file for file in EVERY if REGIMES not in file.relative_to(HERE).parts)
+POINTS = tuple(sorted((HERE.parent / "points" / "kernels").glob("*.py")))  # of points in lanes alone
 
 
 @cache
@@ -21,4 +21,6 @@ def digest(files: tuple[Path, ...]) -> str:
 
 def sources_of(module: str) -> tuple[Path, ...]:
     """The files that an entry point in ``module`` may be compiled from."""
+    if ".points." in module:
+        return FLIGHT + POINTS
     return EVERY if f".{REGIMES}." in module else FLIGHT

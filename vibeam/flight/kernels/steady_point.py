@@ -9,24 +9,15 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.layout import Schedule, Watch
+from vibeam.flight.kernels.layout import REPEATS, SAME, PointSchedule, Watch
 from vibeam.flight.kernels.segments import copy_pose, work_of
-
-Array = NDArray[np.float64]
-
-Counts = NDArray[np.int64]
+from vibeam_models.arrays import Array, Index
 
 Kernel = Callable[..., Any]
-
 SETTLED_AT_ONCE = 32  # periods: then the phase is set anew, so that a long settling does not round it off
-
-SAME = 1e-14  # the same where a period is taken for a copy of the one before
-
-REPEATS = 1e-5  # share of the motion's size by which states one period apart may differ
 
 
 def steady_kernel(advance: Kernel, read: Kernel) -> Callable[..., tuple[int, float]]:
@@ -35,7 +26,7 @@ def steady_kernel(advance: Kernel, read: Kernel) -> Callable[..., tuple[int, flo
 
     @kernel
     def steady_point(
-        engine: Any, own: Array, pose: Array, status: Array, schedule: Schedule, watch: Watch, counts: Counts
+        engine: Any, own: Array, pose: Array, status: Array, schedule: PointSchedule, watch: Watch, counts: Index
     ) -> tuple[int, float]:
         """Settle and watch as scheduled: outcome, period (0 where the motion does not repeat); ``own``: the modes' ω.
 
@@ -46,11 +37,8 @@ def steady_kernel(advance: Kernel, read: Kernel) -> Callable[..., tuple[int, flo
         while outcome == layout.COMPLETE and counts[layout.WATCHED] <= hold:
             outcome = watching(engine, own, pose, status, schedule.limit, watch, counts)
             begun -= schedule.watching * counts[layout.SEGMENTS]
-            if (
-                outcome == layout.COMPLETE
-                and counts[layout.WATCHED] <= hold
-                and work_of(counts) - begun >= schedule.piece
-            ):
+            unfinished = outcome == layout.COMPLETE and counts[layout.WATCHED] <= hold
+            if unfinished and work_of(counts) - begun >= schedule.piece:
                 outcome = layout.PAUSED
         if outcome == layout.PAUSED:
             return layout.PAUSED, 0.0
@@ -66,7 +54,7 @@ def settling_kernel(advance: Kernel) -> Kernel:
     """The kernel that settles."""
 
     @kernel
-    def settle(engine: Any, pose: Array, status: Array, schedule: Schedule, watch: Watch, counts: Counts) -> int:
+    def settle(engine: Any, pose: Array, status: Array, schedule: PointSchedule, watch: Watch, counts: Index) -> int:
         """Carry ``pose`` on to the end of the settling, where it is not there yet, and begin to watch."""
         begun, period = work_of(counts), engine.drive[layout.PERIOD]
         while counts[layout.SETTLED] < schedule.settle:
@@ -86,11 +74,8 @@ def settling_kernel(advance: Kernel) -> Kernel:
         if counts[layout.WATCHED] == 0:
             start_watching(watch, pose)
             begin_period(watch)
-            counts[layout.WATCHED], counts[layout.MOST], status[layout.UNSEEN] = (
-                1,
-                counts[layout.IMPACTS] + schedule.limit,
-                period,
-            )
+            counts[layout.WATCHED], counts[layout.MOST] = 1, counts[layout.IMPACTS] + schedule.limit
+            status[layout.UNSEEN] = period
         return layout.COMPLETE
 
     return settle
@@ -121,7 +106,7 @@ def watching_kernel(advance: Kernel, read: Kernel) -> Kernel:
     read_off = reading_kernel(read)
 
     @kernel
-    def watching(engine: Any, own: Array, pose: Array, status: Array, limit: int, watch: Watch, counts: Counts) -> int:
+    def watching(engine: Any, own: Array, pose: Array, status: Array, limit: int, watch: Watch, counts: Index) -> int:
         """Carry ``pose`` on to the end of the period, or of the trace, and read off what is traced."""
         period = engine.drive[layout.PERIOD]
         if status[layout.DONE] == 0.0:
@@ -142,12 +127,9 @@ def watching_kernel(advance: Kernel, read: Kernel) -> Kernel:
         if outcome == layout.FULL:
             return layout.COMPLETE
         turn = counts[layout.WATCHED]
-        status[layout.UNSEEN], counts[layout.MOST], counts[layout.WATCHED] = (
-            period,
-            counts[layout.IMPACTS] + limit,
-            turn + 1,
-        )
-        note_strobe(watch.strobes, turn, pose)
+        status[layout.UNSEEN], counts[layout.MOST] = period, counts[layout.IMPACTS] + limit
+        counts[layout.WATCHED] = turn + 1
+        copy_pose(pose, watch.strobes[turn])
         if counts[layout.KNOWN] > 0:
             repeat_period(watch)
         elif is_same(own, engine.drive[layout.W], watch.strobes, turn):
@@ -165,13 +147,7 @@ def start_watching(watch: Watch, pose: Array) -> None:
     """Nothing is seen yet."""
     watch.result[:], watch.energy[:] = 0.0, 0.0
     watch.result[layout.HIGH], watch.result[layout.LEAST], watch.result[layout.CONTACT_LEAST] = -np.inf, np.inf, np.inf
-    note_strobe(watch.strobes, 0, pose)
-
-
-@kernel
-def note_strobe(strobes: Array, turn: int, pose: Array) -> None:
-    """Keep the state at the end of a period."""
-    copy_pose(pose, strobes[turn])
+    copy_pose(pose, watch.strobes[0])
 
 
 @kernel
@@ -185,7 +161,7 @@ def begin_period(watch: Watch) -> None:
 
 @kernel
 def note_period(watch: Watch) -> None:
-    """What the period watched since ``begin_period`` has added."""
+    """Note energies and time at rest that the period watched since ``begin_period`` has added."""
     n = watch.energy.shape[0]
     for k in range(n):
         watch.share[k] += watch.energy[k]
@@ -203,7 +179,7 @@ def repeat_period(watch: Watch) -> None:
 
 @kernel
 def is_same(own: Array, w: float, strobes: Array, turn: int) -> bool:
-    """Whether a period began as the one before it to round-off, so that it will be the same."""
+    """True where a period began as the one before it to round-off, so that it will be the same."""
     if turn < 1:
         return False
     apart = distance(own, w, strobes, turn, turn - 1)
@@ -212,7 +188,7 @@ def is_same(own: Array, w: float, strobes: Array, turn: int) -> bool:
 
 @kernel
 def is_unread(result: Array) -> bool:
-    """Whether the extremes of what was traced were not found in bounded work."""
+    """True where the extremes of what was traced were not found in bounded work."""
     return bool(result[layout.HIGH] == np.inf or result[layout.CONTACT_LEAST] == -np.inf)
 
 
@@ -226,11 +202,8 @@ def note_impacts(watch: Watch, count: int) -> None:
 @kernel
 def note_impact(trace: Array, i: int, result: Array) -> None:
     """Count the impact that ends a segment and keep its velocity in a ring."""
-    if (
-        trace[i, layout.END] == layout.IMPACT
-        or trace[i, layout.END] == layout.CHATTER
-        or trace[i, layout.END] == layout.STUCK
-    ):
+    end = trace[i, layout.END]
+    if end == layout.IMPACT or end == layout.CHATTER or end == layout.STUCK:
         result[layout.VELOCITY + int(result[layout.STRUCK]) % layout.KEPT] = trace[i, layout.BEFORE]
         result[layout.STRUCK] += 1.0
         result[layout.SPEED_SUM] += trace[i, layout.BEFORE]

@@ -14,8 +14,7 @@ import numpy as np
 
 from vibeam.flight.engine.entries import tabulate
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.layout import Regime
-from vibeam.flight.kernels.thresholds import APART, RESOLVED
+from vibeam.flight.kernels.layout import APART, RESOLVED, Regime
 from vibeam.flight.linear.blocks import pair_constants, planes
 from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam.system.rows import TimeDerivative

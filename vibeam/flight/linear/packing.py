@@ -11,8 +11,7 @@ import numpy as np
 from vibeam.flight.engine.threads import PerThread
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.lanes import layout as block_layout
-from vibeam.flight.kernels.layout import Engine, Regime
-from vibeam.flight.kernels.thresholds import ELASTIC, FORGOTTEN, LINGERING, PANEL, REDUCED, RESOLVED, SILENT
+from vibeam.flight.kernels.layout import ELASTIC, FORGOTTEN, LINGERING, PANEL, REDUCED, RESOLVED, SILENT, Engine, Regime
 from vibeam.flight.linear.block_regime import SignalRow, held_regime, rates, regime, with_signals
 from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam.system.impact_system import ImpactSystem

@@ -10,8 +10,7 @@ import numpy as np
 
 from vibeam.flight.equilibrium import LOST, without_stop
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.layout import Engine
-from vibeam.flight.kernels.thresholds import ELASTIC
+from vibeam.flight.kernels.layout import ELASTIC, Engine
 from vibeam.flight.linear.block_regime import set_output
 from vibeam.flight.linear.packing import PackedSystem, pack
 from vibeam.system.impact_system import ImpactSystem
@@ -21,7 +20,7 @@ from vibeam_models.arrays import Array
 def packed(system: ImpactSystem, omega: float, elastic: bool, output: str) -> tuple[PackedSystem, Engine]:
     """The system packed for drives of ``omega`` rad/s, its output set; ``elastic``: for R next to 1, or for any other.
 
-    How it is packed depends on R no further: see ``linear.mode_blocks.lay_out``.
+    How it is packed depends on R no further: see ``linear.packing.lay_out``.
     """
     if elastic != (1.0 - system.restitution < ELASTIC):
         system = replace(system, restitution=1.0 if elastic else 0.5)

@@ -9,20 +9,19 @@ from threading import local
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.engine.entries import run_points
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.event_driven import LONGEST_PERIOD, ROWS
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.layout import Engine, Watch
+from vibeam.flight.kernels.layout import Engine, Watch, watch_of
 from vibeam.flight.linear.packing import PackedSystem
 from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.packing import blank, equilibria, held, packed, stacked
 from vibeam.flight.readout import PointReadout
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Flags, Index
 
 LIMIT = 100_000  # impacts a drive period after which a point is given up, as of a sweep
 _OWN = local()
@@ -36,15 +35,15 @@ class PlainPoints:
     """
 
     systems: Sequence[ImpactSystem]
-    system: NDArray[np.int64]
+    system: Index
     omega: Array
     amplitude: Array
     gap: Array
     restitution: Array
     starts: Array | None = None
-    resting: NDArray[np.bool_] | None = None
+    resting: Flags | None = None
 
-    def of(self, which: NDArray[np.int64]) -> PlainPoints:
+    def of(self, which: Index) -> PlainPoints:
         """Some of the points, and the systems that they are of."""
         used, system = np.unique(self.system[which], return_inverse=True)
         return PlainPoints(
@@ -53,14 +52,14 @@ class PlainPoints:
             None if self.resting is None else self.resting[which],
         )  # fmt: skip
 
-    def start(self, which: NDArray[np.int64]) -> tuple[Array, Array]:
+    def start(self, which: Index) -> tuple[Array, Array]:
         """Poses (k, 2, n) of points of one system, and whether FREE or RESTING, (k,)."""
         if self.starts is None:
             return self.rest(which)
         resting = np.zeros(len(which)) if self.resting is None else self.resting[which]
         return self.starts[which], np.where(resting, layout.RESTING, layout.FREE)
 
-    def rest(self, which: NDArray[np.int64]) -> tuple[Array, Array]:
+    def rest(self, which: Index) -> tuple[Array, Array]:
         """The same in static equilibrium."""
         gaps, places = np.unique(self.gap[which], return_inverse=True)
         poses, kinds = equilibria(self.systems[self.system[which[0]]], gaps)
@@ -69,7 +68,7 @@ class PlainPoints:
 
 @dataclass(frozen=True)
 class PointSettings:
-    """What every point goes through; ``most_modes`` up to which points go side by side, 0: each alone, as in a sweep.
+    """Schedule of every point; ``most_modes`` up to which points go side by side, 0: each alone, as in a sweep.
 
     ``elastic``: whether all restitutions are next to 1, or none (``packing.packed``).
     """
@@ -88,19 +87,19 @@ class PlainResults:
 
     response: FrequencyResponse
     states: Array
-    resting: NDArray[np.bool_]
+    resting: Flags
     strobes: Array
 
 
 Packed = tuple[PackedSystem, Engine]
 
 
-def compute(points: PlainPoints, settings: PointSettings) -> list[tuple[NDArray[np.int64], PlainResults]]:
+def compute(points: PlainPoints, settings: PointSettings) -> list[tuple[Index, PlainResults]]:
     """Settle and watch every point: those that are packed alike, by their numbers, and what they came to."""
     return [(which, _run(points.of(which), made, settings)) for which, made in packed_alike(points, settings)]
 
 
-def packed_alike(points: PlainPoints, settings: PointSettings) -> Iterator[tuple[NDArray[np.int64], list[Packed]]]:
+def packed_alike(points: PlainPoints, settings: PointSettings) -> Iterator[tuple[Index, list[Packed]]]:
     """Points that are packed alike, by their numbers, and their systems packed."""
     slowest = float(points.omega.min())
     made = [packed(system, slowest, settings.elastic, settings.output) for system in points.systems]
@@ -178,13 +177,9 @@ def _shapes(engine: Any) -> Iterator[tuple[int, ...]]:
 
 
 def room_of(made: PackedSystem, settings: PointSettings) -> Watch:
-    """What a point is watched with."""
-    n, hold = made.system.size, settings.hold
-    return Watch(
-        _output(made, settings), np.zeros((0, layout.TRACE_COLUMNS)),
-        np.zeros((ROWS, layout.TRACE_COLUMNS)), np.zeros((ROWS, 2, n)), np.zeros((hold + 1, 2, n)), np.zeros((2, n)),
-        np.zeros((2, n)), np.zeros(layout.RESULT_ROWS), np.zeros(n), np.zeros(n + 1), layout.EVERYTHING,
-    )  # fmt: skip
+    """Arrays by which a point is watched."""
+    trace, poses = np.zeros((ROWS, layout.TRACE_COLUMNS)), np.zeros((ROWS, 2, made.system.size))
+    return watch_of(_output(made, settings), settings.hold, trace, poses)
 
 
 def _results(points: PlainPoints, made: list[Packed], task: row.Task, hold: int, seconds: float) -> PlainResults:

@@ -22,20 +22,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.pieces import (
-    CLAIM,
-    CLOSES,
-    COLUMNS,
-    FLIGHT,
-    FROM,
-    LENGTH,
-    OPEN,
-    ORDER,
-    SEGMENT,
-    SIGNAL,
-    UNPROVED,
-    WATCHED,
-)
+from vibeam.flight.kernels.layout import CLOSES, OPEN, UNPROVED
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.proof.chatter_tail import tails_of
 from vibeam.flight.proof.watched import WatchedMotion, motion_of, watch_list
@@ -94,7 +81,7 @@ class Certificate:
     @property
     def uncovered(self) -> Index:
         """The segments that no piece covers: contact that is integrated, and what takes no time."""
-        return np.setdiff1d(np.arange(len(self.kinds)), self.pieces[:, FLIGHT].astype(np.int64))
+        return np.setdiff1d(np.arange(len(self.kinds)), self.pieces[:, layout.PIECE_SEGMENT].astype(np.int64))
 
     @property
     def unproved(self) -> tuple[UnprovedSpan, ...]:
@@ -114,9 +101,10 @@ class Certificate:
         return [UnprovedSpan(float(a), float(b), reason) for a, b in zip(self.times[first], ends, strict=True)]
 
     def _undecided(self) -> list[UnprovedSpan]:
-        open_yet = self.pieces[self.pieces[:, CLAIM] == UNPROVED]
+        open_yet = self.pieces[self.pieces[:, layout.CLAIM] == UNPROVED]
         found: list[UnprovedSpan] = []
-        for segment, start, length, signal in open_yet[:, [FLIGHT, FROM, LENGTH, SIGNAL]]:
+        columns = [layout.PIECE_SEGMENT, layout.BEGIN, layout.LENGTH, layout.PIECE_SIGNAL]
+        for segment, start, length, signal in open_yet[:, columns]:
             begin = float(self.times[int(segment)] + start)
             if found and begin <= found[-1].end:  # goes on with the same one
                 found[-1] = replace(found[-1], end=max(begin + float(length), found[-1].end))
@@ -137,9 +125,9 @@ def certificate_of(solver: EventDrivenSolver, drive: Drive, segments: Segments) 
     motion = motion_of(solver.system, drive, segments.trace, segments.poses)
     tasks, trace = watch_list(motion), segments.trace
     orders, roots = np.zeros(len(trace)), np.full(len(trace), -1.0)
-    starting = np.flatnonzero(tasks[:, ORDER] > 0)
-    which = tasks[starting, SEGMENT].astype(np.int64)
-    orders[which], roots[which] = tasks[starting, ORDER], tasks[starting, WATCHED]
+    starting = np.flatnonzero(tasks[:, layout.TASK_ORDER] > 0)
+    which = tasks[starting, layout.TASK_SEGMENT].astype(np.int64)
+    orders[which], roots[which] = tasks[starting, layout.TASK_ORDER], tasks[starting, layout.TASK_SIGNAL]
     return Certificate(
         solver.system, drive, trace[:, layout.START], motion.kinds, motion.sides, trace[:, layout.END], segments.poses,
         trace[:, layout.AT_CLOCK], trace[:, layout.DURATION], orders, roots,
@@ -148,14 +136,15 @@ def certificate_of(solver: EventDrivenSolver, drive: Drive, segments: Segments) 
 
 
 def _pieces(solver: EventDrivenSolver, motion: WatchedMotion, tasks: Array, size: float) -> Array:
-    """The pieces (m, COLUMNS) that cover all tasks."""
+    """The pieces (m, PIECE_COLUMNS) that cover all tasks."""
     found, first, a_task = list[Array](), 0, PIECES_A_TASK
     while first < len(tasks):
-        watch = np.empty((a_task * max(len(tasks) - first, 8), COLUMNS))  # kept: what is not written costs nothing
+        rows = a_task * max(len(tasks) - first, 8)  # kept: what is not written costs nothing
+        watch = np.empty((rows, layout.PIECE_COLUMNS))
         count, reached = solver.cover(motion.drive, motion.trace, motion.poses, size, tasks, first, watch)
         found.append(watch[:count])
         first, a_task = reached, 2 * a_task
-    pieces = found[0] if len(found) == 1 else np.concatenate([np.empty((0, COLUMNS)), *found])
+    pieces = found[0] if len(found) == 1 else np.concatenate([np.empty((0, layout.PIECE_COLUMNS)), *found])
     return _without_slivers(pieces, motion.trace[:, layout.DURATION])
 
 
@@ -164,9 +153,11 @@ def _without_slivers(pieces: Array, durations: Array) -> Array:
 
     On which side of the panel's end the root lies, and whether the signal is positive there, doubles cannot say.
     """
-    whole = durations[pieces[:, FLIGHT].astype(np.int64)]
-    sliver = (pieces[:, CLAIM] == CLOSES) & (pieces[:, FROM] > 0) & (pieces[:, LENGTH] <= SLIVER * whole)
+    whole = durations[pieces[:, layout.PIECE_SEGMENT].astype(np.int64)]
+    sliver = (pieces[:, layout.CLAIM] == CLOSES) & (pieces[:, layout.BEGIN] > 0)
+    sliver &= pieces[:, layout.LENGTH] <= SLIVER * whole
     last = np.flatnonzero(sliver)
-    before = last[pieces[last - 1, CLAIM] == OPEN] - 1
-    pieces[before, CLAIM], pieces[before, LENGTH] = CLOSES, whole[before] - pieces[before, FROM]
+    before = last[pieces[last - 1, layout.CLAIM] == OPEN] - 1
+    pieces[before, layout.CLAIM] = CLOSES
+    pieces[before, layout.LENGTH] = whole[before] - pieces[before, layout.BEGIN]
     return np.delete(pieces, before + 1, axis=0) if len(before) else pieces

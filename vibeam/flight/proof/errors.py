@@ -35,7 +35,7 @@ import numpy as np
 from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.equilibrium import size_of_motion
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.thresholds import BRISK, FAR, FAR_DRIVEN
+from vibeam.flight.kernels.layout import BRISK, FAR, FAR_DRIVEN
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.observe.motion import Path
 from vibeam_models.arrays import Array, Flags

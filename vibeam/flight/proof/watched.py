@@ -15,7 +15,6 @@ import numpy as np
 from vibeam.flight.disturbance.derivatives import FREE as FLYING
 from vibeam.flight.disturbance.derivatives import HELD, PUSHED, RegimeDerivatives, StopRow, Sum, stop_of
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.pieces import NEGATIVE, TASK_COLUMNS
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array, Flags, Index
@@ -55,8 +54,8 @@ def motion_of(system: ImpactSystem, drive: Drive, trace: Array, poses: Array) ->
 
 
 def watch_list(motion: WatchedMotion) -> Array:
-    """Tasks (k, 5) for ``kernels.cover``, in the order of the segments."""
-    every = [np.zeros((0, TASK_COLUMNS))]
+    """Tasks (k, 5) for ``kernels.entry.cover``, in the order of the segments."""
+    every = [np.zeros((0, layout.TASK_COLUMNS))]
     for side in range(1 if motion.system.second_gap is None else 2):
         every += [_gaps(motion, side), _forces(motion, side, layout.RESTING)]
         if motion.system.contact_law.spring:
@@ -69,7 +68,7 @@ def watch_list(motion: WatchedMotion) -> Array:
 
 
 def _rows(which: Index, signal: int, starts: tuple[Array, Array], closing: Flags) -> Array:
-    rows = np.empty((len(which), TASK_COLUMNS))
+    rows = np.empty((len(which), layout.TASK_COLUMNS))
     rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3], rows[:, 4] = which, signal, *starts, closing
     return rows
 
@@ -87,7 +86,7 @@ def _forces(motion: WatchedMotion, side: int, kind: float) -> Array:
     """The force of one stop over every rest or push; it vanishes at a release."""
     which = np.flatnonzero(motion.lasting & (motion.kinds == kind) & (motion.sides == side))
     if not len(which):
-        return np.zeros((0, TASK_COLUMNS))
+        return np.zeros((0, layout.TASK_COLUMNS))
     spring, ended = motion.system.contact_law.spring, _ended_before(motion)[which]
     undamped = spring is not None and spring.damping == 0
     vanished = (ended == regime_layout.PASS) | ((ended == layout.IMPACT) & undamped)
@@ -107,8 +106,8 @@ def _retreats(motion: WatchedMotion, side: int) -> list[Array]:
     let_go = motion.lasting[which - 1]  # else it never pushed: a start in its range, already on the way out
     deep, pull = _leading(found.gap(side), -1.0), _leading(found.force(side), -1.0, let_go)
     return [
-        _rows(which, NEGATIVE + layout.GAP_SIGNAL + side, deep, passed & ~pushed),
-        _rows(which, NEGATIVE + layout.FORCE_SIGNAL + side, pull, pushed),
+        _rows(which, layout.NEGATIVE + layout.GAP_SIGNAL + side, deep, passed & ~pushed),
+        _rows(which, layout.NEGATIVE + layout.FORCE_SIGNAL + side, pull, pushed),
     ]
 
 

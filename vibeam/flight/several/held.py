@@ -11,7 +11,7 @@ from vibeam.flight.engine.entries import regimes_move, regimes_poses_at
 from vibeam.flight.engine.threads import unpaused
 from vibeam.flight.equilibrium import Contacts, multipliers
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.layout import Regime, Watch
+from vibeam.flight.kernels.layout import Regime, watch_of
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, with_signals
@@ -54,13 +54,8 @@ class HeldRegime:
 
     def _buffers(self) -> None:
         m = len(self.regime.held)
-        self.trace, poses = np.zeros((1, regime_layout.TRACE_COLUMNS)), np.zeros((1, 2, m))
-        nothing, strobes = np.zeros((0, regime_layout.TRACE_COLUMNS)), np.zeros((1, 2, m))
-        scratch, frame = np.zeros((2, m)), np.zeros((2, m))
-        result, energy, share = np.zeros(layout.RESULT_ROWS), np.zeros(m), np.zeros(m + 1)
-        self.room = Watch(
-            np.zeros(m), nothing, self.trace, poses, strobes, scratch, frame, result, energy, share, layout.EVERYTHING
-        )
+        self.trace = np.zeros((1, regime_layout.TRACE_COLUMNS))
+        self.room = watch_of(np.zeros(m), 0, self.trace, np.zeros((1, 2, m)))
         self.status, self.counts = np.zeros(regime_layout.STATUS_ROWS), np.zeros(layout.COUNT_ROWS, dtype=np.int64)
 
     def _filled(self, row: SignalRow) -> Array:

@@ -22,11 +22,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.flight.equilibrium import NOISE, Contacts, multipliers, one_sided
+from vibeam.flight.kernels.layout import FAITHFUL, FLOOR, LATE, NEAR, NEAR_MODES
 from vibeam.flight.several.state import Pull
 from vibeam_models.arrays import Array
 
-NEAR, NEAR_MODES = 1e-11, 4e-15  # shares of the length scale, of one mode and of more: see ``kernels.impact``
-FAITHFUL, LATE, FLOOR = 1e-11, 1e-12, 1e-26  # as there
 ENDLESS = 100_000  # impulses in one instant
 TIED = 1e-12  # share of the fastest approach by which another may be slower and still count as equally fast
 

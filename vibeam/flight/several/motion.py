@@ -11,8 +11,8 @@ import numpy as np
 
 from vibeam.flight.equilibrium import NOISE, Contacts
 from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import PANEL
 from vibeam.flight.kernels.regimes import layout as regime_layout
-from vibeam.flight.kernels.thresholds import PANEL
 from vibeam.flight.several.held import HeldRegime, SignalRoot, Unfollowed
 from vibeam.flight.several.impact import Strike, stopped, strikes, time_left
 from vibeam.flight.several.state import ContactState, Pull, next_state, pressing
@@ -38,7 +38,7 @@ class Segment:
 
 @dataclass
 class ContactMotion:
-    """Where a motion stands, and what was traced and counted on the way."""
+    """State of a motion, and what was traced and counted on the way."""
 
     pose: Array
     clock: float
@@ -207,7 +207,7 @@ class ContactFlights:
         return -1.0, 0.0, state
 
     def _disturbed(self, drive: Drive, motion: ContactMotion, left: float) -> bool:
-        """Whether another event falls within what is left of an accumulation, and is told from its end."""
+        """True where another event falls within what is left of an accumulation, and is told from its end."""
         if left * self.slowest < SOON:
             return False
         return self._first(drive, motion, left).signal >= 0

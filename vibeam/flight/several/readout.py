@@ -6,6 +6,7 @@ import numpy as np
 
 from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import REPEATS, SAME
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.several.held import HeldRegime, Unfollowed
 from vibeam.flight.several.motion import HELD, ContactFlights, ContactMotion
@@ -14,7 +15,6 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 
-SAME, REPEATS = 1e-14, 1e-5  # shares of the motion's size: see ``kernels.steady_point``
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 TURN = 4.0  # radians of the fastest mode to a panel of Gauss' quadrature
 MOST_PANELS = 256  # a segment
@@ -131,7 +131,7 @@ def repetition(omega: Array, drive: float, strobes: Array, longest: int) -> int:
 def derivative_along(
     system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int = 0
 ) -> Array:
-    """As ``flight.accelerations.derivative_along``: the output (m,), or its rate, at ``times`` with their ``poses``."""
+    """As that of ``disturbance.derivatives``: the output (m,), or its rate, at ``times`` with their ``poses``."""
     order, contacts = wanted.order + more, Contacts.of(system)
     if order == 1:
         return np.asarray(poses[:, 1] @ wanted.row)

@@ -46,11 +46,7 @@ class ContactsSolver:
         if outcome == layout.COMPLETE:
             outcome, done = self.flights.advance(drive, motion, end - start, limit)
         segments = _packed(motion, start, size)
-        stats = {
-            "impacts": motion.impacts,
-            "evaluations": motion.panels,
-            "cpu_seconds": time.thread_time() - begun,
-        }
+        stats = {"impacts": motion.impacts, "evaluations": motion.panels, "cpu_seconds": time.thread_time() - begun}
         last = end if outcome == layout.COMPLETE else start + done
         return OUTCOMES[outcome], last, _state(motion), segments, stats
 

@@ -1,4 +1,4 @@
-"""What contacts that are touched do next: held by a force, drawn away, or left with a velocity.
+"""The next state of contacts that are touched: held by a force, drawn away, or left with a velocity.
 
 Which of them are held is Gauss' principle of least constraint: the accelerations are as near to those of free motion,
 in the metric of the mass, as stops that only push allow. Where an acceleration is round-off the jerk decides.
@@ -72,7 +72,7 @@ def pressing(contacts: Contacts, pull: Pull, held: tuple[int, ...]) -> list[int]
 def next_state(
     contacts: Contacts, pull: Pull, touched: list[int], leaving: frozenset[int] = frozenset(), least: float = 0.0
 ) -> ContactState:
-    """What ``touched`` contacts do; those ``leaving`` are at the root of their force, speeds up to ``least`` none."""
+    """State of ``touched`` contacts; those ``leaving`` are at the root of their force, speeds up to ``least`` none."""
     speeds = contacts.approaches(pull.pose[1])
     speeds = np.where(np.abs(speeds) > least, speeds, 0.0)
     starts: dict[int, Start] = {j: (1.0, -float(speeds[j])) for j in touched if speeds[j] < 0}
@@ -105,7 +105,7 @@ def _exchange(j: int, held: list[int], gone: set[int]) -> None:
 def _starts(
     contacts: Contacts, pull: Pull, still: list[int], held: list[int], gone: set[int]
 ) -> tuple[dict[int, Start | None], set[int]]:
-    """How each of the contacts without velocity starts, None where it is to be held or let go; and the implied ones."""
+    """Starts of the contacts without velocity, None where one is to be held or let go; and the implied ones."""
     rows = contacts.rows[held]
     acceleration, jerk, size = pull.constrained(rows)
     settled: dict[int, Start | None] = {}
@@ -126,7 +126,7 @@ def _starts(
 
 
 def _pressing(rows: Array, place: int, pull: Pull, size: Array, jerk: Array) -> Start | None:
-    """How the force of a held contact starts; None where it is to be let go."""
+    """Start of the force of a held contact; None where it is to be let go."""
     each = multipliers(rows)[place]
     force = _seen(each @ pull.acceleration, np.abs(each) @ pull.size)
     if force > 0:
@@ -141,7 +141,7 @@ def _pressing(rows: Array, place: int, pull: Pull, size: Array, jerk: Array) -> 
 
 
 def _opening(second: float, third: float, at_root: bool) -> Start | None:
-    """How the gap of a contact at rest at its stop starts; None where it is to be held. Of motion toward the stop."""
+    """Start of the gap of a contact at rest at its stop; None where it is to be held. Of motion toward the stop."""
     if third < 0 and (at_root or second >= 0):
         return 3.0, -third
     if second < 0:

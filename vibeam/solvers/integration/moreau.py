@@ -24,7 +24,7 @@ import numpy as np
 
 from vibeam.flight.engine.entries import march
 from vibeam.flight.engine.threads import pause
-from vibeam.flight.kernels import moreau_layout
+from vibeam.flight.kernels import layout
 from vibeam.solvers.integration.samples import SampledPiece, SteppedOutcome
 from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, onto_stop, slack
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -100,20 +100,20 @@ class _March:
             self.rows, self.scheme, np.sin(self.drive.omega * times), self.pose, self.samples, self.pushed,
             self.strikes, self.totals,
         )  # fmt: skip
-        self.impacts += int(self.totals[moreau_layout.IMPACTS])
+        self.impacts += int(self.totals[layout.MOREAU_IMPACTS])
         if self.watch is not None:
             self.watch(self._piece(times, count))
 
     def _piece(self, times: Array, count: int) -> SampledPiece:
-        strikes = self.strikes[: self.totals[moreau_layout.IMPACTS]]
+        strikes = self.strikes[: self.totals[layout.MOREAU_IMPACTS]]
         struck = times[strikes[:, 0].astype(int)] + self.h
-        rest, smooth = float(self.totals[moreau_layout.HELD]) * self.h, self.pushed[:count] == 0.0
+        rest, smooth = float(self.totals[layout.MOREAU_HELD]) * self.h, self.pushed[:count] == 0.0
         return SampledPiece(times, self.samples[: count + 1].copy(), struck, strikes[:, 1].copy(), rest, smooth)
 
 
 def moreau_rows(system: ImpactSystem, drive: Drive, h: float, theta: float) -> Array:
     """Rows (ROWS, n) of a system for the kernel, for steps of ``h`` s."""
-    rows = np.zeros((moreau_layout.ROWS, system.size))
+    rows = np.zeros((layout.MOREAU_ROWS, system.size))
     stiffness, damping = system.omega**2, 2 * system.zeta * system.omega
     inverse = 1 / (1 + theta * h * damping + (theta * h) ** 2 * stiffness)
     load = system.load * (drive.omega**2 * drive.amplitude)

@@ -11,21 +11,13 @@ from vibeam.flight.kernels.compiler import joined
 from vibeam.flight.kernels.lanes.simd import Lanes, every, larger, plain, quarter, scaled, whole
 
 PER_LOG = 1.4426950408889634  # 1/ln 2
-
 LOG_HIGH, LOG_LOW = 6.93147180369123816490e-01, 1.90821492927058770002e-10  # ln 2 = HIGH + LOW, HIGH of 33 bits
-
 PER_QUARTER = 0.6366197723675814  # 2/π
-
 QUARTER_1, QUARTER_2 = 1.57079632673412561417e00, 6.07710050630396597660e-11  # π/2 in parts of 33 bits
-
 QUARTER_3 = 2.02226624879595063154e-21
-
 E = [1.0 / factorial(j) for j in range(15)]
-
 E2, E3, E4, E5, E6, E7, E8, E9, E10, E11, E12, E13 = E[2:14]
-
 S3, S5, S7, S9, S11, S13, S15 = (-(1.0 if j % 4 == 3 else -1.0) / factorial(j) for j in range(3, 16, 2))
-
 C4, C6, C8, C10, C12, C14, C16 = ((1.0 if j % 4 == 0 else -1.0) / factorial(j) for j in range(4, 17, 2))
 
 

@@ -4,45 +4,28 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import wrap
 from vibeam.flight.kernels.lanes import layout as row
 from vibeam.flight.kernels.lanes.elementary import exponential, sine_cosine
-from vibeam.flight.kernels.lanes.layout import Panel
-from vibeam.flight.kernels.lanes.mode_blocks import cell
+from vibeam.flight.kernels.lanes.layout import BlockPanel, Forced
+from vibeam.flight.kernels.lanes.panels import cell
 from vibeam.flight.kernels.lanes.simd import Lanes, every, load, one, smaller, store, total, width
-from vibeam.flight.kernels.layout import Engine, Phase
+from vibeam.flight.kernels.layout import FORGOTTEN, REDUCED, Engine, Phase
 from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.kernels.roots.pair import propagator
-from vibeam.flight.kernels.thresholds import FORGOTTEN, REDUCED
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 ROUNDS = 60
-
 NEAR = 0.02  # rad of the drive within which a step is taken by series
-
 SETTLED = 1e-9  # share of a step below which Newton's next correction is round-off
 
 
 STRUCK, ALOFT, UNUSUAL = 0, 1, 2  # outcomes of a flight
 
 
-class Forced(NamedTuple):
-    """Forced part of the gap, const + Im(z e^{iΩt}), z = re + i im: and a bound ``size`` ≥ |z|."""
-
-    const: float
-    re: float
-    im: float
-    omega: float
-    size: float
-
-
-class Derivatives(NamedTuple):
+class GapDerivatives(NamedTuple):
     """Value and four derivatives of the gap, or of the pairs' sum, at one time; a bound of the fifth since the node."""
 
     value: float
@@ -88,11 +71,8 @@ def phase_at(drive: Array, time: float) -> Phase:
 @joined
 def drive_phasor(drive: Array, phase: Phase) -> tuple[float, float]:
     """Re z, Im z of the drive's part in the gap at that phase: z = −Σ w_k H_k e^{iφ}."""
-    cosine, sine = phase
-    return (
-        -(drive[layout.CONTACT_RE] * cosine - drive[layout.CONTACT_IM] * sine),
-        -(drive[layout.CONTACT_RE] * sine + drive[layout.CONTACT_IM] * cosine),
-    )
+    re, im = drive[layout.CONTACT_RE], drive[layout.CONTACT_IM]
+    return -(re * phase.cosine - im * phase.sine), -(re * phase.sine + im * phase.cosine)
 
 
 @kernel
@@ -108,8 +88,29 @@ def one_by_one(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> Non
 
 
 @joined
+def pair_after(
+    x: Lanes, y: Lanes, rate: Lanes, turn: Lanes, inverse: Lanes, spring: Lanes, t: float | Lanes
+) -> tuple[Lanes, Lanes]:
+    """Underdamped pairs a time t after x, x': P00 x + P01 x', P10 x + P11 x' (``roots.pair``)."""
+    sine, cosine = sine_cosine(smaller(turn * t, every(REDUCED, x)))
+    decay = exponential(rate * (0.0 - t))
+    cosine, sine = decay * cosine, decay * sine * inverse
+    fall = rate * sine
+    return (cosine + fall) * x + sine * y, (cosine - fall) * y - spring * sine * x
+
+
+@joined
+def shifted(x: Lanes, y: Lanes, d2: Lanes, d3: Lanes, d4: Lanes, d: float | Lanes) -> tuple[Lanes, Lanes]:
+    """Pairs x, x' a short time d on, Σ x^{(j)} d^j/j!, j ≤ 4; ``d2``: minus the second derivative."""
+    half, sixth = 0.5 * d, d * (1 / 6)
+    x += (y + ((d3 + d4 * (0.5 * half)) * sixth - d2 * 0.5) * d) * d
+    y += ((d3 + d4 * (2.0 * sixth)) * half - d2) * d
+    return x, y
+
+
+@joined
 def pairs_at(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> tuple[Lanes, Lanes]:
-    """The pairs of a block a time t after the start: x = P00 x₀ + P01 x₀', x' = P10 x₀ + P11 x₀' (``roots.pair``)."""
+    """The pairs of a block a time t after the start."""
     step, at = width(like), cell(b, 0, like)
     if cells[at + row.SLOWEST * step] * t > FORGOTTEN:
         return every(0.0, like), every(0.0, like)
@@ -117,12 +118,9 @@ def pairs_at(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> tuple
         one_by_one(cells, pairs, b, t, like)
         return load(cells, at + row.ROOT_X * step, like), load(cells, at + row.ROOT_Y * step, like)
     x, y = load(cells, at + row.START_X * step, like), load(cells, at + row.START_Y * step, like)
-    rate = load(cells, at + row.RATE * step, like)
-    sine, cosine = sine_cosine(smaller(load(cells, at + row.TURN * step, like) * t, every(REDUCED, like)))
-    decay = exponential(rate * (-t))
-    cosine, sine = decay * cosine, decay * sine * load(cells, at + row.TURN_INVERSE * step, like)
-    fall = rate * sine
-    return (cosine + fall) * x + sine * y, (cosine - fall) * y - load(cells, at + row.SPRING * step, like) * sine * x
+    rate, turn = load(cells, at + row.RATE * step, like), load(cells, at + row.TURN * step, like)
+    inverse, spring = load(cells, at + row.TURN_INVERSE * step, like), load(cells, at + row.SPRING * step, like)
+    return pair_after(x, y, rate, turn, inverse, spring, t)
 
 
 @joined
@@ -135,7 +133,7 @@ def land_on(cells: Array, pairs: Array, blocks: int, t: float, like: Lanes) -> N
 
 
 @joined
-def expanded(cells: Array, pairs: Array, panel: Panel, t: float, like: Lanes) -> Derivatives:
+def expanded(cells: Array, pairs: Array, panel: BlockPanel, t: float, like: Lanes) -> GapDerivatives:
     """The pairs' sum and four derivatives a time t after the start, and a bound Σ κ⁵ e on the fifth since the node.
 
     By x'' = −2σx' − ω²x. ROOT_X … ROOT_4 receive every pair's.
@@ -158,21 +156,19 @@ def expanded(cells: Array, pairs: Array, panel: Panel, t: float, like: Lanes) ->
         store(cells, at + row.ROOT_4 * step, d4)
         f0, f1, f2, f3, f4 = f0 + x, f1 + y, f2 - d2, f3 + d3, f4 + d4
         f5 += load(cells, at + (row.SIDE_E + 3 * side) * step, like) * load(cells, at + row.K5 * step, like)
-    return Derivatives(total(f0), total(f1), total(f2), total(f3), total(f4), total(f5))
+    return GapDerivatives(total(f0), total(f1), total(f2), total(f3), total(f4), total(f5))
 
 
 @joined
 def shift(cells: Array, blocks: int, d: float, like: Lanes) -> tuple[float, float]:
     """Carry ROOT_X, ROOT_Y on by a short time d, x ← Σ x^{(j)} d^j/j!, j ≤ 4; their sums."""
-    step, half, sixth = width(like), 0.5 * d, d * (1 / 6)
-    value, slope = every(0.0, like), every(0.0, like)
+    step, value, slope = width(like), every(0.0, like), every(0.0, like)
     for b in range(blocks):
         at = cell(b, 0, like)
         x, y = load(cells, at + row.ROOT_X * step, like), load(cells, at + row.ROOT_Y * step, like)
         d2, d3 = load(cells, at + row.ROOT_2 * step, like), load(cells, at + row.ROOT_3 * step, like)
         d4 = load(cells, at + row.ROOT_4 * step, like)
-        x += (y + ((d3 + d4 * (0.5 * half)) * sixth - d2 * 0.5) * d) * d
-        y += ((d3 + d4 * (2.0 * sixth)) * half - d2) * d
+        x, y = shifted(x, y, d2, d3, d4, d)
         store(cells, at + row.ROOT_X * step, x)
         store(cells, at + row.ROOT_Y * step, y)
         value += x
@@ -201,7 +197,7 @@ def foretold(p0: float, s0: float, c0: float, p1: float, s1: float, c1: float) -
 
 
 @joined
-def nearest(f: Derivatives, least: float) -> tuple[float, bool]:
+def nearest(f: GapDerivatives, least: float) -> tuple[float, bool]:
     """The root near 0 of the quartic with these derivatives at 0, f' < 0, and whether Newton settles on it.
 
     First by reversion of the series, d = r − b₂r² + (2b₂² − b₃)r³ with r = −f/f', b_j = f^{(j)}/(j! f'). ``least``:
@@ -224,7 +220,7 @@ def nearest(f: Derivatives, least: float) -> tuple[float, bool]:
 
 
 @joined
-def at_root(engine: Engine, panel: Panel, forced: Forced, clock: float, bracket: Bracket, like: Lanes) -> Landing:
+def at_root(engine: Engine, panel: BlockPanel, forced: Forced, clock: float, bracket: Bracket, like: Lanes) -> Landing:
     """The one root in a bracket: STRUCK there; or UNUSUAL, where Newton's method does not settle on it.
 
     ROOT_X, ROOT_Y receive the pairs there. ``clock``: the drive's time at the flight's start. The rest of the quartic
@@ -245,7 +241,7 @@ def at_root(engine: Engine, panel: Panel, forced: Forced, clock: float, bracket:
         else:
             high = t
         if f1 < 0.0:
-            step, settled = nearest(Derivatives(f0, f1, f2, f3, f4, f5), EPSILON * t)
+            step, settled = nearest(GapDerivatives(f0, f1, f2, f3, f4, f5), EPSILON * t)
             d = abs(step)
             if low <= t + step <= high and settled:
                 if f5 * (d * d) * (d * d) <= -12.0 * EPSILON * f1 and w * d < NEAR:

@@ -1,4 +1,4 @@
-"""Panels of a plain flight, all modes of a block side by side: what ``roots.panels`` does, on ``mode_blocks``.
+"""Panels of a plain flight, all modes of a block side by side: what ``roots.panels`` does, on ``cells`` and ``rungs``.
 
 The first test of a panel is the cheapest one that clears it; only where that fails the others of ``roots.bounds``
 follow.
@@ -6,20 +6,59 @@ follow.
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined
 from vibeam.flight.kernels.lanes import layout as row
-from vibeam.flight.kernels.lanes.landing import Forced
-from vibeam.flight.kernels.lanes.layout import Panel
-from vibeam.flight.kernels.lanes.mode_blocks import cell, rung
+from vibeam.flight.kernels.lanes.layout import BlockPanel, Forced
 from vibeam.flight.kernels.lanes.simd import Lanes, every, larger, load, size, smaller, store, total, width
-from vibeam.flight.kernels.layout import Engine
-from vibeam.flight.kernels.roots.bounds import CLEAR, SPLIT, THIRD, VALUE, Bounds, Ends, verdict
+from vibeam.flight.kernels.layout import Engine, Phase
+from vibeam.flight.kernels.roots.bounds import CLEAR, SPLIT, THIRD, VALUE, Bounds, PanelEnds, verdict
+from vibeam_models.arrays import Array
 
-Array = NDArray[np.float64]
+
+@joined
+def cell(block: int, of: int, like: Lanes) -> int:
+    """Place at which a row of a block begins."""
+    lanes: int = width(like)
+    return (block * row.CELL_ROWS + of) * lanes
+
+
+@joined
+def rung(level: int, blocks: int, block: int, of: int, like: Lanes) -> int:
+    """Place at which a row of a block at one panel length begins."""
+    lanes: int = width(like)
+    return ((level * blocks + block) * row.RUNG_ROWS + of) * lanes
+
+
+@joined
+def at_mode(k: int, of: int, like: Lanes) -> int:
+    """Place of mode k's number in a row."""
+    lanes: int = width(like)
+    return ((k // lanes) * row.CELL_ROWS + of) * lanes + k % lanes
+
+
+@joined
+def gather(pairs: Array, cells: Array, like: Lanes) -> None:
+    """START_X, START_Y receive the pairs x, x' at the start of a flight, from ``begin_flight``."""
+    for k in range(pairs.shape[1]):
+        cells[at_mode(k, row.START_X, like)] = pairs[layout.X0, k]
+        cells[at_mode(k, row.START_Y, like)] = pairs[layout.Y0, k]
+
+
+@joined
+def scatter(engine: Engine, pose: Array, of: int, phase: Phase, like: Lanes) -> None:
+    """Set ``pose`` to the pairs in ``of`` and the next, at that phase φ.
+
+    η_k = −x_k/w_k + Im(H_k e^{iφ}) + s_k/ω_k², η_k' = −x_k'/w_k + Ω Re(H_k e^{iφ}).
+    """
+    cells, modes, w = engine.cells, engine.modes, engine.drive[layout.W]
+    cosine, sine = phase
+    for k in range(pose.shape[1]):
+        c = modes[layout.CONTACT, k]
+        offset, re, im = modes[layout.OFFSET, k], modes[layout.RE, k], modes[layout.IM, k]
+        pose[0, k] = -cells[at_mode(k, of, like)] / c + offset + re * sine + im * cosine
+        pose[1, k] = -cells[at_mode(k, of + 1, like)] / c + w * (re * cosine - im * sine)
+
 
 OTHER = -1  # neither clear nor to be halved: a panel for ``roots.first_root``
 
@@ -98,7 +137,7 @@ def first_panel(engine: Engine, blocks: int, level: int, rise: float, forced: Fo
 
 
 @joined
-def advance_panel(engine: Engine, panel: Panel, like: Lanes) -> tuple[float, float, float]:
+def advance_panel(engine: Engine, panel: BlockPanel, like: Lanes) -> tuple[float, float, float]:
     """Trial ends from the node, on the other side: value and slope of what the panel resolves, what its hull misses.
 
     x ← P00 x + P01 x', x' ← P10 x + P11 x'; missed is Σ κ⁴e h⁴/384 of the pairs resolved and Σ e of the others.
@@ -123,7 +162,7 @@ def advance_panel(engine: Engine, panel: Panel, like: Lanes) -> tuple[float, flo
 
 
 @joined
-def resolved(engine: Engine, panel: Panel, like: Lanes) -> tuple[float, float]:
+def resolved(engine: Engine, panel: BlockPanel, like: Lanes) -> tuple[float, float]:
     """Value Σ x and slope Σ x' at the node, over the pairs that a panel of that length resolves."""
     cells, rungs = engine.cells, engine.rungs
     blocks, whole, level, side = panel
@@ -138,8 +177,8 @@ def resolved(engine: Engine, panel: Panel, like: Lanes) -> tuple[float, float]:
 
 @joined
 def closer(
-    engine: Engine, panel: Panel, part: Ends, others: Bounds, tolerance: float, like: Lanes
-) -> tuple[int, Ends, float, float]:
+    engine: Engine, panel: BlockPanel, part: PanelEnds, others: Bounds, tolerance: float, like: Lanes
+) -> tuple[int, PanelEnds, float, float]:
     """``bounds.verdict`` on the panel just tried; the whole signal's value and slope at its ends, and at both the
     second derivative of the pairs that it resolves.
 
@@ -169,12 +208,8 @@ def closer(
         slack1 += rest * e * load(cells, at + row.K1 * step, like)
         slack2 += rest * e * load(cells, at + row.K2 * step, like)
     last, last_slope = part.p1 + total(end), part.s1 + total(end_slope)
-    bounds = Bounds(
-        others.fourth + total(high),
-        total(slack0) + others.value,
-        total(slack1) + others.slope,
-        total(slack2) + others.curvature,
-    )
+    value, slope = total(slack0) + others.value, total(slack1) + others.slope
+    bounds = Bounds(others.fourth + total(high), value, slope, total(slack2) + others.curvature)
     found = verdict(part, h, bounds, last, last_slope, tolerance)
-    ends = Ends(part.p0 + total(begin), part.s0 + total(begin_slope), last, last_slope)
+    ends = PanelEnds(part.p0 + total(begin), part.s0 + total(begin_slope), last, last_slope)
     return found, ends, total(bend0), total(bend1)

@@ -1,4 +1,4 @@
-"""Several numbers side by side in one register of the processor: a numba type with arithmetic, loads and stores.
+"""Several numbers side by side in one register of the processor: a numba type, its arithmetic, loads and comparisons.
 
 A loop over modes that the compiler may or may not turn into vector instructions is written out as such here, once for
 every width: ``like`` (a value of the type) says how many. One lane is as good as a plain number.
@@ -15,12 +15,9 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic, lower_builtin, models, register_model, type_callable
 
-DOUBLE, WHOLE = ir.DoubleType(), ir.IntType(64)
-
+DOUBLE, WHOLE, BIT = ir.DoubleType(), ir.IntType(64), ir.IntType(1)
 FUSED = ("contract",)  # a product and a sum may be rounded once
-
 FREE_ORDER = ("reassoc", "nsz", "contract")
-
 Lanes = Any  # a value of the type, to those who check types
 
 
@@ -37,8 +34,13 @@ def instruction(function: Callable[..., Any]) -> Any:
     return intrinsic(function)
 
 
+def by(code: Callable[[Any, Any], Any]) -> Callable[..., Any]:
+    """Code that a builder and the arguments are enough for."""
+    return lambda context, builder, signature, args: code(builder, args)
+
+
 @register_model(LanesType)
-class _Model(models.PrimitiveModel):
+class _LanesModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: LanesType) -> None:
         super().__init__(manager, kind, _vector(kind))  # type: ignore[no-untyped-call]
 
@@ -100,7 +102,7 @@ for _symbol, _name in (
 
 
 def _address(context: Any, builder: Any, kind: LanesType, array: Any, cells: Any, at: Any) -> Any:
-    """Where ``width`` numbers of a flat array lie."""
+    """Address of ``width`` numbers of a flat array."""
     data = context.make_array(array)(context, builder, cells).data
     return builder.bitcast(builder.gep(data, [at]), _vector(kind).as_pointer())
 
@@ -131,18 +133,14 @@ def store(typing: Any, cells: Any, at: Any, value: Any) -> Any:
 @instruction
 def every(typing: Any, value: Any, like: Any) -> Any:
     """A plain number in every lane."""
-
-    def lower(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return _splat(builder, like, args[0])
-
-    return like(types.float64, like), lower
+    return like(types.float64, like), by(lambda builder, args: _splat(builder, like, args[0]))
 
 
 def _of_width(width: int) -> Any:
     @instruction
     def nought(typing: Any) -> Any:
         kind = LanesType(width)
-        return kind(), lambda context, builder, signature, args: _constant(kind, 0.0)
+        return kind(), by(lambda builder, args: _constant(kind, 0.0))
 
     return nought
 
@@ -152,46 +150,42 @@ one, eight = _of_width(1), _of_width(8)
 
 @instruction
 def width(typing: Any, like: Any) -> Any:
-    """How many lanes."""
-    return types.intp(like), lambda context, builder, signature, args: ir.Constant(WHOLE, like.width)
+    """Number of lanes."""
+    return types.intp(like), by(lambda builder, args: ir.Constant(WHOLE, like.width))
 
 
 @instruction
 def total(typing: Any, value: Any) -> Any:
     """The sum of all lanes, in any order."""
 
-    def lower(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def lower(builder: Any, args: Any) -> Any:
         kind = ir.FunctionType(DOUBLE, [DOUBLE, _vector(value)])
         add = _function(builder.module, kind, f"llvm.vector.reduce.fadd.v{value.width}f64")
         return builder.call(add, [ir.Constant(DOUBLE, -0.0), args[0]], fastmath=FREE_ORDER)
 
-    return types.float64(value), lower
+    return types.float64(value), by(lower)
 
 
 @instruction
 def size(typing: Any, value: Any) -> Any:
     """|value|."""
 
-    def lower(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def lower(builder: Any, args: Any) -> Any:
         kind = ir.FunctionType(_vector(value), [_vector(value)])
         return builder.call(_function(builder.module, kind, f"llvm.fabs.v{value.width}f64"), args)
 
-    return value(value), lower
+    return value(value), by(lower)
 
 
 def _extreme(order: str) -> Any:
     @instruction
-    def pick(typing: Any, a: Any, b: Any) -> Any:
-        def lower(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-            return builder.select(builder.fcmp_ordered(order, args[0], args[1]), args[0], args[1])
+    def extreme(typing: Any, a: Any, b: Any) -> Any:
+        return a(a, a), by(lambda builder, args: builder.select(builder.fcmp_ordered(order, *args), *args))
 
-        return a(a, a), lower
-
-    return pick
+    return extreme
 
 
 larger, smaller = _extreme(">"), _extreme("<")
-
 
 MAGIC = 6755399441055744.0  # 1.5·2⁵²: adding it rounds to a whole number, which then stands in the last bits
 
@@ -199,40 +193,32 @@ MAGIC = 6755399441055744.0  # 1.5·2⁵²: adding it rounds to a whole number, w
 @instruction
 def whole(typing: Any, value: Any) -> Any:
     """The nearest whole number, for |value| < 2⁵¹, as a number whose last bits hold it: see ``plain``."""
-
-    def lower(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.fadd(args[0], _constant(value, MAGIC))
-
-    return value(value), lower
+    return value(value), by(lambda builder, args: builder.fadd(args[0], _constant(value, MAGIC)))
 
 
 @instruction
 def plain(typing: Any, marked: Any) -> Any:
     """The whole number that ``whole`` found."""
-
-    def lower(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.fsub(args[0], _constant(marked, MAGIC))
-
-    return marked(marked), lower
+    return marked(marked), by(lambda builder, args: builder.fsub(args[0], _constant(marked, MAGIC)))
 
 
 @instruction
 def scaled(typing: Any, value: Any, marked: Any) -> Any:
     """value · 2ⁿ for the whole number n ≥ −1022 that ``whole`` found, by its exponent bits."""
 
-    def lower(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def lower(builder: Any, args: Any) -> Any:
         bits = builder.bitcast(args[1], _vector(value, WHOLE))
         bits = builder.add(builder.shl(bits, _constant(value, 52, WHOLE)), _constant(value, 1023 << 52, WHOLE))
         return builder.fmul(args[0], builder.bitcast(bits, _vector(value)))
 
-    return value(value, marked), lower
+    return value(value, marked), by(lower)
 
 
 @instruction
 def quarter(typing: Any, own: Any, other: Any, marked: Any, ahead: Any) -> Any:
     """A turn by n quarters: ``own`` where n is even, else ``other``; minus that where bit 1 of n + ``ahead`` is set."""
 
-    def lower(context: Any, builder: Any, signature: Any, args: Any) -> Any:
+    def lower(builder: Any, args: Any) -> Any:
         bits = builder.bitcast(args[2], _vector(own, WHOLE))
         odd = builder.icmp_unsigned("!=", builder.and_(bits, _constant(own, 1, WHOLE)), _constant(own, 0, WHOLE))
         found = builder.bitcast(builder.select(odd, args[1], args[0]), _vector(own, WHOLE))
@@ -240,4 +226,43 @@ def quarter(typing: Any, own: Any, other: Any, marked: Any, ahead: Any) -> Any:
         sign = builder.shl(builder.and_(turned, _constant(own, 2, WHOLE)), _constant(own, 62, WHOLE))
         return builder.bitcast(builder.xor(found, sign), _vector(own))
 
-    return own(own, own, marked, types.int64), lower
+    return own(own, own, marked, types.int64), by(lower)
+
+
+def _bits(builder: Any, width: int, flags: Any) -> Any:
+    """A vector of flags as a whole number, one bit a lane."""
+    return builder.zext(builder.bitcast(flags, ir.IntType(width)), WHOLE)
+
+
+def _comparison(order: str) -> Any:
+    @instruction
+    def compare(typing: Any, a: Any, b: Any) -> Any:
+        return types.int64(a, a), by(lambda builder, args: _bits(builder, a.width, builder.fcmp_ordered(order, *args)))
+
+    return compare
+
+
+below, at_most, equal = _comparison("<"), _comparison("<="), _comparison("==")
+
+
+@instruction
+def pick(typing: Any, bits: Any, a: Any, b: Any) -> Any:
+    """``a`` in the lanes whose bits are set, ``b`` in the others."""
+
+    def lower(builder: Any, args: Any) -> Any:
+        flags = builder.bitcast(builder.trunc(args[0], ir.IntType(a.width)), ir.VectorType(BIT, a.width))
+        return builder.select(flags, args[1], args[2])
+
+    return a(types.int64, a, a), by(lower)
+
+
+@instruction
+def quotient(typing: Any, a: Any, b: Any) -> Any:
+    """a / b."""
+    return a(a, a), by(lambda builder, args: builder.fdiv(*args))
+
+
+@instruction
+def lowest(typing: Any, bits: Any) -> Any:
+    """The number of the lowest bit set; of none, 64."""
+    return types.int64(types.int64), by(lambda builder, args: builder.cttz(args[0], ir.Constant(BIT, 0)))

@@ -2,7 +2,7 @@
 
 The only motion here that is not a closed form, and only while the stop is touched. Its end is where d returns to 0; the
 last step is shortened by Newton's method, each time a full step of order 8, until it ends there to round-off. Where an
-output or the force is largest within a step is found in the same way.
+output (``readout``) or the force is largest within a step is found in the same way.
 """
 
 from __future__ import annotations
@@ -10,29 +10,20 @@ from __future__ import annotations
 from math import sin, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.extremes import hull
-from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.kernels.regimes import layout as row
 from vibeam.flight.kernels.regimes.laws import force, force_rate
 from vibeam.flight.kernels.regimes.layout import RegimeEngine
-from vibeam.flight.kernels.roots.bounds import Ends
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 TOLERANCE = 1e-12  # of a step's error, as a share of the motion's size in the energy norm
-
 EPSILON = 2.220446049250313e-16
-
 BATCH = 64  # steps that make a segment
-
 MOST_STEPS = 100_000  # for one segment, whatever its steps come to
-
 ROUNDS = 24
-
-BEGIN, END, STAGE = range(3)  # rows of plan.state
+BEGIN, END, STAGE = range(3)  # rows of engine.state
 
 
 @kernel
@@ -54,7 +45,7 @@ def rate_of(engine: RegimeEngine, y: Array, side: int, time: float, out: Array) 
     pressed, base = force(engine.law, value, rate), engine.drive[layout.STRENGTH] * sin(engine.drive[layout.W] * time)
     for k in range(n):
         pull = engine.load[k] * base + engine.static[k] - engine.spring[k] * y[k] - engine.contact[side, k] * pressed
-        if engine.law[regime_layout.COUPLED] > 0.0:
+        if engine.law[row.COUPLED] > 0.0:
             for j in range(n):
                 pull -= engine.damper[k, j] * y[n + j]
         else:
@@ -89,8 +80,8 @@ def error(engine: RegimeEngine, side: int, h: float) -> float:
     third, fifth = 0.0, 0.0
     begin, _ = depth(engine, state[BEGIN], side)
     end, _ = depth(engine, state[END], side)
-    power = engine.law[regime_layout.EXPONENT] + 1.0
-    size = 2.0 * engine.law[regime_layout.STIFFNESS] * max(begin, end, 0.0) ** power / power
+    power = engine.law[row.EXPONENT] + 1.0
+    size = 2.0 * engine.law[row.STIFFNESS] * max(begin, end, 0.0) ** power / power
     for k in range(n):
         for half in range(2):
             i = half * n + k
@@ -139,14 +130,20 @@ def take(engine: RegimeEngine) -> None:
 def first_step(engine: RegimeEngine, side: int) -> float:
     """A hundredth of about how long the contact lasts: m d'' = −k d^p from d' = v, m = 1/S."""
     value, rate = depth(engine, engine.state[BEGIN], side)
-    power, own = (
-        engine.law[regime_layout.EXPONENT] + 1.0,
-        engine.law[regime_layout.STIFFNESS] * engine.law[regime_layout.MOBILITY],
-    )
+    power = engine.law[row.EXPONENT] + 1.0
+    own = engine.law[row.STIFFNESS] * engine.law[row.MOBILITY]
     energy = rate * rate / 2.0 + own * max(value, 0.0) ** power / power
     if energy == 0.0:
         return 1e-3 / sqrt(own)
     return float(1e-2 * (power * energy / own) ** (1.0 / power) / sqrt(2.0 * energy))
+
+
+@kernel
+def next_step(h: float, wrong: float) -> float:
+    """The step to try after one of h whose error was ``wrong`` times what is allowed."""
+    if wrong > 1.0:
+        return h * (max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1)
+    return h * (min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0)
 
 
 @kernel
@@ -161,10 +158,10 @@ def integrate_contact(
     load(engine, pose)
     value, rate = depth(engine, engine.state[BEGIN], side)
     if value <= 0.0 and rate < 0.0:
-        status[regime_layout.PEAKED] = 0.0
+        status[row.PEAKED] = 0.0
         return True, 0.0, 0
-    h = status[regime_layout.STEPPED] if status[regime_layout.STEPPED] > 0.0 else first_step(engine, side)
-    done, steps, status[regime_layout.PEAKED] = 0.0, 0, 0.0
+    h = status[row.STEPPED] if status[row.STEPPED] > 0.0 else first_step(engine, side)
+    done, steps, status[row.PEAKED] = 0.0, 0, 0.0
     while steps < BATCH and done < span:
         h = min(h, span - done)
         if not h > 0.0 or (clock + done + h * 1e-3 == clock + done and h < 1e-300):
@@ -172,7 +169,7 @@ def integrate_contact(
         wrong = step(engine, side, clock + done, h)
         steps += 1
         if wrong > 1.0:
-            h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1
+            h = next_step(h, wrong)
             continue
         value, rate = depth(engine, engine.state[END], side)
         if traced:
@@ -184,10 +181,9 @@ def integrate_contact(
             continue
         done += h
         take(engine)
-        grown = h * (min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0)
         if done < span:
-            h = grown
-    status[regime_layout.STEPPED] = h
+            h = next_step(h, wrong)
+    status[row.STEPPED] = h
     store(engine, pose)
     return False, done, steps
 
@@ -209,7 +205,7 @@ def note_peak(engine: RegimeEngine, status: Array, side: int, time: float, h: fl
     """status[PEAKED] over the step just made; where the force turns inside, at its top."""
     first, rising = growth(engine, BEGIN, 0, side)
     last, falling = growth(engine, END, 12, side)
-    status[regime_layout.PEAKED] = max(status[regime_layout.PEAKED], max(first, last))
+    status[row.PEAKED] = max(status[row.PEAKED], max(first, last))
     if not (rising > 0.0 and (falling < 0.0 or last == 0.0)):
         return
     low, high = 0.0, h
@@ -219,7 +215,7 @@ def note_peak(engine: RegimeEngine, status: Array, side: int, time: float, h: fl
             t = low + (high - low) * min(max(rising / (rising - falling), 0.01), 0.99)
         step(engine, side, time, t)
         value, slope = growth(engine, END, 12, side)
-        status[regime_layout.PEAKED] = max(status[regime_layout.PEAKED], value)
+        status[row.PEAKED] = max(status[row.PEAKED], value)
         if abs(slope) * (high - low) <= EPSILON * value:
             break
         if slope > 0.0:
@@ -231,7 +227,7 @@ def note_peak(engine: RegimeEngine, status: Array, side: int, time: float, h: fl
 
 @kernel
 def dips(engine: RegimeEngine, side: int, h: float) -> bool:
-    """Whether the cubic through d and d' at the step's ends goes below 0 between them."""
+    """True where the cubic through d and d' at the step's ends goes below 0 between them."""
     p0, s0 = depth(engine, engine.state[BEGIN], side)
     p1, s1 = depth(engine, engine.state[END], side)
     if not (s0 < 0.0 < s1):
@@ -263,98 +259,3 @@ def last_step(engine: RegimeEngine, pose: Array, side: int, time: float, h: floa
     take(engine)
     store(engine, pose)
     return t
-
-
-@kernel
-def watch_step(
-    engine: RegimeEngine, row: Array, side: int, time: float, h: float, least: float, most: float
-) -> tuple[float, float]:
-    """(least, most) widened to row·η over the step just made, which must be ``plain`` for that row.
-
-    Where its rate changes sign the step is shortened by Newton's method until the rate vanishes at its end; then it is
-    made anew as it was.
-    """
-    begin, rate, _ = read(engine, row, BEGIN, 0)
-    end, last, _ = read(engine, row, END, 12)
-    least, most = min(least, min(begin, end)), max(most, max(begin, end))
-    if rate * last >= 0.0:
-        return least, most
-    low, high, t = 0.0, h, h * rate / (rate - last)
-    for _ in range(ROUNDS):
-        step(engine, side, time, t)
-        value, slope, bend = read(engine, row, END, 12)
-        least, most = min(least, value), max(most, value)
-        if slope * slope <= EPSILON * abs(bend * value) or high - low <= EPSILON * h:
-            break
-        if (slope > 0.0) == (rate > 0.0):
-            low = t
-        else:
-            high = t
-        t = t - slope / bend if bend != 0.0 else 0.5 * (low + high)
-        if not low < t < high:
-            t = 0.5 * (low + high)
-    step(engine, side, time, h)
-    return least, most
-
-
-@kernel
-def read(engine: RegimeEngine, row: Array, place: int, stage: int) -> tuple[float, float, float]:
-    """row·η, its rate and curvature at state[place], whose rate is stages[stage]."""
-    n, value, rate, bend = row.shape[0], 0.0, 0.0, 0.0
-    for k in range(n):
-        value += row[k] * engine.state[place, k]
-        rate += row[k] * engine.state[place, n + k]
-        bend += row[k] * engine.stages[stage, n + k]
-    return value, rate, bend
-
-
-@kernel
-def plain(engine: RegimeEngine, row: Array, h: float, least: float, most: float) -> bool:
-    """Whether the rate of row·η changes sign at most once over the step just made, or that matters nothing.
-
-    By the signs of the Bernstein coefficients of its cubic Hermite interpolant (Descartes); it matters nothing where
-    the hull of row·η itself lies well within (least, most).
-    """
-    p0, s0, c0 = read(engine, row, BEGIN, 0)
-    p1, s1, c1 = read(engine, row, END, 12)
-    low, high = hull(Ends(p0, s0, p1, s1), h)
-    watch = 0.25 * (high - low)
-    if low - watch >= least and high + watch <= most:
-        return True
-    b1, b2 = s0 + h * c0 / 3.0, s1 - h * c1 / 3.0
-    changes = (1 if s0 * b1 < 0.0 else 0) + (1 if b1 * b2 < 0.0 else 0) + (1 if b2 * s1 < 0.0 else 0)
-    return changes <= 1
-
-
-@kernel
-def add_energy_of_step(engine: RegimeEngine, h: float, energy: Array) -> None:
-    """Add ∫ ½(η'² + ω²η²) dt of every mode over the step just made, by its own quadrature of order 8."""
-    n = energy.shape[0]
-    for k in range(n):
-        total = 0.0
-        for s in range(12):
-            x, y = engine.state[BEGIN, k], engine.stages[s, k]
-            for j in range(s):
-                x += h * engine.nodes[s, j] * engine.stages[j, k]
-            total += engine.nodes[12, s] * (y * y + engine.spring[k] * x * x)
-        energy[k] += 0.5 * h * total
-
-
-@kernel
-def integrated_at(engine: RegimeEngine, pose: Array, side: int, clock: float, duration: float) -> None:
-    """Set ``pose`` to ``duration`` later in contact, wherever that ends."""
-    load(engine, pose)
-    h, done, steps = first_step(engine, side), 0.0, 0
-    while done < duration and steps < MOST_STEPS:
-        h = min(h, duration - done)
-        steps += 1
-        wrong = step(engine, side, clock + done, h)
-        if wrong > 1.0:
-            h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1
-            if h < 1e-300:
-                break
-            continue
-        take(engine)
-        done = done + h if h < duration - done else duration
-        h *= min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0
-    store(engine, pose)

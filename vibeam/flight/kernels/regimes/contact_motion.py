@@ -1,18 +1,19 @@
-"""The contact's motion in a pose: velocity, acceleration and jerk towards a stop, each with the size of its parts."""
+"""The contact's motion in a pose: velocity, acceleration and jerk towards a stop, each with the size of its parts.
+
+And the leading order by which a regime's signal rises from its start.
+"""
 
 from __future__ import annotations
-
-import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import phase
+from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.modal_flow import ROUND_OFF
-from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.kernels.regimes import layout as row
 from vibeam.flight.kernels.regimes.layout import RegimeEngine
-
-Array = NDArray[np.float64]
+from vibeam.flight.kernels.roots.signal import derivatives, signal_of
+from vibeam_models.arrays import Array
 
 
 @kernel
@@ -34,24 +35,24 @@ def drift(engine: RegimeEngine, pose: Array, side: int) -> float:
 
 
 @kernel
-def braked(engine: RegimeEngine, rates: Array, row: int, k: int) -> float:
-    """What the damping does to mode k: Σ damper_kj rates_j."""
-    if engine.law[regime_layout.COUPLED] == 0.0:
-        return float(engine.damping[k] * rates[row, k])
+def braked(engine: RegimeEngine, rates: Array, at: int, k: int) -> float:
+    """Damping force on mode k: Σ damper_kj rates_j."""
+    if engine.law[row.COUPLED] == 0.0:
+        return float(engine.damping[k] * rates[at, k])
     total = 0.0
     for j in range(engine.contact.shape[1]):
-        total += engine.damper[k, j] * rates[row, j]
+        total += engine.damper[k, j] * rates[at, j]
     return total
 
 
 @kernel
-def braked_at_most(engine: RegimeEngine, rates: Array, row: int, k: int) -> float:
+def braked_at_most(engine: RegimeEngine, rates: Array, at: int, k: int) -> float:
     """The sizes of its parts, added up."""
-    if engine.law[regime_layout.COUPLED] == 0.0:
-        return float(engine.damping[k] * abs(rates[row, k]))
+    if engine.law[row.COUPLED] == 0.0:
+        return float(engine.damping[k] * abs(rates[at, k]))
     total = 0.0
     for j in range(engine.contact.shape[1]):
-        total += abs(engine.damper[k, j] * rates[row, j])
+        total += abs(engine.damper[k, j] * rates[at, j])
     return total
 
 
@@ -92,4 +93,29 @@ def force_parts(engine: RegimeEngine, pose: Array) -> float:
     total = 0.0
     for k in range(pose.shape[1]):
         total += abs(engine.contact[0, k]) * pull_parts(engine, pose, k)
-    return float(total / engine.law[regime_layout.MOBILITY])
+    return float(total / engine.law[row.MOBILITY])
+
+
+@kernel
+def leading_order(regime: Regime, value: float, rate: float, size: float) -> tuple[int, float]:
+    """Order and size of the first derivative by which the signal just shown rises from 0: (0, 0) where it is above it
+    already, (−1, 0) where it falls.
+    """
+    if value > ROUND_OFF * size:
+        return 0, 0.0
+    if rate > 0.0 and value >= -ROUND_OFF * size:
+        return 1, rate
+    if rate < 0.0 or value < -ROUND_OFF * size:
+        return -1, 0.0
+    return curve_of(regime)
+
+
+@kernel
+def curve_of(regime: Regime) -> tuple[int, float]:
+    """The same for a signal known to start at 0 without slope: by its second and third derivative."""
+    derivatives(signal_of(regime), regime.pairs.shape[1], layout.WHOLE, 3)
+    if regime.signal[layout.WHOLE + 2] > 0.0:
+        return 2, float(regime.signal[layout.WHOLE + 2])
+    if regime.signal[layout.WHOLE + 2] == 0.0 and regime.signal[layout.WHOLE + 3] > 0.0:
+        return 3, float(regime.signal[layout.WHOLE + 3])
+    return -1, 0.0

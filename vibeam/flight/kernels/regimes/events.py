@@ -3,55 +3,46 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.block_flow import advance_blocks, set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import wrap
 from vibeam.flight.kernels.events import IDLE, PIECE
-from vibeam.flight.kernels.extremes import extremes
 from vibeam.flight.kernels.layout import Regime
-from vibeam.flight.kernels.modal_flow import ROUND_OFF
-from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.kernels.modal_flow import ROUND_OFF, SMALLEST, release
+from vibeam.flight.kernels.readout import extremes
+from vibeam.flight.kernels.regimes import layout as row
 from vibeam.flight.kernels.regimes.contact import classify, leave_stop, on_contact
 from vibeam.flight.kernels.regimes.contact_integration import integrate_contact
-from vibeam.flight.kernels.regimes.contact_motion import approach, force_parts, pull
+from vibeam.flight.kernels.regimes.contact_motion import approach, force_parts, leading_order, pull
 from vibeam.flight.kernels.regimes.layout import RegimeEngine
-from vibeam.flight.kernels.regimes.leading_order import leading_order
-from vibeam.flight.kernels.rest import SMALLEST, release
 from vibeam.flight.kernels.roots.double_gap import InitialState
 from vibeam.flight.kernels.roots.first_root import first_root
 from vibeam.flight.kernels.roots.signal import Start, signal_of
-from vibeam.flight.kernels.segments import Record, add, close_segment, note_chatter, open_segment, work_of
-
-Array = NDArray[np.float64]
+from vibeam.flight.kernels.segments import MotionRecord, add, close_segment, note_chatter, open_segment, work_of
+from vibeam_models.arrays import Array, Index
 
 EVENTS_AN_IMPACT = 16  # on average, before a run is given up
-
 STALLS = 6  # segments next to no time in a row, after which a signal in doubt holds until it is out of doubt
-
 TINY = 1e-15  # how little time, as a share of the coarsest panel
-
 STEPS_A_PANEL = 20_000  # steps of integrated contact, on average, before a run is given up
-
 STEP_WORK = 16  # panels that such a step is as much work as
-
 NONE = -1  # no signal has a root
 
 
 @kernel
 def advance(
     engine: RegimeEngine, pose: Array, status: Array, span: float, most: int, trace: Array, poses: Array,
-    counts: NDArray[np.int64],
+    counts: Index,
 ) -> tuple[int, float]:  # fmt: skip
     """Carry ``pose`` and ``status`` on by ``span`` seconds: outcome, time done; as the plain system's ``advance``."""
     done, lost, rows = status[layout.DONE], status[layout.LOST], trace.shape[0]
-    begun, piece, record = work_of(counts), piece_of(engine, pose), Record(trace, poses, counts)
+    begun, piece, record = work_of(counts), piece_of(engine, pose), MotionRecord(trace, poses, counts)
     status[layout.DONE], status[layout.LOST] = 0.0, 0.0
     if done == 0.0:
         status[layout.CLOCK] = wrap(engine.drive, status[layout.CLOCK])
-    if status[layout.ORDER] == regime_layout.UNKNOWN:
+    if status[layout.ORDER] == row.UNKNOWN:
         outcome = classify(engine, pose, status)
         if outcome != layout.COMPLETE:
             return outcome, 0.0
@@ -79,26 +70,17 @@ def advance(
 @kernel
 def piece_of(engine: RegimeEngine, pose: Array) -> int:
     """Panels between two pauses."""
-    dense = pose.shape[1] if engine.law[regime_layout.COUPLED] > 0.0 else 1
-    return int(
-        PIECE
-        // (
-            (pose.shape[1] + 8) * dense * (STEP_WORK if engine.law[regime_layout.FAMILY] == regime_layout.CURVED else 1)
-        )
-    )
+    dense = pose.shape[1] if engine.law[row.COUPLED] > 0.0 else 1
+    return int(PIECE // ((pose.shape[1] + 8) * dense * (STEP_WORK if engine.law[row.FAMILY] == row.CURVED else 1)))
 
 
 @kernel
-def segment(engine: RegimeEngine, pose: Array, status: Array, span: float, record: Record) -> tuple[int, float]:
+def segment(engine: RegimeEngine, pose: Array, status: Array, span: float, record: MotionRecord) -> tuple[int, float]:
     """Up to the first root of the signals watched, and what follows by the law: outcome, duration, which may be 0."""
-    if status[regime_layout.STALL] > IDLE or status[regime_layout.BUSY] > STEPS_A_PANEL:
+    if status[row.STALL] > IDLE or status[row.BUSY] > STEPS_A_PANEL:
         return layout.UNRESOLVED, 0.0
-    counts, what, side, status[regime_layout.PEAKED] = (
-        record.counts,
-        status[layout.KIND],
-        status[regime_layout.SIDE],
-        0.0,
-    )
+    counts, what, side = record.counts, status[layout.KIND], status[row.SIDE]
+    status[row.PEAKED] = 0.0
     outcome, met, step = to_event(engine, pose, status, span, record)
     if outcome != layout.COMPLETE or not np.isfinite(step):
         return layout.NOT_FINITE if outcome == layout.COMPLETE else outcome, 0.0
@@ -108,19 +90,15 @@ def segment(engine: RegimeEngine, pose: Array, status: Array, span: float, recor
     counts[layout.IMPACTS] += 1 if struck else 0
     counts[layout.CHATTERS] += 1 if end == layout.CHATTER else 0
     if end == layout.CHATTER:
-        note_chatter(record, status[regime_layout.LEFT_OVER], status[regime_layout.LEFT_ERROR])
+        note_chatter(record, status[row.LEFT_OVER], status[row.LEFT_ERROR])
     if record.trace.shape[0] > 0:
-        row = record.trace[counts[layout.SEGMENTS]]
-        row[layout.WHAT], row[regime_layout.AT_SIDE] = (
-            layout.FREE if what == regime_layout.INSIDE else what,
-            status[regime_layout.SIDE] if struck else side,
-        )
-        row[regime_layout.PEAK] = status[regime_layout.PEAKED]
+        line = record.trace[counts[layout.SEGMENTS]]
+        line[layout.WHAT] = layout.FREE if what == row.INSIDE else what
+        line[row.AT_SIDE] = status[row.SIDE] if struck else side
+        line[row.PEAK] = status[row.PEAKED]
     close_segment(record.trace, step, end, before, counts)
-    soon = step <= TINY * longest_panel(engine) and not (
-        struck and engine.law[regime_layout.FAMILY] == regime_layout.IMPULSIVE
-    )
-    status[regime_layout.STALL] = status[regime_layout.STALL] + 1.0 if soon else 0.0
+    soon = step <= TINY * longest_panel(engine) and not (struck and engine.law[row.FAMILY] == row.IMPULSIVE)
+    status[row.STALL] = status[row.STALL] + 1.0 if soon else 0.0
     return layout.COMPLETE, step
 
 
@@ -131,45 +109,39 @@ def longest_panel(engine: RegimeEngine) -> float:
 
 
 @kernel
-def to_event(engine: RegimeEngine, pose: Array, status: Array, span: float, record: Record) -> tuple[int, int, float]:
+def to_event(
+    engine: RegimeEngine, pose: Array, status: Array, span: float, record: MotionRecord
+) -> tuple[int, int, float]:
     """Carry ``pose`` on to the end of a segment: outcome, which signal's root it is (NONE: span's end), duration."""
-    side, traced = int(status[regime_layout.SIDE]), record.trace.shape[0] > 0
-    if status[layout.KIND] == regime_layout.CONTACT and engine.law[regime_layout.FAMILY] == regime_layout.CURVED:
+    side, traced = int(status[row.SIDE]), record.trace.shape[0] > 0
+    if status[layout.KIND] == row.CONTACT and engine.law[row.FAMILY] == row.CURVED:
         found, step, stages = integrate_contact(engine, pose, status, side, status[layout.CLOCK], span, traced)
         record.counts[layout.PANELS] += stages
-        status[regime_layout.BUSY] = (
-            max(status[regime_layout.BUSY] - STEPS_A_PANEL * step / longest_panel(engine), 0.0) + stages
-        )
+        status[row.BUSY] = max(status[row.BUSY] - STEPS_A_PANEL * step / longest_panel(engine), 0.0) + stages
         return layout.COMPLETE, 0 if found else NONE, step
-    if status[layout.ORDER] == regime_layout.HIT:
+    if status[layout.ORDER] == row.HIT:
         return layout.COMPLETE, side, 0.0
-    clock, regime = status[layout.CLOCK], engine.free
-    if status[layout.KIND] == layout.RESTING or status[layout.KIND] == regime_layout.CONTACT:
-        regime = at_side(engine, side)
+    clock, regime = status[layout.CLOCK], regime_of(engine, status[layout.KIND], side)
     to_block_coordinates(regime, engine.drive, pose, clock)
     outcome, met, step = first_signal(engine, regime, pose, status, span, record.counts)
     if outcome != layout.COMPLETE:
         return outcome, NONE, 0.0
-    if status[layout.KIND] == regime_layout.CONTACT and traced:
-        _, status[regime_layout.PEAKED] = extremes(
-            signal_of(regime), step, int(engine.drive[layout.COARSEST]), 0.0, 0.0
-        )
+    if status[layout.KIND] == row.CONTACT and traced:
+        _, status[row.PEAKED] = extremes(signal_of(regime), step, int(engine.drive[layout.COARSEST]), 0.0, 0.0)
     if step > 0.0:
         advance_blocks(regime, engine.drive, pose, clock, step)
-    if not (np.isfinite(status[regime_layout.PEAKED]) and np.isfinite(pose[0, 0])):
+    if not (np.isfinite(status[row.PEAKED]) and np.isfinite(pose[0, 0])):
         return layout.UNRESOLVED, NONE, 0.0
     return layout.COMPLETE, met, step
 
 
 @kernel
 def first_signal(
-    engine: RegimeEngine, regime: Regime, pose: Array, status: Array, span: float, counts: NDArray[np.int64]
+    engine: RegimeEngine, regime: Regime, pose: Array, status: Array, span: float, counts: Index
 ) -> tuple[int, int, float]:
     """The first root of the signals watched in a regime just entered: outcome, whose it is (NONE: nobody's), time."""
     met, step, kind = NONE, span, status[layout.KIND]
-    watched = (
-        2 if kind == regime_layout.INSIDE else (int(engine.law[regime_layout.SIDES]) if kind == layout.FREE else 1)
-    )
+    watched = 2 if kind == row.INSIDE else (int(engine.law[row.SIDES]) if kind == layout.FREE else 1)
     for i in range(watched):
         which, sign = watch_for(status, i)
         value, rate, size = set_signal(regime, engine.drive, which, sign, status[layout.CLOCK])
@@ -199,14 +171,14 @@ def first_signal(
 
 @kernel
 def is_held(status: Array, i: int, order: int) -> bool:
-    """Whether the i-th signal, which starts at 0, is taken to start above it: until it is below it beyond round-off.
+    """True where the i-th signal, which starts at 0, is taken to start above it: until it is below it beyond round-off.
 
     So where the stop is just touched; and in segments that take next to no time, one after the other: round-off makes
     them, and what it says is not to be followed.
     """
-    if status[layout.KIND] == layout.FREE and status[layout.ORDER] == regime_layout.TOUCHING:
-        return int(status[regime_layout.SIDE]) == i
-    return status[regime_layout.STALL] >= STALLS and order != 0
+    if status[layout.KIND] == layout.FREE and status[layout.ORDER] == row.TOUCHING:
+        return int(status[row.SIDE]) == i
+    return status[row.STALL] >= STALLS and order != 0
 
 
 @kernel
@@ -214,56 +186,53 @@ def watch_for(status: Array, i: int) -> tuple[int, float]:
     """The i-th signal to watch and its sign: in flight the gaps, on the stop its force, inside its range both."""
     if status[layout.KIND] == layout.FREE:
         return layout.GAP_SIGNAL + i, 1.0
-    if status[layout.KIND] == regime_layout.INSIDE:
-        return (layout.GAP_SIGNAL if i == 0 else layout.FORCE_SIGNAL) + int(status[regime_layout.SIDE]), -1.0
-    return layout.FORCE_SIGNAL + int(status[regime_layout.SIDE]), 1.0
+    if status[layout.KIND] == row.INSIDE:
+        return (layout.GAP_SIGNAL if i == 0 else layout.FORCE_SIGNAL) + int(status[row.SIDE]), -1.0
+    return layout.FORCE_SIGNAL + int(status[row.SIDE]), 1.0
 
 
 @kernel
 def start_of(regime: Regime, status: Array, i: int, value: float, rate: float, size: float) -> tuple[int, float]:
-    """How the signal just shown starts: see ``leading_order``. A flight knows which stop it left, and how.
+    """Start of the signal just shown: see ``leading_order``. A flight knows which stop it left, and how.
 
     A contact or a retreat that just began knows that its force cannot be negative yet, whatever round-off makes of it.
     """
     if status[layout.KIND] != layout.FREE:
-        fresh = status[layout.ORDER] > 0.0 and (status[layout.KIND] == regime_layout.CONTACT or i == 1)
+        fresh = status[layout.ORDER] > 0.0 and (status[layout.KIND] == row.CONTACT or i == 1)
         return leading_order(regime, max(value, 0.0) if fresh else value, rate, size)
-    if int(status[regime_layout.SIDE]) == i and status[layout.ORDER] > 0.0:
+    if int(status[row.SIDE]) == i and status[layout.ORDER] > 0.0:
         return int(status[layout.ORDER]), status[layout.RISE]
     return 0, 0.0
 
 
 @kernel
 def follow(engine: RegimeEngine, pose: Array, status: Array, met: int, step: float) -> tuple[float, int]:
-    """What comes after the root of the ``met``-th signal (−1: none): contact velocity before, what it was."""
-    kind, side = status[layout.KIND], int(status[regime_layout.SIDE])
+    """Sequel of the root of the ``met``-th signal (−1: none): contact velocity before, what it was."""
+    kind, side = status[layout.KIND], int(status[row.SIDE])
     if met < 0:
-        status[layout.ORDER] = regime_layout.UNKNOWN if kind == layout.FREE else 0.0
+        status[layout.ORDER] = row.UNKNOWN if kind == layout.FREE else 0.0
         return 0.0, layout.SPAN_END
     if kind == layout.FREE:
         return on_contact(engine, pose, status, met, approach(engine, pose, met))
-    if kind == regime_layout.INSIDE:
+    if kind == row.INSIDE:
         if met == 0:
             leave_stop(engine, pose, status, side)
         else:
-            status[layout.KIND], status[layout.ORDER] = regime_layout.CONTACT, 1.0
-        return 0.0, regime_layout.PASS
+            status[layout.KIND], status[layout.ORDER] = row.CONTACT, 1.0
+        return 0.0, row.PASS
     if kind == layout.RESTING:
         toward, jerk = pull(engine, pose, side, status[layout.CLOCK])
         release(status, toward, jerk, step > 0.0)
-    elif engine.law[regime_layout.FAMILY] == regime_layout.LINEAR and engine.law[regime_layout.DAMPING] > 0.0:
-        status[layout.KIND], status[layout.ORDER] = (
-            regime_layout.INSIDE,
-            1.0,
-        )  # the force is gone before the penetration is
+    elif engine.law[row.FAMILY] == row.LINEAR and engine.law[row.DAMPING] > 0.0:
+        status[layout.KIND], status[layout.ORDER] = (row.INSIDE, 1.0)  # the force is gone before the penetration is
     else:
         leave_stop(engine, pose, status, side)
     return 0.0, layout.RELEASE
 
 
 @kernel
-def at_side(engine: RegimeEngine, side: int) -> Regime:
-    """The regime at one of the stops."""
-    if side == 0:
-        return engine.upper
-    return engine.lower
+def regime_of(engine: RegimeEngine, kind: float, side: int) -> Regime:
+    """The regime of flight and retreat, or the one at a stop, pushed by it or resting on it."""
+    if kind != layout.RESTING and kind != row.CONTACT:
+        return engine.free
+    return engine.upper if side == 0 else engine.lower

@@ -1,26 +1,17 @@
-"""Where things stand in this engine's arrays; what is not here is in ``vibeam.flight.kernels.layout``."""
+"""Layout of this engine's arrays, beside ``vibeam.flight.kernels.layout``."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels.layout import Regime
-
-Array = NDArray[np.float64]
-
+from vibeam_models.arrays import Array
 
 # law (LAW_ROWS,): which family, its numbers; what damping there is while a linear stop pushes
 FAMILY, STIFFNESS, DAMPING, EXPONENT, COEFFICIENT, VELOCITY, CURVE, COUPLED, SIDES, MOBILITY = range(10)
-
 LAW_ROWS = 10
-
 IMPULSIVE, LINEAR, CURVED = 0.0, 1.0, 2.0  # FAMILY
-
 CONSTANT, TABLE, PLASTIC, VISCOUS = 0.0, 1.0, 2.0, 3.0  # CURVE
-
 SPEED_AT, VALUE_AT, SLOPE_AT = range(3)  # rows of the table
 
 
@@ -28,9 +19,7 @@ SPEED_AT, VALUE_AT, SLOPE_AT = range(3)  # rows of the table
 # largest force of a contact that is integrated, what a chatter still takes and the bound of its error, the steps beyond
 # what the time gone by allows
 SIDE, STALL, STEPPED, PEAKED, LEFT_OVER, LEFT_ERROR, BUSY = range(10, 17)
-
 STATUS_ROWS = 17
-
 CONTACT, INSIDE = 2.0, 3.0  # KIND, beside FREE and RESTING: pushed by the stop; where it is, but not pushed
 
 # ORDER of a start of which nothing is known; of one on the stop and moving into it; of one that touches a stop that
@@ -40,9 +29,7 @@ UNKNOWN, HIT, TOUCHING = -1.0, -2.0, -3.0
 
 # trace: the flight kernels' columns, then the side of the stop and the largest contact force
 AT_SIDE, PEAK = 8, 9
-
 TRACE_COLUMNS = 10
-
 PASS = 5  # END: from inside the stop's range to outside it, or pushed again
 
 

@@ -1,4 +1,4 @@
-"""What a panel proves: from values and slopes at its two ends and bounds on what lies between.
+"""Verdicts on a panel, proved from values and slopes at its two ends and bounds on what lies between.
 
 On a panel of length h the cubic Hermite interpolant H of p misses it by at most M₄h⁴/384, its slope by √3/216 M₄h³ and
 its curvature by M₄h²/12 (Birkhoff & Priver 1967), with M₄ a bound on |p⁗|. H lies in the hull of its Bernstein
@@ -13,13 +13,11 @@ from typing import NamedTuple
 from vibeam.flight.kernels.compiler import joined
 
 CLEAR, ROOT, MINIMUM, SPLIT = 0, 1, 2, 3
-
 THIRD, VALUE = 1.0 / 3.0, 1.0 / 384.0
-
 SLOPE = 0.0080187537387448  # √3/216
 
 
-class Ends(NamedTuple):
+class PanelEnds(NamedTuple):
     """Values p₀, p₁ and slopes s₀, s₁ at the ends of a panel: of the interpolant H, or of what it leaves out."""
 
     p0: float
@@ -38,7 +36,7 @@ class Bounds(NamedTuple):
 
 
 @joined
-def verdict(ends: Ends, h: float, bounds: Bounds, end: float, end_slope: float, tolerance: float) -> int:
+def verdict(ends: PanelEnds, h: float, bounds: Bounds, end: float, end_slope: float, tolerance: float) -> int:
     """Verdict on a panel of length h from the hulls of H, H′, H″ and their errors (Birkhoff & Priver 1967).
 
     CLEAR: p > 0 on (0, h]; ROOT: exactly one root there; MINIMUM: p is convex, positive at both ends; SPLIT: open.

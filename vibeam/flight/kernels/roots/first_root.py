@@ -9,44 +9,35 @@ from __future__ import annotations
 from math import sqrt
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, ROOT, SPLIT
 from vibeam.flight.kernels.roots.double_gap import InitialState, sharp_gap
-from vibeam.flight.kernels.roots.levels import level_of
 from vibeam.flight.kernels.roots.newton import EPSILON, guess, polish, polish_minimum
-from vibeam.flight.kernels.roots.pair import norm, power
+from vibeam.flight.kernels.roots.pair import level_of, norm, power
 from vibeam.flight.kernels.roots.panels import Node, accept, launching, next_node, ordinary, step_pairs
-from vibeam.flight.kernels.roots.signal import Signal, Start, derivatives, to_node, value_at
-
-Array = NDArray[np.float64]
+from vibeam.flight.kernels.roots.signal import EventSignal, Start, derivatives, to_node, value_at
 
 MOST_PANELS = 100_000  # a flight takes ten, or a few dozen where modes decay by orders faster than they are driven
-
 GLANCE = 256  # panels after which it is asked whether what is left can reach zero at all
-
 FAINT = 1e-9  # share of the parts of a gap below which its rise is lost in their round-off
-
 AMPLE = 1.25  # first panel over the flight that is foretold, where it matters that the flight ends on it
-
 CANCELLED = 64.0  # parts over |g'| t beyond which a root at t is known to fewer digits than its flight's data
-
 SHALLOW = 1e9  # times round-off: how far from zero a minimum is still judged, and its touch found, sharply
 
 
-class Panel(NamedTuple):
-    """Where a panel begins, and its length, in flight time."""
+class PanelSpan(NamedTuple):
+    """Begin and length of a panel, in flight time."""
 
     begin: float
     length: float
 
 
 @kernel
-def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: InitialState) -> tuple[bool, float, int]:
+def first_root(
+    g: EventSignal, start: Start, span: float, coarsest: int, initial: InitialState
+) -> tuple[bool, float, int]:
     """(found, flight time, panels tried) of the first root in (0, span]; there XT, YT and the trial hold the pairs.
 
     A negative time: it was not isolated within ``MOST_PANELS``. The walk is bisection with the proofs of
@@ -101,7 +92,7 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
         if found == ROOT:
             root = polish(g, here, time, time + guess(signal, h, bracket), bracket)
             if here.order == 0 and size > CANCELLED * root * abs(signal[layout.S0]):
-                root = sharpened(g, initial, Panel(time, h), root, size)
+                root = sharpened(g, initial, PanelSpan(time, h), root, size)
             return root <= span, min(root, span), panels
         if here.order > 0:
             step_pairs(pairs, table, level)
@@ -121,7 +112,7 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
 
 
 @kernel
-def sharpened(g: Signal, initial: InitialState, panel: Panel, root: float, size: float) -> float:
+def sharpened(g: EventSignal, initial: InitialState, panel: PanelSpan, root: float, size: float) -> float:
     """``root`` of a gap after one Newton step in twice the precision, where its parts cancel; else as it is.
 
     Round-off ε ``size`` of the parts moves a root of slope g' by ε ``size``/|g'|, here by 64 last digits and more. A
@@ -140,8 +131,8 @@ def sharpened(g: Signal, initial: InitialState, panel: Panel, root: float, size:
 
 
 @joined
-def is_out_of_reach(g: Signal, tolerance: float) -> bool:
-    """Whether const − |z| − Σ (e_k + |s_k|), least that the signal can still be from the node on, is above zero."""
+def is_out_of_reach(g: EventSignal, tolerance: float) -> bool:
+    """True where const − |z| − Σ (e_k + |s_k|), least that the signal can still be from the node on, is above zero."""
     least = g.terms[layout.CONST] - g.terms[layout.HARMONIC]
     for k in range(g.pairs.shape[1]):
         least -= g.pairs[layout.E, k] + g.pairs[layout.CREEP, k]
@@ -149,7 +140,7 @@ def is_out_of_reach(g: Signal, tolerance: float) -> bool:
 
 
 @joined
-def first_level(g: Signal, start: Start, coarsest: int, size: float) -> int:
+def first_level(g: EventSignal, start: Start, coarsest: int, size: float) -> int:
     """The level to start with: twice the flight 2g'(0)/|g''(0)| that the first two derivatives foretell.
 
     That is a panel of one to two such flights. Damping makes a flight longer, so that now and then it ends just beyond
@@ -169,7 +160,7 @@ def first_level(g: Signal, start: Start, coarsest: int, size: float) -> int:
 
 
 @kernel
-def graze(g: Signal, initial: InitialState, node: float, where: float) -> float:
+def graze(g: EventSignal, initial: InitialState, node: float, where: float) -> float:
     """The flight time at which a gap with its minimum near ``where`` touches the stop, or −1 where it does not.
 
     The depth d below the stop comes from ``sharp_gap``; with curvature a it is struck √(2d/a) before the minimum.

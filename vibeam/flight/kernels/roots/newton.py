@@ -5,27 +5,22 @@ from __future__ import annotations
 from math import cos, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.roots.pair import power
-from vibeam.flight.kernels.roots.signal import Signal, Start, decays_at, quotient_at, value_at
-
-Array = NDArray[np.float64]
+from vibeam.flight.kernels.roots.signal import EventSignal, Start, decays_at, quotient_at, value_at
+from vibeam_models.arrays import Array
 
 EPSILON = 2.220446049250313e-16
-
 ROUNDS = 80
-
 DEGREE = 7  # of the Taylor polynomial at a guess
-
 RECIPROCAL = np.array([1.0, *(1.0 / j for j in range(1, DEGREE + 2))])
 
 
 @kernel
-def evaluate(g: Signal, start: Start, node: float, t: float) -> tuple[float, float, float]:
-    """What the panel works on, g (order m = 0) or its quotient g/t^m: value, slope, curvature at flight time t."""
+def evaluate(g: EventSignal, start: Start, node: float, t: float) -> tuple[float, float, float]:
+    """Value, slope and curvature at flight time t of what the panel works on: g (order m = 0) or its quotient g/t^m."""
     if start.order > 0:
         return quotient_at(g, start, t)
     return value_at(g, node, t)
@@ -60,10 +55,8 @@ def expand(pairs: Array, signal: Array, t: float, value: float, slope: float, cu
             s, f = decays_at(pairs, k, t)
             im -= pairs[layout.SLOW, k] * pairs[layout.SLOW, k] * s + pairs[layout.TILT, k] * pairs[layout.TILT, k] * f
             continue
-        im += (
-            2.0 * pairs[layout.SIGMA, k] * pairs[layout.YT, k]
-            + pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k] * pairs[layout.XT, k]
-        )
+        sigma, own = pairs[layout.SIGMA, k], pairs[layout.OMEGA, k]
+        im += 2.0 * sigma * pairs[layout.YT, k] + own * own * pairs[layout.XT, k]
     im = -im  # w² times the harmonic's imaginary part
     signal[layout.TAYLOR], signal[layout.TAYLOR + 1], signal[layout.TAYLOR + 2] = value, slope, curvature
     signal[layout.TAYLOR + 3] = -w * w * w * re
@@ -124,7 +117,7 @@ def shift(pairs: Array, t: float, step: float) -> None:
 
 
 @joined
-def polish(g: Signal, start: Start, node: float, near: float, bracket: float) -> float:
+def polish(g: EventSignal, start: Start, node: float, near: float, bracket: float) -> float:
     """The one root in (node, node + bracket], about ``near``; XT, YT and the trial receive the pairs there.
 
     Newton's method in a bracket; off the stop on the Taylor polynomial about the last iterate (``expand``).
@@ -159,7 +152,7 @@ def polish(g: Signal, start: Start, node: float, near: float, bracket: float) ->
 
 @joined
 def converged(signal: Array, rest: float, step: float, t: float) -> bool:
-    """Whether what the Taylor polynomial leaves out moves the root by less than round-off: rest Δ⁸/8! ≤ ε t |g'|."""
+    """True where what the Taylor polynomial leaves out moves the root by less than round-off: rest Δ⁸/8! ≤ ε t |g'|."""
     term = rest * (1.0 / 40320.0)
     for _ in range(DEGREE + 1):
         term *= step
@@ -167,7 +160,7 @@ def converged(signal: Array, rest: float, step: float, t: float) -> bool:
 
 
 @kernel
-def polish_minimum(g: Signal, start: Start, node: float, h: float) -> tuple[float, float]:
+def polish_minimum(g: EventSignal, start: Start, node: float, h: float) -> tuple[float, float]:
     """(where after the node, value) of the one minimum of a convex panel, or of the first point found ≤ 0.
 
     The root of the slope between s₀ < 0 and s₁ > 0, by regula falsi with every third step a bisection.

@@ -1,5 +1,7 @@
 """One pair: x'' + 2σ x' + ω² x = 0 in closed form, and the drive's phasor, both without cancellation near t = 0.
 
+Both are tabulated over dyadic panel lengths (``linear.block_regime``).
+
 With disc = σ² − ω² (negative: underdamped) the propagator over t is
 
     x(t)  = P00 x + P01 x',   P01 = e^{−σt} S,  P00 = e^{−σt} (C + σS)
@@ -22,11 +24,12 @@ from __future__ import annotations
 
 from math import cos, cosh, exp, expm1, sin, sinh, sqrt
 
-from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.thresholds import APART
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.compiler import entry, joined, kernel
+from vibeam.flight.kernels.layout import APART
+from vibeam_models.arrays import Array
 
 SERIES_BELOW = 0.7  # κt up to which the power series is used: 20 terms reach 1e-19 there
-
 TERMS = 20
 
 
@@ -52,12 +55,7 @@ def two_decays(sigma: float, omega: float, disc: float, t: float) -> tuple[float
     slow = omega * (omega / fast)
     first, second, apart = exp(-slow * t), exp(-fast * t), fast - slow
     odd = (expm1(-slow * t) - expm1(-fast * t)) / apart
-    return (
-        (fast * first - slow * second) / apart,
-        odd,
-        -omega * omega * odd,
-        (fast * second - slow * first) / apart,
-    )
+    return ((fast * first - slow * second) / apart, odd, -omega * omega * odd, (fast * second - slow * first) / apart)
 
 
 @kernel
@@ -159,3 +157,62 @@ def power(base: float, exponent: int) -> float:
     for _ in range(exponent):
         value *= base
     return value
+
+
+@entry
+def tabulate(pairs: Array, levels: Array, table: Array) -> None:
+    """Fill ``table``, see ``layout``, of every panel length and pair."""
+    for level in range(layout.LEVELS):
+        h = levels[layout.STEP, level]
+        for k in range(pairs.shape[1]):
+            d0, d1, v0, v1 = increments(pairs[layout.SIGMA, k], pairs[layout.OMEGA, k], pairs[layout.DISC, k], h)
+            table[0, level, k] = 1.0 + h * h * d0
+            table[1, level, k] = h + h * h * d1
+            table[2, level, k] = h * v0
+            table[3, level, k] = 1.0 + h * v1
+            table[4, level, k] = d0
+            table[5, level, k] = d1
+            table[6, level, k] = v0
+            table[7, level, k] = v1
+            for i in range(4):
+                table[layout.WALK + i, level, k] = table[i, level, k]
+            if pairs[layout.SLOW, k] > 0.0:
+                table[layout.WALK, level, k] = exp(-pairs[layout.SLOW, k] * h)
+                table[layout.WALK + 3, level, k] = exp(pairs[layout.TILT, k] * h)
+                table[layout.WALK + 1, level, k], table[layout.WALK + 2, level, k] = 0.0, 0.0
+
+
+@kernel
+def tabulate_drive(omega: float, levels: Array) -> None:
+    """Fill the phasor rows of ``levels`` for one drive.
+
+    Panels halve from level to level, so that each takes one sine: e^{iz} − 1 = −2 sin² ½z + i sin z.
+    """
+    sine = sin(omega * levels[layout.STEP, 0])
+    for level in range(layout.LEVELS):
+        h = levels[layout.STEP, level]
+        inverse = 1.0 / h
+        half = sin(0.5 * omega * h)
+        versine = -2.0 * half * half
+        levels[layout.TURN_RE, level], levels[layout.TURN_IM, level] = 1.0 + versine, sine
+        levels[layout.FIRST_RE, level], levels[layout.FIRST_IM, level] = versine * inverse, sine * inverse
+        levels[layout.SECOND_RE, level] = versine * inverse * inverse
+        levels[layout.SECOND_IM, level] = sine_rest(omega * h, sine) * inverse * inverse
+        sine = half
+
+
+@kernel
+def same_drive(levels: Array, others: Array) -> None:
+    """Fill the phasor rows of ``others``, which have the same panel lengths."""
+    for place in range(layout.TURN_RE, layout.LEVEL_ROWS):
+        for level in range(layout.LEVELS):
+            others[place, level] = levels[place, level]
+
+
+@kernel
+def level_of(levels: Array, h: float) -> int:
+    """The level of the longest panel 2^{top − level} that is no longer than h."""
+    level = 0
+    while level < layout.LEVELS - 1 and levels[layout.STEP, level] > h:
+        level += 1
+    return level

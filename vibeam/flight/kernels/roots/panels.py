@@ -9,17 +9,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel, summing
+from vibeam.flight.kernels.layout import RESOLVED
 from vibeam.flight.kernels.roots import taylor_pairs as att
-from vibeam.flight.kernels.roots.bounds import CLEAR, Bounds, Ends, verdict
+from vibeam.flight.kernels.roots.bounds import CLEAR, Bounds, PanelEnds, verdict
 from vibeam.flight.kernels.roots.pair import decay_growths, power
-from vibeam.flight.kernels.roots.signal import Signal, Start, decays, derivatives, quotient, set_node
-from vibeam.flight.kernels.thresholds import RESOLVED
-
-Array = NDArray[np.float64]
+from vibeam.flight.kernels.roots.signal import EventSignal, Start, decays, derivatives, quotient, set_node
+from vibeam_models.arrays import Array
 
 FACTORIAL = np.array([1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0])
 
@@ -36,11 +34,8 @@ class Node(NamedTuple):
 def next_node(levels: Array, level: int, node: Node) -> Node:
     """t + h and z e^{iΩ(t + h)}."""
     time, re, im = node
-    return Node(
-        time + levels[layout.STEP, level],
-        re * levels[layout.TURN_RE, level] - im * levels[layout.TURN_IM, level],
-        im * levels[layout.TURN_RE, level] + re * levels[layout.TURN_IM, level],
-    )
+    c, s = levels[layout.TURN_RE, level], levels[layout.TURN_IM, level]
+    return Node(time + levels[layout.STEP, level], re * c - im * s, im * c + re * s)
 
 
 @summing
@@ -53,7 +48,7 @@ def step_pairs(pairs: Array, table: Array, level: int) -> None:
 
 
 @joined
-def accept(g: Signal) -> None:
+def accept(g: EventSignal) -> None:
     """The trial end becomes the node; e_k = ‖(x, x'/ω)‖ there."""
     pairs, _, _, signal, attached = g
     for k in range(pairs.shape[1]):
@@ -63,7 +58,7 @@ def accept(g: Signal) -> None:
 
 
 @summing
-def measure(g: Signal, node: Node, level: int) -> tuple[Ends, Bounds, Ends]:
+def measure(g: EventSignal, node: Node, level: int) -> tuple[PanelEnds, Bounds, PanelEnds]:
     """Trial pairs, and what the panel from the node shows: ends of what is interpolated, bounds, ends of the rest.
 
     Interpolated is g less the pairs with κ_k h > 1.2: p = const + Im(z e^{iΩt}) + Σ x_k, with the bound M₄ = Ω⁴|z| +
@@ -121,27 +116,24 @@ def measure(g: Signal, node: Node, level: int) -> tuple[Ends, Bounds, Ends]:
             s0 += attached[layout.AWEIGHT, j] * attached[layout.NODE_Y, j]
             p1 += attached[layout.AWEIGHT, j] * attached[layout.TRIAL_X, j]
             s1 += attached[layout.AWEIGHT, j] * attached[layout.TRIAL_Y, j]
-    return Ends(p0, s0, p1, s1), Bounds(fourth, slack0, slack1, slack2), Ends(begin, begin_slope, end, end_slope)
+    rest = PanelEnds(begin, begin_slope, end, end_slope)
+    return PanelEnds(p0, s0, p1, s1), Bounds(fourth, slack0, slack1, slack2), rest
 
 
 @joined
-def ordinary(g: Signal, node: Node, level: int, tolerance: float) -> int:
+def ordinary(g: EventSignal, node: Node, level: int, tolerance: float) -> int:
     """Verdict on the panel that starts at the node; terms[P0 … S1] receive the whole signal at its ends."""
     part, bounds, rest = measure(g, node, level)
     signal, end, end_slope = g.terms, part.p1 + rest.p1, part.s1 + rest.s1
     found = verdict(part, g.levels[layout.STEP, level], bounds, end, end_slope, tolerance)
     if found != CLEAR:
-        signal[layout.P0], signal[layout.S0], signal[layout.P1], signal[layout.S1] = (
-            part.p0 + rest.p0,
-            part.s0 + rest.s0,
-            end,
-            end_slope,
-        )
+        signal[layout.P0], signal[layout.S0], signal[layout.P1] = part.p0 + rest.p0, part.s0 + rest.s0, end
+        signal[layout.S1] = end_slope
     return found
 
 
 @joined
-def launching(g: Signal, start: Start, level: int) -> int:
+def launching(g: EventSignal, start: Start, level: int) -> int:
     """Verdict on the first panel of a flight that starts on the stop with g^{(m)}(0) = ``start.rise`` > 0, exactly.
 
     On p = g/t^m: p(0) = g^{(m)}(0)/m!, p'(0) = g^{(m+1)}(0)/(m + 1)!, |p⁗| ≤ 24/(m + 4)! M_{m+4}, and the slack
@@ -183,23 +175,17 @@ def launching(g: Signal, start: Start, level: int) -> int:
     low = rise - hidden
     p1, s1 = quotient(Start(order, low), signal[layout.LOW + 2], gamma, delta, h)
     end, end_slope = quotient(start, signal[layout.WHOLE + 2], gamma + rest_gamma, delta + rest_delta, h)
-    signal[layout.P0], signal[layout.S0] = (
-        rise / FACTORIAL[order],
-        signal[layout.WHOLE + order + 1] / FACTORIAL[order + 1],
-    )
+    signal[layout.P0] = rise / FACTORIAL[order]
+    signal[layout.S0] = signal[layout.WHOLE + order + 1] / FACTORIAL[order + 1]
     signal[layout.P1], signal[layout.S1] = end, end_slope
-    part = Ends(low / FACTORIAL[order], signal[layout.LOW + order + 1] / FACTORIAL[order + 1], p1, s1)
-    bounds = Bounds(
-        m4 * 24.0 / FACTORIAL[order + 4],
-        slack / FACTORIAL[order],
-        slack1 / FACTORIAL[order + 1],
-        2.0 * slack2 / FACTORIAL[order + 2],
-    )
+    part = PanelEnds(low / FACTORIAL[order], signal[layout.LOW + order + 1] / FACTORIAL[order + 1], p1, s1)
+    first, second = slack1 / FACTORIAL[order + 1], 2.0 * slack2 / FACTORIAL[order + 2]
+    bounds = Bounds(m4 * 24.0 / FACTORIAL[order + 4], slack / FACTORIAL[order], first, second)
     return verdict(part, h, bounds, end, end_slope, 0.0)
 
 
 @summing
-def growths(g: Signal, count: int, level: int) -> tuple[float, float, float, float]:
+def growths(g: EventSignal, count: int, level: int) -> tuple[float, float, float, float]:
     """γ and δ over one panel from the start: of the interpolated part, and of the rest.
 
     γ = (g(h) − g(0) − hg'(0))/h², δ = (g'(h) − g'(0))/h; of a pair D0 x + D1 x' and V0 x + V1 x' (``pair.increments``).
@@ -234,10 +220,7 @@ def growths(g: Signal, count: int, level: int) -> tuple[float, float, float, flo
 @kernel
 def initial_derivative(pairs: Array, k: int, order: int) -> float:
     """x_k^{(j)}(0), j = ``order`` ≥ 1, by x'' = −2σx' − ω²x."""
-    before, now = pairs[layout.X0, k], pairs[layout.Y0, k]
+    before, now, sigma, own = pairs[layout.X0, k], pairs[layout.Y0, k], pairs[layout.SIGMA, k], pairs[layout.OMEGA, k]
     for _ in range(order - 1):
-        before, now = (
-            now,
-            -2.0 * pairs[layout.SIGMA, k] * now - pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k] * before,
-        )
+        before, now = now, -2.0 * sigma * now - own * own * before
     return float(now)

@@ -9,19 +9,15 @@ from __future__ import annotations
 from math import cos, exp, sin
 from typing import Any, NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.layout import FORGOTTEN
 from vibeam.flight.kernels.roots.pair import increments, norm, phasor_increments, power, propagator
 from vibeam.flight.kernels.roots.taylor_pairs import add_derivatives, carry, growth, trial_sum
-from vibeam.flight.kernels.thresholds import FORGOTTEN
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
-class Signal(NamedTuple):
+class EventSignal(NamedTuple):
     """g(t) = const + Im(z e^{iΩt}) + Σ x_k(t) + Σ weight X_j(t): see ``layout`` for the rows."""
 
     pairs: Array  # x_k: rates, state at start, node, trial end and root
@@ -39,9 +35,9 @@ class Start(NamedTuple):
 
 
 @joined
-def signal_of(system: Any) -> Signal:
+def signal_of(system: Any) -> EventSignal:
     """Signal of the free flight of an Engine, or of a Regime."""
-    return Signal(system.pairs, system.table, system.levels, system.signal, system.attached)
+    return EventSignal(system.pairs, system.table, system.levels, system.signal, system.attached)
 
 
 @joined
@@ -59,7 +55,7 @@ def decays_at(pairs: Array, k: int, t: float) -> tuple[float, float]:
 
 
 @joined
-def value_at(g: Signal, node: float, t: float) -> tuple[float, float, float]:
+def value_at(g: EventSignal, node: float, t: float) -> tuple[float, float, float]:
     """Value, slope and curvature at flight time t; XT, YT and the trial receive the pairs there.
 
     g = const + Im(z e^{iΩt}) + Σ x_k, x_k = P00 x_k(0) + P01 x_k'(0), x_k'' = −2σx_k' − ω²x_k.
@@ -99,7 +95,7 @@ def value_at(g: Signal, node: float, t: float) -> tuple[float, float, float]:
 
 
 @kernel
-def quotient_at(g: Signal, start: Start, t: float) -> tuple[float, float, float]:
+def quotient_at(g: EventSignal, start: Start, t: float) -> tuple[float, float, float]:
     """p = g / t^m, its slope and 0 (no curvature at hand) at flight time t > 0; XT, YT and the trial as in value_at.
 
     From γ = (g − g(0) − tg'(0))/t² and δ = (g' − g'(0))/t, sums of the pairs' own: no digit cancels near t = 0.
@@ -137,7 +133,7 @@ def quotient(start: Start, second: float, gamma: float, delta: float, h: float) 
 
 
 @joined
-def derivatives(g: Signal, count: int, start: int, depth: int) -> None:
+def derivatives(g: EventSignal, count: int, start: int, depth: int) -> None:
     """terms[start + j] = g^{(j)}(0), j = 0 … depth ≤ 5, of all but the pairs from ``count`` on.
 
     Im((iΩ)^j z), and x^{(j)} = −2σx^{(j−1)} − ω²x^{(j−2)} pair by pair.

@@ -10,12 +10,10 @@ from __future__ import annotations
 from math import cos, hypot, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @kernel
@@ -87,16 +85,8 @@ def growth(attached: Array, signal: Array, t: float) -> tuple[float, float]:
     """Weighted γ and δ: X = X(0) + t X'(0) + t² γ, X' = X'(0) + t δ, for rate · t up to about 1.2."""
     gamma, delta = 0.0, 0.0
     for j in range(int(signal[layout.ATTACHED])):
-        series(
-            attached,
-            j,
-            attached[layout.AX, j],
-            attached[layout.AY, j],
-            signal[layout.COSINE],
-            signal[layout.SINE],
-            signal[layout.DRIVE],
-            t,
-        )
+        x, y, w = attached[layout.AX, j], attached[layout.AY, j], signal[layout.DRIVE]
+        series(attached, j, x, y, signal[layout.COSINE], signal[layout.SINE], w, t)
         for i in range(layout.SERIES - 1, 1, -1):
             gamma += attached[layout.AWEIGHT, j] * attached[layout.TERM + i, j]
             delta += attached[layout.AWEIGHT, j] * i * attached[layout.TERM + i, j]
@@ -107,16 +97,8 @@ def growth(attached: Array, signal: Array, t: float) -> tuple[float, float]:
 def add_derivatives(attached: Array, signal: Array, start: int) -> None:
     """Add derivatives 0 … 5 at the start of the flight to terms[start:start + 6]: Σ weight X^{(j)}(0)."""
     for j in range(int(signal[layout.ATTACHED])):
-        series(
-            attached,
-            j,
-            attached[layout.AX, j],
-            attached[layout.AY, j],
-            signal[layout.COSINE],
-            signal[layout.SINE],
-            signal[layout.DRIVE],
-            1.0,
-        )
+        x, y, w = attached[layout.AX, j], attached[layout.AY, j], signal[layout.DRIVE]
+        series(attached, j, x, y, signal[layout.COSINE], signal[layout.SINE], w, 1.0)
         factorial = 1.0
         for i in range(6):
             factorial *= max(i, 1)
@@ -175,10 +157,8 @@ def restart(attached: Array, signal: Array) -> None:
 def accept(attached: Array, signal: Array) -> None:
     """The trial becomes the node."""
     for j in range(int(signal[layout.ATTACHED])):
-        attached[layout.NODE_X, j], attached[layout.NODE_Y, j] = (
-            attached[layout.TRIAL_X, j],
-            attached[layout.TRIAL_Y, j],
-        )
+        attached[layout.NODE_X, j] = attached[layout.TRIAL_X, j]
+        attached[layout.NODE_Y, j] = attached[layout.TRIAL_Y, j]
 
 
 @kernel

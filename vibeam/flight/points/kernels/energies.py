@@ -8,9 +8,6 @@ from __future__ import annotations
 
 from math import sqrt
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.energy import CANCELLED, NODES, PANEL, WEIGHTS, SteadyResponse, flight_energy, growth
@@ -34,13 +31,26 @@ from vibeam.flight.kernels.lanes.elementary import (
     exponential,
     sine_cosine,
 )
-from vibeam.flight.kernels.lanes.simd import Lanes, eight, every, larger, load, plain, scaled, size, store, whole
+from vibeam.flight.kernels.lanes.simd import (
+    Lanes,
+    at_most,
+    below,
+    eight,
+    every,
+    larger,
+    load,
+    lowest,
+    pick,
+    plain,
+    scaled,
+    size,
+    store,
+    whole,
+)
 from vibeam.flight.kernels.layout import Engine
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.flights import flight
-from vibeam.flight.points.kernels.masks import at_most, below, lowest, pick
-
-Array = NDArray[np.float64]
+from vibeam.flight.points.kernels.rows import flight
+from vibeam_models.arrays import Array
 
 
 @joined

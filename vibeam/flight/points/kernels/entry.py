@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.compiler import entry
 from vibeam.flight.kernels.entry import WATCHING, steady_point
 from vibeam.flight.kernels.events import piece_of
-from vibeam.flight.kernels.layout import Schedule, Watch
+from vibeam.flight.kernels.layout import PointSchedule, Watch
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.compiler import entry
 from vibeam.flight.points.kernels.landing import find_roots, recur, strike
-from vibeam.flight.points.kernels.layout import Lane, Rows, Task
+from vibeam.flight.points.kernels.layout import Lane, LaneRows, Task
 from vibeam.flight.points.kernels.point import engine_of, go_alone, join, keep, leave, take_point
 from vibeam.flight.points.kernels.walk import launch, walk
 from vibeam.flight.points.kernels.watch import watched_point
 
 BUDGET = 400_000  # impacts and panels between two pauses
-
 ROUNDS = 4096  # flights of all lanes between two looks at the budget
 
 
@@ -28,9 +27,9 @@ def run(
     PAUSED: called again with that point it goes on as if it had not been. Each point is settled, watched and kept in
     ``task`` by itself: its numbers depend neither on its lane nor on the points beside it.
     """
-    schedule = Schedule(settle, hold, limit, longest, piece_of(lane.poses[0]), WATCHING)
+    schedule = PointSchedule(settle, hold, limit, longest, piece_of(lane.poses[0]), WATCHING)
     point, points, work = first, task.pack.shape[0], 0
-    rows = Rows(lane.common, lane.modal, lane.engines.levels, lane.engines.rungs)
+    rows = LaneRows(lane.common, lane.modal, lane.engines.levels, lane.engines.rungs)
     while True:
         flying = 0
         for slot in range(row.WIDTH):

@@ -1,4 +1,4 @@
-"""Extremes of a signal over flights of one point, a flight a lane: those of ``kernels.extremes``, panel by panel.
+"""Extremes of a signal over flights of one point, a flight a lane: those of ``kernels.readout``, panel by panel.
 
 All lanes take panels of the same length: one that must be halved halves those of all.
 """
@@ -8,21 +8,30 @@ from __future__ import annotations
 from math import sqrt
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.extremes import EPSILON, FINE, ROUNDS, cubic_range
 from vibeam.flight.kernels.lanes.elementary import exponential, sine_cosine
 from vibeam.flight.kernels.lanes.panels import bound
-from vibeam.flight.kernels.lanes.simd import Lanes, eight, every, larger, load, size, smaller, store
-from vibeam.flight.kernels.roots.bounds import Ends
+from vibeam.flight.kernels.lanes.simd import (
+    Lanes,
+    at_most,
+    below,
+    eight,
+    every,
+    larger,
+    load,
+    lowest,
+    pick,
+    quotient,
+    size,
+    smaller,
+    store,
+)
+from vibeam.flight.kernels.readout import EPSILON, FINE, ROUNDS, cubic_range
+from vibeam.flight.kernels.roots.bounds import PanelEnds
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.flights import flight
-from vibeam.flight.points.kernels.masks import at_most, below, lowest, pick, quotient
-
-Array = NDArray[np.float64]
+from vibeam.flight.points.kernels.rows import flight
+from vibeam_models.arrays import Array
 
 MOST = 4096  # panels, before the flights are read off one by one
 
@@ -36,7 +45,7 @@ class Wave(NamedTuple):
     im: Lanes
 
 
-class Found(NamedTuple):
+class LaneExtremes(NamedTuple):
     """Least and greatest values."""
 
     least: Lanes
@@ -66,17 +75,17 @@ def at(pairs: Array, rows: Array, weights: Array, wave: Wave, t: Lanes) -> tuple
 
 
 @joined
-def widen(found: Found, which: int, value: Lanes) -> Found:
+def widen(found: LaneExtremes, which: int, value: Lanes) -> LaneExtremes:
     """With those values in some lanes."""
     least, most = found
-    return Found(pick(which & below(value, least), value, least), pick(which & below(most, value), value, most))
+    return LaneExtremes(pick(which & below(value, least), value, least), pick(which & below(most, value), value, most))
 
 
 @joined
 def turn_points(
-    pairs: Array, rows: Array, weights: Array, wave: Wave, found: Found, time: Lanes, slope: Lanes, last: Lanes,
+    pairs: Array, rows: Array, weights: Array, wave: Wave, found: LaneExtremes, time: Lanes, slope: Lanes, last: Lanes,
     which: int, convex: int, accuracy: Lanes,
-) -> Found:  # fmt: skip
+) -> LaneExtremes:  # fmt: skip
     """With the values on (time, time + last] of lanes convex or concave there: the root of g' by Newton's method."""
     value, down, _ = at(pairs, rows, weights, wave, time + last)
     found = widen(found, which, value)
@@ -102,9 +111,9 @@ def turn_points(
 
 @kernel
 def extremes_of_flights(
-    pairs: Array, table: Array, levels: Array, rows: Array, weights: Array, wave: Wave, coarsest: int, known: Found,
-    share: float,
-) -> tuple[Found, bool]:  # fmt: skip
+    pairs: Array, table: Array, levels: Array, rows: Array, weights: Array, wave: Wave, coarsest: int,
+    known: LaneExtremes, share: float,
+) -> tuple[LaneExtremes, bool]:  # fmt: skip
     """``known`` widened to the signal's values over the flights in ``rows``, and whether that took bounded work.
 
     ``share`` of the size of its parts by which they may be missed.
@@ -129,12 +138,8 @@ def extremes_of_flights(
     while active and panels < MOST:
         panels += 1
         here, there = 2 * side, 2 - 2 * side
-        h, tr, ti, count = (
-            levels[layout.STEP, level],
-            levels[layout.TURN_RE, level],
-            levels[layout.TURN_IM, level],
-            int(levels[layout.COUNT, level]),
-        )
+        h, tr, ti = levels[layout.STEP, level], levels[layout.TURN_RE, level], levels[layout.TURN_IM, level]
+        count = int(levels[layout.COUNT, level])
         re2, im2 = re * tr - im * ti, im * tr + re * ti
         p0, s0, p1, s1 = const + im, w * re, const + im2, w * re2
         high = harmonic * (w2 * w2)
@@ -187,7 +192,7 @@ def extremes_of_flights(
             while plain:
                 slot = lowest(plain)
                 plain &= plain - 1
-                ends = Ends(
+                ends = PanelEnds(
                     lane_of(rows, slot, p0 + begin), lane_of(rows, slot, s0 + begin_slope),
                     lane_of(rows, slot, p1 + end), lane_of(rows, slot, s1 + end_slope),
                 )  # fmt: skip

@@ -4,24 +4,33 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.impact import NEAR as FAINT
-from vibeam.flight.kernels.lanes.elementary import exponential, sine_cosine
-from vibeam.flight.kernels.lanes.landing import NEAR, SETTLED
+from vibeam.flight.kernels.lanes.elementary import sine_cosine
+from vibeam.flight.kernels.lanes.landing import NEAR, SETTLED, pair_after, shifted
 from vibeam.flight.kernels.lanes.panels import bound
-from vibeam.flight.kernels.lanes.simd import Lanes, eight, every, larger, load, plain, size, smaller, store, whole
+from vibeam.flight.kernels.lanes.simd import (
+    Lanes,
+    at_most,
+    below,
+    eight,
+    equal,
+    every,
+    larger,
+    load,
+    pick,
+    plain,
+    quotient,
+    size,
+    smaller,
+    store,
+    whole,
+)
+from vibeam.flight.kernels.layout import NEAR as FAINT
 from vibeam.flight.kernels.roots.newton import EPSILON
-from vibeam.flight.kernels.thresholds import REDUCED
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.layout import Rows
-from vibeam.flight.points.kernels.masks import at_most, below, equal, pick, quotient
-from vibeam.flight.points.kernels.tables import modes_of
-from vibeam.flight.points.kernels.walk import blend, get, mode, put
-
-Array = NDArray[np.float64]
+from vibeam.flight.points.kernels.layout import LaneRows
+from vibeam.flight.points.kernels.rows import blend, get, mode, modes_of, put
+from vibeam_models.arrays import Array
 
 ROUNDS = 8  # of Newton's method, before a root is left to the one engine
 
@@ -89,7 +98,7 @@ def nearest(f: Quartic, least: Lanes, like: Lanes) -> tuple[Lanes, int]:
 
 
 @kernel
-def find_roots(rows: Rows, wanted: int) -> int:
+def find_roots(rows: LaneRows, wanted: int) -> int:
     """The lanes whose root is found; TIME, phase, VALUE, SLOPE and LAND_X, LAND_Y receive what is there."""
     common, modal, like = rows.common, rows.modal, eight()
     n, nought = modes_of(rows), every(0.0, like)
@@ -99,10 +108,10 @@ def find_roots(rows: Rows, wanted: int) -> int:
     low = get(common, row.ROOT_TIME, like)
     high = low + get(common, row.ROOT_STEP, like)
     t = low + get(common, row.ROOT_STEP, like) * foretold(common, like)
-    found, turn = 0, 0
+    found, rounds = 0, 0
     todo = wanted
-    while todo and turn < ROUNDS:
-        turn += 1
+    while todo and rounds < ROUNDS:
+        rounds += 1
         within, _ = wrapped(common, clock + t, like)
         sine, cosine = sine_cosine(w * within)
         zr, zi = im * sine - re * cosine, 0.0 - (re * sine + im * cosine)
@@ -111,11 +120,8 @@ def find_roots(rows: Rows, wanted: int) -> int:
             x, y = load(modal, mode(k, row.START_X), like), load(modal, mode(k, row.START_Y), like)
             rate, damp = load(modal, mode(k, row.RATE), like), load(modal, mode(k, row.DAMP), like)
             spring = load(modal, mode(k, row.SPRING), like)
-            s, c = sine_cosine(smaller(load(modal, mode(k, row.TURN), like) * t, every(REDUCED, like)))
-            decay = exponential(rate * (0.0 - t))
-            c, s = decay * c, decay * s * load(modal, mode(k, row.TURN_INVERSE), like)
-            fall = rate * s
-            x, y = (c + fall) * x + s * y, (c - fall) * y - spring * s * x
+            turn, inverse = load(modal, mode(k, row.TURN), like), load(modal, mode(k, row.TURN_INVERSE), like)
+            x, y = pair_after(x, y, rate, turn, inverse, spring, t)
             d2 = damp * y + spring * x
             d3 = damp * d2 - spring * y
             d4 = spring * d2 - damp * d3
@@ -134,14 +140,12 @@ def find_roots(rows: Rows, wanted: int) -> int:
         d = step * step
         near = at_most(fifth * (d * d), (-12.0 * EPSILON) * f1) & below(w * size(step), every(NEAR, like)) & good
         if near:
-            d, half, sixth = step, 0.5 * step, step * (1 / 6)
             value, slope = nought, nought
             for k in range(n):
                 x, y = load(modal, mode(k, row.X2), like), load(modal, mode(k, row.Y2), like)
                 d2, d3 = load(modal, mode(k, row.D2), like), load(modal, mode(k, row.D3), like)
                 d4 = load(modal, mode(k, row.D4), like)
-                x += (y + ((d3 + d4 * (0.5 * half)) * sixth - d2 * 0.5) * d) * d
-                y += ((d3 + d4 * (2.0 * sixth)) * half - d2) * d
+                x, y = shifted(x, y, d2, d3, d4, step)
                 at = mode(k, row.LAND_X)
                 store(modal, at, pick(near, x, load(modal, at, like)))
                 at = mode(k, row.LAND_Y)
@@ -168,7 +172,7 @@ def find_roots(rows: Rows, wanted: int) -> int:
 
 
 @kernel
-def strike(rows: Rows, landed: int) -> int:
+def strike(rows: LaneRows, landed: int) -> int:
     """The impacts of the lanes that landed within their time and whose rebound is no end of a chatter: those lanes."""
     common, modal, like = rows.common, rows.modal, eight()
     n, nought = modes_of(rows), every(0.0, like)
@@ -212,7 +216,7 @@ def strike(rows: Rows, landed: int) -> int:
 
 
 @kernel
-def recur(rows: Rows, struck: int) -> int:
+def recur(rows: LaneRows, struck: int) -> int:
     """Lanes whose motion has come back to the very bits of an earlier impact go on by whole rounds of it at once.
 
     The motion after an impact is a function of the numbers compared here: where they are the same, so is all that

@@ -5,27 +5,24 @@ from __future__ import annotations
 from math import hypot
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import phase, set_drive
 from vibeam.flight.kernels.events import advance
 from vibeam.flight.kernels.impact import narrowing, put_on_stop
-from vibeam.flight.kernels.layout import Engine, Regime, Schedule, Watch
-from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight
+from vibeam.flight.kernels.lanes.plain_flights import note
+from vibeam.flight.kernels.layout import Engine, Phase, PointSchedule, Regime, Watch
+from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight, is_plain_start
 from vibeam.flight.kernels.roots.pair import norm, propagator
 from vibeam.flight.kernels.segments import copy_pose
 from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.kernels.layout import Lane, Task
-from vibeam.flight.points.kernels.tables import place, take_constants
-
-Array = NDArray[np.float64]
+from vibeam.flight.points.kernels.rows import place, take_constants
+from vibeam_models.arrays import Array
 
 CHUNK = 32  # periods that a point goes alone at most before its phase is set anew
-
 SHORT, LONG = 2, 64  # impacts that a point goes alone
-
 BRIEF = 8  # impacts in the lanes below which the next time alone is longer
 
 
@@ -99,10 +96,8 @@ def set_point(task: Task, engine: Engine, point: int) -> None:
     drive[layout.GAP], drive[layout.RESTITUTION] = task.drives[point, 2], task.drives[point, 3]
     fill(rest.held, task.held[point])
     for k in range(rest.blocks.shape[1]):
-        rest.blocks[layout.CONSTANT1, k], rest.blocks[layout.CONSTANT2, k] = (
-            task.constants[point, 0, k],
-            task.constants[point, 1, k],
-        )
+        rest.blocks[layout.CONSTANT1, k] = task.constants[point, 0, k]
+        rest.blocks[layout.CONSTANT2, k] = task.constants[point, 1, k]
     last = rest.signals.shape[1] - 2
     rest.signals[layout.FORCE_SIGNAL, last] = task.offsets[point, 0]
     rest.signals[layout.OUTPUT_SIGNAL, last] = task.offsets[point, 1]
@@ -110,7 +105,7 @@ def set_point(task: Task, engine: Engine, point: int) -> None:
 
 
 @kernel
-def take_point(task: Task, lane: Lane, slot: int, point: int, schedule: Schedule, most_modes: int) -> None:
+def take_point(task: Task, lane: Lane, slot: int, point: int, schedule: PointSchedule, most_modes: int) -> None:
     """The lane takes on a point, to go alone first."""
     engine, whole = engine_of(lane.engines, slot), lane.whole[slot]
     if whole[row.PACK] != task.pack[point]:
@@ -137,7 +132,7 @@ def take_point(task: Task, lane: Lane, slot: int, point: int, schedule: Schedule
 
 @kernel
 def is_eligible(engine: Engine, most_modes: int) -> bool:
-    """Whether the point's flights may go side by side with others: few modes, underdamped, with a steady response."""
+    """True where a point's flights may go side by side with others: few modes, underdamped, with a steady response."""
     n = engine.pairs.shape[1]
     if n > most_modes or engine.cells.shape[0] == 0 or engine.signal[layout.ATTACHED] > 0.0:
         return False
@@ -150,76 +145,47 @@ def is_eligible(engine: Engine, most_modes: int) -> bool:
 @kernel
 def take_drive(lane: Lane, slot: int, engine: Engine, settle: int) -> None:
     """The lane's rows of the drive and the stop."""
-    common, drive = lane.common, engine.drive
-    common[row.OMEGA * row.WIDTH + slot], common[row.CONST * row.WIDTH + slot] = (
-        drive[layout.W],
-        drive[layout.CLEARANCE],
-    )
-    common[row.PHASOR_RE * row.WIDTH + slot], common[row.PHASOR_IM * row.WIDTH + slot] = (
-        drive[layout.CONTACT_RE],
-        drive[layout.CONTACT_IM],
-    )
-    common[row.SIZE * row.WIDTH + slot] = 1.0000001 * hypot(drive[layout.CONTACT_RE], drive[layout.CONTACT_IM])
-    common[row.RESTITUTION * row.WIDTH + slot] = drive[layout.RESTITUTION]
-    common[row.LOSS * row.WIDTH + slot] = narrowing(1.0 - drive[layout.RESTITUTION])
-    common[row.GAP * row.WIDTH + slot] = abs(drive[layout.GAP])
-    common[row.COARSEST * row.WIDTH + slot], common[row.LONGEST * row.WIDTH + slot] = (
-        drive[layout.COARSEST],
-        drive[layout.LONGEST],
-    )
-    high = 67108864.0 * drive[layout.PERIOD]
-    high = (drive[layout.PERIOD] + high) - high
-    common[row.PERIOD * row.WIDTH + slot], common[row.PERIOD_REST * row.WIDTH + slot] = (
-        drive[layout.PERIOD],
-        drive[layout.PERIOD_REST],
-    )
-    common[row.PERIOD_HIGH * row.WIDTH + slot], common[row.PERIOD_LOW * row.WIDTH + slot] = (
-        high,
-        drive[layout.PERIOD] - high,
-    )
-    common[row.INVERSE * row.WIDTH + slot] = 1.0 / drive[layout.PERIOD]
-    common[row.LEFT * row.WIDTH + slot] = settle
-    common[row.FIRST * row.WIDTH + slot] = drive[layout.COARSEST]
-    common[row.LEVEL * row.WIDTH + slot], common[row.LEVEL_1 * row.WIDTH + slot] = -1.0, -1.0
+    share, drive = lane.common[slot :: row.WIDTH], engine.drive
+    re, im, period = drive[layout.CONTACT_RE], drive[layout.CONTACT_IM], drive[layout.PERIOD]
+    share[row.OMEGA], share[row.CONST] = drive[layout.W], drive[layout.CLEARANCE]
+    share[row.PHASOR_RE], share[row.PHASOR_IM], share[row.SIZE] = re, im, 1.0000001 * hypot(re, im)
+    share[row.RESTITUTION], share[row.LOSS] = drive[layout.RESTITUTION], narrowing(1.0 - drive[layout.RESTITUTION])
+    share[row.GAP] = abs(drive[layout.GAP])
+    share[row.COARSEST], share[row.LONGEST] = drive[layout.COARSEST], drive[layout.LONGEST]
+    high = 67108864.0 * period
+    high = (period + high) - high
+    share[row.PERIOD], share[row.PERIOD_REST] = period, drive[layout.PERIOD_REST]
+    share[row.PERIOD_HIGH], share[row.PERIOD_LOW], share[row.INVERSE] = high, period - high, 1.0 / period
+    share[row.LEFT], share[row.FIRST] = settle, drive[layout.COARSEST]
+    share[row.LEVEL], share[row.LEVEL_1] = -1.0, -1.0
 
 
 @kernel
 def enter(lane: Lane, slot: int, engine: Engine) -> bool:
-    """Whether the lane's motion stands at the start of a plain flight, from where it may fly with the others."""
-    common, modal, pose, status = lane.common, lane.modal, lane.poses[slot], lane.status[slot]
+    """True where the lane's motion stands at the start of a plain flight, from where it may fly with the others."""
+    share, modal, pose, status = lane.common[slot :: row.WIDTH], lane.modal, lane.poses[slot], lane.status[slot]
     if status[layout.KIND] != layout.FREE:
         return False
     cosine, sine = phase(engine.drive, status[layout.CLOCK])
     value, _, size = begin_flight(engine, pose, cosine, sine)
-    if not (
-        np.isfinite(size)
-        and (status[layout.ORDER] == 1.0 or (status[layout.ORDER] == 0.0 and value > ROUND_OFF * size))
-    ):
+    if not is_plain_start(status[layout.ORDER], value, size):
         return False
     sum_e, second = 0.0, 0.0
     for k in range(pose.shape[1]):
         x, y = engine.pairs[layout.X0, k], engine.pairs[layout.Y0, k]
         modal[place(k, row.START_X, slot)], modal[place(k, row.START_Y, slot)] = x, y
         sum_e += norm(x, y * engine.pairs[layout.INVERSE, k])
-        second -= (
-            2.0 * engine.pairs[layout.SIGMA, k] * y + engine.pairs[layout.OMEGA, k] * engine.pairs[layout.OMEGA, k] * x
-        )
-    if (
-        status[layout.ORDER] == 0.0
-        and engine.drive[layout.CLEARANCE] > common[row.SIZE * row.WIDTH + slot] + sum_e + ROUND_OFF * size
-    ):
+        own = engine.pairs[layout.OMEGA, k]
+        second -= 2.0 * engine.pairs[layout.SIGMA, k] * y + own * own * x
+    reach = share[row.SIZE] + sum_e + ROUND_OFF * size
+    if status[layout.ORDER] == 0.0 and engine.drive[layout.CLEARANCE] > reach:
         return settle_aloft(lane, slot, engine)
-    common[row.CLOCK * row.WIDTH + slot], common[row.COS * row.WIDTH + slot], common[row.SIN * row.WIDTH + slot] = (
-        status[layout.CLOCK], cosine, sine,
-    )  # fmt: skip
-    common[row.RISE * row.WIDTH + slot], common[row.SPEED * row.WIDTH + slot] = (
-        status[layout.RISE] * status[layout.ORDER],
-        status[layout.SPEED],
-    )
-    common[row.SUM_E * row.WIDTH + slot], common[row.SECOND * row.WIDTH + slot] = sum_e, second
+    share[row.CLOCK], share[row.COS], share[row.SIN] = status[layout.CLOCK], cosine, sine
+    share[row.RISE], share[row.SPEED] = status[layout.RISE] * status[layout.ORDER], status[layout.SPEED]
+    share[row.SUM_E], share[row.SECOND] = sum_e, second
     impacts = lane.counts[slot, layout.IMPACTS]
-    common[row.IMPACTS * row.WIDTH + slot], common[row.RENEWED * row.WIDTH + slot] = impacts, impacts + 2.0
-    common[row.SAME_CLOCK * row.WIDTH + slot] = -1.0
+    share[row.IMPACTS], share[row.RENEWED] = impacts, impacts + 2.0
+    share[row.SAME_CLOCK] = -1.0
     lane.whole[slot, row.ENTERED] = impacts
     return True
 
@@ -230,17 +196,17 @@ def settle_aloft(lane: Lane, slot: int, engine: Engine) -> bool:
 
     A chunk of periods after the other, so that no phase is large.
     """
-    common, pose, status = lane.common, lane.poses[slot], lane.status[slot]
+    share, pose, status = lane.common[slot :: row.WIDTH], lane.poses[slot], lane.status[slot]
     pairs, modes, drive = engine.pairs, engine.modes, engine.drive
-    while common[row.LEFT * row.WIDTH + slot] > 0.0:
-        turns = min(common[row.LEFT * row.WIDTH + slot], float(CHUNK))
+    while share[row.LEFT] > 0.0:
+        turns = min(share[row.LEFT], float(CHUNK))
         time = turns * drive[layout.PERIOD] - status[layout.CLOCK]
         for k in range(pose.shape[1]):
             p00, p01, p10, p11 = propagator(pairs[layout.SIGMA, k], pairs[layout.OMEGA, k], pairs[layout.DISC, k], time)
             x, y = pairs[layout.X0, k], pairs[layout.Y0, k]
             pairs[layout.X0, k], pairs[layout.Y0, k] = p00 * x + p01 * y, p10 * x + p11 * y
         status[layout.CLOCK] = 0.0
-        common[row.LEFT * row.WIDTH + slot] -= turns
+        share[row.LEFT] -= turns
     for k in range(pose.shape[1]):
         c = modes[layout.CONTACT, k]
         pose[0, k] = -pairs[layout.X0, k] / c + modes[layout.OFFSET, k] + modes[layout.IM, k]
@@ -251,15 +217,15 @@ def settle_aloft(lane: Lane, slot: int, engine: Engine) -> bool:
 @kernel
 def leave(lane: Lane, slot: int, engine: Engine) -> None:
     """Set the point's pose and status to the start of the flight at which it leaves the lanes."""
-    common, modal, pose, status = lane.common, lane.modal, lane.poses[slot], lane.status[slot]
-    impacts = int(common[row.IMPACTS * row.WIDTH + slot])
+    share, modal, pose, status = lane.common[slot :: row.WIDTH], lane.modal, lane.poses[slot], lane.status[slot]
+    impacts = int(share[row.IMPACTS])
     flown = impacts - lane.whole[slot, row.ENTERED]
     stay = lane.whole[slot, row.STAY]
     lane.whole[slot, row.STAY] = SHORT if flown >= BRIEF else min(2 * stay, LONG)
     lane.whole[slot, row.PHASE] = row.ALONE
     if flown == 0:
         return
-    cosine, sine = common[row.COS * row.WIDTH + slot], common[row.SIN * row.WIDTH + slot]
+    cosine, sine = share[row.COS], share[row.SIN]
     modes, w = engine.modes, engine.drive[layout.W]
     for k in range(pose.shape[1]):
         c = modes[layout.CONTACT, k]
@@ -267,26 +233,18 @@ def leave(lane: Lane, slot: int, engine: Engine) -> None:
         pose[0, k] = -x / c + modes[layout.OFFSET, k] + modes[layout.RE, k] * sine + modes[layout.IM, k] * cosine
         pose[1, k] = -y / c + w * (modes[layout.RE, k] * cosine - modes[layout.IM, k] * sine)
     put_on_stop(modes, engine.drive, pose)
-    status[layout.CLOCK], status[layout.PHASE_COS], status[layout.PHASE_SIN] = (
-        common[row.CLOCK * row.WIDTH + slot],
-        cosine,
-        sine,
-    )
-    status[layout.ORDER], status[layout.RISE], status[layout.SPEED] = (
-        1.0,
-        common[row.RISE * row.WIDTH + slot],
-        common[row.SPEED * row.WIDTH + slot],
-    )
+    note(status, share[row.CLOCK], Phase(cosine, sine), 1.0, share[row.RISE], share[row.SPEED])
     lane.counts[slot, layout.IMPACTS] = impacts
 
 
 @kernel
-def go_alone(lane: Lane, slot: int, engine: Engine, schedule: Schedule, watch: Watch) -> int:
+def go_alone(lane: Lane, slot: int, engine: Engine, schedule: PointSchedule, watch: Watch) -> int:
     """A few impacts, or a chunk of periods, by the one engine: COMPLETE, PAUSED, or the outcome that ends the point."""
-    common, pose, status, counts = lane.common, lane.poses[slot], lane.status[slot], lane.counts[slot]
+    share, counts = lane.common[slot :: row.WIDTH], lane.counts[slot]
+    pose, status = lane.poses[slot], lane.status[slot]
     whole, alone, period = lane.whole[slot], lane.alone[slot], engine.drive[layout.PERIOD]
     if whole[row.PAUSED_ALONE] == 0:
-        turns = min(common[row.LEFT * row.WIDTH + slot], float(CHUNK))
+        turns = min(share[row.LEFT], float(CHUNK))
         alone[row.TURNS], alone[row.BEGAN] = turns, status[layout.CLOCK]
         alone[row.SPAN] = turns * period - status[layout.CLOCK]
         alone[row.UPTO] = counts[layout.IMPACTS] + whole[row.STAY]
@@ -295,11 +253,11 @@ def go_alone(lane: Lane, slot: int, engine: Engine, schedule: Schedule, watch: W
     whole[row.PAUSED_ALONE] = 1 if outcome == layout.PAUSED else 0
     if outcome == layout.COMPLETE:
         status[layout.CLOCK] = 0.0
-        common[row.LEFT * row.WIDTH + slot] -= alone[row.TURNS]
+        share[row.LEFT] -= alone[row.TURNS]
     elif outcome == layout.EVENT_LIMIT:
         passed = np.floor((alone[row.BEGAN] + done - status[layout.CLOCK]) / period + 0.5)
-        common[row.LEFT * row.WIDTH + slot] -= passed
-        gone = schedule.settle - common[row.LEFT * row.WIDTH + slot]
+        share[row.LEFT] -= passed
+        gone = schedule.settle - share[row.LEFT]
         if counts[layout.IMPACTS] >= upto and counts[layout.IMPACTS] <= schedule.limit * (gone + CHUNK):
             return layout.COMPLETE
     return int(outcome)
@@ -324,10 +282,11 @@ def keep(task: Task, lane: Lane, slot: int, watch: Watch, outcome: int, period: 
 
 
 @kernel
-def join(lane: Lane, slot: int, engine: Engine, schedule: Schedule) -> None:
+def join(lane: Lane, slot: int, engine: Engine, schedule: PointSchedule) -> None:
     """The lane's point, alone until now, flies with the others, goes on alone, or has settled and is to be watched."""
-    if lane.common[row.LEFT * row.WIDTH + slot] > 0.0 and enter(lane, slot, engine):
+    share = lane.common[slot :: row.WIDTH]
+    if share[row.LEFT] > 0.0 and enter(lane, slot, engine):
         lane.whole[slot, row.PHASE] = row.FLYING
-    elif lane.common[row.LEFT * row.WIDTH + slot] <= 0.0:
+    elif share[row.LEFT] <= 0.0:
         lane.whole[slot, row.PHASE] = row.SETTLED
         lane.counts[slot, layout.SETTLED] = schedule.settle

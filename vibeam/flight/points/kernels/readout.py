@@ -1,25 +1,22 @@
-"""What is read off segments of one point: flights eight at a time, side by side; rests, and what is unusual, alone."""
+"""Readout of one point's segments: flights eight at a time, side by side; rests, and what is unusual, alone."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.extremes import ACCURACY
 from vibeam.flight.kernels.lanes.elementary import sine_cosine
 from vibeam.flight.kernels.lanes.simd import Lanes, eight, every, load
 from vibeam.flight.kernels.layout import Engine, Watch
-from vibeam.flight.kernels.readout import read_flight, read_segment
+from vibeam.flight.kernels.readout import ACCURACY, read_flight, read_segment
 from vibeam.flight.kernels.segments import copy_pose
 from vibeam.flight.kernels.steady_point import note_impact
 from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.kernels.energies import add_energies
-from vibeam.flight.points.kernels.extremes import Found, Wave, extremes_of_flights, least_of
-from vibeam.flight.points.kernels.flights import set_flight, set_no_flight, take_steady_out
-
-Array = NDArray[np.float64]
+from vibeam.flight.points.kernels.extremes import LaneExtremes, Wave, extremes_of_flights, least_of
+from vibeam.flight.points.kernels.rows import set_flight, set_no_flight, take_steady_out
+from vibeam_models.arrays import Array
 
 FEW = 1  # modes up to which extremes are found side by side: with more, lanes that need short panels hold up all others
 
@@ -62,7 +59,7 @@ def read_rows(engine: Engine, watch: Watch, first: int, last: int, rows: Array, 
 
 @joined
 def is_contact(row: Array, modes: Array) -> bool:
-    """Whether the output is the contact's displacement, whose extremes are those of the gap."""
+    """True where the output is the contact's displacement, whose extremes are those of the gap."""
     same = True
     for k in range(row.shape[0]):
         same = same and row[k] == modes[layout.CONTACT, k]
@@ -93,7 +90,7 @@ def read_extremes(engine: Engine, watch: Watch, rows: Array, cosine: Lanes, sine
         re += watch.row[k] * modes[layout.RE, k]
         im += watch.row[k] * modes[layout.IM, k]
     wave = Wave(const, w, re * cosine - im * sine, re * sine + im * cosine)
-    known = Found(every(result[layout.LEAST], like), every(result[layout.HIGH], like))
+    known = LaneExtremes(every(result[layout.LEAST], like), every(result[layout.HIGH], like))
     found, done = extremes_of_flights(
         engine.pairs, engine.table, engine.levels, rows, watch.row, wave, coarsest, known, ACCURACY
     )
@@ -101,7 +98,7 @@ def read_extremes(engine: Engine, watch: Watch, rows: Array, cosine: Lanes, sine
         return False
     if not is_contact(watch.row, modes):
         wave = contact_wave(drive, cosine, sine)
-        known = Found(every(result[layout.CONTACT_LEAST], like), every(np.inf, like))
+        known = LaneExtremes(every(result[layout.CONTACT_LEAST], like), every(np.inf, like))
         reach, done = extremes_of_flights(
             engine.pairs, engine.table, engine.levels, rows, modes[layout.CONTACT], wave, coarsest, known, ACCURACY
         )

@@ -1,61 +1,41 @@
 """Flights of all lanes at once, panel by panel, up to the panel in which each lane's gap has its one root.
 
-The mathematics is that of ``lanes.flight``, with points in the lanes in place of modes; no number of one lane depends
-on another lane.
+The mathematics is that of ``lanes.plain_flights``, with points in the lanes in place of modes; no number of one lane
+depends on another lane.
 """
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.lanes.panels import bound
-from vibeam.flight.kernels.lanes.simd import Lanes, eight, every, larger, load, size, smaller, store
+from vibeam.flight.kernels.lanes.simd import (
+    below,
+    eight,
+    equal,
+    every,
+    larger,
+    load,
+    lowest,
+    pick,
+    quotient,
+    size,
+    smaller,
+    store,
+)
 from vibeam.flight.kernels.roots.bounds import SLOPE, THIRD, VALUE
 from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.layout import Rows
-from vibeam.flight.points.kernels.masks import below, equal, lowest, pick, quotient
-from vibeam.flight.points.kernels.tables import modes_of, take_first_panel, take_panel
-
-Array = NDArray[np.float64]
+from vibeam.flight.points.kernels.layout import LaneRows
+from vibeam.flight.points.kernels.rows import blend, get, mode, modes_of, put, take_first_panel, take_panel
 
 MOST = 96  # panels of one flight, before it is left to the one engine
-
 DEEP = 6  # levels below the coarsest at which a minimum near 0 is left to the one engine
-
 WIDE = 20.0  # how much more than its error a first panel's hull must be above 0 for the next one to be tried longer
 
 
-@joined
-def get(rows: Array, which: int, like: Lanes) -> Lanes:
-    """A row of ``common``."""
-    return load(rows, which * row.WIDTH, like)
-
-
-@joined
-def put(rows: Array, which: int, value: Lanes) -> None:
-    """Set a row of ``common``."""
-    store(rows, which * row.WIDTH, value)
-
-
-@joined
-def blend(rows: Array, which: int, bits: int, value: Lanes, like: Lanes) -> None:
-    """Set a row of ``common`` in some lanes."""
-    at = which * row.WIDTH
-    store(rows, at, pick(bits, value, load(rows, at, like)))
-
-
-@joined
-def mode(k: int, which: int) -> int:
-    """Where a row of a mode begins."""
-    return (k * row.MODAL_ROWS + which) * row.WIDTH
-
-
 @kernel
-def try_first_panels(rows: Rows) -> tuple[int, int, int]:
+def try_first_panels(rows: LaneRows) -> tuple[int, int, int]:
     """Lanes whose first panel after an impact is clear, those for which it is to be halved, and those far from both.
 
     By the quotient p = g/t: see ``lanes.panels.first_panel``. X2, Y2, E2 receive the pairs at its end.
@@ -97,21 +77,18 @@ def try_first_panels(rows: Rows) -> tuple[int, int, int]:
 
 
 @kernel
-def first_level(rows: Rows, slot: int) -> int:
+def first_level(rows: LaneRows, slot: int) -> int:
     """Level of the first panel to try: that of the flight before, or a shorter one for a shorter flight."""
     common, levels = rows.common, rows.levels
-    level, pull, rise = (
-        int(common[row.FIRST * row.WIDTH + slot]),
-        common[row.C0 * row.WIDTH + slot],
-        common[row.RISE * row.WIDTH + slot],
-    )
+    level, pull = int(common[row.FIRST * row.WIDTH + slot]), common[row.C0 * row.WIDTH + slot]
+    rise = common[row.RISE * row.WIDTH + slot]
     while level < layout.LEVELS - 1 and levels[slot, layout.STEP, level] * pull > 4.0 * rise:
         level += 1
     return level
 
 
 @kernel
-def launch(rows: Rows, flying: int) -> int:
+def launch(rows: LaneRows, flying: int) -> int:
     """Carry the lanes over the first panel of their flights; those that could not be."""
     common, modal, like = rows.common, rows.modal, eight()
     cosine, sine = get(common, row.COS, like), get(common, row.SIN, like)
@@ -174,7 +151,7 @@ def launch(rows: Rows, flying: int) -> int:
 
 
 @kernel
-def halve(rows: Rows, split: int, bowl: int) -> int:
+def halve(rows: LaneRows, split: int, bowl: int) -> int:
     """Halve the panels of some lanes; those that no shorter panel will help. ``bowl``: where the gap has a minimum."""
     hopeless = 0
     while split:
@@ -191,7 +168,7 @@ def halve(rows: Rows, split: int, bowl: int) -> int:
 
 
 @kernel
-def walk(rows: Rows, flying: int) -> int:
+def walk(rows: LaneRows, flying: int) -> int:
     """Carry the lanes on to the panel that has their one root; those that came to one."""
     common, modal, like = rows.common, rows.modal, eight()
     n, nought = modes_of(rows), every(0.0, like)

@@ -2,41 +2,34 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.events import advance
-from vibeam.flight.kernels.layout import Engine, Schedule, Watch
+from vibeam.flight.kernels.layout import Engine, PointSchedule, Watch
 from vibeam.flight.kernels.segments import copy_pose, work_of
 from vibeam.flight.kernels.steady_point import (
     begin_period,
     is_same,
     is_unread,
-    note_impact,
+    note_impacts,
     note_period,
+    repeat_period,
     repetition,
     settling_kernel,
 )
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.flights import is_readable
 from vibeam.flight.points.kernels.readout import read_rows
-
-Array = NDArray[np.float64]
-
-Counts = NDArray[np.int64]
+from vibeam.flight.points.kernels.rows import is_readable
+from vibeam_models.arrays import Array, Index
 
 settle = settling_kernel(advance)
-
 DUE = 24  # segments after which they are read off
-
 NO_STATE = -1.0  # a largest velocity that no state has
 
 
 @kernel
 def watched_point(
-    engine: Engine, pose: Array, status: Array, schedule: Schedule, watch: Watch, counts: Counts, mark: Array,
+    engine: Engine, pose: Array, status: Array, schedule: PointSchedule, watch: Watch, counts: Index, mark: Array,
     flights: Array, recurs: bool,
 ) -> tuple[int, float]:  # fmt: skip
     """``steady_point`` of a point that has settled, by as few of its periods as tell all of them.
@@ -68,15 +61,13 @@ def watched_point(
             read_off(engine, watch, counts, mark, flights, readable)
             mark[row.FROM] = -1.0
         elif outcome == layout.COMPLETE:
-            status[layout.UNSEEN], counts[layout.MOST], counts[layout.WATCHED] = (
-                period,
-                counts[layout.IMPACTS] + schedule.limit,
-                turn + 1,
-            )
+            status[layout.UNSEEN], counts[layout.MOST] = period, counts[layout.IMPACTS] + schedule.limit
+            counts[layout.WATCHED] = turn + 1
             copy_pose(pose, watch.strobes[turn])
             if counts[layout.KNOWN] > 0:
-                count_impacts(watch.trace, counts, watch.result)
-                add_share(watch.energy, watch.result, watch.share)
+                note_impacts(watch, counts[layout.SEGMENTS])
+                counts[layout.SEGMENTS] = 0
+                repeat_period(watch)
             elif mark[row.FROM] >= 0.0 and is_same(
                 engine.pairs[layout.OMEGA], engine.drive[layout.W], watch.strobes, turn
             ):
@@ -110,34 +101,17 @@ def watched_point(
 
 
 @kernel
-def read_off(engine: Engine, watch: Watch, counts: Counts, mark: Array, flights: Array, readable: bool) -> None:
+def read_off(engine: Engine, watch: Watch, counts: Index, mark: Array, flights: Array, readable: bool) -> None:
     """Read off what is traced; where the period repeats, count its impacts and nothing else."""
     if counts[layout.KNOWN] > 0:
-        count_impacts(watch.trace, counts, watch.result)
+        note_impacts(watch, counts[layout.SEGMENTS])
     else:
         read_rows(engine, watch, 0, counts[layout.SEGMENTS], flights, readable)
     counts[layout.SEGMENTS], mark[row.FROM] = 0, 0.0
 
 
 @kernel
-def count_impacts(trace: Array, counts: Counts, result: Array) -> None:
-    """Count the impacts traced, and nothing else."""
-    for i in range(counts[layout.SEGMENTS]):
-        note_impact(trace, i, result)
-    counts[layout.SEGMENTS] = 0
-
-
-@joined
-def add_share(energy: Array, result: Array, share: Array) -> None:
-    """A period like the one watched last: the same energies and time at rest, no new extremes."""
-    n = energy.shape[0]
-    for k in range(n):
-        energy[k] += share[k]
-    result[layout.REST_TIME] += share[n]
-
-
-@kernel
-def read_last_period(engine: Engine, watch: Watch, counts: Counts, mark: Array, flights: Array, readable: bool) -> None:
+def read_last_period(engine: Engine, watch: Watch, counts: Index, mark: Array, flights: Array, readable: bool) -> None:
     """Read off what is traced, and note what the last period adds: those to come are copies of it.
 
     The mark holds what there was before it.
@@ -145,11 +119,8 @@ def read_last_period(engine: Engine, watch: Watch, counts: Counts, mark: Array, 
     first, result = int(mark[row.FROM]), watch.result
     read_rows(engine, watch, 0, first, flights, readable)
     begin_period(watch)
-    mark[row.HITS], mark[row.SUM], mark[row.RESTED] = (
-        result[layout.STRUCK],
-        result[layout.SPEED_SUM],
-        result[layout.REST_TIME],
-    )
+    mark[row.HITS], mark[row.SUM] = result[layout.STRUCK], result[layout.SPEED_SUM]
+    mark[row.RESTED] = result[layout.REST_TIME]
     for k in range(watch.energy.shape[0]):
         mark[row.MARK + k] = watch.energy[k]
     read_rows(engine, watch, first, counts[layout.SEGMENTS], flights, readable)
@@ -159,27 +130,20 @@ def read_last_period(engine: Engine, watch: Watch, counts: Counts, mark: Array, 
 
 
 @kernel
-def set_mark(watch: Watch, status: Array, counts: Counts, mark: Array, turn: int) -> None:
+def set_mark(watch: Watch, status: Array, counts: Index, mark: Array, turn: int) -> None:
     """Later ends of periods are compared to this one."""
     result = watch.result
-    mark[row.PLACE], mark[row.TOP], mark[row.STATE], mark[row.HITS] = (
-        turn,
-        status[layout.SPEED],
-        status[layout.KIND],
-        result[layout.STRUCK],
-    )
-    mark[row.SUM], mark[row.RESTED], mark[row.ALL] = (
-        result[layout.SPEED_SUM],
-        result[layout.REST_TIME],
-        counts[layout.IMPACTS],
-    )
+    mark[row.PLACE], mark[row.TOP], mark[row.STATE] = turn, status[layout.SPEED], status[layout.KIND]
+    mark[row.HITS] = result[layout.STRUCK]
+    mark[row.SUM], mark[row.RESTED] = result[layout.SPEED_SUM], result[layout.REST_TIME]
+    mark[row.ALL] = counts[layout.IMPACTS]
     for k in range(watch.energy.shape[0]):
         mark[row.MARK + k] = watch.energy[k]
 
 
 @joined
 def is_marked(strobes: Array, status: Array, mark: Array, turn: int) -> bool:
-    """Whether the state at the end of a period is the marked one, bit by bit."""
+    """True where the state at the end of a period is the marked one, bit by bit."""
     if status[layout.SPEED] != mark[row.TOP] or status[layout.KIND] != mark[row.STATE]:
         return False
     now, then = strobes[turn], strobes[int(mark[row.PLACE])]
@@ -190,7 +154,7 @@ def is_marked(strobes: Array, status: Array, mark: Array, turn: int) -> bool:
 
 
 @kernel
-def repeat(watch: Watch, counts: Counts, mark: Array, turn: int, hold: int) -> None:
+def repeat(watch: Watch, counts: Index, mark: Array, turn: int, hold: int) -> None:
     """Add the periods since the mark as often as they fit into the hold."""
     cycle = turn - int(mark[row.PLACE])
     times = (hold - turn) // cycle

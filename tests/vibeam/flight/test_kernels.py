@@ -1,4 +1,4 @@
-"""Kernels that can be read: few parameters, few results, what travels together in a named tuple."""
+"""Kernels that can be read (few parameters, few results), and compiled ones that are good until a source changes."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ from pathlib import Path
 import pytest
 
 import vibeam.flight.kernels as kernels
+from vibeam.flight.kernels import entry
+from vibeam.flight.kernels.regimes import entry as regimes
+from vibeam.flight.kernels.sources import EVERY, FLIGHT, POINTS, digest
+from vibeam.flight.points.kernels import disturbances
+from vibeam.flight.points.kernels import entry as points
 
 FOLDER = Path(kernels.__file__).parent
-
 MOST_PARAMETERS, MOST_RESULTS = 8, 4
-
 DECORATORS = {"kernel", "joined", "summing", "entry"}
 
 ENTRY_POINTS = {  # called from Python, which passes all that one call needs
@@ -66,7 +69,8 @@ def crowded(found: dict[str, tuple[int, int]]) -> set[str]:
 
 def test_no_kernel_takes_more_than_eight_or_gives_more_than_four() -> None:
     found = signatures()
-    assert {"lanes.flight.flight", "roots.first_root.first_root", "extremes.extremes_to", "cover.cover"} <= set(found)
+    known = {"lanes.plain_flights.flight", "roots.first_root.first_root", "readout.extremes_to", "entry.cover"}
+    assert known <= set(found)
     assert {name: found[name] for name in crowded(found) - ENTRY_POINTS} == {}
 
 
@@ -90,3 +94,19 @@ def test_parameters_and_results_are_counted(source: str, counts: tuple[int, int]
 
 def test_plain_functions_are_no_kernels() -> None:
     assert list(functions("def f(a, b, c, d, e, f, g, h, i): return a")) == []
+
+
+def test_a_change_in_any_kernel_is_noticed_wherever_it_lies(tmp_path: Path) -> None:
+    assert {file.parent.name for file in FLIGHT} == {"kernels", "lanes", "roots"}
+    assert set(EVERY) - set(FLIGHT) == set((FOLDER / "regimes").glob("*.py"))
+    assert set(POINTS) == set(Path(points.__file__).parent.rglob("*.py"))
+    one, other = tmp_path / "a.py", tmp_path / "b.py"
+    one.write_text("x = 1")
+    other.write_text("x = 2")
+    assert digest((one,)) != digest((other,))
+
+
+def test_plain_flight_stays_compiled_when_another_regime_or_points_change() -> None:
+    assert entry.move._cache._sources == digest(FLIGHT)
+    assert regimes.move._cache._sources == digest(EVERY)
+    assert points.run._cache._sources == disturbances.carry._cache._sources == digest(FLIGHT + POINTS)

@@ -1,1 +1,0 @@
-"""Kernels of small disturbances carried along the motions of points."""
