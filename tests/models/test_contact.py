@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from refusals import answers
 
 from tests.models.bench import RIG
 from vibeam_models.beam import assemble
@@ -34,16 +35,10 @@ def test_there_and_back(restitution):
     assert contact_restitution(seen, 1.9, 4.2) == pytest.approx(restitution, abs=1e-15)
 
 
-@pytest.mark.parametrize("first_mode", [0.95, -0.9])
-def test_no_contact_gives_that(first_mode):
-    with pytest.raises(ValueError, match=r"outside \[0, 1\].*86.0% of this model's contact mobility"):
-        contact_restitution(first_mode, 1.9, 1.9**2 / 0.86)
-
-
-@pytest.mark.parametrize("coefficient", [-0.01, 1.01, float("nan")])
-def test_coefficients_out_of_range_are_refused(coefficient):
-    with pytest.raises(ValueError, match=r"in \[0, 1\]"):
-        Restitution(coefficient)
+def test_coefficients_out_of_range_are_refused():
+    said = r"outside \[0, 1\].*86.0% of this model's contact mobility"
+    assert answers(lambda seen: contact_restitution(seen, 1.9, 1.9**2 / 0.86), [0.95, -0.9], said) == []
+    assert answers(Restitution, [-0.01, 1.01, float("nan")], r"in \[0, 1\]") == []
 
 
 def test_a_mode_that_does_not_move_the_contact_sees_no_restitution():

@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import other_answers
 
 from tests.models.bench import POINT_MASS, RIG, STEEL
 from vibeam_models.beam import assemble
@@ -70,17 +71,13 @@ def test_the_ratios_are_those_of_the_whole_structure():
     np.testing.assert_allclose(modal(assemble(bare))[1], 0.017, rtol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("damping", "message"),
-    [
-        (Damping("rayleigh", (0.017,)), "takes 2"),
-        (Damping("constant", (0.017, 0.02)), "takes 1"),
-        (Damping("list", ()), "takes 1"),
-        (Damping("constant", (-0.1,)), "finite and ≥ 0"),
-        (Damping("rayleigh", (0.5, 0.0)), "mode 3 negative"),
-        (Damping("viscous", (0.1,)), "unknown kind"),
-    ],
-)
-def test_faults_are_named(damping, message):
-    with pytest.raises(ValueError, match=message):
-        modal_ratios(damping, np.array([1.0, 5.0, 9.0]))
+def test_faults_are_named():
+    wrong = {
+        "'rayleigh' takes 2": Damping("rayleigh", (0.017,)),
+        "'constant' takes 1": Damping("constant", (0.017, 0.02)),
+        "'list' takes 1": Damping("list", ()),
+        "finite and ≥ 0": Damping("constant", (-0.1,)),
+        "mode 3 negative": Damping("rayleigh", (0.5, 0.0)),
+        "unknown kind": Damping("viscous", (0.1,)),
+    }
+    assert other_answers(lambda damping: modal_ratios(damping, np.array([1.0, 5.0, 9.0])), wrong) == []

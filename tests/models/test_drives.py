@@ -8,6 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from bench import POINT_MASS, RIG, STEEL, with_effects
+from refusals import answers
 
 from vibeam_models.base import Base
 from vibeam_models.base_motion import base_amplitude, drive_amplitude
@@ -113,20 +114,13 @@ def test_a_table_is_linear_between_its_frequencies():
         drive_amplitude(replace(RIG, base=Base(velocity=(1.0, 2.0), frequency=table)), OMEGA)
 
 
-@pytest.mark.parametrize(
-    "base",
-    [
-        Base(force=1.0),
-        Base(at=0.1),
-        Base(at=0.1, amplitude=1e-4),
-        Base(at=0.1, force=1.0, moment=1.0),
-        Base(velocity=1.0, acceleration=1.0),
-        Base(velocity=1.0, voltage=1.0, gain=1.0),
-    ],
-)
-def test_a_drive_that_says_too_little_or_too_much(base):
-    with pytest.raises(ValueError, match="give either an amplitude"):
-        drive_amplitude(replace(RIG, base=base), OMEGA)
+def test_a_drive_that_says_too_little_or_too_much():
+    wrong = [
+        Base(force=1.0), Base(at=0.1), Base(at=0.1, amplitude=1e-4), Base(at=0.1, force=1.0, moment=1.0),
+        Base(velocity=1.0, acceleration=1.0), Base(velocity=1.0, voltage=1.0, gain=1.0),
+    ]  # fmt: skip
+    said = "give either an amplitude"
+    assert answers(lambda base: drive_amplitude(replace(RIG, base=base), OMEGA), wrong, said) == []
 
 
 def test_no_one_amplitude_where_it_depends_on_the_frequency():

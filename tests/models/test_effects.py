@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from refusals import answers
 from scipy.linalg import eigh
 
 from tests.models.bench import POINT_MASS, STEEL
@@ -96,20 +97,13 @@ def test_inside_the_rigid_zone_the_deflection_is_linear():
     np.testing.assert_allclose(end - middle, 0.007 * slope[0], rtol=1e-6, atol=1e-9)
 
 
-@pytest.mark.parametrize("half_width", [0.132, 0.048, 0.2])
-def test_a_rigid_zone_that_reaches_an_end_is_refused(half_width):
-    with pytest.raises(ValueError, match="must lie inside the beam"):
-        assemble(replace(PLAIN, effects=(RigidZone(half_width),)))
+def test_a_rigid_zone_that_reaches_an_end_or_is_round_off_or_has_no_nodes_is_refused():
+    def built(half_width):
+        return assemble(replace(PLAIN, effects=(RigidZone(half_width),)))
 
-
-def test_a_rigid_zone_as_short_as_round_off_is_refused():
-    with pytest.raises(ValueError, match="leave it out"):
-        assemble(replace(PLAIN, effects=(RigidZone(1e-5),)))
-
-
-def test_a_rigid_zone_needs_its_nodes():
-    with pytest.raises(ValueError, match="no node at"):
-        RigidZone(0.0117).apply(*bare_beam(STEEL), PLAIN)
+    assert answers(built, [0.132, 0.048, 0.2], "must lie inside the beam") == []
+    assert answers(built, [1e-5], "leave it out") == []
+    assert answers(lambda zone: zone.apply(*bare_beam(STEEL), PLAIN), [RigidZone(0.0117)], "no node at") == []
 
 
 def test_effects_change_the_numbers():

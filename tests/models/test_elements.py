@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from refusals import answers
 
 from vibeam_models.elements import hermite_elements
 from vibeam_models.space import nodes
@@ -75,12 +76,6 @@ def test_the_same_position_twice_is_one_node():
     assert len(nodes(1.0, 4, [0.5, 0.5, 0.5 + 1e-12, 1.0])) == 5
 
 
-@pytest.mark.parametrize("position", [-0.01, 1.01, np.nan])
-def test_a_node_off_the_beam_is_refused(position):
-    with pytest.raises(ValueError, match="no node can stand"):
-        nodes(1.0, 4, [position])
-
-
-def test_no_elements_are_refused():
-    with pytest.raises(ValueError, match="at least 1"):
-        nodes(1.0, 0)
+def test_a_node_off_the_beam_and_no_elements_are_refused():
+    assert answers(lambda position: nodes(1.0, 4, [position]), [-0.01, 1.01, np.nan], "no node can stand") == []
+    assert answers(lambda elements: nodes(1.0, elements), [0], "at least 1") == []

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from refusals import other_answers
 from scipy.linalg import eigh
 
 from tests.models.bench import RIG
@@ -41,19 +42,15 @@ def test_other_damping_or_load_keeps_the_modes_and_another_contact_or_mass_does_
     np.testing.assert_allclose(-away.contact @ away.modes(4).shapes, -structure.contact @ before.shapes[:, :4])
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"load": [1.0]}, "load: must be"),
-        ({"M": np.eye(3)}, "C: must be 3 × 3 finite numbers"),
-        ({"K": np.triu(np.ones((2, 2)))}, "K: must be symmetric"),
-        ({"outputs": {"tip": [np.nan, 1.0]}}, r"outputs\['tip'\]: must be 2 finite numbers"),
-    ],
-)
-def test_a_change_that_does_not_fit_is_refused(change, message):
+def test_a_change_that_does_not_fit_is_refused():
     two = Structure(np.eye(2), np.eye(2), np.eye(2), np.ones(2), np.zeros(2), np.ones(2))
-    with pytest.raises(ValueError, match=message):
-        two.with_(**change)
+    wrong = {
+        "load: must be": {"load": [1.0]},
+        "C: must be 3 × 3 finite numbers": {"M": np.eye(3)},
+        "K: must be symmetric": {"K": np.triu(np.ones((2, 2)))},
+        r"outputs\['tip'\]: must be 2 finite numbers": {"outputs": {"tip": [np.nan, 1.0]}},
+    }
+    assert other_answers(lambda change: two.with_(**change), wrong) == []
     with pytest.raises(TypeError, match="no field stiffness"):
         two.with_(stiffness=np.eye(2))
 

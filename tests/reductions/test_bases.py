@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from refusals import answers, other_answers
 from scipy.linalg import eigh
 
 import vibeam
@@ -230,28 +231,19 @@ def test_a_massless_contact_is_a_spring_before_the_stop(rig: Structure) -> None:
     assert small.contact_flexibility > 1e-8
 
 
-@pytest.mark.parametrize(
-    ("law", "said"),
-    [
-        (None, "mobility is infinite, so that an impulse and a coefficient of restitution have no meaning"),
-        (Hertz(1e8), 'the law "hertz" in series with a spring has no closed form'),
-        (LinearStop(1e6, 10.0), "a damper behind a contact without mass makes a state of the first order"),
-    ],
-)
-def test_a_massless_contact_refuses_what_needs_its_mass(rig: Structure, law: object, said: str) -> None:
+def test_a_massless_contact_refuses_what_needs_its_mass(rig: Structure) -> None:
     small = massless_boundary(rig, 2).structure
-    with pytest.raises(ValueError, match=f'{said}: write reduction = "residual_flexibility"'):
-        vibeam.ImpactSystem.from_structure(small, gap=0.0, law=law)
+    wrong = {
+        "mobility is infinite, so that an impulse and a coefficient of restitution have no meaning": None,
+        'the law "hertz" in series with a spring has no closed form': Hertz(1e8),
+        "a damper behind a contact without mass makes a state of the first order": LinearStop(1e6, 10.0),
+    }
+    wrong = {f'{said}: write reduction = "residual_flexibility"': law for said, law in wrong.items()}
+    assert other_answers(lambda law: vibeam.ImpactSystem.from_structure(small, gap=0.0, law=law), wrong) == []
 
 
-@pytest.mark.parametrize("basis", BASES)
-def test_more_than_there_is_is_refused(rig: Structure, basis: object) -> None:
-    with pytest.raises(ValueError, match="modes: 65"):
-        basis(rig, 65)
-
-
-@pytest.mark.parametrize("basis", [residual_flexibility, massless_boundary, static_correction, static_shapes])
-def test_a_free_body_is_refused(basis: object) -> None:
+def test_more_than_there_is_and_a_free_body_are_refused(rig: Structure) -> None:
+    assert answers(lambda basis: basis(rig, 65), BASES, "modes: 65") == []
     free = Structure(np.eye(2), np.zeros((2, 2)), [[1.0, -1.0], [-1.0, 1.0]], [-1.0, -1.0], [0.0, 0.0], [0.0, 1.0])
-    with pytest.raises(ValueError, match="the body is free"):
-        basis(free, 1)
+    static = [residual_flexibility, massless_boundary, static_correction, static_shapes]
+    assert answers(lambda basis: basis(free, 1), static, "the body is free") == []

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from refusals import answers, other_answers
 from scipy.linalg import null_space
 
 from tests.models.bench import RIG
@@ -33,15 +34,9 @@ def test_expand_takes_one_state_or_many(rig):
     assert reduction.expand(np.ones((3, 7))).shape == (rig.size, 7)
 
 
-@pytest.mark.parametrize("shape", [(3, 2), (64,)])
-def test_a_basis_of_the_wrong_shape_is_refused(rig, shape):
-    with pytest.raises(ValueError, match="basis: shape"):
-        projection(rig, np.ones(shape))
-
-
-def test_dependent_columns_are_refused(rig):
-    with pytest.raises(ValueError, match="not independent"):
-        projection(rig, np.ones((rig.size, 2)))
+def test_a_basis_of_the_wrong_shape_or_of_dependent_columns_is_refused(rig):
+    wrong = {"basis: shape": np.ones((3, 2)), r"basis: shape \(64,\)": np.ones(64), "not independent": np.ones((64, 2))}
+    assert other_answers(lambda basis: projection(rig, basis), wrong) == []
 
 
 @pytest.mark.parametrize("n", [1, 2, 8])
@@ -52,10 +47,8 @@ def test_modal_coordinates_are_orthogonal_and_keep_their_frequencies(rig, n):
     np.testing.assert_allclose(small.modes().omega, rig.modes(n).omega, rtol=1e-12)
 
 
-@pytest.mark.parametrize("n", [0, -1, 65])
-def test_modes_that_are_not_there_are_refused(rig, n):
-    with pytest.raises(ValueError, match="has 1 to 64"):
-        modal(rig, n)
+def test_modes_that_are_not_there_are_refused(rig):
+    assert answers(lambda n: modal(rig, n), [0, -1, 65], "has 1 to 64") == []
 
 
 def test_full_keeps_every_frequency_and_the_whole_contact(rig):
