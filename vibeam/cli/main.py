@@ -13,18 +13,9 @@ from typing import Annotated
 
 import typer
 
-from vibeam.cli.commands.doctor import doctor
-from vibeam.cli.commands.identify import identify
-from vibeam.cli.commands.keys import keys
-from vibeam.cli.commands.new import new
-from vibeam.cli.commands.record import record
-from vibeam.cli.commands.report import report
-from vibeam.cli.commands.run import run
-from vibeam.cli.commands.study import study
+from vibeam.cli.commands import case_files, maps, measured, modes, runs, studies
 from vibeam.cli.errors import UsageError, mistakes
 from vibeam.cli.streams import put, standard_streams
-from vibeam.studies.declaration import STUDIES
-from vibeam_models.registry import loaded
 
 
 def import_extension(name: str) -> None:
@@ -77,14 +68,8 @@ def _options(
 
 
 for command in (
-    run,
-    *(loaded(f"vibeam.cli.commands.{name}:{name}") for name, each in STUDIES.items() if each.own_command),
-    report,
-    study,
-    identify,
-    record,
-    new,
-    keys,
-    doctor,
-):
+    runs.run, runs.check, maps.stability, maps.verdict, maps.map, studies.cost, studies.limit, studies.influence,
+    studies.uncertainty, measured.fit, modes.derive, modes.modes, studies.reduce, runs.report, studies.study,
+    measured.identify, runs.record, case_files.new, case_files.keys, case_files.doctor,
+):  # fmt: skip
     app.command()(mistakes()(command))

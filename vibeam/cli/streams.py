@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
 import io
 import json
 import os
@@ -10,28 +9,17 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NoReturn
-from unicodedata import normalize
 
 from vibeam.exchange.faults import printable
 from vibeam.exchange.whole_files import naming_stdout
 
 WRONG, STOPPED = 2, 130
-LEGIBLE = "vibeam.legible"  # name of the error handler below
 CLOSED = 141  # exit code of a command whose reader has gone, as a shell reports it
-
-_WORDS = str.maketrans(
-    {
-        "–": "-", "—": "-", "−": "-", "…": "...", "·": "*", "×": "x", "≥": ">=", "≤": "<=", "≫": ">>", "≪": "<<",
-        "→": "->", "½": "1/2", "√": "sqrt ", "µ": "u", "μ": "u", "Ω": "Omega", "ω": "omega", "ζ": "zeta", "γ": "gamma",
-        "β": "beta", "Δ": "Delta", "Σ": "sum", "∞": "inf", "⁻": "^-", "ᵀ": "^T", "°": " deg", "«": '"', "»": '"',
-    }
-)  # fmt: skip
 
 
 @contextmanager
 def standard_streams() -> Iterator[None]:
-    """Make stdout and stderr accept any text; exit silently where stdout's reader has gone."""
-    codecs.register_error(LEGIBLE, legible)
+    """Let stdout and stderr take any text, with escapes where needed; exit silently where stdout's reader has gone."""
     for name in ("stdout", "stderr"):
         _open(name)
     try:
@@ -45,25 +33,12 @@ def standard_streams() -> Iterator[None]:
         raise SystemExit(WRONG) from None
 
 
-def legible(error: UnicodeError) -> tuple[str, int]:
-    """Error handler of an encoding that lacks a character: the nearest ASCII, else its escape."""
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    lacking = error.object[error.start : error.end]
-    return "".join(map(_nearest, lacking)), error.end
-
-
-def _nearest(character: str) -> str:
-    plain = normalize("NFKD", character.translate(_WORDS)).encode("ascii", "ignore").decode()
-    return plain or character.encode("unicode_escape").decode()
-
-
 def _open(name: str) -> None:
     stream = getattr(sys, name)
     if stream is None:  # closed by the caller
         setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     elif isinstance(stream, io.TextIOWrapper):
-        stream.reconfigure(errors=LEGIBLE)
+        stream.reconfigure(errors="backslashreplace")
 
 
 @contextmanager

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from importlib import import_module
-from typing import Any
+
+TYPE_CHECKING = False  # typing itself is not loaded before the command's first line
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
 
 _HANDED_IN: dict[str, Callable[[], Any]] = {}
 

@@ -1,4 +1,4 @@
-"""``vibeam modes``: the table of modes, and their shapes."""
+"""``vibeam modes`` and ``derive``: modes of the beam, and the single degree of freedom that stands for it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, load, output_path
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, output_path, table_path
 from vibeam.cli.errors import of_case
-from vibeam.cli.output import print_result
+from vibeam.cli.output import print_result, write_table
 from vibeam.cli.streams import say
 
 if TYPE_CHECKING:
@@ -59,3 +59,17 @@ def export(case: Case, out: str) -> None:
 
     path = output_path(out, f"{case.path.stem}.npz", WRITTEN, "a file of matrices")
     say(f"wrote {path}; to read it as a case:\n{of_case(case.path, lambda: export_matrices(case, path))}")
+
+
+def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
+    """Derive the SDOF parameters from geometry.
+
+    Each stands beside its finite-element value.
+    """
+    from vibeam.studies.derive import derive as derived
+
+    loaded = load(case, set_)
+    table = of_case(case, lambda: derived(loaded))
+    rows = list(table)
+    write_table(rows, None if out is None else table_path(loaded, out, "derive"))
+    print_result(rows, as_json, lambda tables: [tables.derivation(rows)], table.notes)

@@ -1,4 +1,4 @@
-"""``vibeam map``: maps over any keys of a case, computed block by block, stored and drawn."""
+"""``vibeam map``, ``stability`` and ``verdict``: maps over keys of a case, computed block by block and drawn."""
 
 from __future__ import annotations
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.maps.cluster import Cluster
     from vibeam.maps.run import MapResult
+
+
+from vibeam.cli.arguments import TableFile, run_study, table_path
+from vibeam.cli.output import print_sheet
 
 Only = Annotated[
     list[str] | None, typer.Option("--only", metavar="NAME", help="This map alone. Repeatable; absent = all.")
@@ -148,3 +152,69 @@ def _motions(result: MapResult) -> list[Any]:
     from vibeam.maps.motions import motions_of
 
     return list(motions_of(result))
+
+
+def stability(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: TableFile = None,
+    over: Annotated[str, typer.Option("--over", help="What changes beside the frequency: gap or drive.")] = "gap",
+    low: Annotated[str | None, typer.Option("--from", help="Its first value, with unit.", show_default=False)] = None,
+    high: Annotated[str | None, typer.Option("--to", help="Its last value, with unit.", show_default=False)] = None,
+    points: Annotated[int, typer.Option("--points", min=2, help="How many values of it.")] = 101,
+    frequencies: Annotated[int, typer.Option("--frequencies", min=2, help="How many drive frequencies.")] = 161,
+    periods: Annotated[int, typer.Option("--periods", min=1, help="Drive periods from impact to impact.")] = 1,
+    fidelity: Annotated[
+        str | None, typer.Option("--fidelity", help="This one alone; absent = all.", show_default=False)
+    ] = None,
+) -> None:
+    """Map where periodic motions exist and are stable.
+
+    The axes are frequency and gap or drive.
+    """
+    from vibeam.report.stability import sheet
+    from vibeam.studies.stability.study import stability as mapped
+
+    loaded = load(case, set_)
+    path = table_path(loaded, out, "stability")
+    found = sheet(of_case(case, lambda: mapped(loaded, over, low, high, points, frequencies, periods, fidelity)))
+    print_sheet(found, as_json, found.write(path, loaded.figure))
+
+
+Over = Annotated[str, typer.Option("--over", help="frequency and gap, drive, restitution or any dotted key.")]
+
+
+def verdict(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: TableFile = None,
+    over: Over = "frequency,gap",
+    low: Annotated[str | None, typer.Option("--from", help="First value, with unit.", show_default=False)] = None,
+    high: Annotated[str | None, typer.Option("--to", help="Last value, with unit.", show_default=False)] = None,
+    points: Annotated[int, typer.Option("--points", min=2, help="How many values of it.")] = 61,
+    frequencies: Annotated[int, typer.Option("--frequencies", min=2, help="How many drive frequencies.")] = 61,
+    accuracy: Annotated[str, typer.Option("--accuracy", help="How near the finest model.")] = "1 %",
+    quantity: Annotated[str, typer.Option("--quantity", help="Of what: amplitude or reach.")] = "amplitude",
+    verify: Annotated[int, typer.Option("--verify", min=0, help="At how many places to fly anew.")] = 24,
+    fidelity: Annotated[
+        list[str] | None, typer.Option("--fidelity", help="This one; repeatable; absent = all.", show_default=False)
+    ] = None,
+    fresh: Fresh = False,
+) -> None:
+    """Map the cheapest model that suffices, and where models differ in kind; or continue such a map.
+
+    The axes are frequency and another key of the case. Kinds: period, coexisting motions, chaos.
+    """
+    from vibeam.report.verdict import sheet
+    from vibeam.studies.verdict.planes import kept_beside
+    from vibeam.studies.verdict.study import verdict as judge
+
+    loaded = load(case, set_)
+    path = table_path(loaded, out, "verdict")
+    asked = over, low, high, points, frequencies, accuracy, quantity, fidelity, verify
+    with kept_beside(path, fresh) as folder:
+        found = sheet(run_study(case, loaded, lambda own, tell: judge(own, *asked, tell, folder)))
+        files = found.write(path, loaded.figure)
+    print_sheet(found, as_json, files)
