@@ -69,10 +69,10 @@ def run(
         jobs = [job_of(case, name, systems, plan.branches[name], store) for name in names]
         known = known_estimates(case, jobs, store)
         jobs = jobs[: len(known) or None]
-        models = plan.models or _properties(case, systems)
+        models = plan.models or {name: properties_of(case, name, system) for name, system in systems.items()}
         if before and any(job.missing for job in jobs):
             before(overview_of(case, models))
-        count = PointCount((kept for job in jobs for _, kept in job.branches), progress or _no_progress)
+        count = PointCount((kept for job in jobs for _, kept in job.branches), progress or (lambda done, total: None))
         try:
             if case.accuracy is None:
                 _sweep(case, jobs, store, count)
@@ -103,11 +103,6 @@ def _sweep(case: Case, jobs: Sequence[Job], store: Store | None, count: PointCou
     if missing:
         costly_first = sorted(missing, key=lambda job: -job.system.size)
         run_parallel(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
-
-
-def _properties(case: Case, systems: Mapping[str, ImpactSystem]) -> Mapping[str, ModelProperties]:
-    """Properties of all models."""
-    return {name: properties_of(case, name, system) for name, system in systems.items()}
 
 
 def _keep_models(case: Case, models: Mapping[str, ModelProperties], store: Store | None) -> None:
@@ -153,10 +148,6 @@ def _warm_up(case: Case, job: Job) -> None:
     base = float(np.ravel(case.amplitude_of(job.name, omega))[0])
     fidelity = job.fidelity
     warm_up(fidelity.solver, job.system, float(omega[0]), base, case.sweep.output, fidelity.options)
-
-
-def _no_progress(done: int, total: int) -> None:
-    """Progress callback that does nothing."""
 
 
 def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:

@@ -98,13 +98,10 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
 
 
 def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Values]) -> Branches:
-    ways = {way: _response(rows[name, way]) for way in ("up", "down") if (name, way) in rows}
+    found = {way: rows[name, way] for way in ("up", "down") if (name, way) in rows}
+    ways = {way: FrequencyResponse(**{n: values[n] for n in LAYOUT}) for way, values in found.items()}
     curves = read_curves(stored[name][CURVES]) if CURVES in stored[name] else None
     return Branches(ways.get("up"), ways.get("down"), curves)
-
-
-def _response(values: Values) -> FrequencyResponse:
-    return FrequencyResponse(**{name: values[name] for name in LAYOUT})
 
 
 def _states(values: Values) -> tuple[State | None, ...]:

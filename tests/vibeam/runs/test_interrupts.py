@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from importlib import import_module
 from threading import Event
 from typing import Any
@@ -12,6 +13,8 @@ from apart import run_apart
 
 import vibeam
 from vibeam.flight.engine import threads as pause
+from vibeam.runs import parallel
+from vibeam.runs.parallel import heartbeat
 from vibeam.runs.sweep import march
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
@@ -111,3 +114,15 @@ def test_exponents_are_left_between_two_segments_of_a_motion() -> None:
     system = vibeam.ImpactSystem.from_modes([47.7, 190.8], 0.01, [2.0, 1.0], [0.5, 0.2], restitution=0.3, gap=-1e-5)
     with pause.stopping_at(_Late()), pytest.raises(pause.Stopped):
         vibeam.lyapunov(system, vibeam.Drive(95.0, 2e-4), settle=0, periods=20)
+
+
+def test_a_line_comes_every_few_seconds_while_one_piece_lasts(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(parallel, "EVERY", 0.01)
+    told: list[str] = []
+    with heartbeat(told.append, lambda: "beam: 8 of 61 rows"):
+        while len(told) < 3:
+            time.sleep(0.001)
+    count = len(told)
+    time.sleep(0.05)
+    assert len(told) == count
+    assert told[0].startswith("beam: 8 of 61 rows, 0 s of CPU time")

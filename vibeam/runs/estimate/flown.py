@@ -70,10 +70,6 @@ class Motion:
         near = np.abs(self.impacts - other.impacts) <= 1 / READ
         return np.asarray(same & near & (np.abs(self.amplitude / other.amplitude - 1) <= AGREES))
 
-    def only(self, which: NDArray[np.bool_]) -> Motion:
-        """Motions at the points ``which`` alone, the others not known."""
-        return replace(self, amplitude=np.where(which, self.amplitude, np.nan))
-
     def at(self, point: int) -> Motion:
         """Motion at one point."""
         return Motion(*(getattr(self, name)[point : point + 1] for name in NAMES))
