@@ -10,7 +10,7 @@ import pytest
 import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
-from vibeam.report.tables import responses
+from vibeam.report.run_report import responses
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
 from vibeam.studies.cost.models import CostModel

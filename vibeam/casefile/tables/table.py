@@ -153,7 +153,7 @@ def _same(field: FieldInfo) -> tuple[Any, Any]:
 
 
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
-ACCURATE = ("amplitude", "reach", "maximum", "minimum", "impact_velocity")  # what an accuracy can be asked of
+ACCURATE = ("amplitude", "reach", "impact_velocity")  # what an accuracy can be asked of
 OUTPUTS = ("sensor", "contact", "tip", "platform")
 
 Length = Place = Quantity(units.LENGTH, POSITIVE)
