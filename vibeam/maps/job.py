@@ -128,7 +128,7 @@ class MapJob:
         return read_block(self.place.folder, block, self.keys[block.grid.fidelity])
 
     def result(self) -> MapResult:
-        """What is known now."""
+        """Result of the blocks that are known now."""
         there = self.there
         known = {
             name: partial_response(
@@ -155,7 +155,7 @@ class MapJob:
 
 
 def name_of(block: Block) -> tuple[str, int]:
-    """What tells a block from all others of its map."""
+    """Name of a block, unlike all others of its map."""
     return block.grid.fidelity, block.first
 
 

@@ -39,7 +39,7 @@ def note_continued(group: h5py.Group) -> None:
 
 
 def read_provenance(group: h5py.Group) -> dict[str, str]:
-    """What computed the numbers, by name."""
+    """Origin of the numbers, by name."""
     return {name: str(value) for name, value in group.attrs.items()}
 
 

@@ -90,7 +90,7 @@ class ImpactSystem:
 
     @cached_property
     def contact_law(self) -> StopLaw:
-        """What happens at the stop: ``law``, or one coefficient of restitution."""
+        """Law of the contact with the stop: ``law``, or one coefficient of restitution."""
         from vibeam_models.laws.restitution import Restitution
 
         return Restitution(self.restitution) if self.law is None else self.law

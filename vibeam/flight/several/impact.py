@@ -69,7 +69,7 @@ def _next(contacts: Contacts, velocity: Array, free: list[int], first: float) ->
 
 
 def _direction(contacts: Contacts, struck: int, pressed: list[int]) -> Array:
-    """What a unit impulse at one contact does to the velocities, less sign, with the pressed ones answering."""
+    """Change of the velocities by a unit impulse at one contact, less sign, with the pressed ones answering."""
     row: Array = contacts.rows[struck]
     if not pressed:
         return row
