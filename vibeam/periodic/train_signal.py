@@ -6,8 +6,9 @@ After an impact an output is a constant, the drive's harmonic and Σ Re(W_i e^{�
 
 Its values and slopes on a grid of times common to all motions are one product of matrices. Between two times the signal
 is within Σ |W_i| e^{−σ_i τ} min(2, |λ_i h|⁴/384) of its cubic Hermite interpolant (Birkhoff & Priver 1967): the steps
-are as short as that needs, finer just after the impact where the high modes still ring. What is left of it at the
-extremes is their ``uncertainty``, together with all modes that are too small to be followed.
+are as short as that needs, finer just after the impact where the high modes still ring. The interpolant says in which
+interval an extreme lies; its value is the signal's own, by Newton's method on the slope. That another interval reaches
+higher by what interpolation and the modes too small to be followed leave open is the extreme's ``uncertainty``.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ TOLERANCE = 2e-6  # interpolation error aimed at, as a share of the signal's siz
 MOST = 640  # times at most; for more the tolerance is relaxed
 LEVELS, OCTAVES = 18, 14  # step lengths: a 16th of the flight, halved so often; stretches of equal steps
 APART = 1e-7  # least 1 − ζ² at critical damping, so that the two decays of a mode stay apart
+NEWTON = 3  # steps to an extreme, from where the interpolant has it
 ROUND_OFF = 1e-9  # share of the motion's size by which a gap may be negative
 
 
@@ -59,13 +61,14 @@ class TrainSignal(NamedTuple):
 class Sampled(NamedTuple):
     """A signal's values (rows, times), slopes times step at the begin and end of each interval, and the times.
 
-    ``followed``: its parts that are large enough; ``dropped`` (rows,): bound on the others.
+    ``whole``: the signal; ``followed``: its parts that are large enough; ``dropped`` (rows,): bound on the others.
     """
 
     value: Array
     begin: Array
     end: Array
     times: Array
+    whole: TrainSignal
     followed: TrainSignal
     dropped: Array
 
@@ -147,7 +150,7 @@ def sampled(found: TrainSignal) -> Sampled:
     value, slope = _on_grid(followed, grid)
     clamped = np.minimum(grid.times, found.flights[:, None])
     width = np.diff(clamped, axis=1)
-    return Sampled(value, slope[:, :-1] * width, slope[:, 1:] * width, clamped, followed, dropped)
+    return Sampled(value, slope[:, :-1] * width, slope[:, 1:] * width, clamped, found, followed, dropped)
 
 
 def _on_grid(found: TrainSignal, grid: SignalGrid) -> tuple[Array, Array]:
@@ -203,14 +206,37 @@ def clear(found: Sampled, gap: float, m: int) -> Flags:
 
 
 def _highest(found: Sampled, sign: float) -> tuple[Array, Array]:
-    """Largest value (rows,) of the interpolants of ± the signal, and the bound on the interpolation error there."""
-    tops = _tops(sign * found.value, sign * found.begin, sign * found.end)
-    at = np.argmax(tops, axis=1)
-    begin, end = (np.take_along_axis(found.times, at[:, None] + k, axis=1)[:, 0] for k in (0, 1))
+    """Largest value (rows,) of ± the signal where its interpolants are largest, and the bound on their error there."""
+    tops, places = _tops(sign * found.value, sign * found.begin, sign * found.end)
+    at = np.argmax(tops, axis=1)[:, None]
+    begin, end = (np.take_along_axis(found.times, at + k, axis=1)[:, 0] for k in (0, 1))
+    place = begin + np.take_along_axis(places, at, axis=1)[:, 0] * (end - begin)
     left = np.abs(found.followed.weights) * np.exp(found.followed.rates.real[:, None] * begin)
     missed = (left * _interpolation(found.followed.rates[:, None] * (end - begin))).sum(axis=0)
     missed += np.abs(found.followed.drive) * _interpolation(found.followed.omega * (end - begin))
-    return np.take_along_axis(tops, at[:, None], axis=1)[:, 0], missed
+    return _polished(found.whole, sign, place, begin, end), missed
+
+
+def _polished(found: TrainSignal, sign: float, place: Array, begin: Array, end: Array) -> Array:
+    """Largest value (rows,) of ± the signal from ``place`` on by Newton's method, from ``begin`` to ``end``."""
+    value, slope, bend = sign * _derivatives(found, place)
+    highest = value
+    for _ in range(NEWTON):
+        step = np.divide(slope, bend, out=np.zeros_like(slope), where=bend < 0)
+        place = np.clip(place - step, begin, end)
+        value, slope, bend = sign * _derivatives(found, place)
+        highest = np.maximum(highest, value)
+    return np.asarray(highest)
+
+
+def _derivatives(found: TrainSignal, times: Array) -> Array:
+    """Signal (rows,) at one time of each row, s, with its first and second derivative (3, rows)."""
+    free, steady = found.weights * np.exp(found.rates[:, None] * times), found.drive * np.exp(1j * found.omega * times)
+    powers = [found.rates[:, None] ** order * free for order in range(3)]
+    values = np.array([power.real.sum(axis=0) for power in powers])
+    values += np.array([((1j * found.omega) ** order * steady).imag for order in range(3)])
+    values[0] += found.constant
+    return values
 
 
 def _interpolation(turned: Complex | Array) -> Array:
@@ -218,16 +244,21 @@ def _interpolation(turned: Complex | Array) -> Array:
     return np.minimum(2.0, np.abs(turned) ** 4 / 384)
 
 
-def _tops(value: Array, begin: Array, end: Array) -> Array:
+def _tops(value: Array, begin: Array, end: Array) -> tuple[Array, Array]:
     """Largest value (rows, intervals) of the cubic interpolants that may be a row's largest, of their ends elsewhere.
+
+    And its place in the interval, from 0 to 1.
 
     ``begin``, ``end``: slopes times step. With slopes of ± d at the ends a cubic rises at most ¼(d₀ − d₁) above them.
     """
     highest = np.maximum(value[:, :-1], value[:, 1:])
+    places = (value[:, 1:] > value[:, :-1]).astype(float)
     reach = highest + (begin - end) / 4
     inside = (begin > 0) & (end < 0) & (reach > highest.max(axis=1, keepdims=True))
     y0, d0, d1, rise = value[:, :-1][inside], begin[inside], end[inside], np.diff(value, axis=1)[inside]
     a, b = d0 + d1 - 2 * rise, 3 * rise - 2 * d0 - d1
     s = d0 / (np.sqrt(b * b - 3 * a * d0) - b)
-    highest[inside] = np.maximum(highest[inside], y0 + s * (d0 + s * (b + s * a)))
-    return highest
+    top = y0 + s * (d0 + s * (b + s * a))
+    places[inside] = np.where(top > highest[inside], s, places[inside])
+    highest[inside] = np.maximum(highest[inside], top)
+    return highest, places
