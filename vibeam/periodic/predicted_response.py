@@ -25,7 +25,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.periodic.modal_sums import fault, offsets, resonant
+from vibeam.periodic.modal_sums import offsets
 from vibeam.periodic.multipliers import largest, monodromy
 from vibeam.periodic.train_signal import clear, excited, extremes, sampled, signal
 from vibeam.periodic.train_sums import Trains, ahead, contact_phasor, green_sums, repeats_sooner, residual
@@ -137,13 +137,6 @@ class PredictedResponse(NamedTuple):
     def amplitude(self) -> Array:
         """½(max − min) of the output."""
         return (self.maximum - self.minimum) / 2
-
-
-def unpredictable(system: ImpactSystem, omega: float, periods: int) -> str:
-    """Reason why nothing can be predicted of this model; empty where it can."""
-    if np.any(system.omega == 0):
-        return "it has a mode without stiffness"
-    return fault(system) or resonant(system, omega, periods)
 
 
 def predicted(system: ImpactSystem, trains: Trains, output: str) -> PredictedResponse:

@@ -79,11 +79,6 @@ class Certificate:
         return np.asarray(self.kinds == layout.RESTING)
 
     @property
-    def uncovered(self) -> Index:
-        """The segments that no piece covers: contact that is integrated, and what takes no time."""
-        return np.setdiff1d(np.arange(len(self.kinds)), self.pieces[:, layout.PIECE_SEGMENT].astype(np.int64))
-
-    @property
     def unproved(self) -> tuple[UnprovedSpan, ...]:
         """The spans that are not proved, in the order of time."""
         found = [*self._integrated(), *self._undecided(), *self._unbounded()]

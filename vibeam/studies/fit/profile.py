@@ -38,7 +38,6 @@ BOUND = 1e-3  # share of the bounds within which a key is at one
 STRETCH = 3.0  # of the distance from the minimum, in one step outward
 NEARLY = 0.05  # share of the bounds within which a bound is tried itself
 ENOUGH = 1e-4  # relative tolerance of a misfit whose rise is looked at
-BETTER = 1e-3  # decrease of the misfit that is another minimum
 
 
 @dataclass(frozen=True)
