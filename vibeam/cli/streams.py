@@ -13,7 +13,7 @@ from typing import NoReturn
 from vibeam.exchange.faults import printable
 from vibeam.exchange.whole_files import naming_stdout
 
-WRONG, STOPPED = 2, 130
+MISSED, WRONG, STOPPED = 1, 2, 130  # exit codes
 CLOSED = 141  # exit code of a command whose reader has gone, as a shell reports it
 
 

@@ -1,1 +1,1 @@
-"""Commands, one a file; their work is done by the library, imported when a command runs."""
+"""Commands, a file for those of one kind; their work is done by the library, imported when a command runs."""

@@ -9,10 +9,9 @@ from typing import Annotated
 import typer
 
 from vibeam.cli.arguments import AsJson, TableFile, output_path
-from vibeam.cli.commands.runs import MISSED
 from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_result, write_table
-from vibeam.cli.streams import put, put_json, say
+from vibeam.cli.streams import MISSED, put, put_json, say
 
 
 def keys(

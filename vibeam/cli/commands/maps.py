@@ -9,18 +9,25 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, folder, load, output_path
+from vibeam.cli.arguments import (
+    AsJson,
+    CaseFile,
+    Fresh,
+    Overrides,
+    TableFile,
+    folder,
+    load,
+    output_path,
+    run_study,
+    table_path,
+)
 from vibeam.cli.errors import UsageError, of_case
-from vibeam.cli.output import print_result
+from vibeam.cli.output import print_result, print_sheet
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.maps.cluster import Cluster
     from vibeam.maps.run import MapResult
-
-
-from vibeam.cli.arguments import TableFile, run_study, table_path
-from vibeam.cli.output import print_sheet
 
 Only = Annotated[
     list[str] | None, typer.Option("--only", metavar="NAME", help="This map alone. Repeatable; absent = all.")
@@ -33,7 +40,6 @@ Out = Annotated[
         show_default=False,
     ),
 ]  # fmt: skip
-
 
 Workers = Annotated[
     str | None,

@@ -7,19 +7,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, run_study, table_path
-from vibeam.cli.errors import UsageError
-from vibeam.cli.output import print_sheet
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, output_path, run_study, table_path
+from vibeam.cli.errors import UsageError, of_case
+from vibeam.cli.output import print_result, print_sheet, write_table
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-from typing import TYPE_CHECKING
-
-from vibeam.cli.arguments import output_path
-from vibeam.cli.errors import of_case
-from vibeam.cli.output import print_result, write_table
-
-if TYPE_CHECKING:
     from vibeam.studies.identification.estimates import Identification
 
 

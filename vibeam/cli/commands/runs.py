@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING
-
-from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, run_case
-from vibeam.cli.errors import of_case
-from vibeam.cli.output import print_result
-
-if TYPE_CHECKING:
-    from vibeam.runs.result import Result
 from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vibeam.cli.arguments import (
+    AsJson,
+    CaseFile,
+    Fresh,
+    Overrides,
+    ResultsFile,
+    folder,
+    load,
     output_path,
+    results_path,
+    run_case,
 )
-from vibeam.cli.streams import say
+from vibeam.cli.errors import UsageError, of_case
+from vibeam.cli.output import print_result
+from vibeam.cli.streams import MISSED, put, say
 
 if TYPE_CHECKING:
+    from vibeam.runs.result import Result
     from vibeam.studies.regression.references import CheckRow
-
-
-from vibeam.cli.arguments import folder
-from vibeam.cli.errors import UsageError
-from vibeam.cli.streams import put
 
 
 def run(
@@ -61,7 +61,6 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     print_result(whole, as_json, lambda _: found.tables, [*found.sentences, *files], found.head)
 
 
-MISSED = 1
 DRAWN = (".png", ".svg", ".pdf")
 
 Plot = Annotated[
@@ -153,8 +152,6 @@ def record(
     Never over a file that is there, unless by --force.
     """
     loaded = load(case, set_)
-    from dataclasses import replace
-
     from vibeam.casefile.read import without_accuracy
     from vibeam.exchange.faults import suggest
     from vibeam.exchange.whole_files import write_whole

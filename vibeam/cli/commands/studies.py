@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, folder, load, number, run_study, table_path
-from vibeam.cli.errors import of_case
+from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_result, print_sheet, write_table
 
 if TYPE_CHECKING:
-    pass
-from collections.abc import Iterator
-from math import isfinite
-from typing import TYPE_CHECKING
-
-from vibeam.cli.errors import UsageError
-
-if TYPE_CHECKING:
     from vibeam_models.laws import ContactLaw
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    pass
 
 
 def cost(
