@@ -34,8 +34,8 @@ _NEW_FOLDERS = "folders on the way are made"
 ResultsFile = Annotated[
     str | None,
     typer.Option(
-        "--out", metavar="FILE", help=f"The results file (.h5), or the folder for it; {_NEW_FOLDERS}.",
-        show_default=False,
+        "--out", metavar="FILE", show_default=False,
+        help=f"The results file (.h5), or its folder; {_NEW_FOLDERS}; absent = the current folder, of check none.",
     ),
 ]  # fmt: skip
 
@@ -44,9 +44,10 @@ Fresh = Annotated[bool, typer.Option("--fresh", help="Keep nothing of the result
 TableFile = Annotated[
     str | None,
     typer.Option(
-        "--out", metavar="FILE", help=f"The CSV file, or the folder for it; {_NEW_FOLDERS}.", show_default=False
+        "--out", metavar="FILE", show_default=False,
+        help=f"The CSV file, or its folder; {_NEW_FOLDERS}; absent = the current folder with a figure, else none.",
     ),
-]
+]  # fmt: skip
 
 
 def number(option: str, text: str, kind: Dimension, positive: bool = False) -> float:

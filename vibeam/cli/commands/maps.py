@@ -36,8 +36,8 @@ Only = Annotated[
 Out = Annotated[
     str | None,
     typer.Option(
-        "--out", metavar="FILE", help="The map's file (.h5), or the folder for all; folders on the way are made.",
-        show_default=False,
+        "--out", metavar="FILE", show_default=False,
+        help="The map's file (.h5), or the folder for all; folders on the way are made; absent = the current folder.",
     ),
 ]  # fmt: skip
 

@@ -23,9 +23,12 @@ def cost(
     as_json: AsJson = False,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FOLDER", help="The folder for plot and table, made if new.", show_default=False),
+        typer.Option(
+            "--out", metavar="FOLDER", help="The folder for plot and table, made if new; absent = the current one.",
+            show_default=False,
+        ),
     ] = None,
-) -> None:
+) -> None:  # fmt: skip
     """Measure accuracy against time.
 
     Every fidelity by every solver, and the sources of the error.
