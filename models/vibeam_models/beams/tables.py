@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from vibeam_models.beams.beam import Support, end_supports, holds, stiffnesses
-from vibeam_models.beams.shapes import SHAPES, Shape
-from vibeam_models.keys import declared, keys_of
+from vibeam_models.beams.shapes import SHAPES, Shape, foreign_dimensions
+from vibeam_models.keys import declared, defaults_of, keys_of
 
 
 def dimension(kind: str, name: str, end: str = "") -> Any:
@@ -62,13 +62,33 @@ class _Either:
         return getattr(self.second, name, None) if own is None else own
 
 
-def stretch_faults(table: Any, carrier: Any) -> Iterator[tuple[str, str]]:
+def stretch_faults(table: Any, case: Any) -> Iterator[tuple[str, str]]:
     """Faults of a table with ``start`` and ``end``: the wrong way round, beyond the beam it is of."""
-    length = carrier.length
-    if None not in (table.start, table.end) and table.end <= table.start:
+    carrier = beam_of(table, case)
+    if carrier is None:
+        yield NO_OPPOSITE
+    elif None not in (table.start, table.end) and table.end <= table.start:
         yield "end", f"{table.end:g} m is not beyond start, {table.start:g} m"
-    elif None not in (table.end, length) and table.end > length:
+    elif None not in (table.end, carrier.length) and table.end > carrier.length:
         yield "end", f"{table.end:g} m is beyond the tip: {length_of(table, carrier)}"
+
+
+def dimension_faults(table: Any, carrier: Any) -> Iterator[tuple[str, str]]:
+    """Faults of the dimensions of a table's ``shape``: of other shapes, missing, or such that they do not go together.
+
+    They are those of the beam ``carrier`` where they are absent, as long as its shape is the same.
+    """
+    own = carrier.shape or "rectangle"
+    name = table.shape or own
+    kind = SHAPES[name]
+    yield from foreign_dimensions(table, name)
+    if name == own:
+        yield from kind.faults(_Either(table, carrier))
+        return
+    for key, declaration in keys_of(kind).items():
+        if getattr(table, key) is None and key not in defaults_of(kind):
+            yield key, f'missing ({declaration.meaning}): write {key} = "{declaration.example}"'
+    yield from kind.faults(table)
 
 
 def rigid_body_faults(ends: str, length: float | None, case: Any, on: str) -> Iterator[tuple[str, str]]:

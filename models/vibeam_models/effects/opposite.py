@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from vibeam_models.beams.beam import CANTILEVER, PAIRS
-from vibeam_models.beams.shapes import SHAPES, foreign_dimensions
-from vibeam_models.beams.tables import dimension, rigid_body_faults, shape_of
+from vibeam_models.beams.shapes import SHAPES
+from vibeam_models.beams.tables import dimension, dimension_faults, rigid_body_faults, shape_of
 from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Effect, Scene
 from vibeam_models.structure import Structure, side_by_side
@@ -39,8 +39,11 @@ class Opposite(Effect):
     diameter: float | None = dimension("round", "diameter")
     outer_diameter: float | None = dimension("tube", "outer_diameter")
     wall: float | None = dimension("tube", "wall")
+    web: float | None = dimension("I", "web")
+    flange: float | None = dimension("I", "flange")
     area: float | None = dimension("general", "area")
     second_moment: float | None = dimension("general", "second_moment")
+    shear_area: float | None = dimension("general", "shear_area")
     youngs_modulus: float | None = quantity("Pa", "modulus of elasticity", "210 GPa", None, above=0, written=False)
     density: float | None = quantity("kg/m^3", "mass per volume", "7850 kg/m^3", None, above=0, written=False)
     ends: str | None = word(PAIRS, "how its ends are held; absent = clamped-free", "clamped-free", None)
@@ -49,12 +52,12 @@ class Opposite(Effect):
 
     @classmethod
     def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
-        """As ``Effect.faults``: a place beyond its tip, dimensions of another shape, effects that know one beam."""
+        """As ``Effect.faults``: a place beyond its tip, dimensions that are no shape, effects that know one beam."""
         length = table.length or case.beam.length
         if None not in (table.position, length) and table.position > length:
             yield "position", f"{table.position:g} m is beyond its tip: it is {length:g} m long"
         yield from rigid_body_faults(table.ends or CANTILEVER, length, case, "opposite")
-        yield from foreign_dimensions(table, table.shape or case.beam.shape or "rectangle")
+        yield from dimension_faults(table, case.beam)
         if case.beam.massless or case.torsion is not None or (case.gravity and case.gravity.direction != "transverse"):
             yield "", "does not go with a massless beam, torsion, or weight along the beam: take one of them out"
 

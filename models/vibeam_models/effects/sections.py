@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from vibeam_models.beams.shapes import SHAPES, foreign_dimensions
+from vibeam_models.beams.shapes import SHAPES
 from vibeam_models.beams.stretch import Material, Plate, Stretch
-from vibeam_models.beams.tables import NO_OPPOSITE, beam_of, dimension, shape_of, stretch_faults
+from vibeam_models.beams.tables import beam_of, dimension, dimension_faults, shape_of, stretch_faults
 from vibeam_models.keys import Key, declared, keys_of, quantity, word
 from vibeam_models.scene import Effect, OnEitherBeam
 
@@ -50,14 +50,10 @@ class Section(OnEitherBeam):
     @classmethod
     def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
         """As ``Effect.faults``: a stretch off the beam or over another, dimensions missing or of other shapes."""
-        carrier = beam_of(table, case)
-        if carrier is None:
-            yield NO_OPPOSITE
-            return
-        yield from stretch_faults(table, carrier)
+        yield from stretch_faults(table, case)
         yield from _overlap(table, case)
-        name = table.shape or carrier.shape or "rectangle"
-        yield from _dimensions(table, carrier, name)
+        if (carrier := beam_of(table, case)) is not None:
+            yield from dimension_faults(table, carrier)
 
     def carrier(self, beam: Beam) -> Beam:
         """The beam with this stretch."""
@@ -79,27 +75,6 @@ def _overlap(table: Any, case: Any) -> Iterator[tuple[str, str]]:
         places = (table.start, table.end, other.start, other.end)
         if other.on == table.on and None not in places and table.start < other.end and other.start < table.end:
             yield "start", f"the stretch overlaps that from {other.start:g} m to {other.end:g} m: let them meet"
-
-
-def _dimensions(table: Any, beam: Any, name: str) -> Iterator[tuple[str, str]]:
-    kind = SHAPES[name]
-    own, inherits = keys_of(kind), name == (beam.shape or "rectangle")
-    yield from foreign_dimensions(table, name)
-    for each, declaration in own.items():
-        if getattr(table, each) is None and not inherits and each != "shear_area":
-            yield each, f'missing ({declaration.meaning}): write {each} = "{declaration.example}"'
-    if inherits:
-        both = {each: getattr(table, each) or getattr(beam, each, None) for each in own}
-        yield from kind.faults(_Values(both))
-    else:
-        yield from kind.faults(table)
-
-
-class _Values:
-    """Values by attribute."""
-
-    def __init__(self, values: dict[str, Any]) -> None:
-        self.__dict__.update(values)
 
 
 @dataclass(frozen=True)
@@ -126,16 +101,13 @@ class BondedPlate(OnEitherBeam):
     @classmethod
     def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
         """As ``Effect.faults``: a stretch off the beam, weight said twice or not at all, a section without a height."""
-        carrier = beam_of(table, case)
-        if carrier is None:
-            yield NO_OPPOSITE
-            return
-        yield from stretch_faults(table, carrier)
+        yield from stretch_faults(table, case)
         if table.mass is not None and table.density is not None:
             yield "mass", "density says it already: keep one of the two"
         elif table.mass is None and table.density is None:
             yield "mass", 'missing (or density): write mass = "40 g"'
-        if table.stiffens and "general" in (carrier.shape, *(each.shape for each in case.section)):
+        shape = getattr(beam_of(table, case), "shape", None)
+        if table.stiffens and "general" in (shape, *(each.shape for each in case.section)):
             yield "stiffens", 'shape = "general" has no height to bond it at: write stiffens = false'
         if case.beam.massless:
             yield "", "weighs along the beam, which beam.massless neglects: take one of the two out"
