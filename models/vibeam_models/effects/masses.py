@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
 KEPT = 16  # eliminations, each of a space of its own
+NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no inertia; round-off leaves 10⁻¹⁶
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,6 @@ class AddedMass(OnEitherBeam):
             structure = with_inertia(structure, space.row(self.position, 1), self.rotary_inertia, translation=0.0)
         if self.rigid_half_width is None:
             return structure, space
-
         return RigidSegment(self.position, self.rigid_half_width).apply(structure, space)
 
 
@@ -85,9 +85,6 @@ class RotaryInertia(Effect):
         """M + J θᵀθ with θ the slope at the mass; a translating base does not turn it, so the load stays."""
         slope = space.row(scene.attached(self.name).position, 1)
         return with_inertia(structure, slope, self.rotary_inertia, translation=0.0), space
-
-
-NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no inertia; round-off leaves 10⁻¹⁶
 
 
 @dataclass(frozen=True)
