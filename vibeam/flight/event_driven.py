@@ -13,7 +13,7 @@ import numpy as np
 from vibeam.flight.engine.threads import unpaused
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.layout import Regime, Watch, watch_of
+from vibeam.flight.kernels.layout import Regime, watch_of
 from vibeam.flight.linear.block_regime import set_output
 from vibeam.flight.readout import OUTCOMES, PointReadout
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -156,7 +156,7 @@ class EventDrivenSolver(ABC):
             counts[layout.SEGMENTS] = 0
             outcome, step = unpaused(
                 self._move, engine, drive.omega, drive.amplitude, pose, status, float(span - done), 0, 0, limit,
-                self._room(None, 0, trace, poses), counts, 0,
+                watch_of(self._watch(None), 0, trace, poses), counts, 0,
             )  # fmt: skip
             count = int(counts[layout.SEGMENTS])
             trace[:count, layout.START] += start + done
@@ -219,7 +219,8 @@ class EventDrivenSolver(ABC):
             return reader.steady(omegas, amplitude, state, settle, hold, output, reading, states, strobes)
         pose, status = self.pose(state)
         trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, self.system.size))
-        watch, counts = self._room(output, hold, trace, poses, reading), np.zeros(layout.COUNT_ROWS, dtype=np.int64)
+        watch = watch_of(self._watch(output), hold, trace, poses, reading)
+        counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
         readout = PointReadout(len(omegas), self.system.size)
         engine, begun = self._engine_for(np.inf), time.thread_time()
         drives = [amplitude] * len(omegas) if isinstance(amplitude, float) else np.broadcast_to(amplitude, len(omegas))
@@ -241,40 +242,11 @@ class EventDrivenSolver(ABC):
         last = states[-1] if states else self.state(pose, status)
         return self._response(np.asarray(omegas, dtype=float), readout, hold, reading), last
 
-    def rounds(
-        self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = layout.EVERYTHING
-    ) -> tuple[FrequencyResponse, Array]:
-        """One drive period at each of ``omegas`` (points,) from a state (points, 2, n) of its own, all off the stop.
-
-        And the states after it, (points, 2, n): where they are those before, the motion has the drive's period.
-        """
-        if (reader := self._reader(output)) is not self:
-            return reader.rounds(omegas, amplitudes, states, output, reading)
-        n = self.system.size
-        after, readout = self._inward(states), PointReadout(len(omegas), n)
-        trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, n))
-        watch, counts = self._room(output, 1, trace, poses, reading), np.zeros(layout.COUNT_ROWS, dtype=np.int64)
-        engine, status, begun = self._engine_for(np.inf), np.empty(self._status_rows), time.thread_time()
-        for index, (omega, amplitude) in enumerate(zip(omegas.tolist(), amplitudes.tolist(), strict=True)):
-            counts[:] = 0
-            self._restart(after[index], status, layout.FREE)
-            outcome, period = unpaused(
-                self._move, engine, omega, amplitude, after[index], status, 0.0, 0, 1, self.limit, watch, counts, 0,
-            )  # fmt: skip
-            readout.note(index, outcome, int(period), watch.result, watch.energy, counts)
-            begun = readout.time(index, begun)
-        return self._response(omegas, readout, 1, reading), self._outward(after)
-
     def _response(self, omegas: Array, readout: PointReadout, hold: int, reading: int) -> FrequencyResponse:
         """The response that was noted, in the user's order of modes; NaN where nothing was read off."""
         response = readout.response(omegas, hold, self.system.gap, reading)
         response.mode_energy[:] = self._outward(response.mode_energy)
         return response
-
-    def _room(
-        self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = layout.EVERYTHING
-    ) -> Watch:
-        return watch_of(self._watch(output), hold, trace, poses, reading)
 
     def _watch(self, output: str | None) -> Array:
         """Set the signal of an output (None: the contact) in every regime; its row in the kernels' order of modes."""

@@ -19,9 +19,7 @@ DIGITS = 1e-11
 
 def energies(system: vibeam.ImpactSystem, drive: vibeam.Drive, start: vibeam.State) -> np.ndarray:
     """∫ ½(η'² + ω²η²) dt of each mode (n,) over one drive period."""
-    solver = FlightSolver(system, drive.omega)
-    states = np.array([[start.displacement, start.velocity]])
-    found, _ = solver.rounds(np.array([drive.omega]), np.array([drive.amplitude]), states, "contact")
+    found, _ = FlightSolver(system, drive.omega).steady([drive.omega], drive.amplitude, start, 0, 1, "contact")
     return found.mode_energy[0] * 2 * np.pi / drive.omega
 
 

@@ -89,17 +89,3 @@ def test_what_is_read_lightly_is_read_well_and_the_rest_not_at_all(reading: int)
     assert np.isnan(light.reach).all() == (reading == layout.OUTPUT_ALONE)
     if reading == layout.REACH_TOO:
         assert light.reach == pytest.approx(full.reach, rel=3e-6)
-
-
-@pytest.mark.parametrize("reading", [layout.OUTPUT_ALONE, layout.EVERYTHING])
-def test_rounds_are_flights_of_one_period(reading: int) -> None:
-    flight, grid = FlightSolver(beam(), 80.0), 2 * np.pi * np.linspace(14, 17, 7)
-    base, states = np.full(7, 8.660311939459456e-05), np.random.default_rng(4).normal(0, 1e-5, (7, 2, 2))
-    states[:, 0] -= 1e-4  # off the stop
-    found, after = flight.rounds(grid, base, states, "contact", reading)
-    for i, (omega, both) in enumerate(zip(grid, states, strict=True)):
-        one, end = flight.steady([omega], base[i], State(*both), 0, 1, "contact", reading)
-        np.testing.assert_array_equal(after[i], [end.displacement, end.velocity])
-        for name in ("amplitude", "maximum", "minimum", "reach", "mode_energy", "impacts", "ended"):
-            np.testing.assert_array_equal(getattr(found, name)[i], getattr(one, name)[0])
-    assert found.impacts.sum() > 0
