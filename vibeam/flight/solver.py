@@ -133,14 +133,13 @@ class FlightSolver(EventDrivenSolver):
 def exact_solver(
     system: ImpactSystem, slowest: float, span: float = 0.0
 ) -> FlightSolver | RegimeSolver | ContactsSolver:
-    """The engine that takes ``system``, made for drives of ``slowest`` rad/s and more; the others are not imported."""
+    """The engine that takes ``system``, made for drives of ``slowest`` rad/s and more."""
     if system.further is not None:
         from vibeam.flight.several.solver import ContactsSolver
 
         return ContactsSolver(system, slowest, span)
     if system.beyond_plain:
         return RegimeSolver(system, slowest, span)
-
     return FlightSolver(system, slowest, span)
 
 
