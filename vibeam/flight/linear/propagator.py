@@ -1,6 +1,6 @@
 """One mode over a span of time, η'' + 2σ η' + ω² η = 0, as arrays: what a periodic motion needs, free of cancellation.
 
-P = [[p00, p01], [p10, p11]] carries (η, η') over the span; with e = e^{−σt}, C and S as in ``kernels.pair``,
+P = [[p00, p01], [p10, p11]] carries (η, η') over the span; with e = e^{−σt}, C and S as in ``kernels.roots.pair``,
 
     det(1 − P) = 1 − 2eC + e² = (1 − e)² + 4e sin²(wt/2)       (a sum of squares; (1 − e₁)(1 − e₂) when overdamped)
     det(1 + P) = 1 + 2eC + e² = (1 − e)² + 4e cos²(wt/2)

@@ -136,11 +136,8 @@ class _CarriedCovariance:
     """The covariance carried along a trajectory, segment by segment."""
 
     def __init__(self, path: ExactMotion, start: Array | None) -> None:
-        self.system, self.drive, self.maps = (
-            path.system,
-            path.drive,
-            TangentMaps(path.system, path.drive, path.segments, path.state),
-        )
+        self.system, self.drive = path.system, path.drive
+        self.maps = TangentMaps(path.system, path.drive, path.segments, path.state)
         self.trace, self.unending = self.maps.trace, endless(self.maps.trace)
         self.far = _far(self.system, path.drive, self.maps.poses[0])
         self.covariance = np.diag(self._round_off(self.maps.poses[0], 0.0)) if start is None else np.array(start)
