@@ -127,11 +127,11 @@ class StroboscopicMap:
     def __init__(
         self, system: ImpactSystem, drive: Drive, time: float = 0.0, runner: EventDrivenSolver | None = None
     ) -> None:
-        if reason := tangent_fault(system):
-            raise ValueError(f"system: Lyapunov exponents are not known for {reason}")
         if not drive.omega > 0:
             raise ValueError("drive: omega must be > 0: without a drive period there is no stroboscopic map")
         made = exact_solver(system, drive.omega) if runner is None else runner
+        if reason := tangent_fault(system):
+            raise ValueError(f"system: Lyapunov exponents are not known for {reason}")
         assert isinstance(made, EventDrivenSolver)
         self.system, self.drive, self.runner, self.time = system, drive, made, time
         self.period = 2 * np.pi / drive.omega

@@ -93,6 +93,11 @@ class StopLaw(ABC):
         """Contact velocities R(v) v after impacts at ``speeds`` v, m/s."""
         return np.array([self.at(float(speed)) for speed in speeds]) * speeds
 
+    @property
+    def has_slope(self) -> bool:
+        """True where the law has a ``rebound_slope``."""
+        return type(self).rebound_slope is not StopLaw.rebound_slope
+
     def rebound_slope(self, speeds: Array) -> Array:
         """Derivatives d(R(v) v)/dv of ``rebound`` by the impact velocity."""
         raise self._lacking("derivative of R(v) v", "let the law have rebound_slope, or its contact give a table")

@@ -122,6 +122,25 @@ def test_a_law_of_new_mechanics_works_where_its_capabilities_are_enough() -> Non
             system.contact_law.rebound_slope(np.ones(1))
 
 
+class Flown(Fading):
+    """The same by a table that kernels know, with no derivative of R(v) v."""
+
+    def kernel_numbers(self):
+        return TableRestitution.through(self.at, np.linspace(0.0, 1.0, 50)).kernel_numbers()
+
+
+def test_a_law_without_a_derivative_flies_and_its_exponents_are_refused_before_any_motion():
+    system, drive = replace(parse(RIG.replace("STOP", "restitution = 0.7")).system("two"), law=Flown(0.4)), (95.0, 1e-4)
+    assert len(vibeam.simulate(system, vibeam.Drive(*drive), 0.5).impact_times)
+    open_gap = replace(system, gap=1.0)  # no impact ever
+    for asked in (
+        lambda: vibeam.lyapunov(open_gap, vibeam.Drive(*drive), periods=20),
+        lambda: vibeam.batch(open_gap, *drive, settle=1, hold=1, lyapunov=20),
+    ):
+        with pytest.raises(ValueError, match='for the contact law "fading": let the law have rebound_slope'):
+            asked()
+
+
 def test_a_stop_of_ones_own_goes_wherever_its_spring_does() -> None:
     """Certificate, exponents, static equilibrium: all by the closed form that the linear stop declares."""
     with vibeam.register_law(Brief):

@@ -47,6 +47,8 @@ def tangent_fault(system: ImpactSystem) -> str:
     law = system.contact_law
     if law.integrated:
         return f'the contact law "{law.name}": its contact is integrated, and disturbances are not carried along'
+    if not (law.yields or law.has_slope):
+        return f'the contact law "{law.name}": let the law have rebound_slope, or its contact give a table'
     return ""
 
 
