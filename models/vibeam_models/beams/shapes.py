@@ -231,15 +231,15 @@ class General(Shape):
 SHAPES: dict[str, type[Shape]] = {
     each.name: each for each in (Rectangle, Round, Tube, HollowRectangle, ISection, General)
 }
+DIMENSIONS = frozenset(key for each in SHAPES.values() for key in keys_of(each))
 
 
 def foreign_dimensions(table: Any, shape: str) -> Iterator[tuple[str, str]]:
     """Faults of the dimensions, those at a stretch's end too, that a table has and its ``shape`` does not."""
-    foreign = {key for each in SHAPES.values() for key in keys_of(each)} - keys_of(SHAPES[shape]).keys()
-    for name in sorted(foreign):
-        others = " or ".join(f'shape = "{other}"' for other, each in SHAPES.items() if name in keys_of(each))
+    for name in sorted(DIMENSIONS - keys_of(SHAPES[shape]).keys()):
         for key in (name, f"end_{name}"):
             if getattr(table, key, None) is not None:
+                others = " or ".join(f'shape = "{other}"' for other, each in SHAPES.items() if name in keys_of(each))
                 yield key, f'does not go with shape = "{shape}": write {others}, or take it out'
 
 
