@@ -90,20 +90,23 @@ def _compute(
 ) -> None:
     """Compute the missing blocks, then gather all."""
     lock, watch = Lock(), _Watch()
+    done, total = job.found, points_of(job.blocks)
     if progress:
-        progress(job.found, points_of(job.blocks))
+        progress(done, total)
 
     evaluate = evaluate_here if cluster is None else cluster.evaluate
 
     def task(block: Block, stop: Event) -> None:
+        nonlocal done
         values = evaluate(block)
         if stop.is_set():
             raise Stopped
         write_block(job.place.path, job.place.folder, block, job.keys[block.grid.fidelity], values)
         with lock:
             job.done.add(name_of(block))
+            done += block.size
         if progress:
-            progress(points_of(job.there), points_of(job.blocks))
+            progress(done, total)
         if partial and len(job.done) < len(job.blocks) and watch.due():
             watch.drawn(lambda: partial(job.result()))
 
