@@ -16,6 +16,7 @@ from vibeam.casefile.quantities import UnitSystem
 from vibeam.casefile.toml import key_parts
 from vibeam.casefile.toml_writing import name_of
 from vibeam.exchange.faults import as_shown_in_message, suggest
+from vibeam.exchange.files import dotted
 from vibeam_models.arguments import real
 
 
@@ -100,14 +101,9 @@ def settings(of: str = "value") -> ValueEntry:
     return ValueEntry(read, f'table {{ "stop.gap" = {of}, … }}', {"type": "object", "minProperties": 1})
 
 
-def flat(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+def flat(tables: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
     """Dotted keys and their values; a key in quotes that holds dots is the path that it spells."""
-    for name, value in tables.items():
-        key = above + _spelt(name)
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{key}.")
-        else:
-            yield key, value
+    return dotted(tables, spelt=_spelt)
 
 
 def _spelt(name: str) -> str:

@@ -1,14 +1,15 @@
-"""Files of others as they lie there: kind, size, digest; of text its encoding, lines and line ends."""
+"""Files of others as they lie there: kind, size, digest; of text encoding and lines; of nested tables the values."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from hashlib import sha256
 from math import prod
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
+from typing import Any
 
 LARGEST = 2_000_000_000  # bytes on disk
 LARGEST_TEXT = 100_000_000  # bytes on disk of what is text, and of a measured curve
@@ -31,6 +32,16 @@ def reason(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror:
         return error.strerror.lower()
     return (str(error).splitlines() or [""])[0][:200] or type(error).__name__
+
+
+def dotted(tables: Mapping[str, Any], above: str = "", spelt: Callable[[str], str] = str) -> Iterator[tuple[str, Any]]:
+    """Values of nested tables by dotted names, ``data.f``, each part as ``spelt``."""
+    for name, value in tables.items():
+        place = above + spelt(name)
+        if isinstance(value, Mapping):
+            yield from dotted(value, f"{place}.", spelt)
+        else:
+            yield place, value
 
 
 def state_of(path: Path, largest: int = LARGEST) -> State:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
+from vibeam.exchange.files import dotted
 from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.report.work_precision import work_precision
@@ -26,18 +27,14 @@ def sheet(study: CostStudy, case: Case) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a run, nested values by names with a dot: ``total.amplitude.rms``."""
     said = list(sentences(study))
     return StudySheet(
-        [runs(study), parts(study)], said, {"study": study}, [dict(_flat(plain(row))) for row in study.rows],
+        [runs(study), parts(study)], said, {"study": study}, [_cells(plain(row)) for row in study.rows],
         lambda: work_precision(study, case), [headline(study.comparison)], coarse=True,
     )  # fmt: skip
 
 
-def _flat(value: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:
-    found: list[tuple[str, Any]] = []
-    for name, inner in value.items():
-        if isinstance(inner, list):
-            inner = {part["name"]: {key: part[key] for key in ("mean", "rms", "worst", "peak")} for part in inner}
-        found += _flat(inner, f"{above}{name}.") if isinstance(inner, Mapping) else [(f"{above}{name}", inner)]
-    return found
+def _cells(row: Mapping[str, Any]) -> dict[str, Any]:
+    parts = {part["name"]: {key: part[key] for key in ("mean", "rms", "worst", "peak")} for part in row["parts"]}
+    return dict(dotted({**row, "parts": parts}))
 
 
 ROUND_OFF = 1e-12  # parts that are no larger are left out

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, missing, split_head
-from vibeam.exchange.files import FormatError, reason
+from vibeam.exchange.files import FormatError, dotted, reason
 from vibeam.exchange.hdf5 import contents, opened, text_at, values_of
 from vibeam.exchange.mat import Variable, variables
 from vibeam_models.arrays import Array
@@ -30,7 +30,7 @@ def read_matlab(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
             if each.plain:
                 found[each.name] = partial(_of_matlab, each)
             else:
-                inside = _flat({each.name: each.read(simplify_cells=True)})
+                inside = dotted({each.name: each.read(simplify_cells=True)})
                 found |= {name: partial(_known, value) for name, value in inside}
         return of(found, wanted)
     except FormatError:
@@ -47,15 +47,6 @@ def _known(value: Any) -> tuple[Any, str]:
     if getattr(value, "format", ""):
         raise FormatError("holds a sparse matrix in place of a column")
     return np.asarray(value), ""
-
-
-def _flat(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Variables and the fields of structs, as ``data.f``."""
-    for name, value in held.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{above}{name}.")
-        else:
-            yield above + name, value
 
 
 def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:

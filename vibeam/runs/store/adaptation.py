@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.exchange.files import dotted
 from vibeam.runs.store.branches import (
     BranchPlan,
     branch_names,
@@ -209,12 +210,4 @@ def _another_case(path: Path, stored: Mapping[str, Any], present: Mapping[str, A
 
 def _flat(text: str) -> Mapping[str, Any]:
     """Values of a case by dotted key, less what is empty."""
-    return {key: value for key, value in _dotted(tomllib.loads(text), "") if value != []}
-
-
-def _dotted(table: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _dotted(value, f"{above}{key}.")
-        else:
-            yield above + key, value
+    return {key: value for key, value in dotted(tomllib.loads(text)) if value != []}
