@@ -24,18 +24,20 @@ TIGHT: dict[str, Any] = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-13}
 
 
 @pytest.mark.parametrize(
-    ("name", "options", "bar"),
-    [("direct", {}, 3e-3), ("zhuravlev", {}, 3e-3), ("ivanov", {}, 3e-3), ("moreau", {"steps": 10_000}, 5e-4)]
-    + [(name, TIGHT, 1e-8) for name in ODES],
-)  # fmt: skip
-def test_settled_period_one_point(name: str, options: dict[str, Any], bar: float) -> None:
+    ("name", "options", "bar", "energy", "apart"),
+    [(name, {}, 3e-3, 9e-3, 1e-13) for name in ODES]
+    + [(name, TIGHT, 1e-8, 1e-6, 1e-13) for name in ODES]
+    + [("moreau", {"steps": 10_000}, 5e-4, 1e-3, 1e-6)],
+)
+def test_settled_period_one_point(name: str, options: dict[str, Any], bar: float, energy: float, apart: float) -> None:
+    """Within the bars of the exact solution, and no closer to it than a numerical one can be."""
     response, _ = SOLVERS[name](sdof(), 2.0, **options).steady([2.0], B, None, 150, 6, "contact")
     exact = vibeam.sweep(sdof(), omega=[2.0], amplitude=B, settle=150, hold=6)
     assert response.reach[0] == pytest.approx(1.753002e-2, rel=max(bar, 1e-6))
-    assert response.mode_energy == pytest.approx(exact.mode_energy, rel=max(3 * bar, 1e-6))
+    assert response.mode_energy == pytest.approx(exact.mode_energy, rel=energy)
     for quantity in ("reach", "amplitude", "minimum", "impact_velocity"):
         assert getattr(response, quantity) == pytest.approx(getattr(exact, quantity), rel=2 * bar), quantity
-    assert abs(response.reach[0] / exact.reach[0] - 1) > 1e-13, "the bar tells a numerical solution from the exact one"
+    assert abs(response.reach[0] / exact.reach[0] - 1) > apart, "the exact one is another solver"
     assert response.impacts_per_period[0] == 1.0
     assert response.period[0] == 1
     assert response.rest[0] == 0.0
@@ -52,8 +54,7 @@ def test_three_modes(name: str, options: dict[str, Any], near: float) -> None:
     assert found.impacts_per_period[0] == exact.impacts_per_period[0] == 4
     np.testing.assert_allclose(found.amplitude, exact.amplitude, rtol=near)
     np.testing.assert_allclose(found.mode_energy, exact.mode_energy, rtol=10 * near)
-    ours, theirs = (np.sort(each.impact_velocities) for each in (found, exact))
-    np.testing.assert_allclose(ours, theirs, rtol=10 * near)
+    np.testing.assert_allclose(found.impact_velocities, exact.impact_velocities, rtol=10 * near)
 
 
 def test_no_contact_has_period_minus_one() -> None:
