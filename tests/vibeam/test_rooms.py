@@ -48,6 +48,14 @@ def floors() -> dict[str, int]:
     return {name: floor for floor, storey in enumerate(reversed(storeys)) for name in storey}
 
 
+def test_the_page_has_the_floors_of_the_contract() -> None:
+    page = (ROOT / "vibeam" / "README.md").read_text("utf-8")
+    line = re.split(r"Floors, from the top: |; reductions", page)[1]
+    layers = [{f"vibeam.{room}" for room in re.findall(r"`(\w+)`", floor)} for floor in reversed(line.split(">"))]
+    own = {name: floor for name, floor in floors().items() if name.startswith("vibeam.")}
+    assert layers == [{name for name in own if own[name] == floor} for floor in sorted(set(own.values()))]
+
+
 def upward_names(path: Path, room: str) -> list[str]:
     """Strings of a file in ``room`` that name a module of another room that is not below: ``"package.module:name"``."""
     found, known = [], floors()

@@ -6,6 +6,7 @@ after the last is the first. All is seen from the base, as the beam's coordinate
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -15,8 +16,9 @@ from numpy.typing import NDArray
 
 from vibeam.case.beam_field import Fields, field_system, fields, stop_places
 from vibeam.case.plans import ShowPlan
+from vibeam.exchange.vtu import Step, VtuPiece, centre_line
 from vibeam.figures.settled_motion import Settled, exact_motion, settled
-from vibeam.figures.sheet import Column, Columns, NoMotion
+from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet
 from vibeam.flight.trajectory import Trajectory
 from vibeam.observe.periodicity import repetition, strobe_time
 from vibeam_models.arrays import Array
@@ -25,14 +27,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import Scene
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
-from vibeam.exchange.vtu import Step, VtuPiece, centre_line
-from vibeam.figures.sheet import Sheet
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 LONGEST = 8  # longest period, in drive periods, that a loop follows
 ENDLESS = 4  # drive periods shown of a motion that does not repeat

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, ValuesView
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -17,12 +17,7 @@ from vibeam_models.outputs import DISPLACEMENT
 from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
-    from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
-from collections.abc import Callable, Iterator, ValuesView
-from typing import TYPE_CHECKING, Protocol
-
-if TYPE_CHECKING:
     from vibeam.system.response import Branches
 
 #: what the rate of an output's quantity is called

@@ -11,7 +11,10 @@ from dataclasses import fields
 from math import floor, isfinite, log10
 from typing import TYPE_CHECKING, Any, cast
 
+from rich import box
+from rich.cells import cell_len
 from rich.console import Console
+from rich.table import Column, Table
 from rich.text import Text
 
 from vibeam.exchange.whole_files import naming_stdout
@@ -22,10 +25,6 @@ if TYPE_CHECKING:
     from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.identification.estimates import Identification
     from vibeam.studies.modes import ModeTable
-
-from rich import box
-from rich.cells import cell_len
-from rich.table import Column, Table
 
 LINES = (24, 16, 12)  # characters of text that stay on one line in a narrow column, if the terminal can hold them
 

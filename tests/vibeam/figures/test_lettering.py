@@ -1,4 +1,4 @@
-"""Texts of a figure in letters that its font has not."""
+"""Texts of a figure in letters that its font has not; tick labels in plain text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where motions with two impacts were born by a subcritical period doubling: no fold of theirs is missed."""
+"""Where motions with several impacts are born, end or lose stability: births by a subcritical doubling, the flight."""
 
 from __future__ import annotations
 

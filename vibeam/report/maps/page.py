@@ -2,27 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
 from vibeam.figures.page import blank_page, legend, titled, write_page
-from vibeam.report.maps.axes import quantity_label
-from vibeam_models.registry import loaded
-
-if TYPE_CHECKING:
-    from vibeam.maps.run import MapResult
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
 from vibeam.figures.units import DisplayUnits
+from vibeam.report.maps.axes import quantity_label
 from vibeam.report.tables import blank
 from vibeam.system.number_text import percent
+from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from vibeam.maps.motions import CoexistingMotion
     from vibeam.maps.result import MapRow
+    from vibeam.maps.run import MapResult
     from vibeam.report.tables import ReportTable
 
 CAPTIONS = {
