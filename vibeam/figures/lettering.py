@@ -132,8 +132,8 @@ def set_fonts(figure: Figure) -> None:
         if lacking:
             families, left = _others(lacking)
             text.set_fontfamily([*text.get_fontfamily(), *families])
-            letters = ((each, each.encode("unicode_escape").decode()) for each in text.get_text())
-            text.set_text("".join(escaped if ord(each) in left else each for each, escaped in letters))
+            escaped = {letter: chr(letter).encode("unicode_escape").decode() for letter in left}
+            text.set_text(text.get_text().translate(escaped))
 
 
 @lru_cache(maxsize=64)

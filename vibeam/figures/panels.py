@@ -95,7 +95,10 @@ def is_empty(axes: Axes) -> bool:
 
 
 def say(axes: Axes, text: str) -> None:
-    """Write a note in the middle of axes."""
+    """Write a note in the middle of axes; of empty ones by themselves the scales go, which are of nothing."""
+    shared = (axes.get_shared_x_axes(), axes.get_shared_y_axes())
+    if is_empty(axes) and all(len(each.get_siblings(axes)) == 1 for each in shared):
+        axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, plain(text), transform=axes.transAxes, ha="center", va="center", color="0.35", wrap=True)
 
 

@@ -125,6 +125,8 @@ def line(kind: MotionClass, direction: str, own: Look, points: int, all_points: 
     shaded = shade(own.colour, direction)
     keys = LINES[kind] | {"color": shaded, "markerfacecolor": "white", "markeredgecolor": shaded}
     keys["zorder"] = BEHIND[direction]
+    if "marker" in keys:  # rings round those of later curves: where they coincide, all are visible
+        keys["markersize"] *= own.wide**0.5
     if kind is MotionClass.PERIOD_ONE:
         keys |= {"linewidth": keys["linewidth"] * WIDER[direction] * own.wide, "linestyle": own.dash}
     if points > 1 or "marker" in keys:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,8 @@ from vibeam.system.response import Branches, FrequencyResponse
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+SPARED = "not swept, one that costs less is within the accuracy"
 
 
 def write_figures(result: Comparison, path: Path) -> list[Path]:
@@ -63,19 +66,23 @@ def figure(result: Comparison, plan: ShowPlan) -> Figure:
 
 def _composed(result: Comparison, plan: ShowPlan) -> tuple[Figure, Any]:
     """Figure of one table, and what the kind's ``draw`` returns."""
+    from matplotlib.lines import Line2D
+
     from vibeam.figures.page import blank_page, legend, titled
     from vibeam.figures.panels import name_faults, say
+    from vibeam.figures.style import name_of
 
-    made = blank_page(_size(plan), result.case.figure)
-    shown = result.shown.get(plan.name, ())
-    if FIGURES[plan.kind].swept and (spared := [name for name in plan.fidelities if name not in set(result)]):
-        say(made.subplots(), f"{', '.join(spared)}: not swept, since a fidelity that costs less is within the accuracy")
-        moving = None
-    else:
-        moving = module_of(plan).draw(made, result, plan, shown)
+    made, of_sweep = blank_page(_size(plan), result.case.figure), FIGURES[plan.kind].swept
+    spared = [name for name in plan.fidelities if of_sweep and name not in set(result)]
+    plan = replace(plan, fidelities=tuple(name for name in plan.fidelities if name not in spared))
+    shown = tuple(sheet for sheet in result.shown.get(plan.name, ()) if sheet.fidelity not in spared)
+    moving = module_of(plan).draw(made, result, plan, shown) if plan.fidelities else None
+    if not plan.fidelities:
+        say(made.subplots(), SPARED)
     held = result.held.partition("\n")[0]
     titled(made, result.case.figure, result.case.title, ", ".join(filter(None, [_caption(result.case, plan), held])))
     handles = _handles(made) | name_faults(result.case, plan, shown)
+    handles |= {f"{name_of(result.case, name)}: {SPARED}": Line2D([], [], linestyle="") for name in spared}
     legend(made, handles)
     return made, moving
 

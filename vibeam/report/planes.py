@@ -66,6 +66,12 @@ def frame(axes: Axes, across: Array, upward: Array, own: float) -> None:
         axes.axhline(own, gid="own", **OWN)
 
 
+def draw_boundary(axes: Axes, kind: Kind, across: Array, upward: Array, **keys: Any) -> None:
+    """Draw a piece of a boundary, one of a single point as a dot."""
+    alone: dict[str, Any] = {"marker": ".", "markersize": 4.0} if len(across) == 1 else {}
+    axes.plot(across, upward, linewidth=1.1, **BOUNDARIES[kind], **alone, **keys)
+
+
 def swatch(colour: str, label: str) -> Artist:
     """Legend entry of a class."""
     return Patch(facecolor=colour, edgecolor="0.6", linewidth=0.5, label=label)

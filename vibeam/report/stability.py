@@ -19,7 +19,7 @@ from vibeam.figures.units import METRIC, DisplayUnits, units_of
 from vibeam.periodic.contours import BoundaryCurve
 from vibeam.periodic.orbit_map import OrbitMap
 from vibeam.report.output import StudySheet
-from vibeam.report.planes import BOUNDARIES, OWN, boundary_keys, frame, panels, shade, swatch
+from vibeam.report.planes import OWN, boundary_keys, draw_boundary, frame, panels, shade, swatch
 from vibeam.report.tables import ReportTable, blank
 from vibeam.studies.stability.axes import StabilityAxis
 from vibeam.studies.stability.rows import Crossing
@@ -108,8 +108,7 @@ def _curve(axes: Axes, curve: BoundaryCurve, number: int, across: float, scale: 
         if curve.clear[part[0]]:
             drawn.add(curve.kind)
             name = f"{curve.kind.name.lower()}-{number}-{part[0]}"
-            place = curve.omega[part] * across, curve.value[part] * scale
-            axes.plot(*place, gid=name, linewidth=1.1, **BOUNDARIES[curve.kind])
+            draw_boundary(axes, curve.kind, curve.omega[part] * across, curve.value[part] * scale, gid=name)
     return drawn
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite
-from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -19,7 +18,7 @@ from vibeam.figures.page import legend, plain, titled
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_of
 from vibeam.report.output import StudySheet
-from vibeam.report.planes import BOUNDARIES, boundary_keys, frame, panels, shade, swatch
+from vibeam.report.planes import boundary_keys, draw_boundary, frame, panels, shade, swatch
 from vibeam.report.tables import ReportTable
 from vibeam.studies.stability.rows import NAMES
 from vibeam.studies.verdict.judgement import DIFFERENCES, IN_CHAOS, IN_NUMBER, IN_PERIOD, SAME, FidelityRow
@@ -185,5 +184,4 @@ def _boundaries(axes: Axes, found: Verdict, name: str) -> None:
     for curve in found.boundaries:
         if curve.fidelity == name:
             across, up = curve.frequency * units_of(found.case).frequency_factor, curve.value * key_unit(found)[1]
-            alone: Any = {"marker": ".", "markersize": 2.0} if len(across) == 1 else {}
-            axes.plot(across, up, linewidth=1.1, **BOUNDARIES[KINDS[curve.boundary]], **alone)
+            draw_boundary(axes, KINDS[curve.boundary], across, up)

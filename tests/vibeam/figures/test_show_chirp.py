@@ -129,15 +129,19 @@ def test_it_is_drawn_with_the_distance_of_its_peak_from_the_settled_one(tmp_path
         np.testing.assert_array_equal(old["amplitude"], new["amplitude"])
 
 
-def test_of_a_fidelity_that_an_accuracy_spares_a_chirp_is_drawn_alone_and_curves_of_its_sweep_say_why_not():
+def test_of_a_fidelity_that_an_accuracy_spares_a_chirp_is_drawn_alone_and_curves_of_the_sweep_do_without_it():
     keys: dict[str, Any] = {"sweep.frequency": [15.0, 15.3, 15.6], "sweep.settle": 100, "accuracy": "5 %"}
     case = vibeam.load(NEUTRAL, set=SI | keys | {
         "show.it.kind": "chirp", "show.it.rate": "0.5 Hz/s", "show.it.fidelities": ["beam"],
         "show.curve.kind": "curve", "show.curve.quantity": "reach",
+        "show.none.kind": "curve", "show.none.quantity": "reach", "show.none.fidelities": ["beam"],
     })  # fmt: skip
     result = vibeam.run(case)
     labels = [str(line.get_label()) for line in figure(result, case.shows["it"]).axes[0].get_lines()]
     assert "beam, swept up" in labels
     assert not any("settled" in label for label in labels)
-    (said,) = figure(result, case.shows["curve"]).axes[0].texts
-    assert said.get_text().startswith("beam: not swept")
+    for name, known in (("curve", {"sdof", "two_modes"}), ("none", set())):
+        made = figure(result, case.shows[name])
+        assert {str(line.get_label()) for line in made.axes[0].get_lines()} & set(case.fidelities) == known
+        assert sum(text.get_text().startswith("beam: not swept") for text in made.legends[0].get_texts()) == 1
+        assert [text.get_text()[:9] for text in made.axes[0].texts] == ["not swept"] * (not known)

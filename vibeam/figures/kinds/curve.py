@@ -62,7 +62,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
         axes.plot([], [], label="failed, along the upper edge", **(KEY | LINES[MotionClass.FAILED]))
         axes.margins(y=0.15)
     if name == "period":
-        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if is_empty(axes):
         say(axes, NOTHING[name])
     across_frequency(axes, units)
