@@ -20,7 +20,6 @@ from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
 
 if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.scene import RigScene
     from vibeam_reductions.subspaces import Snapshots
 
 KEPT = 64  # reduced structures

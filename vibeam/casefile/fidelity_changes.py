@@ -14,6 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.casefile.field_tables import flat
+from vibeam.casefile.fields import Entry, OneOrSeveral, Several
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.quantities import UnitSystem
 from vibeam.casefile.toml import key_parts
@@ -158,6 +159,13 @@ def field_at(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | 
     if first not in known:
         return None, f"unknown key {as_shown_in_message(key)}; {suggest(first, known)}"
     return _within(fields_of(model)[first], rest, key)
+
+
+def entry_at(model: type[BaseModel], key: str) -> tuple[Entry | None, str | None]:
+    """The entry of one value of a physics key, or of each of a list; None of a table; or what is wrong with the key."""
+    field, fault = field_at(model, key)
+    entry = None if field is None else entry_of(field)
+    return entry.each if isinstance(entry, Several | OneOrSeveral) else entry, fault
 
 
 def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | None, str | None]:

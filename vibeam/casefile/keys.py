@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.fidelity import Model
-from vibeam.casefile.fidelity_changes import field_at
-from vibeam.casefile.fields import Entry, OneOrSeveral, Quantity
+from vibeam.casefile.fidelity_changes import entry_at
+from vibeam.casefile.fields import Count, Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.number_keys import value_at
 from vibeam.casefile.overrides import with_value
+from vibeam.casefile.quantities import RATIO, Dimension
 from vibeam.casefile.tables.drive import harmonic_checks
 from vibeam.casefile.tables.stop import stop_checks
 from vibeam.casefile.tables.sweep import fidelity_of, plan_checks
 from vibeam.casefile.tables.table import content
-from vibeam.casefile.validation import SHARED, entry_of, physics_keys
+from vibeam.casefile.validation import SHARED, physics_keys
 from vibeam.casefile.validation import read as read_tables
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from vibeam_models.scene import AnyScene
 
 
-def rig_checks(case: Any, folder: File) -> Iterator[Complaint]:
+def rig_checks(case: Any, folder: Path) -> Iterator[Complaint]:
     """Every complaint about keys of the rig and its sweep that do not go together; ``case``: as read, or declared."""
     yield from KINDS[case.kind].checks(case, folder)
     yield from stop_checks(case)
@@ -70,21 +70,17 @@ class CaseKeys:
 
     def unit(self, key: str) -> str:
         """SI unit of a key that holds a number, empty of a plain one; ValueError where it holds none."""
-        entry = self._entry(key)
-        return entry.kind.unit if isinstance(entry, Quantity) else ""
+        return self._kind(key).unit
 
     def number(self, key: str, given: str | float) -> float:
         """Number of a key, given with its unit or in SI; ValueError where it is none, or the key holds none."""
-        entry = self._entry(key)
-        return float(Quantity(entry.kind).parse(given) if isinstance(entry, Quantity) else given)
+        return float(Quantity(self._kind(key)).parse(given))
 
-    def _entry(self, key: str) -> Entry:
-        field, fault = field_at(type(self.declared), key)
-        entry = None if field is None else entry_of(field)
-        entry = entry.each if isinstance(entry, OneOrSeveral) else entry
-        if fault or entry is None:
+    def _kind(self, key: str) -> Dimension:
+        entry, fault = entry_at(type(self.declared), key)
+        if fault or not isinstance(entry, Quantity | Count):
             raise ValueError(f"{key!r} is no key of the case that holds a number: vibeam keys lists them")
-        return entry
+        return entry.kind if isinstance(entry, Quantity) else RATIO
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,13 +14,13 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.study_plans import FitKey, FitPlan, Uncertain
-from vibeam.casefile.fidelity_changes import field_at
-from vibeam.casefile.fields import OneOrSeveral, Quantity, Several
+from vibeam.casefile.fidelity_changes import entry_at, field_at
+from vibeam.casefile.fields import Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import RATIO, Range, to_si, with_unit
 from vibeam.casefile.tables.table import not_there
 from vibeam.casefile.toml import key_parts
-from vibeam.casefile.validation import entry_of, units_of
+from vibeam.casefile.validation import units_of
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 
 if TYPE_CHECKING:
@@ -32,11 +32,9 @@ OF_UNCERTAIN, OF_FIT = ("uncertain may be", "uncertain"), ("a fit changes", "est
 
 def number_entry(key: str, model: Any, words: tuple[str, str]) -> Quantity:
     """Entry of a key that holds one number; ValueError, in ``words``, where it holds none."""
-    field, fault = field_at(model, key)
+    entry, fault = entry_at(model, key)
     if fault:
         raise ValueError(fault.replace("a fidelity changes", words[0]))
-    entry = None if field is None else entry_of(field)
-    entry = entry.each if isinstance(entry, Several | OneOrSeveral) else entry
     if not isinstance(entry, Quantity):
         raise ValueError(f"holds no single number that could be {words[1]}")
     return entry

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,12 +55,12 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
     return _case(*parsed(text, file), file, set or {})
 
 
-def case_of(tables: dict[str, Any], path: File, set: Mapping[str, Any]) -> Case:
+def case_of(tables: dict[str, Any], path: Path, set: Mapping[str, Any]) -> Case:
     """The case of ``tables`` as a case file has them, which are changed in place; otherwise as ``load``."""
     return _case(tables, {}, path, set)
 
 
-def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: File, overrides: Mapping[str, Any]) -> Case:
+def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrides: Mapping[str, Any]) -> Case:
     declared, changed, place = checked(tables, lines, file, overrides)
     folder, sweep, numbers = file.parent, _sweep(declared.sweep), _numbers(declared, changed, file.parent)
     shared, own = _shared(declared, folder), _keys(declared, changed, folder)

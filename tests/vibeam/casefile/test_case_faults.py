@@ -380,31 +380,11 @@ values = st.recursive(
     max_leaves=4,
 )
 KEYS = [
-    ".".join(["set"] * 500),
-    *[
-        "beam.length",
-        "beam.damping",
-        "beam.damping_ratio",
-        "beam.elements",
-        "stop.gap",
-        "sensor.position",
-        "drive.gain",
-        "beam",
-        "drive",
-        "drive.amplitude",
-        "sweep",
-        "sweep.frequency",
-        "sweep.frequency.to",
-        "fidelity",
-        "reference",
-        "fidelity.sdof",
-        "fidelity.sdof.modes",
-        "reference.exact.file",
-        "added_mass",
-        "added_mass.0",
-        "sdof",
-    ],
-]
+    ".".join(["set"] * 500), "beam.length", "beam.damping", "beam.damping_ratio", "beam.elements", "stop.gap",
+    "sensor.position", "drive.gain", "beam", "drive", "drive.amplitude", "sweep", "sweep.frequency",
+    "sweep.frequency.to", "fidelity", "reference", "fidelity.sdof", "fidelity.sdof.modes", "reference.exact.file",
+    "added_mass", "added_mass.0", "sdof",
+]  # fmt: skip
 keys = st.sampled_from(KEYS)
 
 

@@ -67,8 +67,12 @@ def test_a_key_has_its_value_its_unit_and_its_numbers() -> None:
     assert [keys.value(key) for key in ("mass.position", "beam.damping_ratio", "drive.force")] == [0.132, 0.017, None]
     assert [keys.unit(key) for key in ("mass.position", "drive.voltage", "beam.elements")] == ["m", "V", ""]
     assert (keys.number("mass.position", "120 mm"), keys.number("mass.position", 0.12)) == (0.12, 0.12)
-    with pytest.raises(ValueError, match=r"'beam\.lenght' is no key of the case that holds a number"):
-        keys.unit("beam.lenght")
+    assert (keys.number("beam.damping_ratio", "2 %"), keys.number("beam.elements", "20")) == (0.02, 20.0)
+    for key in ("beam.lenght", "beam", "stop.law", "sweep.settle"):
+        with pytest.raises(ValueError, match=rf"'{key}' is no key of the case that holds a number"):
+            keys.unit(key)
+    with pytest.raises(ValueError, match="'many' is not a number"):
+        keys.number("beam.elements", "many")
 
 
 def test_a_case_with_other_keys_keeps_its_references() -> None:
