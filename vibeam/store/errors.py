@@ -31,9 +31,9 @@ def reading(path: Path, where: str) -> Iterator[None]:
         raise StoreError(f"{path}: {where} cannot be read ({reason(fault)}): the file is damaged: {CURE}") from None
 
 
-def unopened(path: Path, fault: OSError) -> StoreError:
+def unopened(path: Path, fault: OSError, cure: str = ELSEWHERE) -> StoreError:
     """Error for a file that cannot be opened."""
-    return StoreError(f"{path}: cannot be opened ({reason(fault)}): {ELSEWHERE}")
+    return StoreError(f"{path}: cannot be opened ({reason(fault)}): {cure}")
 
 
 def unwritable(path: Path, fault: OSError, cure: str) -> StoreError:

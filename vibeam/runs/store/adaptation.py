@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import h5py
 
 
-FORMAT = "vibeam results 3"
+FORMAT = "vibeam results 4"
 
 
 @dataclass(frozen=True)

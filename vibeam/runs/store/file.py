@@ -28,7 +28,7 @@ from vibeam.runs.store.branches import (
 )
 from vibeam.runs.store.records import Kept, Keyed, KeyedRecord, keep, kept, read_models, write_models
 from vibeam.store.errors import CURE, ELSEWHERE, FAULTS, StoreError, reading, reason, unopened
-from vibeam.store.hdf5 import SIGNATURE, content_of, in_memory, text_of
+from vibeam.store.hdf5 import SIGNATURE, content_of, in_memory
 from vibeam.store.place import Place, locked, place_of
 from vibeam.store.provenance import note_continued
 from vibeam.system.quantities import LAYOUT, OutputUnits
@@ -38,7 +38,8 @@ from vibeam.system.state import State
 if TYPE_CHECKING:
     import h5py
 
-OURS = re.compile(rb"vibeam results \d")
+OURS = re.compile(rb"vibeam results \d+")
+NAME = "name one that vibeam run has written"
 MOST = 100  # blocks beside a file, then they are gathered
 Tell = Callable[[str], None]
 Plan = Callable[[Keyed], Requirements]
@@ -187,9 +188,9 @@ def _continued(place: Place, plan: Plan, tell: Tell) -> Store:
 def opened_to_read(path: Path) -> Iterator[h5py.File]:
     """Open a copy in memory of a results file and its blocks; StoreError where it is none, or is damaged."""
     place = place_of(path)
-    content = _read(place, "rb")
-    if not _is_ours(content):
-        raise StoreError(f"{path}: is no results file: name one that vibeam run has written")
+    content = _read(place, "rb", NAME)
+    if not _format(content):
+        raise StoreError(f"{path}: is no results file: {NAME}")
     with _open(place, content) as file:
         with reading(path, "it"):
             join_blocks(file, place.folder)
@@ -203,36 +204,35 @@ def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
         return {at: FrequencyResponse(**{name: values[name] for name in LAYOUT}) for at, values in found.items()}
 
 
-def _read(place: Place, mode: str) -> bytes:
+def _read(place: Place, mode: str, cure: str = ELSEWHERE) -> bytes:
     try:
         with place.target.open(mode) as file:
             return bytes(file.read())
     except OSError as fault:
-        raise unopened(place.path, fault) from None
+        raise unopened(place.path, fault, cure) from None
 
 
-def _is_ours(content: bytes) -> bool:
-    """Test whether bytes are those of a results file, even a damaged one."""
-    return content.startswith(SIGNATURE) and OURS.search(content) is not None
+def _format(content: bytes) -> str:
+    """Format of a results file, even of a damaged one; empty of other bytes."""
+    found = OURS.search(content) if content.startswith(SIGNATURE) else None
+    return found.group().decode() if found else ""
 
 
 def _refuse_others(path: Path, content: bytes) -> None:
-    if not _is_ours(content):
+    if not _format(content):
         raise StoreError(f"{path}: is no vibeam result: {ELSEWHERE}, or delete it")
 
 
 def _open(place: Place, content: bytes) -> h5py.File:
     """The file in memory; StoreError where it is not, to the bit, as it was written."""
     _refuse_others(place.path, content)
+    if _format(content) != FORMAT:
+        raise StoreError(f"{place.path}: is no vibeam result of this version: {CURE}")
     whole = unsealed(content)
     if whole is None:
         said = "its digest does not fit: it is damaged, or was changed since"
         raise StoreError(f"{place.path}: {said}: {CURE}")
     try:
-        file = in_memory(whole)
-        known = text_of(file, "format") == FORMAT
+        return in_memory(whole)
     except FAULTS as fault:
         raise StoreError(f"{place.path}: it cannot be read ({reason(fault)}): {CURE}") from None
-    if not known:
-        raise StoreError(f"{place.path}: is no vibeam result of this version: {CURE}")
-    return file
