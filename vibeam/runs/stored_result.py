@@ -74,7 +74,7 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
     models = {name: properties for name, (_, properties) in read_models(stored).items()}
     estimates, choice = read_estimates(stored[ESTIMATES]) if ESTIMATES in stored else {}, None
     if case.accuracy is not None and estimates:
-        names = by_cost(case, {name: each.modes for name, each in models.items()})
+        names = by_cost(case, {name: values["mode_energy"].shape[1] for (name, _), values in rows.items()})
         choice = accuracy_choice(case, names, estimates)
         estimates = {each.fidelity: estimates[each.fidelity] for each in choice.swept}
         rows = {at: values for at, values in rows.items() if at[0] in estimates}

@@ -148,6 +148,27 @@ def test_a_file_goes_on_with_another_accuracy_and_without(tmp_path: Path) -> Non
     assert np.array_equal(coarser["sdof"].up.amplitude, first["sdof"].up.amplitude)
 
 
+def test_a_run_that_was_stopped_is_read_with_what_is_of_its_case(tmp_path: Path) -> None:
+    """First between its choice and the properties of its models, then, with one more fidelity, before its choice."""
+    out, case = tmp_path / "neutral.h5", case_of("dtu_neutral", "5 %", 5)
+
+    def stop(done: int, total: int) -> None:
+        if done in (total, 21):
+            raise ZeroDivisionError
+
+    def stopped(case: Any) -> Any:
+        with pytest.raises(ZeroDivisionError):
+            vibeam.run(case, out, progress=stop, show=False, tell=[].append)
+        return read_result(out, lambda text: case).result
+
+    first = stopped(case)
+    assert (first.accuracy.chosen, list(first), first.overview) == ("two_modes", ["sdof", "two_modes"], None)
+    more = case_of("dtu_neutral", "5 %", 5, **{"fidelity.one": {"reduction": "modal", "modes": 1}})
+    second = stopped(more)
+    assert (second.accuracy, second.estimates, list(second)) == (None, {}, ["sdof", "two_modes", "beam", "one"])
+    assert vibeam.run(more, out, show=False).accuracy.chosen == "two_modes"
+
+
 @pytest.mark.parametrize(
     ("settings", "said"),
     [

@@ -21,7 +21,7 @@ from vibeam.runs.store.branches import (
     read_rows,
     write_rows,
 )
-from vibeam.runs.store.records import COMPARISON
+from vibeam.runs.store.records import COMPARISON, CURVES, ESTIMATES, MODELS
 from vibeam.store.errors import ANEW, StoreError
 from vibeam.store.hdf5 import fixed, in_memory
 from vibeam.store.provenance import write_provenance
@@ -98,7 +98,8 @@ def adapted(file: h5py.File, path: Path, wanted: Requirements) -> str | None:
     others = [name for name in _groups_with_points(file) if name not in named]
     for reuse in reuses:
         _lay_out_anew(file, reuse, wanted.units)
-    file.pop(COMPARISON, None)
+    for record in (MODELS, COMPARISON, ESTIMATES):  # of the case before
+        file.pop(record, None)
     _write_case(file, wanted)
     return _reported(reuses, others)
 
@@ -165,6 +166,7 @@ def _lay_out_anew(file: h5py.File, reuse: Reuse, units: OutputUnits) -> None:
     """Lay out anew a branch that does not fit, with the points that it keeps."""
     if reuse.fits:
         return
+    file.pop(f"{reuse.branch.fidelity}/{CURVES}", None)
     name, rows = reuse.branch.group, {}
     if name in file:
         rows = {key: column[: reuse.kept] for key, column in read_rows(file[name]).items()}

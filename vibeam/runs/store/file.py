@@ -137,9 +137,9 @@ class Store:
 
     def keep_models(self, models: Keyed) -> None:
         """Replace the properties of all models, unless they are the same."""
-        before, now = ({name: repr(each) for name, each in some.items()} for some in (self.models, models))
-        if before != now:  # as text: NaN is not itself
-            with self._writing() as file:
+        with self._writing() as file:
+            before, now = ({name: repr(each) for name, each in some.items()} for some in (read_models(file), models))
+            if before != now:  # as text: NaN is not itself
                 write_models(file, models)
                 self._gather()
 
