@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import shutil
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from io import BytesIO
@@ -49,12 +48,13 @@ def read_block(file: Path, of: str) -> Values | None:
 
 
 def discard(folder: Path) -> None:
-    """Delete all blocks, the manifest last, so that what is left is known for what it is."""
+    """Delete all blocks, the manifest last, so that what is left is known for what it is; files of others stay."""
     if folder.is_dir():
         for file in sorted(folder.glob("*.npz")) + sorted(folder.glob(".*.part")):
             file.unlink()
         (folder / MANIFEST).unlink(missing_ok=True)
-        shutil.rmtree(folder)
+        if not any(folder.iterdir()):
+            folder.rmdir()
 
 
 MANIFEST = "manifest"

@@ -298,6 +298,13 @@ def test_blocks_from_which_nothing_goes_on_are_deleted(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_a_file_of_others_beside_the_blocks_stays(tmp_path: Path) -> None:
+    (folder := tmp_path / "a.h5.parts").mkdir()
+    (folder / "notes.txt").write_text("mine", encoding="utf-8")
+    written(tmp_path / "a.h5", points=3)
+    assert [file.name for file in folder.iterdir()] == ["notes.txt"]
+
+
 def test_several_files_are_open_at_once(tmp_path: Path) -> None:
     paths = [tmp_path / name for name in ("a.h5", "b.h5")]
     with opened(paths[0], CASE) as one, opened(paths[1], CASE) as other:
