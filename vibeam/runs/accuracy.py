@@ -48,6 +48,10 @@ class SweptFidelity:
         at = f"known at {self.known} of {self.points} points" if self.error else "the full model itself"
         return f"{self.fidelity}, {percent(self.error)} off at most ({at})"
 
+    def is_within(self, accuracy: float) -> bool:
+        """Test whether the error is known at every point, and nowhere larger."""
+        return not self.unknown and not self.error > accuracy
+
 
 @dataclass(frozen=True)
 class AccuracyChoice:
@@ -70,7 +74,7 @@ class AccuracyChoice:
         within = f"within {percent(self.within)} of the full model ({self.modes} modes) in {of}"
         reasons = "; ".join(f"{reason}: {count}" for reason, count in last.unknown.items())
         if not self.chosen:
-            near = min(self.swept, key=lambda each: (each.points - each.known, each.error))
+            near = min((each for each in self.swept if each is last or not each.unknown), key=lambda each: each.error)
             cure = f"add a fidelity with more modes, or allow more than {percent(near.error)}"
             yield f"No fidelity is {within}; the nearest is {near}: {cure}."
         elif reasons:
@@ -97,18 +101,14 @@ def accuracy_choice(case: Case, names: Sequence[str], found: Mapping[str, Fideli
     within, quantities = case.accuracy.within, case.accuracy.quantities
     points = len(case.sweep.frequency) * (1 + (case.sweep.direction == "both"))
     swept: list[SweptFidelity] = []
-    while not (swept and is_within(swept[-1], within)) and len(swept) < len(names) and names[len(swept)] in found:
-        name = names[len(swept)]
+    for name in takewhile(found.__contains__, names):
         swept.append(_swept(name, found[name], quantities, points))
+        if swept[-1].is_within(within):
+            break
     spared, last = tuple(names[len(swept) :]), swept[-1]
-    taken = is_within(last, within) or not (spared or last.error > within)
+    taken = last.is_within(within) or not (spared or last.error > within)
     modes = max(each.modes for each in found.values())
     return AccuracyChoice(within, quantities, last.fidelity if taken else "", tuple(swept), spared, modes)
-
-
-def is_within(swept: SweptFidelity, within: float) -> bool:
-    """Test whether the error of a fidelity is known at every point, and nowhere larger."""
-    return not swept.unknown and not swept.error > within
 
 
 def _swept(name: str, found: FidelityEstimate, quantities: Sequence[str], points: int) -> SweptFidelity:
@@ -131,9 +131,10 @@ def known_estimates(case: Case, jobs: Sequence[Job], store: Store | None) -> dic
     names = [job.name for job in jobs]
     for count in range(1, 1 + len(list(takewhile(lambda job: not job.missing, jobs)))):
         kept = store.kept(ESTIMATED, estimates_key(case, {job.name: job.gathered() for job in jobs[:count]}))
-        choice = accuracy_choice(case, names, kept) if kept else None
-        if kept and choice and (choice.chosen or not choice.spared):
-            return {each.fidelity: kept[each.fidelity] for each in choice.swept}
+        if kept and not all(each.why for each in kept.values()):
+            choice = accuracy_choice(case, names, kept)
+            if choice.chosen or not choice.spared:
+                return {each.fidelity: kept[each.fidelity] for each in choice.swept}
     return {}
 
 

@@ -11,33 +11,20 @@ import pytest
 from stand_in import RIG, SDOF
 
 import vibeam
-from vibeam.case.fidelity import Fidelity, system
+from tests.benchmarks.accuracy import full_sweep
 from vibeam.casefile.read import load, parse
 from vibeam.exchange.faults import CaseError
 from vibeam.runs.accuracy import accuracy_choice, by_cost
 from vibeam.runs.estimate.records import Basis, ErrorEstimate, FidelityEstimate
 from vibeam.runs.stored_result import read_result
-from vibeam.system.response import Branches
 
 CASES = Path(__file__).parents[3] / "cases"
-DTU = ("dtu_neutral", "dtu_loose", "dtu_tight")
 POINTS, SEED = 24, 20181005  # places at which the promise is checked, drawn from all of both ways
 
 
 def case_of(name: str, accuracy: str, points: int | None = None, **settings: Any) -> Any:
     keys = {} if points is None else {"sweep.frequency.points": points}
     return vibeam.load(CASES / f"{name}.toml", set={"accuracy": accuracy} | keys | settings)
-
-
-def full_sweep(case: Any) -> Branches:
-    """The full model, swept as the case sweeps."""
-    omega, plan = 2 * np.pi * np.sort(case.sweep.frequency), case.sweep
-    found = vibeam.sweep(
-        system(case.scene, Fidelity("full", "full")), omega=omega, amplitude=case.amplitude(omega), direction="both",
-        settle=plan.settle, hold=plan.hold, output=plan.output,
-    )  # fmt: skip
-    assert isinstance(found, Branches)
-    return found
 
 
 def promise(name: str, within: float, points: int | None) -> tuple[str, np.ndarray]:
@@ -101,6 +88,8 @@ WHOLE = FidelityEstimate(64, {}, whole=True)
         ([NAN, NAN], [NAN, NAN], "amplitude", "beam", "Taken is beam, error not known: the finest fidelity"),
         ([0.2, 0.3], [0.02, 0.03], "amplitude", "", "the nearest is beam, 3 % off at most (known at 2 of 2"),
         ([0.2, 0.3], [0.02, NAN], "amplitude", "", "No fidelity is within 1 % of the full model (64 modes)"),
+        ([0.005, NAN], [0.02, NAN], "amplitude", "", "the nearest is beam, 2 % off at most (known at 1 of 2 points): "),
+        ([0.015, 0.01], [0.02, NAN], "amplitude", "", "add a fidelity with more modes, or allow more than 1.5 %."),
     ],
 )  # fmt: skip
 def test_the_cheapest_is_taken_whose_error_is_known_and_within(
@@ -200,6 +189,8 @@ def test_what_cannot_be_had_is_refused_in_words(name: str, settings: dict[str, A
         vibeam.run(case_of(name, "1 %", 3, **settings), show=False)
 
 
-def test_a_rig_of_one_given_mode_is_refused() -> None:
-    with pytest.raises(CaseError, match="given directly has no fuller model"):
-        vibeam.run(parse(SDOF, set={"accuracy": "1 %"}), show=False)
+def test_a_rig_of_one_given_mode_is_refused_of_a_finished_file_too(tmp_path: Path) -> None:
+    vibeam.run(parse(SDOF), tmp_path / "a.h5", show=False, compare=True)
+    for out in (None, tmp_path / "a.h5"):
+        with pytest.raises(CaseError, match="given directly has no fuller model"):
+            vibeam.run(parse(SDOF, set={"accuracy": "1 %"}), out, show=False)
