@@ -47,7 +47,7 @@ def print_result(
 def print_sheet(sheet: StudySheet, as_json: bool, files: Sequence[Path] = ()) -> None:
     """Print a study: its data as JSON, or its tables and sentences, with the ``files`` written."""
     data = {**sheet.data, "files": files} if files else sheet.data
-    print_result(data, as_json, lambda _: sheet.tables, [*sheet.sentences, *files], sheet.head)
+    print_result(data, as_json, lambda _: sheet.tables, [*sheet.notes, *files], filter(None, [sheet.answer]))
 
 
 def write_table(rows: Any, out: Path | None) -> None:

@@ -27,8 +27,8 @@ def sheet(study: CostStudy, case: Case) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a run, nested values by names with a dot: ``total.amplitude.rms``."""
     said = list(sentences(study))
     return StudySheet(
-        [runs(study), parts(study)], said, {"study": study}, [_cells(plain(row)) for row in study.rows],
-        lambda: work_precision(study, case), [headline(study.comparison)], coarse=True,
+        headline(study.comparison), [runs(study), parts(study)], said, data={"study": study},
+        rows=[_cells(plain(row)) for row in study.rows], draw=lambda: work_precision(study, case), coarse=True,
     )  # fmt: skip
 
 

@@ -25,7 +25,9 @@ PANEL_MOST = 4  # references with a panel
 
 def sheet(study: FitStudy) -> StudySheet:
     """Sheet of a fit: its tables, sentences, keys as CSV, figure."""
-    return StudySheet(fit_tables(study), study.sentences, as_data(study), study.rows, partial(fit_figure, study))
+    return StudySheet(
+        "", fit_tables(study), study.sentences, data=as_data(study), rows=study.rows, draw=partial(fit_figure, study)
+    )
 
 
 def fit_tables(study: FitStudy) -> list[ReportTable]:

@@ -44,8 +44,8 @@ def sheet(study: InfluenceStudy, plan: FigurePlan = USUAL) -> StudySheet:
     """Sheet of a study; as CSV a row a model and quantity."""
     said = list(sentences(study))
     return StudySheet(
-        [taken_away(study), left_alone(study)], said, {"study": study, "sentences": said}, list(lines(study)),
-        lambda: bars(study, plan), [headline(study.comparison)], coarse=True,
+        headline(study.comparison), [taken_away(study), left_alone(study)], said, rows=list(lines(study)),
+        data={"study": study, "sentences": said}, draw=lambda: bars(study, plan), coarse=True,
     )  # fmt: skip
 
 

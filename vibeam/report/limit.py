@@ -21,7 +21,7 @@ MORE = "its values are not settled over these numbers of modes, more may settle 
 
 def sheet(rows: Sequence[LimitRow], units: DisplayUnits = METRIC) -> StudySheet:
     """Sheet of the limits, as CSV a row a quantity."""
-    return StudySheet([limits(rows, units)], list(sentences(rows)), {"limits": rows}, rows)
+    return StudySheet("", [limits(rows, units)], list(sentences(rows)), data={"limits": rows}, rows=rows)
 
 
 def limits(rows: Sequence[LimitRow], units: DisplayUnits = METRIC) -> ReportTable:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, field, fields, is_dataclass
 from io import StringIO
 from math import isfinite
 from pathlib import Path
@@ -62,23 +62,26 @@ def plain(value: Any) -> Any:
 
 def _names(kind: type[Any]) -> list[str]:
     properties = [name for name, member in vars(kind).items() if isinstance(member, property)]
-    return [field.name for field in fields(kind)] + properties
+    return [each.name for each in fields(kind)] + properties
 
 
 @dataclass(frozen=True)
 class StudySheet:
-    """``head`` above the ``tables``, ``sentences`` below; ``data`` for JSON.
+    """Answer of a study in one sentence, its ``tables``, and ``notes``: what is uncertain, each with what to do.
 
-    ``rows`` of the CSV file: mappings, or records of one dataclass; ``draw`` makes the figure, a ``coarse`` one with
-    fewer dots an inch.
+    ``more`` tables and ``details``, sentences, are shown on the page and with ``-v`` alone. ``data`` for JSON; ``rows``
+    of the CSV file: mappings, or records of one dataclass; ``draw`` makes the figure, a ``coarse`` one with fewer dots
+    an inch.
     """
 
-    tables: Sequence[ReportTable]
-    sentences: Sequence[str]
-    data: Mapping[str, Any]
-    rows: Sequence[Any]
+    answer: str
+    tables: Sequence[ReportTable] = ()
+    notes: Sequence[str] = ()
+    details: Sequence[str] = ()
+    more: Sequence[ReportTable] = ()
+    data: Mapping[str, Any] = field(default_factory=dict)
+    rows: Sequence[Any] = ()
     draw: Callable[[], Figure] | None = None
-    head: Sequence[str] = ()
     coarse: bool = False
 
     def write(self, table: Path, plan: FigurePlan) -> list[Path]:

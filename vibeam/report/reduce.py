@@ -45,8 +45,8 @@ ROUND_OFF = 1e-9  # below which a loss is not drawn: static stiffness is known t
 def sheet(study: ReductionStudy) -> StudySheet:
     """Sheet of a study: claim, tables, sentences, losses as CSV, their figure."""
     return StudySheet(
-        reduction_tables(study), sentences(study), as_data(study), rows(study), lambda: reduction_figure(study),
-        [claim(study)],
+        claim(study), reduction_tables(study), sentences(study), data=as_data(study), rows=rows(study),
+        draw=lambda: reduction_figure(study),
     )  # fmt: skip
 
 

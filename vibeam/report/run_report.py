@@ -32,7 +32,7 @@ def run_report(result: Result) -> StudySheet:
     estimated = estimate_texts(result.estimates)
     below = [*(line for each in compared for line in notes(each)), *estimated.sentences, *remarks(result)]
     shown = [responses(rows, units, estimated), costs(rows, compared)]
-    return StudySheet(shown, below, {}, (), head=[*choice, *map(headline, compared)])
+    return StudySheet("\n".join([*choice, *map(headline, compared)]), shown, below)
 
 
 def responses(

@@ -40,8 +40,9 @@ def sheet(found: Stability) -> StudySheet:
     """Sheet of the maps: the boundaries along the case's own frequencies, the points of all boundaries as CSV."""
     units = units_of(found.case, speed=max((each.velocity for each in found.crossings), default=0.0))
     return StudySheet(
-        tables=[crossings(found.crossings, found.axis.text(found.maps[0].own), units)],
-        sentences=found.notes,
+        "",
+        [crossings(found.crossings, found.axis.text(found.maps[0].own), units)],
+        notes=found.notes,
         data={"crossings": found.crossings, "maps": found.shares, "remarks": found.notes},
         rows=found.points,
         draw=lambda: stability_figure(found),

@@ -40,7 +40,10 @@ def sheet(study: UncertaintyStudy) -> StudySheet:
         "fidelities": study.rows, "sensitivity": study.over_frequency, "sensitivity_of_peak": study.of_peak,
         "mean_peak": study.mean_peak, "errors": study.errors, "sentences": said,
     }  # fmt: skip
-    return StudySheet(tables(study), said, data, list(rows(study)), lambda: bands(study, units_in(study)), coarse=True)
+    return StudySheet(
+        "", tables(study), said, data=data, rows=list(rows(study)), draw=lambda: bands(study, units_in(study)),
+        coarse=True,
+    )  # fmt: skip
 
 
 def tables(study: UncertaintyStudy) -> list[ReportTable]:

@@ -39,7 +39,9 @@ def sheet(found: Verdict) -> StudySheet:
     """Sheet of a verdict; every point of the map as CSV."""
     words = list(sentences(found))
     data = {"fidelities": found.rows, "shares": found.shares, "boundaries": found.boundaries, "sentences": words}
-    return StudySheet([table_of(found)], words, data, found.points, lambda: verdict_figure(found))
+    return StudySheet(
+        words[0], [table_of(found)], words[1:], data=data, rows=found.points, draw=lambda: verdict_figure(found)
+    )
 
 
 def table_of(found: Verdict) -> ReportTable:

@@ -58,7 +58,7 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     more = {"curves": result.curves, "estimates": estimate_texts(result.estimates).rows, "accuracy": result.accuracy}
     whole |= {name: value for name, value in more.items() if value}
     found = run_report(result)
-    print_result(whole, as_json, lambda _: found.tables, [*found.sentences, *files], found.head)
+    print_result(whole, as_json, lambda _: found.tables, [*found.notes, *files], filter(None, [found.answer]))
 
 
 DRAWN = (".png", ".svg", ".pdf")
