@@ -7,16 +7,20 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from stand_in import curve as made
 from typer.testing import CliRunner
 
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
+from vibeam.report.output import StudySheet
 from vibeam.report.page import charts
 from vibeam.report.page.charts import as_json, packed
 from vibeam.report.page.drawing import LEFT, drawing
 from vibeam.report.page.page import page
+from vibeam.report.page.study import study_page
+from vibeam.report.tables import blank
 from vibeam.store.errors import StoreError
 from vibeam.studies.stored import stored
 
@@ -144,7 +148,11 @@ def test_hostile_texts_are_shown_as_texts(text):
     parsed = elements(text)
     assert not [1 for tag, attributes in parsed.found if any(key.startswith("on") for key in attributes)]
     assert [attributes["alt"] for tag, attributes in parsed.found if tag == "img"]
-    assert all(attributes["src"].startswith("data:image/png;") for tag, attributes in parsed.found if tag == "img")
+    assert all(
+        attributes["src"].startswith(("data:image/png;", "data:image/svg+xml;"))
+        for tag, attributes in parsed.found
+        if tag == "img"
+    )
     assert HOSTILE in "".join(parsed.words)
     assert "49" not in re.search(r"<h1>(.*?)</h1>", text)[1]
 
@@ -316,3 +324,29 @@ def test_another_title_is_the_file_s_from_the_next_run_on_without_a_word(tmp_pat
         found = vibeam.run(vibeam.load(file), out=tmp_path / "case.h5")
         assert vibeam.read(tmp_path / "case.h5").case.title == title
     assert found.found == found.total
+
+
+def test_a_page_of_studies_has_a_section_for_each_sheet_with_all_that_it_holds():
+    """Answer, tables, notes, figure; folded: details and further tables; hostile texts as texts."""
+
+    def draw():
+        figure = Figure(figsize=(3, 2))
+        figure.subplots().plot([1, 2], [3, 4])
+        return figure
+
+    table, more = blank("Narrow", "model", "off|"), blank("Wide", "model", "by|")
+    table.add_row("sdof", "3 %")
+    more.add_row(HOSTILE, "4 %")
+    sheet = StudySheet("Two modes suffice.", [table], ["Not known: fly it."], ["A detail."], [more], draw=draw)
+    text = study_page(HOSTILE, "One beam, one stop.", [("Modes & more", sheet), ("Effects", StudySheet(HOSTILE))])
+    parsed = elements(text)
+    words = " ".join(" ".join(parsed.words).split())
+    said = ("One beam, one stop.", "Modes & more", "Two modes suffice.", "Narrow", "3 %", "Not known: fly it.")
+    assert [each for each in (*said, "A detail.", "Wide", "4 %") if each not in words] == []
+    assert words.count(HOSTILE) == 4  # title twice, a cell, an answer
+    folded = re.search(r"<details>(.*?)</details>", text, re.DOTALL)[1]
+    assert "A detail." in folded
+    assert "Narrow" not in folded
+    assert [at["alt"] for tag, at in parsed.found if tag == "img"] == ["Figure: Modes & more"]
+    assert all(at["src"].startswith("data:image/svg+xml;") for tag, at in parsed.found if tag == "img")
+    assert len([tag for tag, _ in parsed.found if tag == "section"]) == 2
