@@ -28,15 +28,16 @@ SETTLED = 1e-9  # its change from one look to the next at which it ends
 EXHAUSTED = 1e-10  # share of a vector that is left where the Krylov space is complete
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class SparseStructure(Structure):
     """As ``Structure``, with scipy's sparse arrays as M, C and K; ``damping``: by modal ratios, beside C.
 
     What a reduction asks of it (modes, a deflection, its projection) is done by sparse factors. ValueError as there;
-    whether the matrices are symmetric is not asked again.
+    whether the matrices are symmetric is not asked again. Equal to itself alone.
     """
 
     damping: Damping | None = None
+    __eq__, __hash__ = object.__eq__, object.__hash__  # of so many entries none is compared
 
     def _settle(self, names: Collection[str]) -> None:
         faults: list[str] = []

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arguments import real_array, refuse
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 SYMMETRIC = 1e-9  # share of a matrix's largest entry by which two entries may differ
 NODE = 1e-9  # share of a shape's largest value below which it is round-off
@@ -21,8 +21,8 @@ FIELDS = (*MATRICES, "load", "static", "contact", "outputs")
 ASIDE = ("units", "attached", "contact_flexibility")  # fields that need no check
 
 
-@dataclass(frozen=True)
-class Modes:
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes(ValueRecord):
     """Mass-normalised natural modes: ``omega`` (n,) rad/s ascending, ``shapes`` (size, n) with ΦᵀMΦ = I."""
 
     omega: Array
@@ -34,8 +34,8 @@ class Modes:
         return self.omega / (2 * np.pi)
 
 
-@dataclass(frozen=True)
-class Structure:
+@dataclass(frozen=True, eq=False, repr=False)
+class Structure(ValueRecord):
     """M ẍ + C ẋ + K x = load · b̈(t) + static, with x relative to the base whose displacement is b(t).
 
     A finite-element beam and its one-mode model are both a Structure: whatever accepts the one accepts the other.

@@ -7,12 +7,12 @@ from math import inf
 
 import numpy as np
 
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 from vibeam_models.structure import Structure, in_coordinates
 
 
-@dataclass(frozen=True)
-class Reduction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Reduction(ValueRecord):
     """A structure made smaller: ``basis`` Φ (full size, n), the reduced ``structure`` and the ``full`` one."""
 
     basis: Array

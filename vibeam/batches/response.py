@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,11 @@ from vibeam.system.quantities import Ended
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arguments import counted
-from vibeam_models.arrays import Array, Flags, Index
+from vibeam_models.arrays import Array, Flags, Index, ValueRecord
 
 
-@dataclass(frozen=True)
-class BatchResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class BatchResponse(ValueRecord):
     """Steady points of ``vibeam.batch``, each array of the batch's shape, and one axis more where it says so.
 
     SI units; every quantity is that of ``FrequencyResponse``. A failed point is NaN, its reason in ``ended``, its
@@ -35,7 +35,7 @@ class BatchResponse:
     mode_energy: Array  #: (…, n) time-mean energy of each mode over the hold, J
     ended: Index  #: code of ``Ended``
     impacts: Index  #: impacts computed, settling included
-    cpu_seconds: Array  #: CPU time of the point, s
+    cpu_seconds: Array = field(compare=False)  #: CPU time of the point, s
     state: Array  #: (…, 2n) modal displacements, then velocities, at the end of the hold
     resting: Flags  #: whether that state is in lasting contact with the stop
     strobes: Array  #: (…, k) the output at the end of the last k periods held, the latest last

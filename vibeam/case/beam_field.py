@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.fidelity import system as system_of
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 from vibeam_models.beam import assemble_with_space
 from vibeam_models.effects.field_points import FieldPoints, output_names, points_of
 from vibeam_models.scene import Scene
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from vibeam_models.structure import Structure
 
 
-@dataclass(frozen=True, eq=False)
-class BeamField:
+@dataclass(frozen=True, eq=False, repr=False)
+class BeamField(ValueRecord):
     """Points of one beam: ``positions`` (k,) m, rows (k, n) of ``deflection`` (m) and ``slope`` (rad) on coordinates.
 
     ``height`` (k,): of the section in the direction of motion, m, NaN where its shape does not say it.

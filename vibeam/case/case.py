@@ -100,9 +100,7 @@ class Case:
     @property
     def _said(self) -> list[object]:
         """All but the file and where its keys stand, which has no part in equality."""
-        swept = [value.tobytes() if isinstance(value, np.ndarray) else value for value in vars(self.sweep).values()]
-        apart = ("path", "keys", "locate", "sweep")
-        return [swept, *(value for name, value in vars(self).items() if name not in apart)]
+        return [value for name, value in vars(self).items() if name not in ("path", "keys", "locate")]
 
     def fault(self, *path: str | int, message: str) -> Fault:
         """Fault of a key, at its line of the file or in the override that set it where that is known."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from vibeam.exchange.curves.record import ReferenceForm
 from vibeam_models import keys as declare
+from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.exchange.curves.record import Point, ReferenceCurve
@@ -107,8 +108,8 @@ class MeasuredNumber(ResultNumber):
     chose: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SweepPlan:
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class SweepPlan(ValueRecord):
     """Sweep: ``frequency`` in Hz, ascending, shape (points,); ``settle`` and ``hold`` in drive periods.
 
     ``output`` is the observed displacement: ``"sensor"``, ``"contact"``, ``"tip"`` or ``"platform"``.

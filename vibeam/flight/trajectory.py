@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,7 @@ from vibeam.system.response import Ended
 from vibeam.system.rows import TimeDerivative
 from vibeam.system.state import State
 from vibeam_models.arguments import count, counted, floats, number, refuse, require
-from vibeam_models.arrays import Array, Flags, Index
+from vibeam_models.arrays import Array, Flags, Index, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
@@ -90,8 +90,8 @@ def _still(path: Trajectory) -> bool:
     return bool(speeds[-1] <= STILL * max(speeds.max(), held))
 
 
-@dataclass(frozen=True)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(ValueRecord):
     """A motion, exact between its events: SI units, times in s; the drive's phase is 0 at time 0.
 
     ``stats``: impacts, evaluations, cpu_seconds.
@@ -103,10 +103,10 @@ class Trajectory:
     t_end: float
     state: State
     ended: Ended
-    stats: Mapping[str, float]
-    _solver: EventDrivenSolver | ContactsSolver
+    stats: Mapping[str, float] = field(compare=False)
+    _solver: EventDrivenSolver | ContactsSolver = field(compare=False)
     _segments: Segments
-    certificate: Certificate | None = None
+    certificate: Certificate | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
         span, modes = f"{self.t_start:g} … {self.t_end:g} s", counted(self.system.size, "mode")

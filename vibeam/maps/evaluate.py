@@ -16,6 +16,7 @@ from vibeam.exchange.faults import CaseError, Fault
 from vibeam.maps.block import QUANTITIES, Block, Grid, Values, Way, evaluate_block
 from vibeam.maps.points import Axis, Starts, shape_of
 from vibeam_models.arguments import floats
+from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -26,8 +27,8 @@ WAYS: Mapping[Run, tuple[Way, ...]] = {"up": ("up",), "down": ("down",), "both":
 AT_ONCE = 20_000  # points in memory beside the result
 
 
-@dataclass(frozen=True)
-class GridResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class GridResponse(ValueRecord):
     """Quantities over a grid: ``values`` by name, (ways, axis 1, axis 2, …) each, SI units.
 
     A point that failed is NaN, its reason in ``ended``. ``strobes`` have one dimension more: output at the end of the

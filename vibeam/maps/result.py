@@ -12,13 +12,14 @@ import numpy as np
 from vibeam.case.grid_keys import MapPlan
 from vibeam.maps.evaluate import GridResponse
 from vibeam.observe.periodicity import Class, classes
+from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
-@dataclass(frozen=True)
-class MapResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class MapResult(ValueRecord):
     """A map: quantities of each fidelity (of very many points every so many along the last two axes).
 
     ``points`` in all, of which ``found`` were in the file; ``done`` of them are computed. ``path``: its file.

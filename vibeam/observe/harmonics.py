@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.observe.motion import Path, integral, last_periods
-from vibeam_models.arrays import Array, Complex
+from vibeam_models.arrays import Array, Complex, ValueRecord
 
 
-@dataclass(frozen=True)
-class Harmonics:
+@dataclass(frozen=True, eq=False, repr=False)
+class Harmonics(ValueRecord):
     """x(t) ≈ Re Σ amplitude·e^{i·order·Ωt}, the drive's phase being 0 at t = 0.
 
     ``order`` (m,): multiples of the drive frequency, ascending, 0 first; ``frequency`` (m,) Hz; ``amplitude`` (m,)
@@ -95,8 +95,8 @@ def _orders(highest: int, subdivision: int) -> Array:
     return np.arange(highest * subdivision + 1) / subdivision
 
 
-@dataclass(frozen=True)
-class Spectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectrum(ValueRecord):
     """One-sided, at ``frequency`` (m,) Hz, of a signal in unit u.
 
     ``amplitude`` (m,) u: a sine on a line reads its peak value there. ``density`` (m,) u²/Hz: its integral is the mean
@@ -144,8 +144,8 @@ def sampling_rate(time: Array) -> float:
     return 1 / step
 
 
-@dataclass(frozen=True)
-class Participation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Participation(ValueRecord):
     """Shares of the modes (n,), and the absolute values behind them.
 
     ``energy``: time-mean ½(η'² + ω²η²), J, and ``energy_share`` of their sum. ``displacement`` and ``velocity``: rms of

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.observe.motion import Path
-from vibeam_models.arrays import Array, Complex
+from vibeam_models.arrays import Array, Complex, ValueRecord
 
 Family = Literal["bessel", "butterworth", "elliptic"]
 FAMILIES = get_args(Family)
@@ -157,8 +157,8 @@ class Chain:
             raise ValueError("; ".join(faults))
 
 
-@dataclass(frozen=True)
-class MeasuredRecord:
+@dataclass(frozen=True, eq=False, repr=False)
+class MeasuredRecord(ValueRecord):
     """Evenly spaced samples (m,): ``time`` s, ``displacement`` m, ``velocity`` m/s."""
 
     time: Array

@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.observe.motion import Path, drive_period, impacts_within, last_periods, modes_around_impacts
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 
-@dataclass(frozen=True)
-class StroboscopicSection:
+@dataclass(frozen=True, eq=False, repr=False)
+class StroboscopicSection(ValueRecord):
     """Points (m,) of a motion at one drive phase: ``time`` s, ``displacement`` m, ``velocity`` m/s."""
 
     time: Array
@@ -20,8 +20,8 @@ class StroboscopicSection:
     velocity: Array
 
 
-@dataclass(frozen=True)
-class ImpactSection:
+@dataclass(frozen=True, eq=False, repr=False)
+class ImpactSection(ValueRecord):
     """Impacts (m,): ``time`` s, drive ``phase`` 0 … 2π, contact ``velocity`` just before toward the stop, m/s."""
 
     time: Array
@@ -66,8 +66,8 @@ def impact_section(path: Path, *, periods: int) -> ImpactSection:
 JUST = 1e-9  # share of the drive's period
 
 
-@dataclass(frozen=True)
-class Portrait:
+@dataclass(frozen=True, eq=False, repr=False)
+class Portrait(ValueRecord):
     """Curve (m,): ``time`` s, ``displacement`` m, ``velocity`` m/s; an impact is two points at the same time.
 
     ``jumps`` (k,): the index of the first of each such two.

@@ -20,11 +20,11 @@ from numpy.typing import ArrayLike, NDArray
 from vibeam.observe.motion import Path, impacts_within, modes_around_impacts
 from vibeam.observe.slow_motion import SlowPart, solved
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 
-@dataclass(frozen=True)
-class ApparentRestitution:
+@dataclass(frozen=True, eq=False, repr=False)
+class ApparentRestitution(ValueRecord):
     """One entry an impact: ``time`` s, velocities ``before`` and ``after`` m/s, NaN where they could not be read."""
 
     time: Array

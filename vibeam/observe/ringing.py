@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.observe.slow_motion import SlowPart, fitted, solved
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 REACH = 1.5  # factor by which the search may leave its start
 
 
-@dataclass(frozen=True)
-class Ringing:
+@dataclass(frozen=True, eq=False, repr=False)
+class Ringing(ValueRecord):
     """Ringing in each interval between impacts, one entry an interval; NaN without a fit, see ``found``.
 
     ``begin``, ``end`` s: of the samples used. ``frequency`` Hz (damped) and ``decay`` 1/s of the sinusoid;
@@ -148,8 +148,8 @@ def _strongest(clock: Array, left: Array) -> float:
     return float(2 * np.pi * np.argmax(lines) / (4 * len(left) * step))
 
 
-@dataclass(frozen=True)
-class CountedPeaks:
+@dataclass(frozen=True, eq=False, repr=False)
+class CountedPeaks(ValueRecord):
     """One entry an interval: ``peaks`` counted, ``frequency`` Hz from the first to the last of them (NaN below two),
     ``height``: mean of their absolute values in the signal's unit.
     """

@@ -15,7 +15,7 @@ from vibeam.periodic.bifurcation_functions import NAMES, DrivePerLevel, Kind, Li
 from vibeam.periodic.multipliers import multipliers
 from vibeam.periodic.orbit_curve import checked
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.arrays import Array, Complex
+from vibeam_models.arrays import Array, Complex, ValueRecord
 
 Range = float | tuple[float, float]
 Found = tuple[float, Kind, int]
@@ -26,8 +26,8 @@ JUMP = 1e-4  # a sign change whose value stays above this share of its neighbour
 TOWARD_END = 10.0 ** -np.arange(0.5, 10.5, 0.5)  # grid refinements where a branch ends within a step
 
 
-@dataclass(frozen=True)
-class Boundary:
+@dataclass(frozen=True, eq=False, repr=False)
+class Boundary(ValueRecord):
     """One boundary of a branch. SI units.
 
     ``parameter``: the one it was located in, to round-off; ``branch``: 0 is the root with the harder impact, 1 the

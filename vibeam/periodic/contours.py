@@ -24,14 +24,14 @@ from vibeam.periodic.bifurcation_functions import (
 )
 from vibeam.periodic.boundaries import JUMP, TOUCH
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.arrays import Array, Flags
+from vibeam_models.arrays import Array, Flags, ValueRecord
 
 Edge = tuple[int, int, int]  # row and column of the first end, and the direction 0: along the row, 1: along the column
 NUDGE = 1e-9  # share of a step from a fold at which both of its motions are real
 
 
-@dataclass(frozen=True)
-class BoundaryCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class BoundaryCurve(ValueRecord):
     """Boundary curve of one branch, all (points,) in order along it. SI units.
 
     ``branch``: 0 is the root with the harder impact, 1 the other; ``value``: of the plane's rows; ``velocity``: of the

@@ -28,7 +28,7 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import count as counted
 from vibeam_models.arguments import number, refuse, require
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 BATCHES = 20  # of which the standard error of a mean is taken
 ALIGNED = 50  # drive periods over which disturbances turn into their directions before the mean begins
@@ -36,8 +36,8 @@ PIECE = 50  # drive periods flown at a time
 SURE = 2.0  # standard errors by which an exponent must differ from 0 to have a sign
 
 
-@dataclass(frozen=True)
-class LyapunovSpectrum:
+@dataclass(frozen=True, eq=False, repr=False)
+class LyapunovSpectrum(ValueRecord):
     """Lyapunov exponents of a motion, in 1/s.
 
     ``period``: drive periods after which the motion repeats, and the exponents are then those of its Floquet

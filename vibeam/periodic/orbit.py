@@ -18,7 +18,7 @@ from vibeam.periodic.trains import carried, phasors, state_after
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
-from vibeam_models.arrays import Array, Complex
+from vibeam_models.arrays import Array, Complex, ValueRecord
 
 CLOSE = 1e-9  # share of the motion's size by which the contact may miss the gap at the end of the span
 
@@ -66,8 +66,8 @@ class AdmissibilityCheck:
         return self.flight.steady([drive.omega], drive.amplitude, state, 0, periods, output)
 
 
-@dataclass(frozen=True)
-class Orbit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Orbit(ValueRecord):
     """Motion with one impact every ``periods`` drive periods. SI units.
 
     ``admissible``: it stays clear of the stop between its impacts, proved by the flight solver's root bounds; one that

@@ -11,13 +11,13 @@ from vibeam.periodic.modal_sums import Roots, Sums, balance, fault, sums
 from vibeam.periodic.multipliers import multipliers, real_crossing
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arguments import count, floats, refuse, require
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 CERTAIN = 1e8  # size of D(±1) up to which its sign is trusted
 
 
-@dataclass(frozen=True)
-class OrbitCurve:
+@dataclass(frozen=True, eq=False, repr=False)
+class OrbitCurve(ValueRecord):
     """Motions with one impact per ``periods`` drive periods; arrays (points, 2), NaN where there is none.
 
     The two columns are the two roots, the harder impact first, each smooth along the axis. They satisfy contact and

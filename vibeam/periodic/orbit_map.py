@@ -12,7 +12,7 @@ from vibeam.periodic.contours import BoundaryCurve, Plane, beyond_touching, boun
 from vibeam.periodic.multipliers import real_crossing
 from vibeam.periodic.orbit_curve import checked, proven, stability
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.arrays import Array, Flags
+from vibeam_models.arrays import Array, Flags, ValueRecord
 
 ENOUGH = 1e-9  # clearance, as a share of the motion, above which the gap is not refined further
 LOSSES = (Kind.DOUBLING, Kind.NEIMARK_SACKER)
@@ -20,8 +20,8 @@ BOTH = (Kind.GRAZING, Kind.TOUCHING, *LOSSES)
 CURVES = ((Kind.FOLD, 0), *((kind, branch) for kind in BOTH for branch in (0, 1)))
 
 
-@dataclass(frozen=True)
-class OrbitMap:
+@dataclass(frozen=True, eq=False, repr=False)
+class OrbitMap(ValueRecord):
     """Motions over ``omega`` (columns,) rad/s and ``values`` (rows,) of gap (m) or amplitude (m, or a level), ``over``.
 
     Arrays (rows, columns, 2), the harder impact first. ``curves``: the boundaries, located to round-off wherever they

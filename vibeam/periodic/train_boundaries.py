@@ -18,7 +18,7 @@ from vibeam.periodic.bifurcation_functions import NAMES, Kind
 from vibeam.periodic.boundaries import JUMP
 from vibeam.periodic.train_branch import Setting, TrainBranch, birth_ahead, inward, point_before, shares_before
 from vibeam.periodic.train_orbits import TrainOrbit, multipliers_of
-from vibeam_models.arrays import Array, Complex
+from vibeam_models.arrays import Array, Complex, ValueRecord
 
 KINDS = (Kind.FOLD, Kind.DOUBLING, Kind.NEIMARK_SACKER, Kind.GRAZING, Kind.TOUCHING)
 ENDS = (Kind.GRAZING, Kind.TOUCHING)
@@ -27,8 +27,8 @@ STRAY = 0.05  # tolerance of the corrector, as a share of a step: a larger one c
 Tests = dict[Kind, float]
 
 
-@dataclass(frozen=True)
-class TrainBoundary:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrainBoundary(ValueRecord):
     """One boundary of a motion with m impacts: SI units; the impacts' phases Ωt and velocities, (m,)."""
 
     kind: Kind

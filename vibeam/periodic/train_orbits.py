@@ -14,14 +14,14 @@ from vibeam.periodic.orbit_curve import checked
 from vibeam.periodic.trains import Train, carried, lags, newton, phasors
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-from vibeam_models.arrays import Array, Complex
+from vibeam_models.arrays import Array, Complex, ValueRecord
 
 SETTLED = 1e-3  # tolerance, as a share of the impact velocities, between the flight and the motion it settles on
 MOST = 4  # largest number of impacts a span
 
 
-@dataclass(frozen=True)
-class TrainOrbit:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrainOrbit(ValueRecord):
     """Motion with m impacts every ``periods`` drive periods; SI units, the drive's phase 0 at time 0."""
 
     system: ImpactSystem

@@ -14,7 +14,7 @@ from vibeam.case.beam_field import BeamField, Fields, fields, with_points
 from vibeam.exchange.matrices.declaration import Arrays, write_arrays
 from vibeam.exchange.vtu import Step, VtuPiece, centre_line, write_series, write_vtu
 from vibeam_models.arguments import whole
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 from vibeam_models.beam import structure_of
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_models.scene import AnyScene, RigScene, Scene
@@ -45,8 +45,8 @@ class ModeRow:
     contact_restitution: float
 
 
-@dataclass(frozen=True)
-class ModeTable:
+@dataclass(frozen=True, eq=False, repr=False)
+class ModeTable(ValueRecord):
     """First modes of a beam, and their shapes: deflections (points, modes) at ``positions`` (points,) in m.
 
     Of a given structure no places are known: ``positions`` and ``shapes`` are empty.

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam_models.arrays import Array, Flags
+from vibeam_models.arrays import Array, Flags, ValueRecord
 
 BRANCHES = 2  # two roots of the quadratic for motions with one impact a span
 
 
-@dataclass(frozen=True)
-class MotionCurves:
+@dataclass(frozen=True, eq=False, repr=False)
+class MotionCurves(ValueRecord):
     """Both branches of motions with one impact per ``periods`` drive periods; arrays (points, 2), the larger first.
 
     SI units. NaN where there is no such motion; one that passes through the stop between its impacts (``admissible``

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from vibeam.system.arguments import checked
 from vibeam.system.rows import Contact, TimeDerivative
 from vibeam_models.arguments import counted, number, read_only, refuse, require
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam_models.laws.mechanics import StopLaw
@@ -42,8 +42,8 @@ class Drive:
         refuse("drive", faults)
 
 
-@dataclass(frozen=True)
-class ImpactSystem:
+@dataclass(frozen=True, eq=False, repr=False)
+class ImpactSystem(ValueRecord):
     """n modes η_i'' + 2ζ_iω_i η_i' + ω_i² η_i = load_i Ω²B sin Ωt + static_i with a stop at Σ contact_i η_i = gap.
 
     At the stop η_i'⁺ = η_i'⁻ + contact_i p with p = −(1+R) v⁻ / Σ contact_i². All SI; shapes (n,). ``outputs`` are

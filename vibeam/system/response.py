@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from vibeam.system.public_names import handed_in
 from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
 from vibeam.system.quantities import Ended as Ended
 from vibeam_models.arguments import counted
-from vibeam_models.arrays import Array, Flags, Index
+from vibeam_models.arrays import Array, Flags, Index, ValueRecord
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -31,8 +31,8 @@ SINGLE = (  # one number a point, NaN where unknown
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class FrequencyResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class FrequencyResponse(ValueRecord):
     """One branch of a frequency-response curve: one entry a point, in the order in which it was swept.
 
     SI units. A failed point is NaN with its reason in ``ended``. Shapes: (points,) but for ``impact_velocities``
@@ -57,8 +57,8 @@ class FrequencyResponse:
     mode_energy: Array  #: time-mean energy of each mode over the hold, J (see above)
     ended: Index  #: code of ``Ended``
     impacts: Index  #: impacts computed, settling included
-    evaluations: Index  #: evaluations of the contact displacement
-    cpu_seconds: Array  #: CPU time of the point
+    evaluations: Index = field(compare=False)  #: evaluations of the contact displacement
+    cpu_seconds: Array = field(compare=False)  #: CPU time of the point
 
     @property
     def omega(self) -> Array:
@@ -142,8 +142,8 @@ def _span(values: Array, unit: str) -> str:
     return f"{values.min():.6g} … {values.max():.6g} {unit}" if len(values) else "no frequency"
 
 
-@dataclass(frozen=True)
-class Branches:
+@dataclass(frozen=True, eq=False, repr=False)
+class Branches(ValueRecord):
     """Branches of a sweep; None where a direction was not asked for.
 
     ``curves``: all motions of the solver's kind, beyond the stable ones it sweeps, where the solver knows them.

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arguments import number, read_only, refuse
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 
-@dataclass(frozen=True, eq=False)
-class Contact:
+@dataclass(frozen=True, eq=False, repr=False)
+class Contact(ValueRecord):
     """A stop at Σ row_i η_i = ``gap`` (m), ``row`` (n,) positive toward it, with a coefficient of ``restitution``.
 
     ValueError names every argument that is wrong: a row that is not finite numbers or all zero, a gap that is not
@@ -34,20 +34,12 @@ class Contact:
         object.__setattr__(self, "restitution", coefficient)
         refuse("contact", faults)
 
-    def __eq__(self, other: Any) -> bool:
-        if not isinstance(other, Contact):
-            return NotImplemented
-        same = (self.gap, self.restitution) == (other.gap, other.restitution)
-        return same and np.array_equal(self.row, other.row)
-
-    __hash__ = None  # type: ignore[assignment]  # it holds an array
-
 
 CALLED = {1: "velocity", 2: "acceleration"}
 
 
-@dataclass(frozen=True, eq=False)
-class TimeDerivative:
+@dataclass(frozen=True, eq=False, repr=False)
+class TimeDerivative(ValueRecord):
     """The output row·η' (``order`` 1, m/s) or row·η'' + base·b̈ (``order`` 2, m/s²), ``row`` (n,).
 
     b̈ = −Ω²B sin Ωt is the acceleration of the base: with ``base`` = 1 an acceleration is absolute, as an accelerometer
@@ -76,11 +68,6 @@ class TimeDerivative:
     def taking(self, modes: Any) -> TimeDerivative:
         """The same read from some of the modes, or from these in another order."""
         return replace(self, row=self.row[modes])
-
-    def equals(self, other: TimeDerivative) -> bool:
-        """Test whether two are the same to the bit."""
-        alike = (self.order, self.base) == (other.order, other.base)
-        return alike and np.array_equal(self.row, other.row)
 
     @property
     def called(self) -> str:

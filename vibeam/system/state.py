@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arguments import read_only
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 
-@dataclass(frozen=True)
-class State:
+@dataclass(frozen=True, eq=False, repr=False)
+class State(ValueRecord):
     """Modal displacement and velocity (n,) of an ImpactSystem; ``resting``: in lasting contact with the stop.
 
     The drive's phase is not part of it: a computation says at which time it starts. Both may be lists; they are kept

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.system.number_text import percent
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 
 class Basis(Enum):
@@ -49,8 +49,8 @@ _CODES = {member: code for code, member in enumerate(Basis)}
 QUANTITIES = ("amplitude", "reach", "impact_velocity")
 
 
-@dataclass(frozen=True, eq=False)
-class ErrorEstimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class ErrorEstimate(ValueRecord):
     """Estimated error of a response against a fuller model, (points,) in the order swept; shares of its value there.
 
     ``amplitude``, ``reach``, ``impact_velocity``: this model's over the fuller one's, less 1; the same with ``_bound``:

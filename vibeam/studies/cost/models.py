@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from vibeam.case.fidelity import Fidelity, system
 from vibeam_models.laws.restitution import first_mode_restitution
 
@@ -64,21 +62,11 @@ def finest(found: list[CostModel]) -> CostModel:
 
 
 def _add(found: list[CostModel], same: dict[str, str], new: CostModel) -> None:
-    twin = next((model for model in found if equal(model.system, new.system)), None)
+    twin = next((model for model in found if model.system == new.system), None)
     if twin is None:
         found.append(new)
     else:
         same[new.name] = twin.name
-
-
-def equal(one: ImpactSystem, other: ImpactSystem) -> bool:
-    """Test whether two systems are the same to the bit, outputs included."""
-    names = ((each.outputs.keys(), each.derivatives.keys()) for each in (one, other))
-    if next(names) != next(names) or not one.moves_as(other):
-        return False
-    if not all(each.equals(other.derivatives[name]) for name, each in one.derivatives.items()):
-        return False
-    return all(np.array_equal(row, other.outputs[name]) for name, row in one.outputs.items())
 
 
 def first_mode_restitution_of(model: ImpactSystem) -> float:

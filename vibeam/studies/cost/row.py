@@ -22,7 +22,7 @@ import numpy as np
 from vibeam.case.fidelity import with_first_mode_restitution
 from vibeam.flight.engine.threads import Clock
 from vibeam.studies.cost.measure import Measurement, Plan, Setting
-from vibeam.studies.cost.models import CostModel, equal, first_mode_restitution_of
+from vibeam.studies.cost.models import CostModel, first_mode_restitution_of
 from vibeam.studies.cost.reference import RunErrors, errors
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse, complete, periodic
@@ -140,7 +140,7 @@ def _reduced_alike(
     except ValueError:
         alike = replace(alike, restitution=finest.system.restitution)
     rounded = replace(alike, restitution=finest.system.restitution)
-    return top if equal(rounded, finest.system) else fly(alike)
+    return top if rounded == finest.system else fly(alike)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_sch
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
 from vibeam.studies.cost.row import References, RunRow, Split, Work, compared, front, split, stopped, timed
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -33,8 +34,8 @@ STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the
 Progress = Callable[[str], None]
 
 
-@dataclass(frozen=True)
-class CostStudy:
+@dataclass(frozen=True, eq=False, repr=False)
+class CostStudy(ValueRecord):
     """Result of ``vibeam cost``.
 
     ``finest``: the reference fidelity, its solver error ``bound``; ``comparison``: with either restitution held, and

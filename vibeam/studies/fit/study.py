@@ -16,7 +16,7 @@ from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.profile import LEVEL, NextPoint, Profile, contour_of, next_points, profile
 from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import on_directions, on_misfit, on_ridges, ridges
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -66,8 +66,8 @@ class FittedPoint:
     left_out: str = ""
 
 
-@dataclass(frozen=True)
-class FitStudy:
+@dataclass(frozen=True, eq=False, repr=False)
+class FitStudy(ValueRecord):
     """Fit of a case: rows, points, sentences; ``pair`` of the least known keys.
 
     ``covariance`` (P, P): linearised, SI. ``best`` (P,): the minimum itself, whether determined or not. ``next``: what

@@ -16,6 +16,7 @@ from vibeam.solvers.steady import warm_up_once
 from vibeam.studies.influence.curve import Change, Interest, change, quantities, swept
 from vibeam.studies.influence.model import EffectModel, model
 from vibeam.studies.influence.subsets import Subsets, smallest, subsets
+from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -68,8 +69,8 @@ class EffectRow:
         return self.without.worst
 
 
-@dataclass(frozen=True)
-class InfluenceStudy:
+@dataclass(frozen=True, eq=False, repr=False)
+class InfluenceStudy(ValueRecord):
     """Result of ``vibeam influence``; ``rows`` sorted by influence, the largest first.
 
     ``comparison``: of the complete model with those without one effect, with either restitution held, and its distance

@@ -16,7 +16,7 @@ from vibeam.solvers.averaging import slow_flow
 from vibeam.studies.stability import axes
 from vibeam.studies.stability.axes import Driving, StabilityAxis
 from vibeam.studies.stability.rows import Crossing, CurvePoint, Share, crossings, curve_points, share
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -44,8 +44,8 @@ class ModelMap:
         return " ".join(self.fidelities)
 
 
-@dataclass(frozen=True)
-class Stability:
+@dataclass(frozen=True, eq=False, repr=False)
+class Stability(ValueRecord):
     """Maps of a case, and the boundaries along its own line."""
 
     case: Case

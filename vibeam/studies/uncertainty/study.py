@@ -13,7 +13,7 @@ from vibeam.runs.result import finest_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, ErrorRow, Indices, error_rows, indices, saltelli
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -46,8 +46,8 @@ class FidelityUncertainty:
     seconds: float
 
 
-@dataclass(frozen=True)
-class UncertaintyStudy:
+@dataclass(frozen=True, eq=False, repr=False)
+class UncertaintyStudy(ValueRecord):
     """``rows`` of the fidelities with the same physics, the finest last; indices of its amplitude and its peak."""
 
     case: Case

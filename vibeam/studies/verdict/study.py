@@ -21,7 +21,7 @@ from vibeam.studies.verdict.between import Verification, verified
 from vibeam.studies.verdict.judgement import FidelityRow, cheapest, difference, doubtful, fidelity_row, relative
 from vibeam.studies.verdict.motions import Motions
 from vibeam.studies.verdict.planes import computed, plane_of
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -48,8 +48,8 @@ class PlacePoint:
     coexist: int
 
 
-@dataclass(frozen=True)
-class Verdict:
+@dataclass(frozen=True, eq=False, repr=False)
+class Verdict(ValueRecord):
     """Fidelity map of a case: ``models`` by their modes, cheapest first, the finest last; arrays (rows, columns).
 
     ``label``: index of the cheapest model that suffices; ``differences``: of each model in kind (``judgement``);
