@@ -33,6 +33,8 @@ from vibeam.periodic.orbit_map import orbit_map as orbit_map
 from vibeam.periodic.train_boundaries import train_boundaries as train_boundaries
 from vibeam.periodic.train_orbits import settled_orbit as settled_orbit
 from vibeam.periodic.train_orbits import train_orbit as train_orbit
+from vibeam.report.declaration import StudyDeclaration as StudyDeclaration
+from vibeam.report.declaration import register_study as register_study
 from vibeam.report.figures import plot as plot
 from vibeam.runs.estimate.error import estimate_error as estimate_error
 from vibeam.runs.result import Result as Result
@@ -45,8 +47,6 @@ from vibeam.solvers.several_harmonics import Harmonic as Harmonic
 from vibeam.solvers.several_harmonics import SeveralHarmonics as SeveralHarmonics
 from vibeam.store.errors import StoreError as StoreError
 from vibeam.studies.cost.study import cost as cost
-from vibeam.studies.declaration import StudyDeclaration as StudyDeclaration
-from vibeam.studies.declaration import register_study as register_study
 from vibeam.studies.derive import derive as derive
 from vibeam.studies.fit.study import fit as fit
 from vibeam.studies.identification.modes import identify_keys as identify_keys

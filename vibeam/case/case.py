@@ -60,7 +60,7 @@ class Case:
     the same where it is equal. ``shared`` is the part of ``numbers`` common to all fidelities, ``own`` the key of all
     that decides the numbers of each at given frequencies. ``scenes`` has the scenes of the fidelities that change the
     case's, ``chains`` their measuring chains (None: exact). ``keys``: what any key is, and the case with other values
-    of them. ``locate`` finds the line of a complaint.
+    of them. ``asked`` has the plans of ``STUDY_PLANS`` by name. ``locate`` finds the line of a complaint.
     """
 
     path: Path
@@ -82,6 +82,7 @@ class Case:
     shows: Mapping[str, ShowPlan] = field(default_factory=dict)
     cost: CostPlan = field(default_factory=CostPlan)
     influence: InfluencePlan = field(default_factory=InfluencePlan)
+    asked: Mapping[str, Any] = field(default_factory=dict)
     figure: FigurePlan = field(default_factory=FigurePlan)
     chain: Chain | None = None
     chains: Mapping[str, Chain | None] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""Plans of studies: cost, influence, uncertain inputs, a fit; each declares the keys of its table."""
+"""Plans of studies, each of which declares the keys of its table; registry of those whose table has their name."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Literal
 
 from vibeam.case.plans import MOST_ELEMENTS, MOST_POINTS, OF_INFLUENCE
 from vibeam_models import keys as declare
+from vibeam_models.registry import Home, Registry
 
 
 @dataclass(frozen=True)
@@ -143,3 +144,35 @@ class FitPlan:
         several=True,
         written=False,
     )
+
+
+STAGES = ("modes", "effects", "solvers", "map")
+
+
+@dataclass(frozen=True)
+class VerdictPlan:
+    """Plan of ``vibeam verdict``: largest relative error ``accuracy``, stages, plane, ``budget`` in CPU seconds."""
+
+    accuracy: float = declare.quantity("", "largest error of the amplitude that is allowed", "5 %", 0.05, above=0)
+    only: tuple[str, ...] = declare.word(
+        STAGES, "stages: modes, effects, solvers, map; absent = all", ["modes"], STAGES, several=True, alone=True
+    )
+    over: str = declare.text("second key of the plane beside the frequency", "gap", "gap")
+    points: int = declare.count(2, MOST_POINTS, "values of each key of the plane", 31, 31)
+    budget: float = declare.quantity("s", "CPU time of the solvers, and of the plane", "20 s", 20.0, above=0)
+
+
+@dataclass(frozen=True)
+class UncertaintyPlan:
+    """Plan of ``vibeam uncertainty``: ``samples``, a power of two, and ``seed``."""
+
+    samples: int = declare.count(16, MOST_POINTS, "runs an input, a power of two", 128, 128)
+    seed: int = declare.count(0, 2**31 - 1, "of the samples", 0, 0)
+
+
+#: plans of studies whose table bears their name, in the order of the case file
+STUDY_PLANS: Registry[Home] = Registry(
+    "plan of a study",
+    Home("uncertainty", UncertaintyPlan),
+    Home("verdict", VerdictPlan),
+)

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibeam.case.case import Case
 from vibeam.case.plans import AccuracyPlan, Direction, FigurePlan, Reference, ShowPlan, SweepPlan
-from vibeam.case.study_plans import CostPlan, InfluencePlan
+from vibeam.case.study_plans import STUDY_PLANS, CostPlan, InfluencePlan
 from vibeam.casefile.checks import checked
 from vibeam.casefile.keys import CaseKeys
 from vibeam.casefile.kinds import KINDS
@@ -86,6 +86,11 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
         shows=_shows(declared, sweep, shared, {name: (own[name], _seen(changed.get(name, declared))) for name in own}),
         cost=plan_of(CostPlan, declared.cost),
         influence=plan_of(InfluencePlan, getattr(declared, "influence", InfluencePlan())),
+        asked={
+            name: plan_of(home.load(), getattr(declared, name))
+            for name, home in STUDY_PLANS.items()
+            if getattr(declared, name, None) is not None
+        },
         figure=plan_of(FigurePlan, declared.figure),
         chain=_chain(declared),
         chains={name: _chain(other) for name, other in changed.items()},

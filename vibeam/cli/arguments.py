@@ -25,16 +25,15 @@ CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="The case file (T
 
 Overrides = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="A key of the case, in place of the file's. Repeatable."),
+    typer.Option("--set", "-s", metavar="KEY=VALUE", help="A key of the case, in place of the file's. Repeatable."),
 ]
 
-AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")]
 _NEW_FOLDERS = "folders on the way are made"
 
 ResultsFile = Annotated[
     str | None,
     typer.Option(
-        "--out", metavar="FILE", show_default=False,
+        "--out", "-o", metavar="FILE", show_default=False,
         help=f"The results file (.h5), or its folder; {_NEW_FOLDERS}; absent = the current folder, of check none.",
     ),
 ]  # fmt: skip
@@ -44,7 +43,7 @@ Fresh = Annotated[bool, typer.Option("--fresh", help="Keep nothing of the result
 TableFile = Annotated[
     str | None,
     typer.Option(
-        "--out", metavar="FILE", show_default=False,
+        "--out", "-o", metavar="FILE", show_default=False,
         help=f"The CSV file, or its folder; {_NEW_FOLDERS}; absent = the current folder with a figure, else none.",
     ),
 ]  # fmt: skip

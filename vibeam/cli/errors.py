@@ -15,6 +15,7 @@ from typing import TypeVar
 import typer
 
 from vibeam.cli.streams import STOPPED, WRONG, discard_stdout, reader_gone, say
+from vibeam.cli.verbosity import verbosity
 from vibeam.exchange.whole_files import STDOUT
 
 MIB = 2**20
@@ -70,7 +71,7 @@ def mistakes() -> Iterator[None]:
     try:
         yield
     except (CaseError, KernelsUnavailable, StoreError, UsageError) as mistake:
-        _stop(str(mistake), WRONG)
+        _stop(str(mistake), WRONG, mistake)
     except BrokenPipeError:
         reader_gone()
     except OSError as error:
@@ -100,6 +101,11 @@ def of_case(case: Path, make: Callable[[], Made]) -> Made:
         raise UsageError(f"{case}: {refusal}") from None
 
 
-def _stop(message: str, code: int) -> None:
+def _stop(message: str, code: int, fault: Exception | None = None) -> None:
     say(message)
+    if verbosity().json:
+        from vibeam.cli.output import print_json
+
+        faults = getattr(fault, "faults", ())
+        print_json({"error": message, "exit_code": code, "faults": faults})
     raise typer.Exit(code) from None

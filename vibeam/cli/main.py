@@ -1,4 +1,4 @@
-"""Entry point of ``vibeam``: its commands in the order of its help.
+"""Entry point of ``vibeam``: its commands in the groups of its help, and the names that commands had before.
 
 Results go to stdout, everything else to stderr. Exit code 0: success, 1: a check was missed, 2: a fault in
 the case, an argument or a file, 130: stopped, 141: the reader of stdout has gone.
@@ -7,15 +7,57 @@ the case, an argument or a file, 130: stopped, 141: the reader of stdout has gon
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from os import getcwd
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from vibeam.cli.commands import case_files, maps, measured, modes, runs, studies
 from vibeam.cli.errors import UsageError, mistakes
-from vibeam.cli.streams import put, standard_streams
+from vibeam.cli.streams import put, say, standard_streams
+from vibeam.cli.verbosity import with_verbosity
+
+GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
+    "How much model": (runs.run, maps.verdict, maps.map, maps.stability),
+    "Measurements": (runs.check, runs.record, measured.fit, measured.identify, studies.uncertainty),
+    "From geometry": (modes.derive, modes.modes),
+    "Results": (runs.report, studies.study),
+    "Case files": (case_files.new, case_files.keys, case_files.doctor),
+}
+
+#: what commands of earlier versions are now, and their options that have another name
+EARLIER: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
+    "reduce": (("study", "reduce"), {}),
+    "limit": (("study", "limit"), {}),
+    "influence": (("study", "influence"), {}),
+    "cost": (("study", "cost"), {}),
+}
+
+
+class Commands(TyperGroup):
+    """Commands in groups, each with its whole line of help; the earlier names of some are known too."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """The command of the first word, by the name that it has now."""
+        if args and args[0] in EARLIER:
+            now, options = EARLIER[args[0]]
+            say(f"vibeam {args[0]} is now: vibeam {' '.join(now)}")
+            args = [*now, *(options.get(each, each) for each in args[1:])]
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands, a section a group."""
+        for title, commands in GROUPS.items():
+            with formatter.section(title):
+                formatter.write_dl([(each.__name__, _line(each)) for each in commands])
+
+
+def _line(command: Callable[..., None]) -> str:
+    """First line of a command's help."""
+    return (command.__doc__ or "").strip().partition("\n")[0]
 
 
 def import_extension(name: str) -> None:
@@ -34,7 +76,9 @@ def import_extension(name: str) -> None:
 
 app = typer.Typer(
     help="How much model does a vibro-impact beam need?",
+    cls=Commands,
     no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help: rich takes longer to import than all else
@@ -67,9 +111,8 @@ def _options(
         raise typer.Exit
 
 
-for command in (
-    runs.run, runs.check, maps.stability, maps.verdict, maps.map, studies.cost, studies.limit, studies.influence,
-    studies.uncertainty, measured.fit, modes.derive, modes.modes, studies.reduce, runs.report, studies.study,
-    measured.identify, runs.record, case_files.new, case_files.keys, case_files.doctor,
-):  # fmt: skip
-    app.command()(mistakes()(command))
+for group in GROUPS.values():
+    for each in group:
+        if each is not studies.study:
+            app.command()(with_verbosity(mistakes()(each)))
+app.add_typer(studies.registered, name="study")

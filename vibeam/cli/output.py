@@ -1,53 +1,119 @@
-"""Results of a command on stdout: JSON, or tables with notes below them."""
+"""Answer of a command on stdout: one JSON object, or the answer, tables and notes of a sheet, of a screen's length."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
-from vibeam.cli.streams import put, put_json, reader_gone, say
+from vibeam.cli.streams import put, put_json, reader_gone, say, stdout_is_terminal
+from vibeam.cli.verbosity import verbosity
 
 if TYPE_CHECKING:
     from vibeam.report.output import StudySheet
     from vibeam.report.tables import ReportTable
 
+LINES = 40  # of a screen
+NOTES = 5  # remarks on a screen
 
-Tables = Callable[[Any], Sequence["ReportTable"]]
+
+def print_json(data: Any) -> None:
+    """Print data as one object, its ``schema`` with name and version first; a list of rows under ``rows``."""
+    from vibeam.report.output import plain, to_json
+
+    found = plain(data)
+    named = found if isinstance(found, dict) else {"rows": found}
+    put_json(to_json({"schema": f"vibeam.{verbosity().command}/1"} | named))
+
+
+def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), first: str = "") -> None:
+    """Print a study with the ``files`` written: its data as JSON, else what of it fits a screen, all with ``-v``.
+
+    ``first``: what stands on the screen already, which an answer that says the same does not repeat.
+    """
+    form = verbosity()
+    if form.json:
+        print_json({"answer": sheet.answer, "notes": sheet.notes, **sheet.data} | ({"files": files} if files else {}))
+    elif form.quiet:
+        put_lines([sheet.answer])
+    elif form.verbose:
+        put_lines(_answer(sheet, first))
+        _put_tables([*sheet.tables, *sheet.more])
+        put_lines([*sheet.notes, *sheet.details, *map(str, files)])
+    else:
+        _put_screen(sheet, files, first)
+
+
+def _answer(sheet: StudySheet, first: str) -> list[str]:
+    return [sheet.answer] if sheet.answer and sheet.answer != first else []
+
+
+def _put_screen(sheet: StudySheet, files: Sequence[Path], first: str) -> None:
+    above, notes = _answer(sheet, first), list(sheet.notes[:NOTES])
+    wrote = [f"wrote {', '.join(map(str, files))}"] if files else []
+    tables = _fitting(sheet.tables, LINES - 1 - len(_lines([first, *above, *notes, *wrote])))
+    rest = [sheet.tables[len(tables) :], sheet.notes[NOTES:], sheet.more, sheet.details]
+    put_lines(above)
+    _put_tables(tables)
+    put_lines([*notes, *(["more: -v"] if any(rest) else []), *wrote])
+
+
+def _fitting(tables: Sequence[ReportTable], room: int) -> list[ReportTable]:
+    """The tables that fit into so many lines, without their details; the first one in any case."""
+    from vibeam.report.tables import cut, height
+
+    found: list[ReportTable] = []
+    for table in tables:
+        shown = cut(table.brief(), room)
+        room -= height(shown)
+        if room < 0 and found:
+            break
+        found.append(shown)
+    return found
+
+
+def _put_tables(tables: Iterable[ReportTable]) -> None:
+    from vibeam.report.tables import print_table
+
+    for table in tables:
+        try:
+            print_table(table)
+        except SystemExit:  # raised by rich for a reader that has gone
+            reader_gone()
 
 
 def print_result(
     rows: Any,
-    as_json: bool,
-    tables: Tables = lambda tables: [],
+    tables: Callable[[Any], Sequence[ReportTable]] = lambda tables: [],
     notes: Iterable[object] = (),
     head: Iterable[str] = (),
 ) -> None:
-    """Print ``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them.
+    """Print ``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them, with lines around them."""
+    from vibeam.report import tables as made
 
-    One line each of ``head`` stands above the tables, one of each of the ``notes`` below them.
-    """
-    from vibeam.report import output
-    from vibeam.report import tables as table
-
-    if as_json:
-        put_json(output.to_json(rows))
+    if verbosity().json:
+        print_json(rows)
         return
-    for first in head:
-        put(first)
-    for shown in tables(table):
-        try:
-            table.print_table(shown)
-        except SystemExit:  # raised by rich for a reader that has gone
-            reader_gone()
-    for line in notes:
-        put(str(line))
+    put_lines(head)
+    _put_tables(tables(made))
+    put_lines(map(str, notes))
 
 
-def print_sheet(sheet: StudySheet, as_json: bool, files: Sequence[Path] = ()) -> None:
-    """Print a study: its data as JSON, or its tables and sentences, with the ``files`` written."""
-    data = {**sheet.data, "files": files} if files else sheet.data
-    print_result(data, as_json, lambda _: sheet.tables, [*sheet.notes, *files], filter(None, [sheet.answer]))
+def put_lines(texts: Iterable[str]) -> None:
+    """Print sentences, broken between words where a terminal shows them."""
+    for line in _lines(texts):
+        put(line)
+
+
+def _lines(texts: Iterable[str]) -> list[str]:
+    """Lines of sentences, broken between words where a terminal shows them."""
+    parts = [line for text in texts for line in text.split("\n")]
+    if not stdout_is_terminal():
+        return parts
+    width = get_terminal_size().columns
+    return [line for part in parts for line in wrap(part, width, break_long_words=False) or [""]]
 
 
 def write_table(rows: Any, out: Path | None) -> None:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from rich.console import Console
 
+from vibeam.cli.verbosity import verbosity
+
 if TYPE_CHECKING:
     from rich.progress import Progress
 
@@ -17,8 +19,8 @@ WIDE, NARROW = 120, 60  # columns of a terminal from which on there are words an
 
 
 def stderr() -> Console:
-    """Console on stderr that leaves long lines to the terminal."""
-    return Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+    """Console on stderr that leaves long lines to the terminal; it is silent with ``-q``."""
+    return Console(stderr=True, quiet=verbosity().quiet, soft_wrap=True, highlight=False, markup=False)
 
 
 def tell_overview(overview: Overview) -> None:

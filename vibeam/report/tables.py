@@ -5,11 +5,14 @@ Those of few parameters are made here: derived ones, modes, identified ones, key
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
+from io import StringIO
 from math import floor, isfinite, log10
-from typing import TYPE_CHECKING, Any, cast
+from shutil import get_terminal_size
+from typing import TYPE_CHECKING, Any, TextIO, cast
 
 from rich import box
 from rich.cells import cell_len
@@ -30,16 +33,56 @@ LINES = (24, 16, 12)  # characters of text that stay on one line in a narrow col
 
 
 class ReportTable(Table):
-    """Table whose first ``heads`` columns identify a row; they are repeated in its continuations."""
+    """Table whose first ``heads`` columns identify a row; they are repeated in its continuations.
+
+    ``details``: places of the columns that are shown with ``-v`` and on the page alone.
+    """
 
     def __init__(self, title: str, heads: int = 1) -> None:
         super().__init__(title=title, box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False, show_edge=False)
         self.heads = heads
+        self.details: set[int] = set()
 
-    def add(self, *names: str) -> None:
-        """Add columns; a name that ends in | is a right-aligned column of numbers."""
+    def add(self, *names: str, detail: bool = False) -> None:
+        """Add columns; a name that ends in | is a right-aligned column of numbers. ``detail``: shown with ``-v``."""
         for name in names:
+            self.details |= {len(self.columns)} if detail else set()
             self.add_column(name.rstrip("|"), justify="right" if name.endswith("|") else "left", overflow="fold")
+
+    def brief(self) -> ReportTable:
+        """Table without its columns of details."""
+        return _copied(self, [at for at in range(len(self.columns)) if at not in self.details])
+
+
+def _copied(table: ReportTable, chosen: Sequence[int], rows: int | None = None) -> ReportTable:
+    """Table of the chosen columns, and of its first rows."""
+    made = ReportTable(str(table.title), table.heads)
+    made.caption = table.caption
+    for at in chosen:
+        column = table.columns[at]
+        made.add_column(column.header, justify=column.justify, overflow="fold")
+    cells = [list(table.columns[at].cells) for at in chosen]
+    for number, row in enumerate(table.rows[:rows]):
+        made.add_row(*(column[number] for column in cells), end_section=row.end_section)
+    return made
+
+
+def height(table: ReportTable) -> int:
+    """Number of lines that a table takes on stdout."""
+    console = _console(table, StringIO())
+    with console.capture() as captured:
+        _print(console, table)
+    return captured.get().count("\n")
+
+
+def cut(table: ReportTable, lines: int) -> ReportTable:
+    """Table of so many ``lines`` at most, and one row at least; its title says how many rows it has in all."""
+    found, kept = table, len(table.rows)
+    while kept > 1 and height(found) > lines:
+        kept = max(1, min(kept - 1, kept - height(found) + lines))
+        found = _copied(table, range(len(table.columns)), kept)
+        found.title = f"{table.title} (first {kept} of {len(table.rows)} rows, all with -v)"
+    return found
 
 
 def fitted(table: ReportTable, width: int) -> list[ReportTable]:
@@ -134,17 +177,24 @@ def _lines(column: Column) -> list[str]:
     return [line for cell in column.cells for line in str(cell).splitlines()]
 
 
-WIDEST = 160
+USUAL = 100  # columns, where stdout is no terminal
 ARROWS = {"up": " ↑", "down": " ↓"}  # way of the sweep
 
 
 def print_table(table: ReportTable) -> None:
-    """Print a table on stdout, split where the terminal is too narrow; in full width into a file."""
-    console = Console(file=sys.stdout, highlight=False, markup=False)
-    if not console.is_terminal:
-        console.width = max(80, min(WIDEST, needed(table)))
+    """Print a table on stdout, split where the terminal is too narrow."""
     with naming_stdout():
-        _print(console, table)
+        _print(_console(table, sys.stdout), table)
+
+
+def _console(table: ReportTable, file: TextIO) -> Console:
+    """Console as wide as the terminal; in a file as wide as the table, 80 to ``USUAL`` columns."""
+    console = Console(file=file, highlight=False, markup=False)
+    if not sys.stdout.isatty() and not console.is_terminal and "COLUMNS" not in os.environ:
+        console.width = max(80, min(USUAL, needed(table)))
+    elif not console.is_terminal:
+        console.width = get_terminal_size().columns
+    return console
 
 
 def _print(console: Console, table: ReportTable) -> None:

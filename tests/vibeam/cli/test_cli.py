@@ -122,11 +122,11 @@ def with_reference(case: Path, text: str) -> Path:
 def test_check_passes_misses_and_says_which(command: Command, sdof: Path) -> None:
     checked = with_reference(sdof, curve_of(sdof))
     assert "passed" in command("check", checked).stdout
-    assert json.loads(command("check", checked, "--json").stdout)[0]["passed"] is True
+    assert json.loads(command("check", checked, "--json").stdout)["rows"][0]["passed"] is True
     curve = sdof.with_name("curve.csv")
     curve.write_text(curve.read_text(encoding="utf-8").replace("up,0.", "up,0.9"), encoding="utf-8")
     assert "missed" in command("check", checked, expect=1).stdout
-    assert json.loads(command("check", checked, "--json", expect=1).stdout)[0]["passed"] is False
+    assert json.loads(command("check", checked, "--json", expect=1).stdout)["rows"][0]["passed"] is False
     assert not list(sdof.parent.glob("*.h5"))
 
 
@@ -146,7 +146,8 @@ def test_references_that_are_none_are_told_before_anything_is_computed(command: 
 
 def test_check_with_another_grid_says_how_much_it_compared(command: Command, sdof: Path) -> None:
     checked = with_reference(sdof, curve_of(sdof))
-    row = json.loads(command("check", checked, "--set", "sweep.frequency.points=3", "--json", expect=1).stdout)[0]
+    done = command("check", checked, "--set", "sweep.frequency.points=3", "--json", expect=1)
+    (row,) = json.loads(done.stdout)["rows"]
     assert (row["points"], row["total"]) == (3, 5)
     assert "2 of 5 reference points are not in the sweep's grid" in row["notes"]
 
@@ -163,14 +164,14 @@ def test_a_measured_number_is_shown_and_decides_nothing(command: Command, sdof: 
     shown = command("check", sdof).stdout
     assert all(word in shown for word in ("Measured", "predicted", "no", "Fig. 3"))
     assert "References" not in shown
-    row = json.loads(command("check", sdof, "--json").stdout)[0]
+    row = json.loads(command("check", sdof, "--json").stdout)["rows"][0]
     assert (row["kind"], row["within"], row["value"]) == ("measured", False, 9)
 
 
 def test_check_without_a_reference_says_so(command: Command, sdof: Path) -> None:
     result = command("check", sdof)
     assert "names no reference" in result.stderr
-    assert command("check", sdof, "--json").stdout == "[]\n"
+    assert json.loads(command("check", sdof, "--json").stdout) == {"schema": "vibeam.check/1", "rows": []}
 
 
 def test_check_refuses_what_run_would(command: Command, sdof: Path) -> None:
@@ -183,7 +184,7 @@ def test_check_refuses_what_run_would(command: Command, sdof: Path) -> None:
 
 def test_derive_prints_and_writes_its_table(command: Command, tmp_path: Path) -> None:
     assert "K_S" in command("derive", RIG).stdout
-    rows = json.loads(command("derive", RIG, "--json", "--out", "a.csv").stdout)
+    rows = json.loads(command("derive", RIG, "--json", "--out", "a.csv").stdout)["rows"]
     assert {"name", "symbol", "unit", "value", "reference", "error", "assumption"} <= set(rows[0])
     assert len((tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()) == len(rows) + 1
     assert "there is no beam" in command("derive", write(tmp_path, SDOF), expect=2).stderr
@@ -191,7 +192,7 @@ def test_derive_prints_and_writes_its_table(command: Command, tmp_path: Path) ->
 
 def test_modes_prints_its_table_and_writes_shapes(command: Command, tmp_path: Path) -> None:
     held = ("--set", 'stop.restitution_of="contact"')
-    rows = json.loads(command("modes", RIG, *held, "--json", "--count", 4, "--out", "a.vtu").stdout)
+    rows = json.loads(command("modes", RIG, *held, "--json", "--count", 4, "--out", "a.vtu").stdout)["rows"]
     assert [row["number"] for row in rows] == [1, 2, 3, 4]
     assert rows[0]["frequency"] == pytest.approx(7.60, abs=0.005)
     assert rows[0]["first_mode_restitution"] == pytest.approx(0.72)
@@ -212,46 +213,23 @@ def test_modes_prints_its_table_and_writes_shapes(command: Command, tmp_path: Pa
 
 
 def test_all_shares_make_one_in_the_whole_beam(command: Command) -> None:
-    rows = json.loads(command("modes", RIG, "--json", "--count", 1000).stdout)
+    rows = json.loads(command("modes", RIG, "--json", "--count", 1000).stdout)["rows"]
     assert rows[-1]["share"] == pytest.approx(1.0)
-    first = json.loads(command("modes", RIG, "--json", "--set", 'stop.restitution_of="first mode"').stdout)
+    first = json.loads(command("modes", RIG, "--json", "--set", 'stop.restitution_of="first mode"').stdout)["rows"]
     assert {row["first_mode_restitution"] for row in first} == {0.72}
     assert first[-1]["contact_restitution"] > first[0]["contact_restitution"]
 
 
 def test_reduce_prints_its_tables_and_writes_them(command: Command, tmp_path: Path) -> None:
     plain = ("--set", "beam.elements=8", "--set", 'figure.format=["svg"]')
-    words = ("reduce", RIG, *plain, "--basis", "modal", "--basis", "krylov", "--most", "4")
+    words = ("reduce", RIG, *plain)
     done = command(*words, "--out", "found/")
     names = {f"{RIG.stem}_reduce{ending}" for ending in (".csv", ".svg")}
     assert {path.name for path in (tmp_path / "found").iterdir()} == names
-    assert "Recommended for 5 %" in done.stdout
-    assert "contact time not known: an impulse stands for it" in done.stdout
+    assert "vibeam reduce is now: " in done.stderr
+    assert len(done.stdout.splitlines()) <= 40
     rows = (tmp_path / "found" / f"{RIG.stem}_reduce.csv").read_text("utf-8").splitlines()
     assert rows[0].startswith("basis,modes,loss,decided_by,frequency,")
-    assert len(rows) == 1 + 2 * 4
-    data = json.loads(command(*words, "--json", "--to", "0.2 kHz", "--contact-time", "0.5 ms").stdout)
-    assert (data["band"], data["contact_time"]) == ([0.0, 200.0], 5e-4)
-    analysis = data["analysis"]["modal"]["contact"]
-    assert analysis["basis_sizes"] == [1, 2, 3, 4]
-    assert len(analysis["errors"]) == len(analysis["max_error_mus"]) == 4
-    assert max(analysis["errors"][1]) == analysis["max_errors"][1] <= analysis["max_estimates"][1]
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--within", "3 Hz"), "--within: '3 Hz' is a frequency, not a plain number"),
-        (("--from", "9 Hz", "--to", "8 Hz"), "band: 9 … 8 Hz must ascend"),
-        (("--basis", "modl"), "basis: no modl: there are modal"),
-        (("--contact-time", "0 s"), "contact_time: 0.0 must be above 0 s"),
-    ],
-)
-def test_reduce_refuses_what_it_cannot_answer(
-    command: Command, tmp_path: Path, words: tuple[str, ...], said: str
-) -> None:
-    assert said in command("reduce", RIG, *words, expect=2).stderr
-    assert list(tmp_path.iterdir()) == []
 
 
 def test_new_writes_a_sound_case_once(command: Command, tmp_path: Path) -> None:
@@ -260,7 +238,7 @@ def test_new_writes_a_sound_case_once(command: Command, tmp_path: Path) -> None:
     before = (tmp_path / "case.toml").read_bytes()
     assert "is there already" in command("new", expect=2).stderr
     assert (tmp_path / "case.toml").read_bytes() == before
-    assert json.loads(command("new", "--out", "b.toml", "--json").stdout) == {"written": "b.toml"}
+    assert json.loads(command("new", "--out", "b.toml", "--json").stdout)["written"] == "b.toml"
     command("new", ".", expect=2)
     assert command("new", "a/folder").stdout.startswith("wrote a/folder/case.toml: ")
     assert ".toml, or a folder" in command("new", "case.tml", expect=2).stderr
@@ -272,7 +250,7 @@ def test_new_writes_a_case_of_each_rig_that_runs(rig: str, command: Command, tmp
     before = {file: file.read_bytes() for file in (tmp_path / rig).iterdir()}
     assert "is there already" in command("new", f"{rig}/", "--rig", rig, expect=2).stderr
     assert {file: file.read_bytes() for file in (tmp_path / rig).iterdir()} == before
-    assert json.loads(command("modes", f"{rig}/case.toml", "--json").stdout)[0]["frequency"] > 1
+    assert json.loads(command("modes", f"{rig}/case.toml", "--json").stdout)["rows"][0]["frequency"] > 1
     assert command("run", f"{rig}/case.toml").stdout.endswith("case.svg\n")
 
 
@@ -293,8 +271,9 @@ def test_modes_writes_the_matrices_and_the_table_that_reads_them(command: Comman
 
 def test_keys_lists_every_key(command: Command) -> None:
     assert "youngs_modulus" in command("keys").stdout
-    assert {"table", "key", "unit", "default", "meaning"} <= set(json.loads(command("keys", "--json").stdout)[0])
-    assert all(isinstance(row["default"], str) for row in json.loads(command("keys", "--json").stdout))
+    rows = json.loads(command("keys", "--json").stdout)["rows"]
+    assert {"table", "key", "unit", "default", "meaning"} <= set(rows[0])
+    assert all(isinstance(row["default"], str) for row in rows)
 
 
 @pytest.mark.parametrize(
@@ -314,7 +293,7 @@ def test_keys_lists_every_key(command: Command) -> None:
     ],
 )
 def test_keys_of_one_table_or_one_name(command: Command, name: str, keys: set[str]) -> None:
-    assert {row["key"] for row in json.loads(command("keys", name, "--json").stdout)} == keys
+    assert {row["key"] for row in json.loads(command("keys", name, "--json").stdout)["rows"]} == keys
 
 
 @pytest.mark.parametrize(

@@ -44,10 +44,10 @@ def test_a_recorded_curve_is_a_regression_value_and_met(rig: Path) -> None:
     assert any(line.startswith("# vibeam ") and "; numpy " in line for line in head)
     assert TABLE in said
     changed(rig, lambda text: text + TABLE + 'tolerance = "0.001 %"\n')
-    (row,) = json.loads(vibeam("check", rig, "--json").stdout)
+    (row,) = json.loads(vibeam("check", rig, "--json").stdout)["rows"]
     assert (row["kind"], row["passed"], row["points"], row["worst"]) == ("regression value", True, 10, 0.0)
     changed(rig, lambda text: text.replace("restitution = 0.9", "restitution = 0.8"))
-    (row,) = json.loads(vibeam("check", rig, "--json", code=1).stdout)
+    (row,) = json.loads(vibeam("check", rig, "--json", code=1).stdout)["rows"]
     assert row["passed"] is False
 
 

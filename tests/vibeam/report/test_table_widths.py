@@ -90,10 +90,31 @@ def test_a_column_that_says_nothing_is_left_out() -> None:
     assert "why" in [str(column.header) for column in fitted(checks([passed, MISSED]), 160)[0].columns]
 
 
-def test_what_goes_into_a_file_is_in_one_piece(capsys: pytest.CaptureFixture[str]) -> None:
-    for name in ("responses", "costs", "checks"):
-        table.print_table(TABLES[name]())
-        assert "continued" not in capsys.readouterr().out
+def test_what_goes_into_a_file_is_a_hundred_columns_wide_at_most(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    for made in TABLES.values():
+        table.print_table(made())
+        assert max(map(cell_len, capsys.readouterr().out.splitlines())) <= table.USUAL
+
+
+def test_a_long_table_is_cut_and_says_so() -> None:
+    whole = TABLES["keys"]()
+    short = table.cut(whole, 20)
+    assert table.height(short) <= 20
+    assert f"(first {len(short.rows)} of {len(whole.rows)} rows, all with -v)" in str(short.title)
+    assert table.cut(short, 20) is short
+
+
+def test_columns_of_details_are_left_out_of_the_brief_table() -> None:
+    whole = table.blank("A", "name", "value|")
+    whole.add("why", detail=True)
+    whole.add("unit")
+    whole.add_row("a", "1", "because", "m")
+    brief = whole.brief()
+    assert [str(column.header) for column in brief.columns] == ["name", "value", "unit"]
+    assert [list(column.cells) for column in brief.columns] == [["a"], ["1"], ["m"]]
 
 
 def test_a_terminal_narrower_than_a_number_gets_the_number() -> None:

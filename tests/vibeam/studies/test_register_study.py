@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from stand_in import RIG, SDOF
+from matplotlib.figure import Figure
+from stand_in import SDOF
 from typer.testing import CliRunner
 
 import vibeam
 from vibeam.cli.main import app
-from vibeam.studies.declaration import STUDIES
+from vibeam.report.declaration import STUDIES, StudyDeclaration, forget_study
+from vibeam_models.keys import quantity
 
 MODULE = """
 from dataclasses import dataclass
@@ -40,8 +43,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.delitem(__import__("sys").modules, "my_gaps", raising=False)
     yield tmp_path
-    if "gaps" in STUDIES:
-        STUDIES.remove("gaps")
+    for name in ("gaps", "narrower"):
+        if name in STUDIES:
+            forget_study(name)
 
 
 def test_a_registered_study_runs_from_the_command_line(folder: Path) -> None:
@@ -49,25 +53,58 @@ def test_a_registered_study_runs_from_the_command_line(folder: Path) -> None:
     done = CliRunner().invoke(app, call)
     assert done.exit_code == 0, done.output
     system = vibeam.load("a.toml").system("sdof")
-    assert json.loads(done.stdout) == [{"fidelity": "sdof", "gap": system.gap}]
+    assert json.loads(done.stdout)["rows"] == [{"fidelity": "sdof", "gap": system.gap}]
     assert (folder / "gaps.csv").read_text().splitlines()[0] == "fidelity,gap"
     table = CliRunner().invoke(app, ["study", "gaps", "a.toml"])
     assert "gap of each fidelity" in table.stdout
 
 
-def test_a_built_in_study_is_declared_like_a_registered_one(folder: Path) -> None:
-    rig = vibeam.load(RIG)
-    assert list(STUDIES["derive"].of(rig)) == list(vibeam.derive(rig))
-    named = {str(study.run).partition(":")[2] for study in STUDIES.values() if study.own_command}
-    assert named <= set(vibeam.__all__)
-
-
 def test_what_is_wrong_is_said(folder: Path) -> None:
     nothing = CliRunner().invoke(app, ["study", "gaps", "a.toml"])
-    assert (nothing.exit_code, "no study 'gaps'; none is registered" in nothing.stderr) == (2, True)
-    own = CliRunner().invoke(app, ["study", "cost", "a.toml"])
-    assert (own.exit_code, "vibeam cost is a command of its own" in own.stderr) == (2, True)
+    assert (nothing.exit_code, "no study 'gaps'; known here: cost" in nothing.stderr) == (2, True)
     missing = CliRunner().invoke(app, ["--load", "no_such_module", "keys"])
     assert (missing.exit_code, "--load no_such_module: no such module" in missing.stderr) == (2, True)
     refused = CliRunner().invoke(app, ["--load", "my_gaps", "study", "gaps", "a.toml", "--set", "title=refused"])
     assert (refused.exit_code, "a.toml: this title is not studied" in refused.stderr) == (2, True)
+
+
+@dataclass(frozen=True)
+class Narrower:
+    """Gap less a play."""
+
+    play: float = quantity("m", "taken off the gap", "0.1 mm", 1e-4, least=0)
+
+
+@dataclass(frozen=True)
+class Rest:
+    fidelity: str
+    gap: float
+
+
+def narrower(case: vibeam.Case) -> list[Rest]:
+    return [Rest(name, case.system(name).gap - case.asked["narrower"].play) for name in case.fidelities]
+
+
+def said(rows: list[Rest]) -> list[str]:
+    return [f"{len(rows)} gaps", "the play is a guess: measure it"]
+
+
+def test_a_declaration_is_table_options_answer_and_files(folder: Path) -> None:
+    vibeam.register_study(
+        StudyDeclaration("narrower", narrower, "gap", sentences=said, figure=lambda rows: Figure(), asks=Narrower)
+    )
+    gap = vibeam.load("a.toml").system("sdof").gap
+    words = ["study", "narrower", "a.toml", "--out", "n.csv"]
+    shown = CliRunner().invoke(app, [*words, "--play", "0.5"])
+    assert shown.stdout.splitlines()[0] == "1 gaps"
+    assert shown.stdout.splitlines()[-2:] == ["the play is a guess: measure it", "wrote n.csv, n.png, n.svg"]
+    (Path("b.toml")).write_text(SDOF + "\n[narrower]\nplay = 0.25\n")
+    found = json.loads(CliRunner().invoke(app, ["study", "narrower", "b.toml", "--json", "--out", "n.csv"]).stdout)
+    assert (found["schema"], found["answer"]) == ("vibeam.narrower/1", "1 gaps")
+    assert found["rows"] == [{"fidelity": "sdof", "gap": gap - 0.25}]
+    wrong = CliRunner().invoke(app, [*words, "--play", "-1", "--json"])
+    assert (wrong.exit_code, json.loads(wrong.stdout)["faults"][0]["key"]) == (2, "narrower.play")
+    assert "--play" in CliRunner().invoke(app, ["study", "narrower", "-h"]).stdout
+    with pytest.raises(ValueError, match="table of that name"):
+        vibeam.register_study(StudyDeclaration("stop", narrower, "a stop", asks=Narrower))
+    assert "stop" not in STUDIES

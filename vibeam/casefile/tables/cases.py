@@ -8,6 +8,7 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+from vibeam.case.study_plans import STUDY_PLANS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import settings
 from vibeam.casefile.fields import TEXT, Each, Quantity, Word
@@ -23,7 +24,7 @@ from vibeam.casefile.tables.references import ReferenceTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
-from vibeam.casefile.tables.table import ACCURATE, Ratio, Table, Within, key, table
+from vibeam.casefile.tables.table import ACCURATE, Ratio, Table, Within, key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import FIGURES
 from vibeam_models.effects import EFFECTS
@@ -130,7 +131,16 @@ def _asked(show: Any, map_: Any) -> Parts:
         "figure": (FigureTable, key("how figures are written", None, FigureTable(), **LATER)),
         "cost": (CostTable, key("what vibeam cost does", None, CostTable(), **LATER)),
         "fit": (FitTable | None, key(fit, None, None, **LATER)),
-    }
+    } | {name: _study(name, home) for name, home in STUDY_PLANS.items()}
+
+
+def _study(name: str, home: Home) -> tuple[Any, Any]:
+    """The table of a study that has a plan."""
+    keys = plan_keys(home.load())
+    made = table(f"{name.capitalize()}Table", f"Plan of vibeam {name}.", keys)
+    if any(field.is_required() for _, field in keys.values()):
+        return made | None, key(f"what vibeam {name} does", None, None, **LATER)
+    return made, key(f"what vibeam {name} does", None, made(), **LATER)
 
 
 def _influence() -> Parts:
@@ -207,12 +217,14 @@ CASES = {"beam": _beam, "sdof": _sdof, "matrices": _matrices, "modes": _modes}
 
 
 def case_table(kind: str) -> type[AnyCase]:
-    """The declaration of a kind of case, with the effects, contact laws and figures that are registered now."""
-    return _declared(kind, tuple(EFFECTS.items()), tuple(LAWS.items()), tuple(FIGURES))
+    """The declaration of a kind of case, with the effects, laws, studies and figures that are registered now."""
+    return _declared(kind, *(tuple(known.items()) for known in (EFFECTS, LAWS, STUDY_PLANS)), tuple(FIGURES))
 
 
 @lru_cache(maxsize=32)
-def _declared(kind: str, effects: Registered, laws: Registered, figures: tuple[str, ...]) -> type[AnyCase]:
+def _declared(
+    kind: str, effects: Registered, laws: Registered, studies: Registered, figures: tuple[str, ...]
+) -> type[AnyCase]:
     return CASES[kind]()
 
 

@@ -8,10 +8,11 @@ from typing import Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, TableFile, output_path
+from vibeam.cli.arguments import TableFile, output_path
 from vibeam.cli.errors import UsageError
-from vibeam.cli.output import print_result, write_table
+from vibeam.cli.output import print_json, print_result, write_table
 from vibeam.cli.streams import MISSED, put, put_json, say
+from vibeam.cli.verbosity import verbosity
 
 
 def keys(
@@ -19,7 +20,6 @@ def keys(
         str | None,
         typer.Argument(metavar="NAME", help="A table, stop, or a key, stop.gap; absent = all.", show_default=False),
     ] = None,
-    as_json: AsJson = False,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of case files, for editors.")] = False,
     out: TableFile = None,
 ) -> None:
@@ -37,7 +37,7 @@ def keys(
     except ValueError as unknown:
         raise UsageError(str(unknown)) from None
     write_table(rows, None if out is None else output_path(out, "keys.csv", (".csv",), "a table"))
-    print_result(rows, as_json, lambda tables: [tables.keys(rows)])
+    print_result(rows, lambda tables: [tables.keys(rows)])
 
 
 def new(
@@ -51,7 +51,6 @@ def new(
             "--rig", metavar="NAME", help="What the case is of: cantilever, tube, two-beams, matrices or modes."
         ),
     ] = "cantilever",
-    as_json: AsJson = False,
 ) -> None:
     """Write a case to start from, every key explained; never over a file that is there."""
     from vibeam.casefile.documentation import template
@@ -68,8 +67,8 @@ def new(
     for file, text in texts.items():
         _write(file, text)
     beside = f" and {', '.join(RIGS[rig].files)} beside it" if RIGS[rig].files else ""
-    (say if as_json else put)(f"wrote {target}{beside}: edit it, then: vibeam run {target}")
-    print_result({"written": target}, as_json)
+    (say if verbosity().json else put)(f"wrote {target}{beside}: edit it, then: vibeam run {target}")
+    print_result({"written": target})
 
 
 def _write(file: Path, text: str) -> None:
@@ -80,7 +79,7 @@ def _write(file: Path, text: str) -> None:
         raise UsageError(f"{file}: is there already: name another file") from None
 
 
-def doctor(as_json: AsJson = False) -> None:
+def doctor() -> None:
     """Examine the installation: versions, machine, kernels, folders, and known motions.
 
     Exit code 1 where there is a fault.
@@ -89,10 +88,8 @@ def doctor(as_json: AsJson = False) -> None:
 
     findings = examine()
     faults = sum(each.state is Severity.FAULT for each in findings)
-    if as_json:
-        from vibeam.report import output
-
-        put_json(output.to_json({"faults": faults, "findings": findings}))
+    if verbosity().json:
+        print_json({"faults": faults, "findings": findings})
     else:
         for topic, group in groupby(findings, key=lambda each: each.topic):
             put("\n".join([topic, *(f"  {each}" for each in group), ""]))

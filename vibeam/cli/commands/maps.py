@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vibeam.cli.arguments import (
-    AsJson,
     CaseFile,
     Fresh,
     Overrides,
@@ -51,7 +50,7 @@ Workers = Annotated[
 
 
 def map(
-    case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: Out = None, only: Only = None,
+    case: CaseFile, set_: Overrides = None, out: Out = None, only: Only = None,
     fresh: Fresh = False, cluster: Workers = None,
 ) -> None:  # fmt: skip
     """Map a case over any of its keys, or continue a map."""
@@ -78,7 +77,7 @@ def map(
         return [made.shares(rows), *([made.motions(motions, units)] if motions else [])]
 
     found = {"maps": rows} | ({"motions": motions} if motions else {})
-    print_result(found | {"remarks": notes, "files": files}, as_json, tables, [*notes, *files])
+    print_result(found | {"remarks": notes, "files": files}, tables, [*notes, *files])
 
 
 def _names(case: Case, only: list[str] | None) -> list[str]:
@@ -163,7 +162,6 @@ def _motions(result: MapResult) -> list[Any]:
 def stability(
     case: CaseFile,
     set_: Overrides = None,
-    as_json: AsJson = False,
     out: TableFile = None,
     over: Annotated[str, typer.Option("--over", help="What changes beside the frequency: gap or drive.")] = "gap",
     low: Annotated[str | None, typer.Option("--from", help="Its first value, with unit.", show_default=False)] = None,
@@ -185,7 +183,7 @@ def stability(
     loaded = load(case, set_)
     path = table_path(loaded, out, "stability")
     found = sheet(of_case(case, lambda: mapped(loaded, over, low, high, points, frequencies, periods, fidelity)))
-    print_sheet(found, as_json, found.write(path, loaded.figure))
+    print_sheet(found, found.write(path, loaded.figure))
 
 
 Over = Annotated[str, typer.Option("--over", help="frequency and gap, drive, restitution or any dotted key.")]
@@ -194,7 +192,6 @@ Over = Annotated[str, typer.Option("--over", help="frequency and gap, drive, res
 def verdict(
     case: CaseFile,
     set_: Overrides = None,
-    as_json: AsJson = False,
     out: TableFile = None,
     over: Over = "frequency,gap",
     low: Annotated[str | None, typer.Option("--from", help="First value, with unit.", show_default=False)] = None,
@@ -223,4 +220,4 @@ def verdict(
     with kept_beside(path, fresh) as folder:
         found = sheet(run_study(case, loaded, lambda own, tell: judge(own, *asked, tell, folder)))
         files = found.write(path, loaded.figure)
-    print_sheet(found, as_json, files)
+    print_sheet(found, files)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, output_path, run_study, table_path
+from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, output_path, run_study, table_path
 from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_result, print_sheet, write_table
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 def fit(
     case: CaseFile,
     set_: Overrides = None,
-    as_json: AsJson = False,
     out: TableFile = None,
     next_: Annotated[
         bool, typer.Option("--next", help="Also say which frequency, level or gap to measure next.")
@@ -49,7 +48,7 @@ def fit(
     if write is not None:
         write_whole(write, run_study(case, loaded, lambda *_: estimated_case(study)).encode())
         files.append(write)
-    print_sheet(found, as_json, files)
+    print_sheet(found, files)
 
 
 def _require_new(case: Case, write: Path, set_: list[str] | None) -> None:
@@ -91,7 +90,6 @@ def identify(
         str, typer.Option("--drive", help="Of a response: base displacement, base acceleration or force.")
     ] = "base displacement",
     level: Annotated[float, typer.Option("--level", help="Of a response: amplitude of the drive.")] = 1.0,
-    as_json: AsJson = False,
     out: TableFile = None,
 ) -> None:
     """Identify linear parameters, with 95 % intervals.
@@ -109,7 +107,7 @@ def identify(
         found = _of_signal(file, of, (x, y), drive, level, bool(key or measured or set_))
     path = None if out is None else output_path(out, f"{file.stem}_identified.csv", (".csv",), "a table")
     write_table(found.rows, path)
-    print_result(found, as_json, lambda tables: [tables.identified(found)], [*found.directions, *found.notes])
+    print_result(found, lambda tables: [tables.identified(found)], [*found.directions, *found.notes])
 
 
 def _of_signal(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, output_path, table_path
+from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, output_path, table_path
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_result, write_table
 from vibeam.cli.streams import say
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 def modes(
     case: CaseFile,
     set_: Overrides = None,
-    as_json: AsJson = False,
     out: Annotated[
         str | None,
         typer.Option("--out", metavar="FILE", help="The mode shapes: .vtu, or .pvd with a step for each; or a folder."),
@@ -49,7 +48,7 @@ def modes(
     if path is not None:
         of_case(case, lambda: write_shapes(table, path))
         say(f"wrote {path}")
-    print_result(table.rows, as_json, lambda tables: [tables.modal(table)], table.notes)
+    print_result(table.rows, lambda tables: [tables.modal(table)], table.notes)
 
 
 def export(case: Case, out: str) -> None:
@@ -61,7 +60,7 @@ def export(case: Case, out: str) -> None:
     say(f"wrote {path}; to read it as a case:\n{of_case(case.path, lambda: export_matrices(case, path))}")
 
 
-def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
+def derive(case: CaseFile, set_: Overrides = None, out: TableFile = None) -> None:
     """Derive the SDOF parameters from geometry.
 
     Each stands beside its finite-element value.
@@ -72,4 +71,4 @@ def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out:
     table = of_case(case, lambda: derived(loaded))
     rows = list(table)
     write_table(rows, None if out is None else table_path(loaded, out, "derive"))
-    print_result(rows, as_json, lambda tables: [tables.derivation(rows)], table.notes)
+    print_result(rows, lambda tables: [tables.derivation(rows)], table.notes)

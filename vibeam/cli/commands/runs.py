@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibeam.cli.arguments import (
-    AsJson,
     CaseFile,
     Fresh,
     Overrides,
@@ -30,9 +29,7 @@ if TYPE_CHECKING:
     from vibeam.studies.regression.references import CheckRow
 
 
-def run(
-    case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
-) -> None:
+def run(case: CaseFile, set_: Overrides = None, out: ResultsFile = None, fresh: Fresh = False) -> None:
     """Sweep every fidelity of a case, or continue a results file."""
     loaded = load(case, set_)
     from vibeam.studies.regression.references import require_readable
@@ -43,10 +40,10 @@ def run(
 
         of_case(loaded.path, lambda: require_programs(loaded))
     path = results_path(loaded, out)
-    _report(run_case(loaded, path, fresh=fresh, compare=True), path, as_json)
+    _report(run_case(loaded, path, fresh=fresh, compare=True), path)
 
 
-def _report(result: Result, path: Path, as_json: bool) -> None:
+def _report(result: Result, path: Path) -> None:
     from vibeam.report.figures import write_figures
     from vibeam.report.run_report import run_report
     from vibeam.runs.estimate.records import estimate_texts
@@ -58,7 +55,7 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     more = {"curves": result.curves, "estimates": estimate_texts(result.estimates).rows, "accuracy": result.accuracy}
     whole |= {name: value for name, value in more.items() if value}
     found = run_report(result)
-    print_result(whole, as_json, lambda _: found.tables, [*found.notes, *files], filter(None, [found.answer]))
+    print_result(whole, lambda _: found.tables, [*found.notes, *files], filter(None, [found.answer]))
 
 
 DRAWN = (".png", ".svg", ".pdf")
@@ -75,7 +72,6 @@ Plot = Annotated[
 def check(
     case: CaseFile,
     set_: Overrides = None,
-    as_json: AsJson = False,
     out: ResultsFile = None,
     fresh: Fresh = False,
     plot: Plot = None,
@@ -91,7 +87,7 @@ def check(
 
         require_runnable(loaded)
         say(f"{case}: a sound case, but it names no reference to check against and no measured number")
-        print_result([], as_json)
+        print_result([])
         return
     from vibeam.case.held import held_of
     from vibeam.casefile.read import without_accuracy
@@ -113,7 +109,7 @@ def check(
     units = units_of(loaded)
     compared = any(each.against for each in loaded.expectations.values())
     print_result(
-        [*rows, *measured], as_json, lambda _: verdicts(rows, measured, units),
+        [*rows, *measured], lambda _: verdicts(rows, measured, units),
         [*_registrations(rows), *remarks(result)],
         [f"Held: {held_of(loaded.scene).label}."] if compared else [],
     )  # fmt: skip
@@ -134,7 +130,6 @@ def _registrations(rows: Iterable[CheckRow]) -> list[str]:
 def record(
     case: CaseFile,
     set_: Overrides = None,
-    as_json: AsJson = False,
     out: Annotated[
         str | None,
         typer.Option(
@@ -172,7 +167,7 @@ def record(
     for name, file in files.items():
         write_whole(file, recorded(result, name).encode())
     written = list(files.values())
-    print_result({"files": written}, as_json, notes=[*written, *_table(loaded.path.parent, files)])
+    print_result({"files": written}, notes=[*written, *_table(loaded.path.parent, files)])
 
 
 def _table(home: Path, files: dict[str, Path]) -> list[str]:

@@ -72,16 +72,18 @@ class UncertaintyStudy(ValueRecord):
 
 
 def uncertainty(
-    case: Case, tell: Progress = lambda line: None, *, samples: int = 128, seed: int = 0
+    case: Case, tell: Progress = lambda line: None, *, samples: int | None = None, seed: int | None = None
 ) -> UncertaintyStudy:
     """Carry the uncertain inputs of a case through its sweep.
 
     The finest fidelity is run at (2 + d)·``samples`` values of d inputs (Sobol' sequence), each other one of the same
-    physics at 2·``samples`` of them. ValueError where nothing is uncertain or ``samples`` is no power of two ≥ 16,
-    CaseError for values that the case may not have.
+    physics at 2·``samples`` of them; None: as the case asks. ValueError where nothing is uncertain or ``samples`` is
+    no power of two ≥ 16, CaseError for values that the case may not have.
     """
     if not case.uncertain:
         raise ValueError(MISSING)
+    plan = case.asked["uncertainty"]
+    samples, seed = plan.samples if samples is None else samples, plan.seed if seed is None else seed
     if samples < PILOT // 2 or samples & (samples - 1):
         raise ValueError(f"samples: {samples}, must be a power of two, {PILOT // 2} or more")
     from vibeam.runs.run import run

@@ -1,0 +1,87 @@
+"""Command of a study, made of its declaration: one option for each key of its table, JSON, CSV and figure."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, table_path
+from vibeam.cli.errors import of_case
+from vibeam.cli.output import print_sheet, put_lines
+from vibeam.cli.verbosity import verbosity
+from vibeam_models.keys import Key, keys_of
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.report.declaration import StudyDeclaration
+
+
+def study_command(study: StudyDeclaration) -> Callable[..., None]:
+    """Command ``vibeam NAME CASE`` of a study."""
+    keys = keys_of(study.asks) if study.asks is not None else {}
+
+    def command(case: Path, set_: list[str] | None = None, out: str | None = None, **asked: Any) -> None:
+        settings = [f"{study.name}.{key}={_text(value)}" for key, value in asked.items() if value]
+        run_declared(study, load(case, [*(set_ or ()), *settings]), out)
+
+    own = [
+        inspect.Parameter("case", _KIND, annotation=CaseFile),
+        inspect.Parameter("set_", _KIND, default=None, annotation=Overrides),
+        inspect.Parameter("out", _KIND, default=None, annotation=TableFile),
+        *(_option(name, key) for name, key in keys.items()),
+    ]
+    command.__name__, command.__doc__ = study.name, help_of(study)
+    command.__signature__ = inspect.Signature(own)  # type: ignore[attr-defined]
+    command.__annotations__ = {each.name: each.annotation for each in own}
+    return command
+
+
+_KIND = inspect.Parameter.POSITIONAL_OR_KEYWORD
+
+
+def _option(name: str, key: Key) -> inspect.Parameter:
+    """Option of a key; its text is read as a case's is."""
+    shown = "|".join(key.words) if key.words else key.unit.upper() or ("TEXT" if key.text else "NUMBER")
+    said = typer.Option(f"--{name.replace('_', '-')}", metavar=shown, help=key.meaning[:1].upper() + key.meaning[1:])
+    kind = list[str] | None if key.several else str | None
+    return inspect.Parameter(name, _KIND, default=None, annotation=Annotated[kind, said])
+
+
+def _text(value: str | list[str]) -> str:
+    """Value of an option as a case has it: several as a list."""
+    from vibeam.casefile.toml_writing import to_toml
+
+    return value if isinstance(value, str) else to_toml(value)
+
+
+def help_of(study: StudyDeclaration) -> str:
+    """Help of a study's command: its meaning, and examples."""
+    examples = "\n".join(f"  {line}" for line in study.examples)
+    return f"{study.meaning[:1].upper()}{study.meaning[1:]}." + (f"\n\n\b\nExamples:\n{examples}" if examples else "")
+
+
+def run_declared(study: StudyDeclaration, case: Case, out: str | None) -> None:
+    """Run a study of a case, and show and write what it gives."""
+    from vibeam.cli.progress import Bar, stderr
+
+    path = table_path(case, out, study.name)
+    first = _first(study, case)
+    with Bar(study.name) as bar:
+        record = of_case(case.path, lambda: study.of(case, stderr().print, bar))
+    sheet = study.shown(record, case)
+    print_sheet(sheet, sheet.write(path, case.figure), first)
+
+
+def _first(study: StudyDeclaration, case: Case) -> str:
+    """Sentence that is known at once, printed before the study is run; empty where there is none."""
+    from vibeam_models.registry import loaded
+
+    if study.first is None or verbosity().json or verbosity().quiet:
+        return ""
+    said: str = of_case(case.path, lambda: loaded(study.first)(case))
+    put_lines([said])
+    return said

@@ -1,0 +1,105 @@
+"""Declaration of a study: what it asks in the case, its record, rows, sentences, figure; registry of all studies.
+
+Its command with options and help, JSON, CSV and section of a page follow from the declaration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from inspect import signature
+from typing import TYPE_CHECKING, Any
+
+from vibeam.case.study_plans import STUDY_PLANS
+from vibeam_models.registry import Home, Registry, loaded
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.case.case import Case
+    from vibeam.report.output import StudySheet
+
+
+@dataclass(frozen=True)
+class StudyDeclaration:
+    """Study of a case: ``run``, or its ``"module:function"``, takes a case; ValueError for an unsuitable one.
+
+    ``run`` may take ``tell`` (hears lines of text) and ``progress`` (points done, and their total) as well. It returns
+    a record of some ``meaning``, whose ``rows`` are instances of one dataclass (absent: the record itself is a list of
+    them), ``sentences`` the answer, then what is uncertain, and whose ``figure`` is drawn. ``sheet``: in place of these
+    three, the ``StudySheet`` of a record (and its case, where it takes that). ``asks``: frozen dataclass of declared
+    keys (``vibeam_models.keys``), the table ``[name]`` of the case, ``case.asked[name]``, each key an option of the
+    command. ``first``: a sentence on a case that is known at once. ``examples``: lines of its help.
+    """
+
+    name: str
+    run: Callable[..., Any] | str
+    meaning: str
+    rows: Callable[[Any], Sequence[Any]] | None = None
+    sentences: Callable[[Any], Sequence[str]] | None = None
+    figure: Callable[[Any], Figure] | None = None
+    sheet: Callable[..., StudySheet] | str | None = None
+    asks: type[Any] | None = None
+    first: Callable[[Case], str] | str | None = None
+    examples: tuple[str, ...] = ()
+
+    def of(
+        self, case: Case, tell: Callable[[str], None] | None = None, progress: Callable[[int, int], None] | None = None
+    ) -> Any:
+        """Record of the study of a case."""
+        run = loaded(self.run)
+        taken = signature(run).parameters
+        given = {"tell": tell, "progress": progress if "tell" in taken else tell}
+        return run(case, **{name: each for name, each in given.items() if name in taken and each is not None})
+
+    def shown(self, record: Any, case: Case) -> StudySheet:
+        """Sheet of a record of the study of ``case``."""
+        if self.sheet is not None:
+            made = loaded(self.sheet)
+            sheet: StudySheet = made(record, case) if "case" in signature(made).parameters else made(record)
+            return sheet
+        from vibeam.report.output import StudySheet
+        from vibeam.report.tables import rows_of
+
+        rows = list(record if self.rows is None else self.rows(record))
+        answer, *notes = ("",) if self.sentences is None else self.sentences(record)
+        draw = None if self.figure is None else lambda: self.figure(record)  # type: ignore[misc]
+        return StudySheet(answer, [rows_of(self.meaning, rows)], notes, data={"rows": rows}, rows=rows, draw=draw)
+
+
+def _own(name: str, home: str, sheet: str, meaning: str, *examples: str) -> StudyDeclaration:
+    plan = STUDY_PLANS[name].load() if name in STUDY_PLANS else None
+    return StudyDeclaration(
+        name, f"vibeam.studies.{home}:{name}", meaning, sheet=f"vibeam.report.{sheet}", asks=plan,
+        examples=(f"vibeam study {name} mine.toml", *examples),
+    )  # fmt: skip
+
+
+STUDIES: Registry[StudyDeclaration] = Registry(
+    "study",
+    _own("cost", "cost.study", "cost:sheet", "error against CPU time of every solver"),
+    _own("influence", "influence.study", "influence:sheet", "what each effect changes, and its cost"),
+    _own("limit", "limit.study", "limit:sheet", "limit of infinitely many modes"),
+    _own("uncertainty", "uncertainty.study", "uncertainty:sheet", "bands and sensitivity by what is uncertain"),
+    _own("reduce", "reduce.study", "reduce:sheet", "what a reduction loses with n coordinates"),
+)
+
+
+def register_study(declaration: StudyDeclaration) -> None:
+    """Register a study for ``vibeam study``; ValueError where its name, or that of its table, is taken."""
+    STUDIES.add(declaration)
+    if declaration.asks is None:
+        return
+    from vibeam.casefile.tables.cases import case_table
+
+    if declaration.name in case_table("beam").model_fields:
+        STUDIES.remove(declaration.name)
+        raise ValueError(f"study {declaration.name!r}: a case has a table of that name: choose another name")
+    STUDY_PLANS.add(Home(declaration.name, declaration.asks))
+
+
+def forget_study(name: str) -> None:
+    """Take out a study that was registered; KeyError for one that was not."""
+    STUDIES.remove(name)
+    if name in STUDY_PLANS:
+        STUDY_PLANS.remove(name)
