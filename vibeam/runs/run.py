@@ -49,8 +49,9 @@ def run(
 ) -> Result:
     """Sweep every fidelity of ``case``; points already in the results file ``out`` are not computed again.
 
-    Branches whose numbers the case does not change are kept, the others are swept anew, unless that would leave fewer
-    points: ``tell`` gets one line that names them, a warning does without it. ``fresh``: keep nothing of the file.
+    Branches whose numbers the case does not change are kept, the others are swept anew; where that would lose points,
+    the file as it was is kept aside, ``OUT.1.h5``. ``tell`` gets one line on that, a warning does without it.
+    ``fresh``: keep nothing of the file.
     ``before`` gets the overview of rig and sweep where there is something to sweep.
 
     Where the case asks for an accuracy, fidelities are swept from the cheapest on until one is within it

@@ -71,7 +71,9 @@ class RunStorage:
 
         def wanted(stored: Keyed) -> Requirements:
             branches = [each for several in _plan(case, systems, stored).branches.values() for each in several]
-            return Requirements(case.numbers, case.key, case.shared, branches, output_units(case), case.text)
+            return Requirements(
+                case.numbers, case.key, case.shared, branches, output_units(case), case.text, case.path.name
+            )
 
         with opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn) as store:
             yield store, _plan(case, systems, store.models)

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from glob import escape
+from itertools import count
 from pathlib import Path
 
 from vibeam.exchange.whole_files import Fill, fill_sealed, part_beside, regular, write_at
@@ -16,6 +17,7 @@ from vibeam.store.blocks import discard
 from vibeam.store.errors import ELSEWHERE, ROOM, StoreError, unwritable
 
 UNKNOWN = (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK)  # errors of file systems without locks, which HDF5 accepts too
+UNLINKED = (*UNKNOWN, errno.EPERM, errno.EMLINK)  # errors of file systems without a second name for a file
 TRIES = 100
 
 
@@ -29,7 +31,7 @@ class Place:
     @property
     def folder(self) -> Path:
         """Folder of blocks, which need not be there."""
-        return self.target.with_name(f"{self.target.name}.parts")
+        return _parts(self.target)
 
     def fill(self, fill: Fill) -> None:
         """Replace the file by what ``fill`` writes, sealed; StoreError where the disk fails: what was there stays."""
@@ -49,12 +51,44 @@ class Place:
         except OSError as fault:
             raise unwritable(self.path, fault, ELSEWHERE) from None
 
+    def aside(self) -> Path:
+        """Give the file the further name ``OUT.1.h5``, or that of the next number that nothing has; return it.
+
+        It keeps its own name too, except where the file system knows no second one. StoreError where it cannot be.
+        """
+        try:
+            return next(filter(None, map(self._named, self._numbered())))
+        except OSError as fault:
+            raise unwritable(self.path, fault, ELSEWHERE) from None
+
+    def _numbered(self) -> Iterator[Path]:
+        names = (self.target.with_name(f"{self.target.stem}.{each}{self.target.suffix}") for each in count(1))
+        return (each for each in names if not _parts(each).exists())
+
+    def _named(self, further: Path) -> Path | None:
+        """The name, given now or before a kill; None where another file has it."""
+        try:
+            os.link(self.target, further)
+        except FileExistsError:
+            return further if os.path.samefile(self.target, further) else None
+        except OSError as fault:
+            if fault.errno not in UNLINKED:
+                raise
+            if further.exists():
+                return None
+            os.rename(self.target, further)
+        return further
+
     def tidy(self, kin: str = "") -> None:
         """Delete what a writer that was killed has left of files it had begun; of all that begin by ``kin``, too."""
         for name in (self.target.name, *([kin] if kin else [])):
             begun = part_beside(self.target.with_name(name)).name.removesuffix("part")
             for file in self.target.parent.glob(f"{escape(begun)}*part"):
                 file.unlink(missing_ok=True)
+
+
+def _parts(file: Path) -> Path:
+    return file.with_name(f"{file.name}.parts")
 
 
 def place_of(path: Path) -> Place:

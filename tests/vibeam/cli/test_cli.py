@@ -90,7 +90,10 @@ def test_run_takes_overrides_and_a_folder(command: Command, sdof: Path, tmp_path
     assert (found["total"], found["found"]) == (3, 0)
     assert found["fidelities"][0]["fidelity"] == "sdof"
     other = ("--set", "sdof.damping_ratio=0.5", "--out", "there")
-    assert command("run", sdof, *other, expect=2).stderr.count("\n") == 1
+    told = command("run", sdof, *other).stderr.splitlines()[0]
+    assert re.fullmatch(
+        r"there/sdof\.h5: holds the case as it was \(.* there, .* here\); .* aside as sdof\.1\.h5", told
+    )
     assert re.fullmatch(OVERVIEW, command("run", sdof, *other, "--fresh").stderr)
 
 
@@ -99,7 +102,9 @@ def test_run_says_what_it_keeps_of_a_changed_case(command: Command, sdof: Path) 
     command("run", sdof, *grid)
     more = ("--set", "sweep.frequency.to=2.5 Hz", "--set", "sweep.frequency.points=7")
     told = command("run", sdof, *grid[:2], *more).stderr.splitlines()
-    assert told[0] == "sdof.h5: extended: sdof/up (5 of 7 points); swept anew: sdof/down"
+    assert told[0] == (
+        "sdof.h5: extended: sdof/up (5 of 7 points); swept anew: sdof/down; its results are kept aside as sdof.1.h5"
+    )
     assert told[-1] == "continuing: 5 of 14 points are there"
     checked = command("check", with_reference(sdof, curve_of(sdof)), "--out", "sdof.h5", "--fresh")
     assert re.fullmatch(OVERVIEW, checked.stderr)

@@ -21,6 +21,7 @@ from vibeam.store.errors import StoreError
 
 GRID = np.linspace(14.0, 17.0, 8)
 LONGER = np.append(GRID, [17.5, 18.0])
+ASIDE = "its results are kept aside as a.1.h5"
 
 
 class Run:
@@ -44,7 +45,12 @@ class Run:
     def line(self) -> str:
         assert len(self.told) == 1
         assert self.told[0].startswith(f"{self.path}: ")
-        return self.told[0].removeprefix(f"{self.path}: ")
+        return self.told[0].removeprefix(f"{self.path}: ").removesuffix(f"; {ASIDE}")
+
+    def aside(self, before: bytes, names: tuple[str, ...] = ("a.1.h5",)) -> bool:
+        """Whether the file as it was is kept beside, and nothing else is there."""
+        there = {each.name: each.read_bytes() for each in self.path.parent.iterdir() if each != self.path}
+        return sorted(there) == sorted(names) and there[names[-1]] == before and ASIDE in self.told[0]
 
 
 @pytest.fixture
@@ -138,14 +144,13 @@ def test_another_grid_keeps_the_points_before_the_first_other_one(again: Run, gr
     assert as_anew(result)
 
 
-@pytest.mark.parametrize("grid", [GRID[:5], np.linspace(14.0, 17.0, 4), GRID[:1]])
-def test_a_sweep_of_fewer_points_does_not_take_the_place_of_one_of_more(again: Run, grid: Any) -> None:
+@pytest.mark.parametrize(("grid", "kept"), [(GRID[:5], 5), (np.linspace(14.0, 17.0, 4), 1), (GRID[:1], 1)])
+def test_a_sweep_of_fewer_points_leaves_one_of_more_beside(again: Run, grid: Any, kept: int) -> None:
     """As a quick try with a coarser grid would, where the long sweep took hours."""
-    again(of({"one": 1, "three": 3}))
+    again(of({"one": 1, "three": 3}, direction="up"))
     before = again.path.read_bytes()
-    with pytest.raises(StoreError, match=rf"holds 8 points of one/up, and this case has {len(grid)}: .*--fresh"):
-        again(of({"one": 1, "three": 3}, grid))
-    assert (again.path.read_bytes(), again.calls, again.told) == (before, [], [])
+    result = again(of({"one": 1, "three": 3}, grid, "up"))
+    assert (result.found, as_anew(result), again.aside(before)) == (2 * kept, True, True)
 
 
 def test_down_by_itself_is_not_down_after_up(again: Run) -> None:
@@ -158,15 +163,38 @@ def test_down_by_itself_is_not_down_after_up(again: Run) -> None:
     assert as_anew(result)
 
 
-def test_another_physics_is_refused_and_nothing_is_lost(again: Run) -> None:
+def test_another_physics_is_swept_beside_the_one_before(again: Run) -> None:
+    first, other, third = (of({"one": 1, "three": 3}, key=key) for key in ("k" * 64, "other", "third"))
+    before = again(first) and again.path.read_bytes()
+    result = again(other)
+    assert (result.found, as_anew(result), again.aside(before)) == (0, True, True)
+    assert again.line() == f"holds the case as it was (key = '{'k' * 64}' there, 'other' here)"
+    second = again.path.read_bytes()
+    again(third)
+    assert again.told[0].endswith("a.2.h5")
+    assert [(again.path.parent / f"a.{n}.h5").read_bytes() for n in (1, 2)] == [before, second]
+    assert run(first, again.path.parent / "a.1.h5").found == result.total
+    result = again(other, fresh=True)
+    assert (result.found, again.told, as_anew(result)) == (0, [], True)
+
+
+def test_points_that_an_edit_would_lose_are_kept_beside_with_their_blocks(again: Run) -> None:
+    with pytest.raises(ZeroDivisionError):
+        again(of({"one": 1}), fail_at=13, failure=ZeroDivisionError())
+    kept = read(again.path)
+    again(of({"one": 2}))
+    assert all(same(kept[at], each) for at, each in read(again.path.parent / "a.1.h5").items())
+    assert not again.path.with_name("a.h5.parts").exists()
+
+
+def test_a_case_of_another_name_is_refused_and_nothing_is_lost(again: Run) -> None:
     again(of({"one": 1, "three": 3}))
     before = again.path.read_bytes()
-    with pytest.raises(StoreError, match=r"holds another case .* there, .* here.* or start over with --fresh"):
-        again(of({"one": 1, "three": 3}, key="other"))
-    assert (again.path.read_bytes(), again.calls, again.told) == (before, [], [])
-    result = again(of({"one": 1, "three": 3}, key="other"), fresh=True)
-    assert (result.found, again.told, as_anew(result)) == (0, [], True)
-    assert list(again.path.parent.iterdir()) == [again.path]
+    for changed in (of({"one": 1, "three": 3}, key="other"), of({"one": 1, "three": 4})):
+        changed.path = Path("other.toml")
+        with pytest.raises(StoreError, match=r"holds another case \(.*\): .* or start over with --fresh"):
+            again(changed)
+        assert (again.path.read_bytes(), again.calls, again.told) == (before, [], [])
 
 
 def test_another_physics_that_all_fidelities_set_for_themselves_is_none(again: Run) -> None:
@@ -184,7 +212,7 @@ def test_a_failure_before_the_first_new_point_loses_nothing(again: Run) -> None:
         with pytest.raises(ZeroDivisionError):
             again(of({"one": 2, "three": 4}), fresh=fresh, fail_at=0, failure=ZeroDivisionError())
         assert again.path.read_bytes() == before
-    assert list(again.path.parent.iterdir()) == [again.path]
+        assert list(again.path.parent.iterdir()) == [again.path]
 
 
 def test_a_stop_while_a_fidelity_is_swept_anew_keeps_the_others(again: Run) -> None:
@@ -243,9 +271,8 @@ def killed_at(left):
     os._exit(0)
 
 for calls in range({first}, {most}, {step}):
-    for place in path.parent.glob(".*"):
-        place.unlink()
-    path.unlink(missing_ok=True)
+    for place in [*path.parent.glob(".*"), path, path.with_name("a.1.h5")]:
+        place.unlink(missing_ok=True)
     if {changed}:
         path.write_bytes(before.read_bytes())
     child = os.fork()
@@ -253,7 +280,8 @@ for calls in range({first}, {most}, {step}):
         killed_at([calls])
     _, status = os.waitpid(child, 0)
     assert as_anew(running(wanted, path, tell=print)), calls
-    assert [each.name for each in path.parent.iterdir() if each != before] == [path.name], calls
+    there = {{each.name: each.read_bytes() for each in path.parent.iterdir()}}
+    assert len(there) == 1 + 2 * {changed} and there.get("a.1.h5") == there.get(before.name), calls
     if status == 0:
         sys.exit(0 if calls > 10 else 1)
 sys.exit(2)

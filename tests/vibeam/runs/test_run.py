@@ -20,7 +20,6 @@ from vibeam.runs.parallel import run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run import Interrupted, run
 from vibeam.runs.sweep import SweepPoints, SweepSettings
-from vibeam.store.errors import StoreError
 
 POINTS = 2 * 2 * 8  # fidelities, directions, frequencies
 
@@ -122,13 +121,6 @@ def test_a_killed_run_goes_on_to_the_same_bits(monkeypatch: pytest.MonkeyPatch, 
     assert continued.found == POINTS - len(rest.calls)
     assert continued.found in ((19, 20) if every == 0.0 else (0, 8, 16))
     assert alike(continued, run(case()))
-
-
-def test_a_changed_case_is_refused(solver: Solver, tmp_path: Path) -> None:
-    run(case(), tmp_path / "a.h5")
-    with pytest.raises(StoreError, match="holds another case"):
-        run(case(key="other"), tmp_path / "a.h5")
-    assert len(solver.calls) == POINTS
 
 
 def test_a_fidelity_that_cannot_be_built_stops_before_any_file(tmp_path: Path) -> None:

@@ -118,16 +118,66 @@ def test_gives_back_every_bit(tmp_path: Path) -> None:
     assert same(untouched.response, FrequencyResponse.empty(DOWN.frequency, 3))
 
 
-def test_another_case_is_refused_and_untouched(tmp_path: Path) -> None:
+def other_case(name: str = "") -> Requirements:
+    changed = [replace(branch, key="c" * 64) for branch in CASE.branches]
+    texts = CASE.text.replace("300", "30"), "b" * 64, CASE.shared.replace("300", "30")
+    return Requirements(*texts, changed, name=name)
+
+
+def test_the_file_of_another_case_is_kept_aside_under_the_next_free_name(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.h5")
+    before, told = path.read_bytes(), list[str]()
+    (tmp_path / "a.1.h5").write_text("mine")
+    (tmp_path / "a.2.h5.parts").mkdir()
+    with opened(path, other_case(), tell=told.append):
+        assert path.read_bytes() == before
+    assert not (tmp_path / "a.3.h5").exists()
+    with opened(path, other_case(), tell=told.append) as store:
+        put(store, [0])
+    assert (
+        told
+        == [f"{path}: holds the case as it was (settle = 300 there, 30 here); its results are kept aside as a.3.h5"] * 2
+    )
+    assert (tmp_path / "a.3.h5").read_bytes() == before
+    assert (tmp_path / "a.1.h5").read_text() == "mine"
+    assert np.isfinite(read(path)["beam", "up"].amplitude).sum() == 1
+
+
+def test_a_kill_before_the_first_point_keeps_the_file_aside_once(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.h5")
+    os.link(path, tmp_path / "a.1.h5")  # as the killed run has left it
+    with opened(path, other_case()) as store:
+        put(store, [0])
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.1.h5", "a.h5"]
+
+
+def test_a_file_system_without_second_names_renames_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*names: object) -> None:
+        raise PermissionError(errno.EPERM, "no links")
+
     path = written(tmp_path / "a.h5")
     before = path.read_bytes()
-    changed = [replace(branch, key="c" * 64) for branch in CASE.branches]
-    other = Requirements(CASE.text.replace("300", "30"), "b" * 64, CASE.shared.replace("300", "30"), changed)
-    with pytest.raises(StoreError, match="settle = 300 there, 30 here") as caught, opened(path, other):
+    (tmp_path / "a.1.h5").write_text("mine")
+    monkeypatch.setattr(os, "link", refused)
+    with opened(path, other_case()):
+        assert (tmp_path / "a.2.h5").read_bytes() == before
+    with opened(path, other_case()) as store:
+        put(store, [0])
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.1.h5", "a.2.h5", "a.h5"]
+
+
+def test_a_folder_that_takes_no_name_is_a_message_and_nothing_is_lost(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*names: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    path = written(tmp_path / "a.h5")
+    before = path.read_bytes()
+    monkeypatch.setattr(os, "link", full)
+    with pytest.raises(StoreError, match="cannot be written"), opened(path, other_case()):
         pass
-    assert str(path) in str(caught.value)
-    assert "choose another --out, or start over with --fresh" in str(caught.value)
-    assert path.read_bytes() == before
+    assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == {"a.h5": before}
 
 
 @pytest.mark.parametrize("content", [b"", b"title = 'no results'\n", bytes(range(256)) * 40])

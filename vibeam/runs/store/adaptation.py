@@ -5,7 +5,6 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,8 +21,7 @@ from vibeam.runs.store.branches import (
     write_rows,
 )
 from vibeam.runs.store.records import COMPARISON, CURVES, ESTIMATES, MODELS
-from vibeam.store.errors import ANEW, StoreError
-from vibeam.store.hdf5 import fixed, in_memory
+from vibeam.store.hdf5 import fixed, in_memory, text_of
 from vibeam.store.provenance import write_provenance
 from vibeam.system.quantities import METRES, OutputUnits
 from vibeam_models.arrays import Array
@@ -40,7 +38,8 @@ class Requirements:
     """Requirements of a case on its results file.
 
     ``text``: what decides the numbers of the case, ``key``: of all of it; ``shared``: the part of it common to all
-    fidelities; ``units``: of the output; ``whole``: the case as TOML, titles, checks and figures included.
+    fidelities; ``units``: of the output; ``whole``: the case as TOML, titles, checks and figures included; ``name`` of
+    the case file.
     """
 
     text: str
@@ -49,6 +48,7 @@ class Requirements:
     branches: Sequence[BranchPlan]
     units: OutputUnits = METRES
     whole: str = ""
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,6 @@ class Reuse:
     stored: int
     kept: int
     fits: bool
-
-    @property
-    def shrinks(self) -> bool:
-        """True where more points would be lost than the case asks for."""
-        return self.kept < self.stored and len(self.branch.frequency) < self.stored
 
     def __str__(self) -> str:
         return f"{self.branch.group} ({self.kept} of {len(self.branch.frequency)} points)"
@@ -80,20 +75,11 @@ def blank(wanted: Requirements) -> h5py.File:
     return file
 
 
-def adapted(file: h5py.File, path: Path, wanted: Requirements) -> str | None:
-    """Adapt the file to ``wanted``: the changes in one line, empty where no number changes, None without any.
-
-    StoreError where it is another case's, so that nothing in it would stay, or where it has more points.
-    """
-    reuses = [_reuse_of(file, branch) for branch in wanted.branches]
+def adapted(file: h5py.File, wanted: Requirements) -> str | None:
+    """Adapt the file to ``wanted``: the changes in one line, empty where no number changes, None without any."""
+    reuses = _reuses(file, wanted)
     if all(reuse.fits for reuse in reuses) and _says(file, wanted):
         return _renewed(file, wanted)
-    if _text(file, "shared") != wanted.shared and _lost_with(file, reuses):
-        raise _another_case(path, _flat(_text(file, "shared")), _flat(wanted.shared))
-    for reuse in reuses:
-        if reuse.shrinks:
-            points = f"{reuse.stored} points of {reuse.branch.group}, and this case has {len(reuse.branch.frequency)}"
-            raise StoreError(f"{path}: holds {points}: {ANEW}")
     named = {branch.group for branch in wanted.branches}
     others = [name for name in _groups_with_points(file) if name not in named]
     for reuse in reuses:
@@ -102,6 +88,29 @@ def adapted(file: h5py.File, path: Path, wanted: Requirements) -> str | None:
         file.pop(record, None)
     _write_case(file, wanted)
     return _reported(reuses, others)
+
+
+def difference(file: h5py.File, wanted: Requirements) -> str:
+    """First difference in physics, if the file has points of another one than ``wanted``; else empty."""
+    if _text(file, "shared") == wanted.shared:
+        return ""
+    same = {reuse.branch.group for reuse in _reuses(file, wanted) if reuse.kept or not reuse.stored}
+    if all(name in same for name in _groups_with_points(file)):
+        return ""
+    stored, present = _flat(_text(file, "shared")), _flat(wanted.shared)
+    key = next((key for key in {**stored, **present} if stored.get(key) != present.get(key)), "its key")
+    there, here = (repr(values.get(key, "nothing")) for values in (stored, present))
+    return f"{key} = {there} there, {here} here"
+
+
+def loses(file: h5py.File, wanted: Requirements) -> bool:
+    """Test whether ``adapted`` would lose points."""
+    return any(reuse.kept < reuse.stored for reuse in _reuses(file, wanted))
+
+
+def is_of(file: h5py.File, wanted: Requirements) -> bool:
+    """Test whether the file is of a case of that name, as far as it says."""
+    return text_of(file["case"], "name") in ("", wanted.name)
 
 
 def whole_case(file: h5py.File) -> str:
@@ -120,7 +129,7 @@ def _renewed(file: h5py.File, wanted: Requirements) -> str | None:
 def _write_case(file: h5py.File, wanted: Requirements) -> None:
     file.pop("case", None)
     group = file.create_group("case")
-    group.attrs["key"] = fixed(wanted.key)
+    group.attrs["key"], group.attrs["name"] = fixed(wanted.key), fixed(wanted.name)
     group["text"], group["shared"] = fixed(wanted.text), fixed(wanted.shared)
     if wanted.whole:
         group["whole"] = fixed(wanted.whole)
@@ -134,6 +143,10 @@ def _says(file: h5py.File, wanted: Requirements) -> bool:
     """Test whether the file says of its case what ``wanted`` says."""
     found = (key_of(file["case"]), _text(file, "text"), _text(file, "shared"))
     return found == (wanted.key, wanted.text, wanted.shared)
+
+
+def _reuses(file: h5py.File, wanted: Requirements) -> list[Reuse]:
+    return [_reuse_of(file, branch) for branch in wanted.branches]
 
 
 def _reuse_of(file: h5py.File, branch: BranchPlan) -> Reuse:
@@ -176,12 +189,6 @@ def _lay_out_anew(file: h5py.File, reuse: Reuse, units: OutputUnits) -> None:
         write_rows(group, 0, rows)
 
 
-def _lost_with(file: h5py.File, reuses: Sequence[Reuse]) -> bool:
-    """Test whether a stored branch with points would lose them to a change of physics."""
-    same = {reuse.branch.group for reuse in reuses if reuse.kept or not reuse.stored}
-    return any(name not in same for name in _groups_with_points(file))
-
-
 def _groups_with_points(file: h5py.File) -> list[str]:
     """Branches of the file that have points."""
     return [f"{name}/{way}" for name, way in branch_names(file) if points_of(file[name][way])]
@@ -201,13 +208,6 @@ def _reported(reuses: Sequence[Reuse], others: Iterable[str]) -> str:
 
 def _anew(reuse: Reuse) -> str:
     return f"{reuse.branch.group} (after {reuse.kept} points)" if reuse.kept else reuse.branch.group
-
-
-def _another_case(path: Path, stored: Mapping[str, Any], present: Mapping[str, Any]) -> StoreError:
-    """Error for a file of a case that shares nothing with this one: names the first difference."""
-    key = next((key for key in {**stored, **present} if stored.get(key) != present.get(key)), "its key")
-    there, here = (repr(values.get(key, "nothing")) for values in (stored, present))
-    return StoreError(f"{path}: holds another case ({key} = {there} there, {here} here): {ANEW}")
 
 
 def _flat(text: str) -> Mapping[str, Any]:

@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from vibeam.exchange.whole_files import unsealed
-from vibeam.runs.store.adaptation import FORMAT, Requirements, adapted, blank
+from vibeam.runs.store.adaptation import FORMAT, Requirements, adapted, blank, difference, is_of, loses
 from vibeam.runs.store.branches import (
     BranchPlan,
     StoredBranch,
@@ -27,7 +27,7 @@ from vibeam.runs.store.branches import (
     write_rows,
 )
 from vibeam.runs.store.records import Kept, Keyed, KeyedRecord, keep, kept, read_models, write_models
-from vibeam.store.errors import CURE, ELSEWHERE, FAULTS, StoreError, reading, reason, unopened
+from vibeam.store.errors import ANEW, CURE, ELSEWHERE, FAULTS, StoreError, reading, reason, unopened
 from vibeam.store.hdf5 import SIGNATURE, content_of, in_memory
 from vibeam.store.place import Place, locked, place_of
 from vibeam.store.provenance import note_continued
@@ -51,14 +51,15 @@ class Store:
     The first points of a session put the whole file in place, further ones are blocks beside it, which the end gathers.
     ``file``: in memory; ``units``: of the output; ``models``: what the file had of its models when it was opened;
     ``blocks``: number of those that it has in memory alone; ``new``: it was made here; ``fresh``: in place of another;
-    ``changed``: it says something else than on disk. Every method: StoreError where the file cannot be read or written.
+    ``changed``: it says something else than on disk; ``aside``: the further name of the file that it replaces. Every
+    method: StoreError where the file cannot be read or written.
     """
 
     def __init__(
         self, place: Place, file: h5py.File, units: OutputUnits, models: Keyed, *,
-        blocks: int = 0, new: bool = False, fresh: bool = False, changed: bool = False,
+        blocks: int = 0, new: bool = False, fresh: bool = False, changed: bool = False, aside: Path | None = None,
     ) -> None:  # fmt: skip
-        self._place, self._file = place, file
+        self._place, self._file, self._aside = place, file, aside
         self._lock = threading.Lock()
         self._blocks, self._new, self._fresh, self._changed = blocks, new, fresh, changed
         self._begun = False
@@ -78,6 +79,8 @@ class Store:
                 raise
         finally:
             self._file.close()
+            if self._aside and not self._begun and self._place.target.exists():
+                self._aside.unlink()  # nothing was replaced
 
     @contextmanager
     def _reading(self, where: str) -> Iterator[h5py.File]:
@@ -151,9 +154,10 @@ def opened(
     """Open the results file of one case, made with its first point where there is none; locked against other processes.
 
     ``wanted``: what the case wants of it, called with what the file has of its models, before anything is changed.
-    A file of a changed case keeps the branches whose numbers are the same; ``tell`` gets one line on that. ``fresh``:
-    a new file replaces the old one with its first point. StoreError where ``path`` is something else,
-    belongs to another case, is damaged, locked or cannot be written.
+    A file of a changed case keeps the branches whose numbers are the same; where points would be lost, the file as it
+    was is kept aside; ``tell`` gets one line on either. ``fresh``: a new file takes the old one's place with its first
+    point. StoreError where ``path`` is something else, or damaged, locked or not to be written, or where the case of
+    another name would lose its points.
     """
     with locked(path) as place:
         place.tidy()
@@ -178,10 +182,27 @@ def _continued(place: Place, plan: Plan, tell: Tell) -> Store:
         place.discard()  # what is there goes on from nothing
     wanted = plan(models)
     with reading(path, "it"):
-        line = adapted(file, path, wanted)
+        other = difference(file, wanted)
+        lost = bool(other) or loses(file, wanted)
+        if lost and not is_of(file, wanted):
+            raise StoreError(f"{path}: holds another case ({other or 'of other points'}): {ANEW}")
+        gathered = content_of(file) if lost and blocks else b""
+        line = f"holds the case as it was ({other})" if other else adapted(file, wanted)
+    aside = _set_aside(place, gathered) if lost else None
     if line:
-        tell(f"{path}: {line}")
-    return Store(place, file, wanted.units, models, blocks=blocks, changed=line is not None)
+        tell(f"{path}: {line}" + (f"; its results are kept aside as {aside.name}" if aside else ""))
+    if other:
+        return Store(place, blank(wanted), wanted.units, {}, new=True, fresh=True, aside=aside)
+    own = 0 if lost else blocks
+    return Store(place, file, wanted.units, models, blocks=own, changed=line is not None, aside=aside)
+
+
+def _set_aside(place: Place, gathered: bytes) -> Path:
+    """Further name of the file, which has all its blocks from now on."""
+    if gathered:
+        place.replace(gathered)
+        place.discard()
+    return place.aside()
 
 
 @contextmanager
