@@ -1,10 +1,11 @@
-"""Accuracy against time as terminal tables and sentences."""
+"""Accuracy against time as a sheet: the answer, the runs worth a look, all runs, the parts of each model's error."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import groupby
-from math import isfinite
+from math import ceil, isfinite
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
@@ -13,8 +14,8 @@ from vibeam.exchange.files import dotted
 from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.report.work_precision import work_precision
-from vibeam.runs.comparison.differences import headline, notes
-from vibeam.system.number_text import percent, signed
+from vibeam.runs.comparison.differences import headline, listed, notes
+from vibeam.system.number_text import in_prefix, percent, signed
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -23,13 +24,26 @@ if TYPE_CHECKING:
     from vibeam.studies.cost.study import CostStudy
 
 
-def sheet(study: CostStudy, case: Case) -> StudySheet:
+WITHIN = 0.01  # accuracy by which the answer calls a run enough
+MOST_ROWS, MOST_NOTES = 15, 5
+ROUND_OFF, EXACT = 1e-12, 1e-5  # errors that are no larger are none, or nearly none
+RATIO = 10.0  # ratio of model error to solver error from which on the solver is not where the error is
+
+
+def sheet(study: CostStudy, case: Case, within: float = WITHIN) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a run, nested values by names with a dot: ``total.amplitude.rms``."""
-    said = list(sentences(study))
+    doubts = list(uncertain(study, case))
     return StudySheet(
-        headline(study.comparison), [runs(study), parts(study)], said, data={"study": study},
-        rows=[_cells(plain(row)) for row in study.rows], draw=lambda: work_precision(study, case), coarse=True,
-    )  # fmt: skip
+        answer=answer(study, case, within),
+        tables=[chosen(study, case)],
+        notes=doubts[:MOST_NOTES],
+        details=[*doubts[MOST_NOTES:], *details(study)],
+        more=[runs(study), parts(study)],
+        data={"study": study},
+        rows=[_cells(plain(row)) for row in study.rows],
+        draw=lambda: work_precision(study, case),
+        coarse=True,
+    )
 
 
 def _cells(row: Mapping[str, Any]) -> dict[str, Any]:
@@ -37,8 +51,115 @@ def _cells(row: Mapping[str, Any]) -> dict[str, Any]:
     return dict(dotted({**row, "parts": parts}))
 
 
-ROUND_OFF = 1e-12  # parts that are no larger are left out
-RATIO = 10.0  # ratio of solver error to model error below which a sentence says so
+def answer(study: CostStudy, case: Case, within: float = WITHIN) -> str:
+    """Sentence on the finest fidelity's time, the cheapest run ``within`` an error, and the finest's other solvers."""
+    exact = _exact(study)
+    unit, factor = in_prefix("s", exact / len(study.frequency))
+    time = f"{exact / len(study.frequency) * factor:.2g} {unit} a frequency"
+    rest = [_cheaper(study, case, within, exact), _other_solvers(study, exact)]
+    said = "; ".join(filter(None, rest)) if study.rows else "no run had time"
+    held = study.comparison.held
+    what = held.label if held.coefficient is not None else f"the {held.label}"
+    return f"With {what} held, exact flight of {study.finest} takes {time}; {said}."
+
+
+def _exact(study: CostStudy) -> float:
+    """CPU seconds of the finest fidelity's exact flight, of as many periods as the other runs where it ran so."""
+    flown = (row.work for row in study.rows if (row.fidelity, row.solver) == (study.finest, "flight"))
+    whole = (split.cpu for split in study.splits if split.fidelity == study.finest)
+    return next((work.cpu_min for work in flown if work), None) or next(whole)
+
+
+def _seconds(row: RunRow) -> float:
+    return row.work.cpu_min if row.work else float("inf")
+
+
+def _worst(row: RunRow) -> float:
+    """Largest error in amplitude, without its sign; ∞ where there is none."""
+    return abs(row.total.amplitude.worst) if isfinite(row.total.amplitude.worst) else float("inf")
+
+
+def _cheaper(study: CostStudy, case: Case, within: float, exact: float) -> str:
+    """The cheapest run within the accuracy, or the nearest of those that cost less than the finest's flight."""
+    whole = [row for row in study.rows if row.found == len(study.frequency) and isfinite(_worst(row))]
+    less = [row for row in whole if _seconds(row) < exact]
+    if not less:
+        return "nothing is cheaper"
+    enough = [row for row in less if _worst(row) <= within]
+    best = min(enough, key=_seconds) if enough else min(less, key=_worst)
+    name = best.fidelity if best.fidelity in case.fidelities else f"{study.finest} cut off after mode {best.modes}"
+    said = f"{name} by {best.label}, {_ratio(exact / _seconds(best))} times faster and {_off(best)}"
+    if enough:
+        return f"the cheapest within {percent(within)} is {said}"
+    return f"nothing cheaper is within {percent(within)}: the nearest is {said}"
+
+
+def _off(row: RunRow) -> str:
+    of = row.total.amplitude
+    where = "" if of.points == of.total else f" (at the {of.points} of {of.total} frequencies where motions repeat)"
+    if _worst(row) > EXACT:
+        return f"{percent(_worst(row))} off{where}"
+    return f"exact{f' to {share(_worst(row))}' * (_worst(row) > ROUND_OFF)}{where}"
+
+
+def _ratio(value: float) -> str:
+    return f"{float(f'{value:.2g}'):g}"
+
+
+def _other_solvers(study: CostStudy, exact: float) -> str:
+    """The cheapest and the dearest of the finest fidelity's other solvers, each at its best."""
+    own = [row for row in study.rows if row.fidelity == study.finest and row.solver != "flight"]
+    ran = sorted((row for row in _best(own) if row.work and isfinite(_worst(row))), key=_seconds)
+    said = (
+        f"{row.solver} takes {_ratio(_seconds(row) / exact)} times as long and is {_off(row)}"
+        for row in ran[:1] + ran[1:][-1:]
+    )
+    return ", ".join(said)
+
+
+def _best(rows: Iterable[RunRow]) -> list[RunRow]:
+    """Row of least error of each solver, the cheapest of several; one that failed where all did."""
+    best: dict[str, RunRow] = {}
+    for row in sorted(rows, key=lambda row: (_worst(row), _seconds(row))):
+        best.setdefault(row.solver, row)
+    return list(best.values())
+
+
+def chosen(study: CostStudy, case: Case) -> ReportTable:
+    """Table of the runs on the Pareto front, and of the best of each solver."""
+    front = [study.rows[index] for index in study.front]
+    kept = [*_best(study.rows), *front][:MOST_ROWS]
+    some = any(row.total.amplitude.points < row.total.amplitude.total for row in kept)
+    names = ["model", "solver", "off|", "rms|", "by solver|", *["points|"] * some, "ms a frequency|", "times|", ""]
+    table = blank("Error against time", *names, heads=2)
+    table.caption = (
+        f"off, rms: amplitude, largest and root mean square, against {study.truth}; by solver: against its own model"
+        f"\n{_periods(study)}; times: over flight of {study.finest}; *: no run is both nearer (rms) and cheaper"
+    )
+    if any(row.fidelity not in case.fidelities for row in kept):
+        table.caption += f"; modes_1, 2, …: {study.finest} cut off after so many"
+    exact, last = _exact(study), ""
+    for row in (row for row in study.rows if row in kept):
+        spent = _seconds(row)
+        seconds = [f"{1e3 * spent / len(study.frequency):.3g}", _ratio(spent / exact)] if row.work else ["–", "–"]
+        cells = [*_errors(row), *[_points(row)] * some, *seconds]
+        table.add_row("" if row.fidelity == last else row.fidelity, row.label, *cells, "*" if row in front else "")
+        last = row.fidelity
+    return table
+
+
+def _errors(row: RunRow) -> tuple[str, ...]:
+    total = row.total.amplitude
+    return share(abs(total.worst)), share(total.rms), share(abs(row.numerical.amplitude.worst))
+
+
+def _points(row: RunRow) -> str:
+    off = row.total.amplitude
+    return f"{off.points}/{off.total}" if off.total else "–"
+
+
+def _periods(study: CostStudy) -> str:
+    return f"{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods"
 
 
 def runs(study: CostStudy) -> ReportTable:
@@ -46,8 +167,14 @@ def runs(study: CostStudy) -> ReportTable:
     chaos = any(isfinite(row.numerical.statistics) for row in study.rows)
     names = ["fidelity", "modes|", "solver", "points|", "off|", "rms|", "by solver|", "path|", "impacts|"]
     names += ["statistics|"] * chaos + ["CPU|", "µs/period|", "µs/impact|", "", "why"]
-    table = blank("Accuracy and time", *names, heads=3)
-    table.caption = _legend(study, chaos)
+    table = blank("All runs", *names, heads=3)
+    table.caption = (
+        "path: Hausdorff distance to the exact motion of its own fidelity over ten periods; impacts: worst velocity on "
+        "it\nCPU: least of the repeats, the solver's making included; *: on the Pareto front of rms and CPU, for runs "
+        "that found every motion"
+        + "\nstatistics: where neither repeats, the worst of means and deciles (in brackets: of the exact one's halves)"
+        * chaos
+    )
     last = ""
     for index, row in enumerate(study.rows):
         if last and row.fidelity != last:
@@ -57,30 +184,15 @@ def runs(study: CostStudy) -> ReportTable:
     return table
 
 
-def _legend(study: CostStudy, chaos: bool) -> str:
-    text = (
-        f"off, rms: amplitude, largest and root mean square, against {study.truth}, where both repeat\n"
-        "by solver: largest, against the exact motion of its own fidelity; path: Hausdorff distance to it over ten "
-        "periods; impacts: worst velocity on it\n"
-        f"{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods; CPU: least of the repeats, the "
-        "solver's making included; *: on the Pareto front of rms and CPU, for runs that found every motion"
-    )
-    notes = (
-        "\nstatistics: where neither repeats, the worst of means and deciles (in brackets: of the exact one's halves)"
-    )
-    return text + notes * chaos
-
-
 def _run(row: RunRow, again: bool, best: bool, chaos: bool) -> list[str | Text]:
-    head: list[str | Text] = ["" if again else row.fidelity, "" if again else str(row.modes), row.label]
-    total, own, work = row.total, row.numerical, row.work
-    off, alone = total.amplitude, abs(own.amplitude.worst)
-    cells = [f"{off.points}/{off.total}" if off.total else "–", share(abs(off.worst))]
-    cells += map(share, (off.rms, alone, own.path, own.impact_velocities))
+    own, work = row.numerical, row.work
     statistics = f"{share(own.statistics)} ({share(own.scatter)})" if isfinite(own.statistics) else "–"
-    cells += [statistics] * chaos
-    cells += [f"{work.cpu_min:.3g} s", *map(_micro, (work.per_period, work.per_impact))] if work else ["–"] * 3
-    return [*head, *cells, "*" if best else "", Text(row.why, style="red")]
+    spent = [f"{work.cpu_min:.3g} s", *map(_micro, (work.per_period, work.per_impact))] if work else ["–"] * 3
+    return [
+        *(["", ""] if again else [row.fidelity, str(row.modes)]), row.label, _points(row), *_errors(row),
+        share(own.path), share(own.impact_velocities), *[statistics] * chaos, *spent, "*" if best else "",
+        Text(row.why, style="red"),
+    ]  # fmt: skip
 
 
 def parts(study: CostStudy) -> ReportTable:
@@ -106,44 +218,88 @@ def _numbers(part: Part) -> tuple[str, ...]:
 
 
 def _range(study: CostStudy, split: Split) -> str:
-    found = _solvers(study, split)
-    return f"{share(found[0][0])} … {share(found[-1][0])}" if found else "–"
+    found = _by_solver(study, split)
+    return f"{share(found[0])} … {share(found[-1])}" if found else "–"
 
 
-def _solvers(study: CostStudy, split: Split) -> list[tuple[float, str]]:
+def _by_solver(study: CostStudy, split: Split) -> list[float]:
     """Largest numerical error of every run on a fidelity, the smallest first."""
-    found = [(abs(row.numerical.amplitude.worst), row.label) for row in study.rows if row.fidelity == split.fidelity]
-    return sorted(each for each in found if isfinite(each[0]))
+    found = (abs(row.numerical.amplitude.worst) for row in study.rows if row.fidelity == split.fidelity)
+    return sorted(filter(isfinite, found))
 
 
-def sentences(study: CostStudy) -> Iterator[str]:
-    """Sentences that interpret the numbers, a line each."""
+def uncertain(study: CostStudy, case: Case) -> Iterator[str]:
+    """Notes on what is uncertain, each with what to do about it."""
+    yield from _left_out(study, case)
+    failed = [row for row in study.rows if row.why]
+    if failed:
+        first = f"{failed[0].fidelity} by {failed[0].label}: {failed[0].why}"
+        yield f"{len(failed)} of {len(study.rows)} runs gave no error ({first}); -v says of each why."
+    if study.comparison.turning:
+        other = study.comparison.other.restitution_of if study.comparison.other else ""
+        yield f"{headline(study.comparison)[:-1]}: --set 'stop.restitution_of=\"{other}\"' compares so."
+    off_limit = list(notes(study.comparison))
+    if len(off_limit) > 1:
+        yield "; ".join(line.strip() for line in off_limit) + "."
+    if not isfinite(study.bound.value):
+        why = study.bound.note.partition("; ")[0]
+        yield f"No second solver bounds the reference's error ({why}): vibeam.simulate(…, certify=True) does."
+    irregular = max((each.total - each.points for each in (row.total.amplitude for row in study.rows)), default=0)
+    if irregular:
+        yield (
+            f"At up to {irregular} of {len(study.frequency)} frequencies motions do not repeat and have no error of "
+            "amplitude: cost.frequency chooses others, -v compares their statistics."
+        )
+
+
+def _left_out(study: CostStudy, case: Case) -> Iterator[str]:
+    if not study.left_out:
+        return
+    count, solvers = len(study.left_out), dict.fromkeys(each.run.partition(" ")[0] for each in study.left_out)
+    known = sum(each.seconds for each in study.left_out if isfinite(each.seconds))
+    enough = _ratio(ceil(1.1 * (study.budget + (known or study.budget))))
+    yield (
+        f"{count} of {count + len(study.rows)} runs, by {listed(list(solvers))}, did not fit into {study.budget:g} s: "
+        f"vibeam verdict {quote(str(case.path))} --only solvers --set 'cost.budget={enough} s' runs them."
+    )
+
+
+def details(study: CostStudy) -> Iterator[str]:
+    """Sentences on the reference, on the solver's part in each error, on models and runs that are not there."""
     yield f"Reference: {study.finest}. Solver error: {study.bound.sentence}."
-    yield from notes(study.comparison)
-    for split in study.splits:
-        if (study.reference or split.fidelity != study.finest) and split.points:
-            yield _sentence(study, split)
+    if not study.comparison.turning:
+        yield headline(study.comparison)
+    off_limit = list(notes(study.comparison))
+    yield from off_limit if len(off_limit) == 1 else ()
+    yield from _solvers_part(study)
+    yield from _parts_not_there(study)
     for name, twin in study.same.items():
         yield f"{name}: the same model as {twin}."
     yield from _refusals(study.refused)
-    yield from _left_out(study.left_out)
 
 
-def _sentence(study: CostStudy, split: Split) -> str:
-    parts = [f"{signed(part.peak)} by the {part.name}" for part in split.parts if part.worst > ROUND_OFF]
-    parts += [f"no part for the {part.name} ({part.note})" for part in split.parts if part.note]
-    total = split.total
-    text = f"{split.fidelity}: {signed(total.peak)} in amplitude at the peak ({signed(total.mean)} in the mean)"
-    text += f", {' and '.join(parts)}" if parts else ""
-    found = _solvers(study, split)
-    if not found:
-        return f"{text}."
-    large = sum(error * RATIO > split.total.rms for error, _ in found)
-    (least, best), (most, worst) = found[0], found[-1]
-    text += f"; the solver's part is {share(least)} ({best}) to {share(most)} ({worst})"
-    if not large:
-        return f"{text}: the solver is not where the error is."
-    return f"{text}, more than a tenth of it in {large} of {len(found)} runs."
+def _solvers_part(study: CostStudy) -> Iterator[str]:
+    """Fidelities in whose error the solver has a part worth mentioning, and those in which it has none."""
+    large = {}
+    for split in study.splits:
+        errors = _by_solver(study, split)
+        if errors and split.points and (study.reference or split.fidelity != study.finest):
+            above = sum(error * RATIO > split.total.rms for error in errors)
+            large[split.fidelity] = f"{split.fidelity} ({above} of {len(errors)} runs)" if above else ""
+    if any(large.values()):
+        yield f"The solver's part is more than a tenth of the error of {listed(list(filter(None, large.values())))}."
+    if none := [name for name, said in large.items() if not said]:
+        yield f"The solver is not where the error is of {listed(none)}."
+
+
+def _parts_not_there(study: CostStudy) -> Iterator[str]:
+    reasons: dict[str, list[str]] = {}
+    for split in study.splits:
+        for part in split.parts:
+            if part.note:
+                reasons.setdefault(f"no part for the {part.name} ({part.note})", []).append(split.fidelity)
+    for reason, names in reasons.items():
+        yield f"{listed(names)}: {reason}."
 
 
 def _refusals(refused: tuple[LeftOut, ...]) -> Iterator[str]:
@@ -153,25 +309,11 @@ def _refusals(refused: tuple[LeftOut, ...]) -> Iterator[str]:
         yield f"{solver} cannot take {', '.join(each.fidelity for each in several)}: {why}."
 
 
-def _left_out(left_out: tuple[LeftOut, ...]) -> Iterator[str]:
-    """One line a fidelity, with the first setting of each series that was left out."""
-    if not left_out:
-        return
-    yield f"Left out for want of time, {len(left_out)} runs (--json has each; [cost] budget gives more):"
-    for fidelity in dict.fromkeys(each.fidelity for each in left_out):
-        first: dict[str, str] = {}
-        for run in [each.run for each in left_out if each.fidelity == fidelity]:
-            series, rtol, setting = run.partition(" rtol ")
-            first.setdefault(series if rtol else run.partition(" ")[0], f"{rtol}{setting}" if rtol else "")
-        names = [f"{series} from{setting}" if setting else series for series, setting in first.items()]
-        yield f"  {fidelity}: {', '.join(names)}"
-
-
 def share(value: float) -> str:
-    """Share as text: in percent, or a power of ten where small."""
+    """Share as text: in percent, a power of ten where small, 0 where it is round-off."""
     if not isfinite(value):
         return "–"
-    return percent(value) if abs(value) >= 1e-3 else "0" if value == 0 else f"{value:.0e}"
+    return percent(value) if abs(value) >= 1e-3 else "0" if abs(value) <= ROUND_OFF else f"{value:.0e}"
 
 
 def _micro(seconds: float) -> str:

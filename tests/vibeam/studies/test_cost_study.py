@@ -17,7 +17,7 @@ from vibeam.case.fidelity import with_first_mode_restitution
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.flight.engine.threads import OutOfTime
-from vibeam.report.cost import parts, runs, sentences, sheet
+from vibeam.report.cost import MOST_ROWS, answer, details, parts, runs, sheet, uncertain
 from vibeam.report.work_precision import work_precision
 from vibeam.runs.sweep import sweep
 from vibeam.solvers import SOLVERS, solver
@@ -90,7 +90,7 @@ def test_the_cheapest_next_and_the_rest_is_named() -> None:
 
 @pytest.fixture(scope="module")
 def tiny() -> CostStudy:
-    return cost(parse(TINY, set={"cost.budget": 20}), clock=Clock(), progress=lambda line: None)
+    return cost(parse(TINY, set={"cost.budget": 20}), clock=Clock())
 
 
 def test_a_study_with_a_clock_of_its_own_leaves_out_what_does_not_fit(tiny: CostStudy) -> None:
@@ -329,7 +329,8 @@ def test_too_little_time_leaves_all_runs_out_and_says_so() -> None:
     assert study.rows == ()
     assert {each.run for each in study.left_out} == {"flight", "orbit"}
     assert study.splits[0].cpu > 0
-    assert "Left out for want of time, 2 runs" in "\n".join(sentences(study))
+    assert "2 of 2 runs, by flight and orbit, did not fit into 1e-09 s" in next(uncertain(study, case))
+    assert answer(study, case).endswith(" a frequency; no run had time.")
     assert work_precision(study, case).axes
 
 
@@ -351,15 +352,41 @@ def test_what_finds_no_motion_somewhere_is_not_on_the_front(beam: CostStudy) -> 
     assert without.front == []
 
 
-def test_tables_and_sentences(beam: CostStudy) -> None:
-    assert runs(beam).row_count == len(beam.rows)
+def test_the_sheet_answers_first(beam: CostStudy) -> None:
+    """By times of our own, a millisecond a mode by flight and ten by all else."""
+    case = parse(HELD_AT_CONTACT.split("[reference")[0], set=BEAM)
+    times = [1e-3 * row.modes * (1 if row.solver == "flight" else 10) for row in beam.rows]
+    study = replace(beam, rows=tuple(
+        replace(row, work=replace(row.work, cpu_min=time)) for row, time in zip(beam.rows, times, strict=True)
+    ))  # fmt: skip
+    found = sheet(study, case, within=0.1)
+    assert found.answer == (
+        "With R = 0.72 at the contact held, exact flight of beam takes 4 ms a frequency; the cheapest within 10 % is "
+        "beam cut off after mode 4 by flight, 2 times faster and 7 % off; orbit takes 10 times as long and is exact."
+    )
+    assert "nothing cheaper is within 0 %: the nearest is beam cut off after mode 4 " in answer(study, case, 0.0)
+    table = found.tables[0]
+    assert {str(cell).split()[0] for cell in table.columns[1].cells} == {"flight", "orbit", "averaging"}
+    assert (
+        [str(cell) for cell in table.columns[-1].cells].count("*") == len(study.front) <= table.row_count <= MOST_ROWS
+    )
     shown = [each for split in beam.splits for each in split.parts if each.worst > 1e-12]
-    assert parts(beam).row_count == len(beam.splits) + len(shown)
-    text = "\n".join(sentences(beam))
-    assert text.startswith("Reference: beam. Solver error: flight and closed-form orbits agree to ")
-    assert "beam is off its own limit by +6" in text
-    assert "sdof: +" in text
-    assert "by the contact law" in text
+    assert [each.row_count for each in found.more] == [len(beam.rows), len(beam.splits) + len(shown)]
+    assert found.details[0].startswith("Reference: beam. Solver error: flight and closed-form orbits agree to ")
+    assert any("beam is off its own limit by +6" in line for line in found.notes)
+
+
+def test_a_budget_for_all_of_it_is_kept_or_refused_beforehand() -> None:
+    """By a clock of its own: the exact motions are within it, and what they alone exceed is not begun."""
+    case, done = parse(TINY, set={"cost.solvers": ["flight", "moreau"]}), []
+    study = cost(case, progress=lambda *counts: done.append(counts), clock=Clock(), budget=1000.0)
+    assert study.budget == 1000
+    assert study.cpu <= 1000 + study.rows[-1].work.cpu_min * 3
+    assert (done[0], done[-1]) == ((0, 7), (7, 7))
+    with pytest.raises(
+        ValueError, match=r"the exact motions of 1 models alone take about \d+ s .* and 1 s are allowed"
+    ):
+        cost(case, clock=Clock(), budget=1.0)
 
 
 def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -371,7 +398,8 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {
         "tiny.toml", "tiny_cost.png", "tiny_cost.svg", "tiny_cost.csv",
     }  # fmt: skip
-    assert "Accuracy and time" in result.stdout
+    assert "Error against time" in result.stdout
+    assert max(map(len, result.stdout.splitlines()[1:])) <= 160
     found = json.loads(CliRunner().invoke(app, [*words, "--json", "--out", "new/folder"]).stdout)
     assert [row["solver"] for row in found["study"]["rows"]] == ["flight", "averaging", "averaging"]
     assert len((tmp_path / "tiny_cost.csv").read_text(encoding="utf-8").splitlines()) == 4
@@ -401,7 +429,7 @@ def test_a_stop_that_yields_is_studied_with_the_solvers_that_take_it() -> None:
     assert [row.solver for row in study.rows] == ["flight"]
     assert {each.run for each in study.refused} == {"orbit", "averaging"}
     assert np.isnan(study.splits[0].restitution)
-    told = "\n".join(sentences(study))
+    told = "\n".join(details(study))
     assert 'orbit cannot take sdof: the contact law "hertz"' in told
     assert 'no closed-form orbits with the contact law "hertz"' in told
     assert "HuntCrossley" not in told

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.fidelity import Fidelity, system
-from vibeam_models.laws.restitution import first_mode_restitution
+from vibeam.observe.restitution import first_mode_restitution
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -71,6 +71,4 @@ def _add(found: list[CostModel], same: dict[str, str], new: CostModel) -> None:
 
 def first_mode_restitution_of(model: ImpactSystem) -> float:
     """First-mode restitution R₁; NaN where the law has no single coefficient."""
-    if model.law is not None:
-        return float("nan")
-    return first_mode_restitution(model.restitution, float(model.contact[0]), model.mobility)
+    return first_mode_restitution(model) if model.law is None else float("nan")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from heapq import heapify, heappop, heappush
-from math import isfinite
+from math import isfinite, nan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -101,11 +101,12 @@ class RunSchedule:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Run that did not take place, and why."""
+    """Run that did not take place, and why; ``seconds`` that it would take, ∞ if over the budget, NaN unknown."""
 
     fidelity: str
     run: str
     why: str
+    seconds: float = nan
 
 
 Run = Callable[[str, Setting], float | None]
@@ -140,5 +141,5 @@ def _left_out(fidelity: str, settings: Series, estimate: float, left: float) -> 
     for index, setting in enumerate(settings):
         estimate *= setting.growth if index else 1.0
         why = f"about {estimate:.2g} s, with {left:.2g} s of the budget left" if isfinite(estimate) else OVER
-        out.append(LeftOut(fidelity, setting.label, why))
+        out.append(LeftOut(fidelity, setting.label, why, estimate))
     return out

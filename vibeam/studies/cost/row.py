@@ -12,10 +12,11 @@ the R₁ of the finest), the reduction (the finest's, with that same R₁), the 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from math import isfinite
 from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -207,10 +208,10 @@ class RunRow:
     solver: str
     method: str
     setting: str
-    total: RunErrors
-    numerical: RunErrors
-    parts: tuple[Part, ...]
-    work: Work | None
+    total: RunErrors = field(default_factory=RunErrors)
+    numerical: RunErrors = field(default_factory=RunErrors)
+    parts: tuple[Part, ...] = ()
+    work: Work | None = None
     found: int = 0  #: frequencies at which it found a motion
     why: str = ""
 
@@ -231,9 +232,9 @@ class References:
     reference: Measurement
 
 
-def stopped(model: CostModel, setting: Setting, why: str) -> RunRow:
-    """Row of a run that did not end."""
-    return _row(model, setting, RunErrors(), RunErrors(), (), None, 0, why)
+def run_row(model: CostModel, setting: Setting, **found: Any) -> RunRow:
+    """Row of a run by what was ``found``; without any it did not end."""
+    return RunRow(model.name, model.system.size, setting.solver, setting.method, setting.setting, **found)
 
 
 def compared(
@@ -242,21 +243,13 @@ def compared(
     """Row of a run that ended, with or without failed points."""
     motions = int(np.count_nonzero(complete(found.response)))
     if found.failure:
-        return _row(model, setting, RunErrors(), RunErrors(), (), work, motions, found.failure)
+        return run_row(model, setting, work=work, found=motions, why=found.failure)
     total, numerical = (errors(found, truth, plan) for truth in (references.reference, references.own))
     why = "" if total.amplitude.points or np.isfinite(total.statistics) else _nothing(found)
     chain = (found, references.short, references.own, references.reference)
     parts = tuple(part(name, each) for name, each in zip(PARTS, shares([c.response for c in chain]), strict=True))
-    return _row(model, setting, total, numerical, parts, work, motions, why)
-
-
-def _row(
-    model: CostModel, setting: Setting, total: RunErrors, numerical: RunErrors, parts: tuple[Part, ...],
-    work: Work | None, motions: int, why: str,
-) -> RunRow:  # fmt: skip
-    return RunRow(
-        model.name, model.system.size, setting.solver, setting.method, setting.setting,
-        total, numerical, parts, work, motions, why,
+    return run_row(
+        model, setting, total=total, numerical=numerical, parts=parts, work=work, found=motions, why=why
     )  # fmt: skip
 
 

@@ -15,12 +15,12 @@ from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.flight.engine.threads import Clock, OutOfTime
 from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import compared_model, held_comparison
-from vibeam.solvers import SOLVERS
+from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost.measure import Measurement, Plan, Setting, measure, series_of
 from vibeam.studies.cost.models import CUT_SOLVERS, CostModel, built, finest, models
 from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_schedule
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
-from vibeam.studies.cost.row import References, RunRow, Split, Work, compared, front, split, stopped, timed
+from vibeam.studies.cost.row import References, RunRow, Split, Work, compared, front, run_row, split, timed
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import ValueRecord
 
@@ -31,7 +31,9 @@ if TYPE_CHECKING:
 PROBE = 2  # drive periods of the warm-up, from which the cost of a first setting is estimated
 SHARE = 0.01  # share of the budget for repeats of a run
 STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the fastest mode
-Progress = Callable[[str], None]
+FLIGHTS = 4  # of each model, all exact: as long as the other runs, settled, and two for the parts of its error
+Tell = Callable[[str], None]
+Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,7 +42,8 @@ class CostStudy(ValueRecord):
 
     ``finest``: the reference fidelity, its solver error ``bound``; ``comparison``: with either restitution held, and
     the finest's distance from its own limit. ``reference``: the file that replaces the finest, None without one;
-    ``same``: fidelities that are another's model; ``frequency`` in Hz, ``cpu``: seconds in all.
+    ``same``: fidelities that are another's model; ``frequency`` in Hz, ``cpu``: seconds in all, ``budget``: those
+    allowed.
     """
 
     title: str
@@ -57,6 +60,7 @@ class CostStudy(ValueRecord):
     settle: int
     hold: int
     cpu: float
+    budget: float
 
     @property
     def truth(self) -> str:
@@ -77,27 +81,41 @@ def _gap_changes(case: Case, name: str) -> bool:
     return gap_wear(scene) is not None or gap_drift(scene, 2 * np.pi * case.sweep.frequency) is not None
 
 
-def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time.thread_time) -> CostStudy:
+def cost(
+    case: Case,
+    tell: Tell = lambda line: None,
+    progress: Progress = lambda done, total: None,
+    clock: Clock = time.thread_time,
+    budget: float | None = None,
+) -> CostStudy:
     """Run all settings within the budget and compare them.
 
-    ValueError for a fidelity that cannot be built, or whose gap changes during the sweep: no point then stands alone.
+    ``tell`` is called with the time that it may take, ``progress`` with the runs done or left out, and all. ``budget``:
+    CPU seconds for all of it, in place of those that ``[cost]`` allows after the exact motions, which are flown then.
+    ValueError for a fidelity that cannot be built, or whose gap changes during the sweep: no point then stands alone;
+    and where the exact motions alone would take longer than ``budget``.
     """
     require_one_harmonic(case, "the cost study")
     moving = [name for name in case.fidelities if _gap_changes(case, name)]
     if moving:
         names = ", ".join(moving)
         raise ValueError(f"fidelity {names}: the gap changes along the sweep (drift or wear), no point stands alone")
-    return _CostRuns(case, progress, clock).study()
+    return _CostRuns(case, tell, progress, clock, budget).study()
 
 
 class _CostRuns:
     """State of a study in progress."""
 
-    def __init__(self, case: Case, progress: Progress, clock: Clock) -> None:
-        self.case, self.asked, self.clock, self.say = case, case.cost, clock, progress
+    def __init__(self, case: Case, tell: Tell, progress: Progress, clock: Clock, budget: float | None) -> None:
+        self.case, self.asked, self.clock = case, case.cost, clock
+        self.tell, self.progress = tell, progress
+        self.all_in, self.budget = budget is not None, case.cost.budget if budget is None else budget
         self.models, self.same = models(case, self.asked.modes)
         self.finest = finest(self.models)
         self.named = {model.name: model for model in self.models}
+        names = self.asked.solvers or SOLVERS
+        self.pairs = [(model, name) for model in self.models for name in names if not model.cut or name in CUT_SOLVERS]
+        self.done, self.total = 0, len(self.models) + sum(_settings(name) for _, name in self.pairs)
         self.rows: list[RunRow] = []
         self.refused: list[LeftOut] = []
         self.planning = Planning(case, self.finest)
@@ -118,26 +136,27 @@ class _CostRuns:
         plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
         for model in models:
             with suppress(ValueError, OutOfTime):
-                measure(model.system, setting, plan, self.clock, self.clock() + SHARE * self.asked.budget)
+                measure(model.system, setting, plan, self.clock, self.clock() + SHARE * self.budget)
                 return
 
     def study(self) -> CostStudy:
         """Run in order: exact motions, their bound, the parts of modelling, then the settings."""
-        self.say("exact motions of every fidelity, and what bounds them")
-        self.exact = {
-            model.name: self._timed(model.system, FLIGHT, self.planning.long_of(model), np.inf) for model in self.models
-        }
+        self.progress(0, self.total)
+        plan = self.planning.plan
+        self._predict(self.clock() - self.began)
+        self.exact = {model.name: self._exact(model) for model in self.models}
         self.short = {model.name: measure(model.system, FLIGHT, self.planning.of(model)) for model in self.models}
         top = self.exact[self.finest.name][0]
-        plan = self.planning.plan
         hertz = plan.omega / (2 * np.pi)
         self.file = None if self.asked.reference is None else given(self.case, hertz)
         self.truth = top if self.file is None else Measurement(self.file)
-        bounded = bound(self.finest.system, top, self.planning.long, self.clock, self.asked.budget)
+        allowed = max(self._left() / 2, 0.0) if self.all_in else self.budget
+        bounded = bound(self.finest.system, top, self.planning.long, self.clock, allowed)
         splits = tuple(self._split(model, top) for model in self.models)
         schedules = self._schedules()
-        self.ready = self.clock()
+        self.ready = self.began if self.all_in else self.clock()
         left_out = run_schedule(schedules, self._left, self._run_setting)
+        self._count(self.total - self.done)
         order = {model.name: index for index, model in enumerate(self.models)}
         labels = [setting.label for name in SOLVERS for series in series_of(name, 1.0) for setting in series]
         rows = sorted(self.rows, key=lambda row: (order[row.fidelity], labels.index(row.label)))
@@ -145,8 +164,22 @@ class _CostRuns:
         spent = self.clock() - self.began
         return CostStudy(
             self.case.title, self.finest.name, self.asked.reference, bounded, tuple(rows), splits, self._compared(),
-            tuple(left_out), tuple(self.refused), self.same, grid, plan.settle, plan.hold, spent,
+            tuple(left_out), tuple(self.refused), self.same, grid, plan.settle, plan.hold, spent, self.budget,
         )  # fmt: skip
+
+    def _predict(self, seconds: float) -> None:
+        """Say how long the study may take; ``seconds``: of one flight of the finest model, as long as the runs."""
+        exact = FLIGHTS * len(self.models) * seconds
+        if self.all_in and exact > self.budget:
+            raise ValueError(
+                f"the exact motions of {len(self.models)} models alone take about {exact:.2g} s of CPU time, and "
+                f"{self.budget:g} s are allowed: allow more, or ask for fewer frequencies (cost.frequency)"
+            )
+        self.tell(f"{self.total} runs of {len(self.models)} models, in {self.budget:g} s of CPU time")
+
+    def _count(self, runs: int = 1) -> None:
+        self.done += runs
+        self.progress(self.done, self.total)
 
     def _compared(self) -> HeldComparison:
         """All models with the finest, with either restitution held."""
@@ -155,13 +188,17 @@ class _CostRuns:
         return held_comparison(made[own], [*made[:own], *made[own + 1 :]])
 
     def _left(self) -> float:
-        """Seconds left of the budget, which begins after the exact motions that every study needs."""
-        return self.asked.budget - (self.clock() - self.ready)
+        """Seconds left of the budget, which begins after the exact motions that every study needs, or with them."""
+        return self.budget - (self.clock() - self.ready)
+
+    def _exact(self, model: CostModel) -> tuple[Measurement, Work]:
+        found = self._timed(model.system, FLIGHT, self.planning.long_of(model), np.inf)
+        self._count()
+        return found
 
     def _timed(self, system: ImpactSystem, setting: Setting, plan: Plan, deadline: float) -> tuple[Measurement, Work]:
-        spend = SHARE * self.asked.budget
         run = lambda: measure(system, setting, plan, self.clock, deadline)  # noqa: E731
-        return timed(run, self.clock, self.asked.repeats, spend)
+        return timed(run, self.clock, self.asked.repeats, SHARE * self.budget)
 
     def _split(self, model: CostModel, top: Measurement) -> Split:
         def build(one: CostModel, other: CostModel) -> ImpactSystem:
@@ -180,15 +217,13 @@ class _CostRuns:
     def _schedules(self) -> list[RunSchedule]:
         """Series of settings of every fidelity and solver; refusals are noted."""
         schedules = []
-        for model in self.models:
-            for name in self.asked.solvers or SOLVERS:
-                if model.cut and name not in CUT_SOLVERS:
-                    continue
-                try:
-                    for series in series_of(name, self.planning.plan.size):
-                        schedules.append(RunSchedule(model.name, series, self._estimate(model, series[0])))
-                except ValueError as refusal:
-                    self.refused.append(LeftOut(model.name, name, str(refusal)))
+        for model, name in self.pairs:
+            try:
+                for series in series_of(name, self.planning.plan.size):
+                    schedules.append(RunSchedule(model.name, series, self._estimate(model, series[0])))
+            except ValueError as refusal:
+                self.refused.append(LeftOut(model.name, name, str(refusal)))
+                self._count(_settings(name))
         return schedules
 
     def _estimate(self, model: CostModel, setting: Setting) -> float:
@@ -200,14 +235,15 @@ class _CostRuns:
             return self.exact[model.name][1].cpu_min
         plan = self.planning.of(model)
         least = STIFF * float(np.max(model.system.omega)) * float(np.sum(2 * np.pi / plan.omega))
-        if setting.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
+        if setting.solver == "direct" and least * (plan.settle + plan.hold) > self.budget:
+            solver(setting.solver, model.system, float(np.min(plan.omega)), **setting.options)  # or its refusal
             return least * (plan.settle + plan.hold)  # two periods are too short to be measured
         short = replace(plan.at(len(plan.omega) // 2), settle=0, hold=PROBE, cloud=0, window=0)
         times = 1 if SOLVERS[setting.solver].stationary else (plan.settle + plan.hold) / PROBE
         times *= len(plan.omega)
         begun = self.clock()
         try:
-            measure(model.system, setting, short, self.clock, begun + self.asked.budget / times)
+            measure(model.system, setting, short, self.clock, begun + self.budget / times)
         except OutOfTime:
             return np.inf
         return (self.clock() - begun) * times
@@ -215,12 +251,16 @@ class _CostRuns:
     def _run_setting(self, fidelity: str, setting: Setting) -> float | None:
         """Run one setting and add its row; return its seconds, or None where stricter settings are of no use."""
         model = self.named[fidelity]
-        self.say(f"{fidelity}: {setting.label}")
+        self._count()
         try:
-            found, work = self._timed(model.system, setting, self.planning.of(model), self.ready + self.asked.budget)
+            found, work = self._timed(model.system, setting, self.planning.of(model), self.ready + self.budget)
         except OutOfTime as up:
-            self.rows.append(stopped(model, setting, str(up)))
+            self.rows.append(run_row(model, setting, why=str(up)))
             return None
         references = References(self.short[fidelity], self.exact[fidelity][0], self.truth)
         self.rows.append(compared(model, setting, self.planning.plan, found, work, references))
         return work.cpu_median
+
+
+def _settings(solver: str) -> int:
+    return sum(len(series) for series in series_of(solver, 1.0))
