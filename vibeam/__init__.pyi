@@ -1,6 +1,8 @@
 __version__: str
 
 from vibeam import observe as observe
+from vibeam import periodic as periodic
+from vibeam import studies as studies
 from vibeam.batches.batch import batch as batch
 from vibeam.batches.response import BatchResponse as BatchResponse
 from vibeam.case.case import Case as Case
@@ -17,22 +19,9 @@ from vibeam.flight.trajectory import Outcome as Outcome
 from vibeam.flight.trajectory import Trajectory as Trajectory
 from vibeam.flight.trajectory import simulate as simulate
 from vibeam.maps.evaluate import GridResponse as GridResponse
-from vibeam.maps.evaluate import evaluate as evaluate
 from vibeam.maps.points import Starts as Starts
 from vibeam.maps.run import MapResult as MapResult
-from vibeam.maps.run import run_map as run_map
-from vibeam.periodic.bifurcation_functions import Kind as Kind
-from vibeam.periodic.boundaries import boundaries as boundaries
-from vibeam.periodic.boundaries import follow as follow
-from vibeam.periodic.lyapunov import LyapunovSpectrum as LyapunovSpectrum
-from vibeam.periodic.lyapunov import lyapunov as lyapunov
-from vibeam.periodic.orbit import Orbit as Orbit
-from vibeam.periodic.orbit import orbits as orbits
-from vibeam.periodic.orbit_curve import orbit_curve as orbit_curve
-from vibeam.periodic.orbit_map import orbit_map as orbit_map
-from vibeam.periodic.train_boundaries import train_boundaries as train_boundaries
-from vibeam.periodic.train_orbits import settled_orbit as settled_orbit
-from vibeam.periodic.train_orbits import train_orbit as train_orbit
+from vibeam.periodic import *
 from vibeam.report.declaration import StudyDeclaration as StudyDeclaration
 from vibeam.report.declaration import register_study as register_study
 from vibeam.report.figures import plot as plot
@@ -46,25 +35,7 @@ from vibeam.solvers.declaration import SolverDeclaration as SolverDeclaration
 from vibeam.solvers.several_harmonics import Harmonic as Harmonic
 from vibeam.solvers.several_harmonics import SeveralHarmonics as SeveralHarmonics
 from vibeam.store.errors import StoreError as StoreError
-from vibeam.studies.cost.study import cost as cost
-from vibeam.studies.derive import derive as derive
-from vibeam.studies.fit.study import fit as fit
-from vibeam.studies.identification.modes import identify_keys as identify_keys
-from vibeam.studies.identification.response import identify_decay as identify_decay
-from vibeam.studies.identification.response import identify_response as identify_response
-from vibeam.studies.identification.response import identify_spectrum as identify_spectrum
-from vibeam.studies.influence.study import influence as influence
-from vibeam.studies.limit.study import limit as limit
-from vibeam.studies.modes import export_matrices as export_matrices
-from vibeam.studies.modes import modes as modes
-from vibeam.studies.reduce.study import reduce as reduce
-from vibeam.studies.regression.check import check as check
-from vibeam.studies.regression.check import compare_measured as compare_measured
-from vibeam.studies.stability.study import stability as stability
-from vibeam.studies.stored import read as read
-from vibeam.studies.uncertainty.study import uncertainty as uncertainty
-from vibeam.studies.verdict.study import Verdict as Verdict
-from vibeam.studies.verdict.study import verdict as verdict
+from vibeam.studies import *
 from vibeam.system.impact_system import Drive as Drive
 from vibeam.system.impact_system import ImpactSystem as ImpactSystem
 from vibeam.system.quantities import Ended as Ended

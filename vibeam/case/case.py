@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from vibeam.case.plans import AccuracyPlan, FigurePlan, Reference, SweepPlan
 from vibeam.case.study_plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.exchange.faults import CaseError, Complaint, Fault
+from vibeam.system.public_names import handed_in
 from vibeam.system.quantities import PLAIN, OutputUnits
 from vibeam_models.outputs import DISPLACEMENT, OutputQuantity
 
@@ -102,6 +103,12 @@ class Case:
     def _said(self) -> list[object]:
         """All but the file and where its keys stand, which has no part in equality."""
         return [value for name, value in vars(self).items() if name not in ("path", "keys", "locate")]
+
+    @classmethod
+    def of(cls, tables: Mapping[str, Any], set: Mapping[str, Any] | None = None) -> Case:
+        """Case of tables as Python's own, as ``vibeam.load``; files that they name lie in the working directory."""
+        made: Case = handed_in("load")(tables, set)
+        return made
 
     def fault(self, *path: str | int, message: str) -> Fault:
         """Fault of a key, at its line of the file or in the override that set it where that is known."""

@@ -1,10 +1,13 @@
-"""Progress bar on stderr over the points of all fidelities, with the remaining time."""
+"""Progress bar on stderr, or in a notebook, over the points of all fidelities, with the remaining time."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from html import escape
 from textwrap import wrap
+from time import monotonic
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
 
     from vibeam.runs.systems import Overview
 
+BETWEEN = 0.1  # s from one picture of a notebook's bar to the next, at least
 WIDE, NARROW = 120, 60  # columns of a terminal from which on there are words and speed, and a bar
 
 
@@ -32,12 +36,15 @@ def tell_overview(overview: Overview) -> None:
 
 
 class Bar:
-    """Context whose value is called with the points done and their total; the first call sets the stored ones."""
+    """Context whose value is called with the points done and their total; the first call sets the stored ones.
+
+    It is called with a line of text where that is all that is known.
+    """
 
     def __init__(self, doing: str = "sweeping", console: Console | None = None) -> None:
         self._console = console or stderr()
         self._doing = doing
-        self._progress: Progress | None = None
+        self._progress: Any = None  # rich's, or that of a notebook
         self._began = False
 
     def __enter__(self) -> Bar:
@@ -47,23 +54,78 @@ class Bar:
         if self._progress is not None:
             self._progress.stop()
 
-    def __call__(self, done: int, total: int) -> None:
-        """Show ``done`` of ``total`` points; callable from any thread."""
+    def __call__(self, done: int | str, total: int | None = None) -> None:
+        """Show ``done`` of ``total`` points, or a line; callable from any thread."""
+        if isinstance(done, str):
+            self._line(done)
+            return
         if not self._began:
             self._began = True
             self._begin(done, total)
         if self._progress is not None:
             self._progress.update(self._progress.task_ids[0], completed=done, total=total)
 
-    def _begin(self, done: int, total: int) -> None:
+    def _begin(self, done: int, total: int | None) -> None:
+        if self._progress is not None:  # the wheel beside lines
+            self._progress.stop()
         if done == total:
             self._console.print(f"all {total} points are there already")
             return
         if done:
             self._console.print(f"continuing: {done} of {total} points are there")
-        if self._console.is_terminal:
-            self._progress = _bar(self._console, self._doing)
+        self._show(_bar)
+
+    def _show(self, made: Callable[[Console, str], Progress]) -> None:
+        if self._console.is_jupyter:
+            self._progress = _NotebookBar(self._doing)
+        elif self._console.is_terminal:
+            self._progress = made(self._console, self._doing)
             self._progress.start()
+
+    def _line(self, text: str) -> None:
+        if self._progress is None and not self._began:
+            self._show(_wheel)
+        if self._progress is None or (self._began and not self._console.is_jupyter):
+            self._console.print(text)
+        else:
+            self._progress.update(self._progress.task_ids[0], description=text)
+
+
+class _NotebookBar:
+    """Bar in a notebook: an element of HTML in the cell's output, replaced as it goes on."""
+
+    task_ids = (0,)
+
+    def __init__(self, doing: str) -> None:
+        from IPython import display
+
+        self._html, self._doing, self._next = display.HTML, doing, 0.0
+        self._place = display.display(self._html(""), display_id=True)
+
+    def update(self, task: int, completed: int = 0, total: int | None = None, description: str = "") -> None:
+        """Show it, a few times a second at most."""
+        if monotonic() >= self._next or completed == total:
+            self._next = monotonic() + BETWEEN
+            known = f' value="{completed}" max="{total}"' if total else ""
+            text = escape(f"{self._doing}: {description or f'{completed} of {total} points'}")
+            self._place.update(self._html(f"<progress{known}></progress> {text}"))
+
+    def stop(self) -> None:
+        """Take it away."""
+        self._place.update(self._html(""))
+
+
+def _wheel(console: Console, doing: str) -> Progress:
+    from rich import progress
+
+    columns = (
+        progress.SpinnerColumn(),
+        progress.TextColumn(f"{doing}: {{task.description}}"),
+        progress.TimeElapsedColumn(),
+    )
+    found = progress.Progress(*columns, console=console, transient=True)
+    found.add_task("", total=None)
+    return found
 
 
 def _bar(console: Console, doing: str) -> Progress:

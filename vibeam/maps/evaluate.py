@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.case.grid_keys import FREQUENCY, STARTS, MapPlan, axis_faults
+from vibeam.case.source import of_source
 from vibeam.exchange.faults import CaseError, Fault
 from vibeam.maps.block import QUANTITIES, Block, Grid, Values, Way, evaluate_block
 from vibeam.maps.points import Axis, Starts, shape_of
@@ -52,6 +53,7 @@ class GridResponse(ValueRecord):
         return {name: values[self.ways.index(way)] for name, values in self.values.items()}
 
 
+@of_source
 def evaluate(
     case: Case,
     fidelity: str,

@@ -9,6 +9,7 @@ from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING
 
+from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block
 from vibeam.maps.cluster import Cluster, evaluate_here
@@ -20,6 +21,7 @@ from vibeam.runs.parallel import run_parallel
 from vibeam.store.blocks import discard
 from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
 from vibeam.store.place import Place, locked
+from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
     from threading import Event
@@ -31,6 +33,7 @@ Progress = Callable[[int, int], None]
 EVERY, SHARE = 5.0, 20.0  # s between partial pictures at least, and how many times as long as one takes
 
 
+@of_source
 def run_map(
     case: Case,
     name: str,
@@ -38,15 +41,16 @@ def run_map(
     *,
     fresh: bool = False,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     partial: Callable[[MapResult], None] | None = None,
     cluster: Cluster | None = None,
 ) -> MapResult:
     """Compute the map ``name`` of a case into the file ``out`` (HDF5), or go on with what is there.
 
     Blocks of lines lie as files of their own in ``OUT.parts`` until all are there: a run that is killed loses the
-    blocks in flight, one for each of the ``workers`` (threads; None: one a core). ``fresh``: keep nothing. ``progress``
-    is called with the points done and their total, ``partial`` with what is known every few seconds, from any thread.
+    blocks in flight, one for each of the ``workers`` (threads; None: one a core). ``fresh``: keep nothing.
+    ``progress``: True shows a bar; a function is called with the points done and their total. ``partial``: is called
+    with what is known every few seconds. Both are called from any thread.
     ``cluster``: other processes that compute the blocks (``vibeam.maps.cluster.connected``); this one writes.
 
     KeyError for an unknown map, CaseError for values that the case may not have, ValueError for a case that a grid
@@ -55,7 +59,7 @@ def run_map(
     plan, path = plan_of(case, name), Path(out)
     grids = grids_of(case, plan)
     keys = {fidelity: key_of(case, grid) for fidelity, grid in grids.items()}
-    with locked(path) as place:
+    with locked(path) as place, telling(progress, "flying") as told:
         place.tidy(kin=place.target.stem)  # pictures of the map
         if fresh:
             _remove(place)
@@ -63,10 +67,10 @@ def run_map(
         if not finished(place, keys):
             sizes = {fidelity: lines_of_block(case, grid) for fidelity, grid in grids.items()}
             job = MapJob.begun(case, plan, grids, manifest_of(place.folder, keys, sizes), place)
-            _compute(job, progress, partial, workers, cluster)
+            _compute(job, told, partial, workers, cluster)
             found = job.found
-        elif progress:
-            progress(total, total)
+        else:
+            told(total, total)
         discard(place.folder)
     return MapResult(case, plan, read_map(place.target, grids), total, found, total, path)
 
@@ -83,7 +87,7 @@ def _remove(place: Place) -> None:
 
 def _compute(
     job: MapJob,
-    progress: Progress | None,
+    progress: Progress,
     partial: Callable[[MapResult], None] | None,
     workers: int | None,
     cluster: Cluster | None,
@@ -91,9 +95,7 @@ def _compute(
     """Compute the missing blocks, then gather all."""
     lock, watch = Lock(), _Watch()
     done, total = job.found, points_of(job.blocks)
-    if progress:
-        progress(done, total)
-
+    progress(done, total)
     evaluate = evaluate_here if cluster is None else cluster.evaluate
 
     def task(block: Block, stop: Event) -> None:
@@ -105,8 +107,7 @@ def _compute(
         with lock:
             job.done.add(name_of(block))
             done += block.size
-        if progress:
-            progress(done, total)
+        progress(done, total)
         if partial and len(job.done) < len(job.blocks) and watch.due():
             watch.drawn(lambda: partial(job.result()))
 

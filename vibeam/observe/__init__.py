@@ -7,15 +7,6 @@ first used.
 
 from __future__ import annotations
 
-from vibeam.system.public_names import from_home, homes_of
+from vibeam.system.public_names import namespace
 
-_HOMES = homes_of(__file__)
-
-
-def __getattr__(name: str) -> object:
-    globals()[name] = value = from_home(_HOMES, __name__, name)
-    return value
-
-
-def __dir__() -> list[str]:
-    return sorted(_HOMES)
+namespace(__name__, __file__)

@@ -6,4 +6,12 @@ drive, certified by the flight solver. ``boundaries`` locates the ends and bifur
 along a second parameter, ``orbit_map`` and ``contours`` cover a whole plane. ``clearance`` bounds the distance from the
 stop between impacts, with the bounds of ``gap``. ``train_orbits`` refines motions with up to four impacts a span,
 ``train_boundaries`` follows them.
+
+Its public names are listed in ``__init__.pyi``.
 """
+
+from __future__ import annotations
+
+from vibeam.system.public_names import namespace
+
+namespace(__name__, __file__)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.case import units_of_output
+from vibeam.case.source import of_source
 from vibeam.runs.accuracy import by_cost, known_estimates, required_choice, until_within
 from vibeam.runs.fidelity_sweep import Job, PointCount, Progress, job_of, known_curves, sweep_branches
 from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
@@ -22,6 +23,7 @@ from vibeam.runs.store.records import COMPARISONS, ESTIMATED
 from vibeam.runs.systems import ModelProperties, Overview, Systems, overview_of, properties_of
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.steady import warm_up
+from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -36,10 +38,11 @@ class Interrupted(KeyboardInterrupt):
     """Run stopped by Ctrl-C: the message says what is kept and how to continue."""
 
 
+@of_source
 def run(
     case: Case,
     out: str | Path | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
     show: bool = True,
     *,
     fresh: bool = False,
@@ -56,8 +59,9 @@ def run(
 
     Where the case asks for an accuracy, fidelities are swept from the cheapest on until one is within it
     (``result.accuracy``); the others are not in the result.
-    ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
-    and after each further block of them, from any thread. ``show``: compute the data of the case's further figures.
+    ``out=None`` keeps nothing on disk. ``progress``: True shows a bar; a function is called with the points that are
+    there, at the start and after each further block of them, and their total, from any thread. ``show``: compute the
+    data of the case's further figures.
     ``compare``: compare the fidelities with the finest under both choices of the restitution held, and that with its
     own limit (``result.comparisons``), and estimate the error of each against the full model of its scene
     (``result.estimates``); the file gets both too.
@@ -65,7 +69,7 @@ def run(
     be used, Interrupted on Ctrl-C.
     """
     systems, storage = Systems(case), RunStorage(None if out is None else Path(out), fresh, tell)
-    with storage.opened(case, systems) as (store, plan):
+    with storage.opened(case, systems) as (store, plan), telling(progress, "sweeping") as told:
         names = list(plan.branches) if case.accuracy is None else by_cost(case, plan.modes)
         jobs = [job_of(case, name, systems, plan.branches[name], store) for name in names]
         known = known_estimates(case, jobs, store)
@@ -73,7 +77,7 @@ def run(
         models = plan.models or {name: properties_of(case, name, system) for name, system in systems.items()}
         if before and any(job.missing for job in jobs):
             before(overview_of(case, models))
-        count = PointCount((kept for job in jobs for _, kept in job.branches), progress or (lambda done, total: None))
+        count = PointCount((kept for job in jobs for _, kept in job.branches), told)
         try:
             if case.accuracy is None:
                 _sweep(case, jobs, store, count)

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any
 
+from vibeam.case.source import of_source
 from vibeam_models.base import Base
 from vibeam_models.scene import AnyScene, Mass, Scene
 
@@ -75,6 +76,7 @@ class _FirstMode:
         return sqrt(self.stiffness / self.mass)
 
 
+@of_source
 def derive(case_or_scene: Any) -> DerivedTable:
     """Derive the paper's eq. 44–47 for a Scene (or an object with one as ``.scene``), with finite-element values.
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.beam_field import BeamField, Fields, fields, with_points
+from vibeam.case.source import of_source
 from vibeam.exchange.matrices.declaration import Arrays, write_arrays
 from vibeam.exchange.vtu import Step, VtuPiece, centre_line, write_series, write_vtu
 from vibeam_models.arguments import whole
@@ -66,6 +67,7 @@ class ModeTable(ValueRecord):
 LOAD_UNITS = {None: "kg^½", 0: "kg^-½", 1: "kg^-½ m^-1"}  #: of a base that moves, of a force, of a moment
 
 
+@of_source
 def modes(case: Case, count: int = 10) -> ModeTable:
     """Compute the first ``count`` modes of a case's finite-element beam: see ``mode_table``."""
     return mode_table(case.scene, count)

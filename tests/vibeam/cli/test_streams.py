@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -90,6 +91,27 @@ def test_progress_keeps_count_elapsed_and_remaining_in_a_narrow_terminal(width: 
     assert re.search(r"12345/123456 .*· 0:00:00 · (remaining )?(-:--:--|\d:\d\d:\d\d)", last), last
     assert "…" not in last
     assert ("sweeping on up to" in last, "remaining" in last) == (width >= 120, width >= 60)
+
+
+def test_lines_of_progress_are_shown_beside_a_wheel_and_printed_without_a_terminal() -> None:
+    for terminal in (True, False):
+        shown = io.StringIO()
+        with Bar("cost", Console(file=shown, force_terminal=terminal, width=80, color_system=None)) as bar:
+            bar("first")
+            bar("second")
+        assert ("second" in shown.getvalue(), "cost: " in shown.getvalue()) == (True, terminal)
+
+
+def test_progress_in_a_notebook_is_an_element_of_its_cell(monkeypatch: pytest.MonkeyPatch) -> None:
+    """IPython's two names that it needs, stood in for: ``display`` gives a handle whose ``update`` replaces it."""
+    shown: list[str] = []
+    place = SimpleNamespace(update=shown.append)
+    stand_in = SimpleNamespace(HTML=str, display=lambda text, display_id: place)
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(display=stand_in))
+    with Bar("a < b", Console(file=io.StringIO(), force_jupyter=True)) as bar:
+        bar(0, 4)
+        bar(4, 4)
+    assert shown[-2:] == ['<progress value="4" max="4"></progress> a &lt; b: 4 of 4 points', ""]
 
 
 def test_text_that_is_pending_after_a_failed_write_is_not_told_twice(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import doctest
+import io
 import re
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import xarray
 from refusals import other_answers
+from rich.console import Console
 
 import vibeam
 from tests.vibeam.test_imports import loaded
@@ -46,10 +48,90 @@ def test_all_public_names_are_there() -> None:
     assert set(vibeam.__all__) <= set(names)
 
 
+def listed(stub: Path) -> set[str]:
+    """Names that a stub gives a type checker, those of the rooms that it takes whole among them."""
+    nodes = [node for node in ast.parse(stub.read_text(encoding="utf-8")).body if isinstance(node, ast.ImportFrom)]
+    whole = [node.module or "" for node in nodes if node.names[0].name == "*"]
+    own = {alias.asname or "" for node in nodes for alias in node.names if alias.name != "*"}
+    return own.union(*(listed(ROOT / room.replace(".", "/") / "__init__.pyi") for room in whole))
+
+
 def test_the_type_checker_sees_the_same_names() -> None:
-    tree = ast.parse((ROOT / "vibeam" / "__init__.pyi").read_text(encoding="utf-8"))
-    seen = {alias.asname for node in tree.body if isinstance(node, ast.ImportFrom) for alias in node.names}
-    assert seen == set(vibeam.__all__) - {"__version__"}
+    assert listed(ROOT / "vibeam" / "__init__.pyi") == set(vibeam.__all__) - {"__version__"}
+    for room in (vibeam.periodic, vibeam.studies, vibeam.observe):
+        assert sorted(listed(Path(room.__file__ or "").with_suffix(".pyi"))) == dir(room)
+
+
+def test_rooms_are_namespaces_of_the_same_functions() -> None:
+    import vibeam.studies.cost.study  # a room of the same name as its function
+
+    for room, some in ((vibeam.periodic, {"orbits", "follow", "lyapunov"}), (vibeam.studies, {"cost", "modes", "fit"})):
+        assert some < set(dir(room)) <= set(dir(vibeam))
+        assert all(getattr(room, name) is getattr(vibeam, name) for name in dir(room))
+    assert "find_root" not in dir(vibeam.periodic)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ("orbit", "vibeam has no name 'orbit'; did you mean 'orbits'?"), ("xyzzy", "vibeam has no name 'xyzzy'"),
+        ("studies.costs", "vibeam.studies has no name 'costs'; did you mean 'cost'?"),
+        ("observe.Harmonic", "vibeam.observe has no name 'Harmonic'; did you mean 'Harmonics'?"),
+    ],
+)  # fmt: skip
+def test_a_wrong_name_is_answered_by_the_right_one(wrong: str, message: str) -> None:
+    room, _, name = f"vibeam.{wrong}".rpartition(".")
+    with pytest.raises(AttributeError) as refused:
+        getattr(sys.modules[room], name)
+    assert str(refused.value) == message
+
+
+MORE: dict[str, dict[str, Any]] = {
+    "identify_keys": {"keys": ["beam.thickness"]},
+    "evaluate": {"fidelity": "sdof", "axes": {"sweep.frequency": [15.0]}},
+    "run_map": {"name": "a", "out": "a.h5"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["run", "modes", "cost", "fit", "limit", "stability", "uncertainty", "influence", "verdict", "reduce", "derive",
+     "check", "compare_measured", "identify_keys", "evaluate", "run_map"],
+)  # fmt: skip
+def test_a_study_takes_the_file_of_a_case(name: str, tmp_path: Path) -> None:
+    gone, study = tmp_path / "gone.toml", getattr(vibeam, name)
+    for given in (gone, str(gone)):
+        with pytest.raises(vibeam.CaseError, match=r"gone\.toml: no such file"):
+            study(given, **MORE.get(name, {}))
+    with pytest.raises(vibeam.CaseError, match="lenght"):
+        study({"beam": {"lenght": 1.0}}, **MORE.get(name, {}))
+
+
+def test_a_case_is_made_of_tables() -> None:
+    tables: dict[str, Any] = {
+        "sdof": {"natural_frequency": "1 rad/s", "damping_ratio": 0.015}, "stop": {"gap": 0, "restitution": 0.9},
+        "drive": {"amplitude": 5e-4}, "fidelity": {"one": {"reduction": "static_mode"}},
+        "sweep": {"frequency": ["2 rad/s"], "settle": 5, "hold": 3},
+    }  # fmt: skip
+    case = vibeam.Case.of(tables, {"sweep.hold": 7})
+    assert (case.sweep.hold, list(case.fidelities)) == (7, ["one"])
+    assert case == vibeam.load(tables, {"sweep.hold": 7})
+    with pytest.raises(vibeam.CaseError, match="gap"):
+        vibeam.Case.of(tables | {"stop": {"gap": "wide"}})
+
+
+def test_progress_is_a_bar_a_function_or_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[tuple[int, int]] = []
+    case = vibeam.load(ROOT / "cases" / "dtu_neutral.toml", set=SMALL)
+    shown = io.StringIO()
+    monkeypatch.setattr("vibeam.cli.progress.stderr", lambda: Console(file=shown, force_terminal=True, width=100))
+    plain = vibeam.run(case, progress=lambda done, total: told.append((done, total)))
+    assert told[-1] == (30, 30)
+    assert shown.getvalue() == ""
+    assert vibeam.run(case, progress=False) == plain
+    assert shown.getvalue() == ""
+    assert vibeam.run(case, progress=True) == plain
+    assert "30/30" in shown.getvalue()
 
 
 @pytest.mark.parametrize("name", ["CaseError", "StoreError", "ImpactSystem", "State", "Structure", "modal"])

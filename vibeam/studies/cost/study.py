@@ -12,6 +12,7 @@ import numpy as np
 
 from vibeam.case.case import require_one_harmonic
 from vibeam.case.fidelity import gap_drift, gap_wear
+from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import Clock, OutOfTime
 from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import compared_model, held_comparison
@@ -22,6 +23,7 @@ from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_sch
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
 from vibeam.studies.cost.row import References, RunRow, Split, Work, compared, front, run_row, split, timed
 from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.progress import telling
 from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
@@ -81,17 +83,19 @@ def _gap_changes(case: Case, name: str) -> bool:
     return gap_wear(scene) is not None or gap_drift(scene, 2 * np.pi * case.sweep.frequency) is not None
 
 
+@of_source
 def cost(
     case: Case,
-    tell: Tell = lambda line: None,
-    progress: Progress = lambda done, total: None,
+    tell: Tell | None = None,
+    progress: Progress | bool | None = None,
     clock: Clock = time.thread_time,
     budget: float | None = None,
 ) -> CostStudy:
     """Run all settings within the budget and compare them.
 
-    ``tell`` is called with the time that it may take, ``progress`` with the runs done or left out, and all. ``budget``:
-    CPU seconds for all of it, in place of those that ``[cost]`` allows after the exact motions, which are flown then.
+    ``tell`` is called with the time that it may take, ``progress`` with the runs done or left out, and all; True shows
+    both. ``budget``: CPU seconds for all of it, in place of those that ``[cost]`` allows after the exact motions, which
+    are flown then.
     ValueError for a fidelity that cannot be built, or whose gap changes during the sweep: no point then stands alone;
     and where the exact motions alone would take longer than ``budget``.
     """
@@ -100,7 +104,9 @@ def cost(
     if moving:
         names = ", ".join(moving)
         raise ValueError(f"fidelity {names}: the gap changes along the sweep (drift or wear), no point stands alone")
-    return _CostRuns(case, tell, progress, clock, budget).study()
+    with telling(progress, "cost") as told:
+        said: Any = told if progress is True else tell or (lambda line: None)
+        return _CostRuns(case, said, told, clock, budget).study()
 
 
 class _CostRuns:

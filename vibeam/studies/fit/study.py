@@ -10,16 +10,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.source import of_source
 from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
 from vibeam.studies.fit.judgement import WIDEST, Judgement, alternatives, patterns, unit_factor, without_outliers
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.profile import LEVEL, NextPoint, Profile, contour_of, next_points, profile
 from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import on_directions, on_misfit, on_ridges, ridges
+from vibeam.system.progress import telling
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+
+Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -105,12 +109,17 @@ class FitStudy(ValueRecord):
         return np.where(found.beyond == 0, found.value, np.nan), error
 
 
-def fit(case: Case, tell: Callable[[str], None] | None = None, *, next_point: bool = False) -> FitStudy:
+@of_source
+def fit(case: Case, progress: Progress | bool | None = None, *, next_point: bool = False) -> FitStudy:
     """Estimate the keys of [fit] jointly; ValueError where a case cannot be fitted.
 
-    ``tell``: called with what is being done. ``next_point``: also find what to measure next.
+    ``progress``: True shows it, a function is told in lines. ``next_point``: also find what to measure next.
     """
-    tell = tell or (lambda _: None)
+    with telling(progress, "fit") as told:
+        return _study(case, told, next_point)
+
+
+def _study(case: Case, tell: Progress, next_point: bool) -> FitStudy:
     whole = Problem.of(case)
     tell(f"Least squares: {whole.count} points, {len(whole.keys)} keys")
     problem, minimum, judgement = _judged(case, whole, tell)
@@ -132,7 +141,7 @@ def fit(case: Case, tell: Callable[[str], None] | None = None, *, next_point: bo
     )  # fmt: skip
 
 
-def _judged(case: Case, whole: Problem, tell: Callable[[str], None]) -> tuple[Problem, Minimum, Judgement]:
+def _judged(case: Case, whole: Problem, tell: Progress) -> tuple[Problem, Minimum, Judgement]:
     """Minimum without outliers, and what is said of it; other models are tried where none describes the points."""
     scan = Scan.of(whole)
     problem, minimum = estimate(whole, scan)

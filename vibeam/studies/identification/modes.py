@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.source import of_source
 from vibeam.exchange.faults import suggest
 from vibeam.runs.result import Result
 from vibeam.studies.identification.estimates import Identification, estimates, spread_of
@@ -31,6 +32,7 @@ FURTHEST = np.log(20.0)  # factor from the start
 UNLIKELY = 1e-3  # probability of the misfit below which the intervals do not hold
 
 
+@of_source
 def identify_keys(case: Case, keys: Sequence[str], measured: Sequence[str] = ()) -> Identification:
     """Values of ``keys`` of a case (``"beam.thickness"``), in SI, from its measured modal frequencies.
 

@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.case import require_displacement
+from vibeam.case.source import of_source
 from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import ComparedModel, compared_model, held_comparison
 from vibeam.solvers.steady import warm_up_once
 from vibeam.studies.influence.curve import Change, Interest, change, quantities, swept
 from vibeam.studies.influence.model import EffectModel, model
 from vibeam.studies.influence.subsets import Subsets, smallest, subsets
+from vibeam.system.progress import telling
 from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
@@ -96,16 +98,19 @@ class InfluenceStudy(ValueRecord):
     seconds: float
 
 
-def influence(case: Case, progress: Progress = lambda line: None) -> InfluenceStudy:
+@of_source
+def influence(case: Case, progress: Progress | bool | None = None) -> InfluenceStudy:
     """Remove each effect alone, keep each alone, and find the smallest set within the tolerances.
 
+    ``progress``: True shows it, a function is told in lines.
     ValueError where the case names no effect, its sweep reads no displacement, or its complete model cannot be built.
     """
     require_displacement(case, "influence")
     sets = subsets(case)
     _warm_up(case, sets.fidelity)
     begun = time.thread_time()
-    return _EffectSweeps(case, sets, progress).study(begun)
+    with telling(progress, "influence") as told:
+        return _EffectSweeps(case, sets, told).study(begun)
 
 
 def _warm_up(case: Case, name: str) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from vibeam.case.source import of_source
 from vibeam.runs.closed_motions import unsuited, without_closed_forms
 from vibeam.studies.limit.sequences import (
     ModeSequence,
@@ -66,6 +67,7 @@ class LimitRow:
     why: str
 
 
+@of_source
 def limit(
     case: Case, counts: Sequence[int] = COUNTS, frequency: float | None = None, speed: float = SPEED,
     laws: Iterable[ContactLaw] = (),

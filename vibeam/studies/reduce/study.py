@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.source import of_source
 from vibeam.studies.reduce.bases import ReductionBasis, bases_of
 from vibeam.studies.reduce.losses import Losses, Question
 from vibeam.studies.reduce.response import Claim, FullResponse
@@ -81,6 +82,7 @@ class ReductionStudy(ValueRecord):
         return tuple(row for row in self.rows if row.basis == basis)
 
 
+@of_source
 def reduce(
     case: Case,
     *,

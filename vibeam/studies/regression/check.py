@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.plans import Expectation
+from vibeam.case.source import of_source
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.studies.regression import readings, references
 from vibeam.studies.regression.readings import NAN, NumberRead, directions, read
@@ -118,6 +119,7 @@ def _swept(case: Case, fidelity: str, further: Array) -> Branches:
     return run(own, show=False)[fidelity]
 
 
+@of_source
 def check(case: Case, result: Result | None = None, *, partial: bool = False) -> list[CheckRow]:
     """Compare a case with its references and expectations, one row each; ``row.passed`` is the verdict.
 
@@ -130,6 +132,7 @@ def check(case: Case, result: Result | None = None, *, partial: bool = False) ->
     return references.check(case, result, partial=partial, at=at) + check_expectations(case, result, partial=partial)
 
 
+@of_source
 def compare_measured(case: Case, result: Result | None = None) -> list[MeasuredRow]:
     """Compare a case with its measured numbers, one row each; ``result`` as for ``check``. There is no verdict."""
     return readings.compare(case, _result(case) if result is None else result)

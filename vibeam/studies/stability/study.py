@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import require_one_harmonic
+from vibeam.case.source import of_source
 from vibeam.exchange.faults import CaseError
 from vibeam.periodic.orbit_map import OrbitMap, orbit_map
 from vibeam.runs.comparison.differences import listed
@@ -77,6 +78,7 @@ class Stability(ValueRecord):
         return [share(one.name, one.orbits) for one in self.maps]
 
 
+@of_source
 def stability(
     case: Case,
     over: str = "gap",

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.source import of_source
 from vibeam.runs.parallel import EVERY, heartbeat
 from vibeam.runs.result import finest_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, ErrorRow, Indices, error_rows, indices, saltelli
+from vibeam.system.progress import telling
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
@@ -71,14 +73,16 @@ class UncertaintyStudy(ValueRecord):
         return self.case.uncertain
 
 
+@of_source
 def uncertainty(
-    case: Case, tell: Progress = lambda line: None, *, samples: int | None = None, seed: int | None = None
+    case: Case, progress: Progress | bool | None = None, *, samples: int | None = None, seed: int | None = None
 ) -> UncertaintyStudy:
     """Carry the uncertain inputs of a case through its sweep.
 
     The finest fidelity is run at (2 + d)·``samples`` values of d inputs (Sobol' sequence), each other one of the same
-    physics at 2·``samples`` of them; None: as the case asks. ValueError where nothing is uncertain or ``samples`` is
-    no power of two ≥ 16, CaseError for values that the case may not have.
+    physics at 2·``samples`` of them; None: as the case asks. ``progress``: True shows it, a function is told in lines.
+    ValueError where nothing is uncertain or ``samples`` is no power of two ≥ 16, CaseError for values that the case may
+    not have.
     """
     if not case.uncertain:
         raise ValueError(MISSING)
@@ -86,6 +90,11 @@ def uncertainty(
     samples, seed = plan.samples if samples is None else samples, plan.seed if seed is None else seed
     if samples < PILOT // 2 or samples & (samples - 1):
         raise ValueError(f"samples: {samples}, must be a power of two, {PILOT // 2} or more")
+    with telling(progress, "uncertainty") as told:
+        return _study(case, told, samples, seed)
+
+
+def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintyStudy:
     from vibeam.runs.run import run
 
     with heartbeat(tell, lambda: "the case as it is"):

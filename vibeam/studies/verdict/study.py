@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.case import require_one_harmonic
+from vibeam.case.source import of_source
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
 from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.runs.comparison.differences import listed
@@ -100,6 +101,7 @@ class Verdict(ValueRecord):
         ]  # fmt: skip
 
 
+@of_source
 def verdict(
     case: Case,
     over: str = "frequency,gap",
