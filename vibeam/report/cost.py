@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from math import ceil, isfinite
 from shlex import quote
@@ -14,7 +14,7 @@ from vibeam.exchange.files import dotted
 from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.report.work_precision import work_precision
-from vibeam.runs.comparison.differences import headline, listed, notes
+from vibeam.runs.comparison.differences import doubts, listed, settled
 from vibeam.system.number_text import in_prefix, percent, signed
 
 if TYPE_CHECKING:
@@ -32,12 +32,12 @@ RATIO = 10.0  # ratio of model error to solver error from which on the solver is
 
 def sheet(study: CostStudy, case: Case, within: float = WITHIN) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a run, nested values by names with a dot: ``total.amplitude.rms``."""
-    doubts = list(uncertain(study, case))
+    unsure = list(uncertain(study, case))
     return StudySheet(
         answer=answer(study, case, within),
         tables=[chosen(study, case)],
-        notes=doubts[:MOST_NOTES],
-        details=[*doubts[MOST_NOTES:], *details(study)],
+        notes=unsure[:MOST_NOTES],
+        details=[*unsure[MOST_NOTES:], *details(study)],
         more=[runs(study), parts(study)],
         data={"study": study},
         rows=[_cells(plain(row)) for row in study.rows],
@@ -58,9 +58,7 @@ def answer(study: CostStudy, case: Case, within: float = WITHIN) -> str:
     time = f"{exact / len(study.frequency) * factor:.2g} {unit} a frequency"
     rest = [_cheaper(study, case, within, exact), _other_solvers(study, exact)]
     said = "; ".join(filter(None, rest)) if study.rows else "no run had time"
-    held = study.comparison.held
-    what = held.label if held.coefficient is not None else f"the {held.label}"
-    return f"With {what} held, exact flight of {study.finest} takes {time}; {said}."
+    return f"With {study.comparison.what} held, exact flight of {study.finest} takes {time}; {said}."
 
 
 def _exact(study: CostStudy) -> float:
@@ -129,22 +127,38 @@ def chosen(study: CostStudy, case: Case) -> ReportTable:
     """Table of the runs on the Pareto front, and of the best of each solver."""
     front = [study.rows[index] for index in study.front]
     kept = [*_best(study.rows), *front][:MOST_ROWS]
-    some = any(row.total.amplitude.points < row.total.amplitude.total for row in kept)
-    names = ["model", "solver", "off|", "rms|", "by solver|", *["points|"] * some, "ms a frequency|", "times|", ""]
-    table = blank("Error against time", *names, heads=2)
+    cut = any(row.fidelity not in case.fidelities for row in kept)
+    further = f"; modes_1, 2, …: {study.finest} cut off after so many" if cut else ""
+    return _runs(study, "Error against time", [row for row in study.rows if row in kept], further)
+
+
+def runs(study: CostStudy) -> ReportTable:
+    """Table of all runs: error against the reference and against the fidelity's exact motion, and the work."""
+    further = (
+        "\npath: Hausdorff distance to the exact motion of its own model over ten periods; impacts: worst velocity on "
+        "it\nstatistics: where neither repeats, the worst of means and deciles (in brackets: of the exact one's halves)"
+    )
+    return _runs(study, "All runs", study.rows, further)
+
+
+def _runs(study: CostStudy, title: str, rows: Sequence[RunRow], further: str) -> ReportTable:
+    front, exact = [study.rows[index] for index in study.front], _exact(study)
+    some = any(row.total.amplitude.points < row.total.amplitude.total for row in rows)
+    table = blank(title, "model", "solver", "off|", "rms|", "by solver|", "ms a frequency|", "times|", heads=2)
+    table.add("points|", detail=not some)
+    table.add("")
+    table.add("modes|", "path|", "impacts|", "statistics|", "µs/period|", "µs/impact|", "why", detail=True)
     table.caption = (
         f"off, rms: amplitude, largest and root mean square, against {study.truth}; by solver: against its own model"
-        f"\n{_periods(study)}; times: over flight of {study.finest}; *: no run is both nearer (rms) and cheaper"
+        f"\n{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods; times: CPU, the least of the "
+        f"repeats, over flight of {study.finest}; *: no run that found every motion is both nearer (rms) and cheaper"
+        + further
     )
-    if any(row.fidelity not in case.fidelities for row in kept):
-        table.caption += f"; modes_1, 2, …: {study.finest} cut off after so many"
-    exact, last = _exact(study), ""
-    for row in (row for row in study.rows if row in kept):
-        spent = _seconds(row)
-        seconds = [f"{1e3 * spent / len(study.frequency):.3g}", _ratio(spent / exact)] if row.work else ["–", "–"]
-        cells = [*_errors(row), *[_points(row)] * some, *seconds]
-        table.add_row("" if row.fidelity == last else row.fidelity, row.label, *cells, "*" if row in front else "")
-        last = row.fidelity
+    last = ""
+    for row in rows:
+        name, last = "" if row.fidelity == last else row.fidelity, row.fidelity
+        first = (name, row.label, *_errors(row), *_times(study, row, exact), _points(row), "*" * (row in front))
+        table.add_row(*first, *_further(row))
     return table
 
 
@@ -158,41 +172,19 @@ def _points(row: RunRow) -> str:
     return f"{off.points}/{off.total}" if off.total else "–"
 
 
-def _periods(study: CostStudy) -> str:
-    return f"{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods"
+def _times(study: CostStudy, row: RunRow, exact: float) -> tuple[str, str]:
+    spent = _seconds(row)
+    return (f"{1e3 * spent / len(study.frequency):.3g}", _ratio(spent / exact)) if row.work else ("–", "–")
 
 
-def runs(study: CostStudy) -> ReportTable:
-    """Table of all runs: error against the reference and against the fidelity's exact motion, and the work."""
-    chaos = any(isfinite(row.numerical.statistics) for row in study.rows)
-    names = ["fidelity", "modes|", "solver", "points|", "off|", "rms|", "by solver|", "path|", "impacts|"]
-    names += ["statistics|"] * chaos + ["CPU|", "µs/period|", "µs/impact|", "", "why"]
-    table = blank("All runs", *names, heads=3)
-    table.caption = (
-        "path: Hausdorff distance to the exact motion of its own fidelity over ten periods; impacts: worst velocity on "
-        "it\nCPU: least of the repeats, the solver's making included; *: on the Pareto front of rms and CPU, for runs "
-        "that found every motion"
-        + "\nstatistics: where neither repeats, the worst of means and deciles (in brackets: of the exact one's halves)"
-        * chaos
-    )
-    last = ""
-    for index, row in enumerate(study.rows):
-        if last and row.fidelity != last:
-            table.add_section()
-        table.add_row(*_run(row, row.fidelity == last, index in study.front, chaos))
-        last = row.fidelity
-    return table
-
-
-def _run(row: RunRow, again: bool, best: bool, chaos: bool) -> list[str | Text]:
+def _further(row: RunRow) -> tuple[str | Text, ...]:
+    """Cells of details; empty, so that the column is left out, where no run has a number."""
     own, work = row.numerical, row.work
-    statistics = f"{share(own.statistics)} ({share(own.scatter)})" if isfinite(own.statistics) else "–"
-    spent = [f"{work.cpu_min:.3g} s", *map(_micro, (work.per_period, work.per_impact))] if work else ["–"] * 3
-    return [
-        *(["", ""] if again else [row.fidelity, str(row.modes)]), row.label, _points(row), *_errors(row),
-        share(own.path), share(own.impact_velocities), *[statistics] * chaos, *spent, "*" if best else "",
-        Text(row.why, style="red"),
-    ]  # fmt: skip
+    statistics = f"{share(own.statistics)} ({share(own.scatter)})" if isfinite(own.statistics) else ""
+    return (
+        str(row.modes), share(own.path), share(own.impact_velocities), statistics,
+        *(map(_micro, (work.per_period, work.per_impact)) if work else ("–", "–")), Text(row.why, "red"),
+    )  # fmt: skip
 
 
 def parts(study: CostStudy) -> ReportTable:
@@ -235,12 +227,7 @@ def uncertain(study: CostStudy, case: Case) -> Iterator[str]:
     if failed:
         first = f"{failed[0].fidelity} by {failed[0].label}: {failed[0].why}"
         yield f"{len(failed)} of {len(study.rows)} runs gave no error ({first}); -v says of each why."
-    if study.comparison.turning:
-        other = study.comparison.other.restitution_of if study.comparison.other else ""
-        yield f"{headline(study.comparison)[:-1]}: --set 'stop.restitution_of=\"{other}\"' compares so."
-    off_limit = list(notes(study.comparison))
-    if len(off_limit) > 1:
-        yield "; ".join(line.strip() for line in off_limit) + "."
+    yield from doubts(study.comparison)
     if not isfinite(study.bound.value):
         why = study.bound.note.partition("; ")[0]
         yield f"No second solver bounds the reference's error ({why}): vibeam.simulate(…, certify=True) does."
@@ -267,10 +254,7 @@ def _left_out(study: CostStudy, case: Case) -> Iterator[str]:
 def details(study: CostStudy) -> Iterator[str]:
     """Sentences on the reference, on the solver's part in each error, on models and runs that are not there."""
     yield f"Reference: {study.finest}. Solver error: {study.bound.sentence}."
-    if not study.comparison.turning:
-        yield headline(study.comparison)
-    off_limit = list(notes(study.comparison))
-    yield from off_limit if len(off_limit) == 1 else ()
+    yield from settled(study.comparison)
     yield from _solvers_part(study)
     yield from _parts_not_there(study)
     for name, twin in study.same.items():

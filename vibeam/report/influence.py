@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import isfinite, isinf
+from shlex import quote
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,10 +17,11 @@ from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import COLOURS
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
-from vibeam.runs.comparison.differences import both_peaks, headline, notes
+from vibeam.runs.comparison.differences import both_peaks, doubts, listed, settled
 from vibeam.system.number_text import signed
 
 if TYPE_CHECKING:
+    from vibeam.case.case import Case
     from vibeam.studies.influence.curve import Change, Interest
     from vibeam.studies.influence.study import EffectRow, InfluenceStudy, Variant
 
@@ -40,47 +42,101 @@ LEAST, MOST = 1e-3, 1e3  # changes over tolerance: larger ones are drawn at the 
 MOVED = 0.005  # relative change above which a mode's frequency counts as changed
 
 
-def sheet(study: InfluenceStudy, plan: FigurePlan = USUAL) -> StudySheet:
-    """Sheet of a study; as CSV a row a model and quantity."""
-    said = list(sentences(study))
+def sheet(study: InfluenceStudy, case: Case) -> StudySheet:
+    """Sheet of a study of ``case``; as CSV a row a model and quantity."""
+    said = list(details(study))
     return StudySheet(
-        headline(study.comparison), [taken_away(study), left_alone(study)], said, rows=list(lines(study)),
-        data={"study": study, "sentences": said}, draw=lambda: bars(study, plan), coarse=True,
-    )  # fmt: skip
+        answer=answer(study),
+        tables=[taken_away(study)],
+        notes=list(unsettled(study, case)),
+        details=said,
+        more=[left_alone(study)],
+        data={"study": study, "sentences": said},
+        rows=list(lines(study)),
+        draw=lambda: bars(study, case.figure),
+        coarse=True,
+    )
+
+
+NAMED = 2  # largest number of effects whose loss is told in the answer
+DUST = 1e-6  # share of a tolerance that is round-off
+
+
+def answer(study: InfluenceStudy) -> str:
+    """Sentence on the effects that the scene needs: what changes most without them, and without the others."""
+    needed = [row for row in study.rows if row.needed]
+    others = [row.effect for row in study.rows if not row.needed]
+    losses = [f"without {row.effect} {_loss(study, row)}" for row in needed[:NAMED]]
+    if others:
+        kept = f"every quantity stays within {share(study.enough.worst)} of its tolerance"
+        losses.append(f"without {listed(others)} {kept if study.enough.worst > DUST else 'nothing changes'}")
+    needs = f"{_needed([row.effect for row in needed], len(study.rows))}: {', '.join(losses)}."
+    return f"With {study.comparison.what} held, the scene needs {'at most ' * (study.left_out > 0)}{needs}"
+
+
+def _needed(names: Sequence[str], count: int) -> str:
+    if len(names) == count:
+        return f"all of its {count} effects" if count > 1 else f"its one effect, {names[0]}"
+    return f"{listed(names) if names else 'none'} of its {count} effects"
+
+
+def _loss(study: InfluenceStudy, row: EffectRow) -> str:
+    """Largest error without an effect: of the peak, where that is beyond the tolerance."""
+    if row.without.why:
+        return "there is no model"
+    pairs = list(zip(study.quantities, row.without.changes, strict=True))
+    if row.influence <= 1:
+        return "beside the others that are left out, some quantity is beyond its tolerance"
+    beyond = [pair for pair in pairs if pair[0].name == "peak" and pair[1].share > 1]
+    quantity, each = (beyond or [max(pairs, key=lambda pair: pair[1].share)])[0]
+    if not isfinite(each.amount):
+        return f"{_label(quantity)} is not there to compare"
+    return f"{_label(quantity)} is {_amount(quantity, each).lstrip('+-')} too {'high' if each.amount > 0 else 'low'}"
+
+
+def _label(quantity: Interest) -> str:
+    return quantity.label.replace("its", "the peak's" if quantity.name.startswith("peak") else "the ringing's")
 
 
 def taken_away(study: InfluenceStudy) -> ReportTable:
     """Table of every effect's contribution, and of the changes when it alone is taken away."""
-    names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
-    head = ("coordinates|", "modes|", "CPU|", *names, "influence|", "")
-    table = blank("When one effect is taken away", "without", *head)
+    table = blank("When one effect is taken away", "without", "", "influence|")
+    _add_quantities(table, study, [row.without for row in study.rows])
+    table.add("coordinates|", "modes|", "CPU|", detail=True)
     low, high, points = study.frequency
+    swept = f"{points} frequencies from {low:.5g} to {high:.5g} Hz" if points > 1 else f"at {low:.5g} Hz"
     table.caption = (
-        f"{study.fidelity}, {points} frequencies from {low:.5g} to {high:.5g} Hz, {study.settle} + {study.hold} periods"
-        f"\ncoordinates, modes, CPU: what the effect adds; CPU of a sweep, which varied by {1e3 * study.scatter:.2g} ms"
-        "\ninfluence: the largest change over its tolerance; *: see below"
+        f"{study.fidelity}, {swept}, {study.settle} + {study.hold} periods; influence: the largest change over its "
+        "tolerance; *: -v says why"
     )
-    whole = (str(study.whole.coordinates), str(study.whole.modes), f"{1e3 * study.whole.cpu:.3g} ms")
-    table.add_row("nothing: as it is", *whole, *_values(study), "", "")
+    whole = (str(study.whole.coordinates), str(study.whole.modes), _milliseconds(study.whole.cpu))
+    table.add_row("nothing: as it is", "", "", *_values(study), *whole)
     table.add_section()
     for row in study.rows:
         verdict = Text("needed", style="bold") if row.needed else Text("not needed", style="green")
-        cells = _changes(study, row.without)
-        table.add_row(row.effect, *_added(row), *cells, share(row.influence), verdict)
+        table.add_row(row.effect, verdict, share(row.influence), *_changes(study, row.without), *_added(row))
     return table
+
+
+def _add_quantities(table: ReportTable, study: InfluenceStudy, variants: Sequence[Variant]) -> None:
+    """Add a column for each quantity, as a detail where none of the models changes it."""
+    for index, quantity in enumerate(study.quantities):
+        moved = any(each.why or each.changes[index].share for each in variants)
+        table.add(f"{SHORT[quantity.name]}|", detail=not moved)
 
 
 def left_alone(study: InfluenceStudy) -> ReportTable:
     """Table of the distance to the complete model with each effect alone, with none, and with the sufficient ones."""
-    names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
-    table = blank("When one effect alone is left", "with", "coordinates|", "modes|", *names, "worst|")
-    table.caption = "changes against the model with all effects; worst: the largest of them over its tolerance"
+    table = blank("When one effect alone is left", "with", "worst|")
     shown = [("none", study.bare), *((row.effect, row.alone) for row in study.rows)]
+    _add_quantities(table, study, [variant for _, variant in shown])
+    table.add("coordinates|", "modes|")
+    table.caption = "changes against the model with all effects; worst: the largest of them over its tolerance"
     for name, variant in [*shown, ("the needed ones", study.enough)]:
         if variant is study.enough:
             table.add_section()
         size = ("–", "–") if variant.why else (str(variant.coordinates), str(variant.modes))
-        table.add_row(name, *size, *_changes(study, variant), share(variant.worst))
+        table.add_row(name, share(variant.worst), *_changes(study, variant), *size)
     return table
 
 
@@ -113,29 +169,47 @@ def _amount(quantity: Interest, each: Change) -> str:
 def _added(row: EffectRow) -> tuple[str, str, str]:
     if row.without.why:
         return "–", "–", "–"
-    return f"{row.coordinates:+d}", f"{row.modes:+d}", f"{1e3 * row.cpu:+.3g} ms"
+    return f"{row.coordinates:+d}", f"{row.modes:+d}", _milliseconds(row.cpu, "+")
+
+
+def _milliseconds(seconds: float, sign: str = "") -> str:
+    return f"{1e3 * seconds:{sign}.3g} ms" if isfinite(seconds) else "–"
 
 
 def share(value: float) -> str:
     """Ratio of a change to its tolerance, as text."""
-    return "∞" if isinf(value) else f"{value:.3g}" if value >= 1e-3 or value == 0 else f"{value:.0e}"
+    if value > MOST:
+        return "∞" if isinf(value) else f"> {MOST:g}"
+    return f"{value:.3g}" if value >= LEAST else f"{value:.0e}" if value > DUST else "0"
 
 
-def sentences(study: InfluenceStudy) -> Iterator[str]:
-    """Sentence for each effect, the remarks, and the effects the scene needs."""
+def unsettled(study: InfluenceStudy, case: Case) -> Iterator[str]:
+    """Notes on what is uncertain, each with what to do about it."""
+    if study.left_out:
+        yield (
+            f"{study.left_out} sweeps of sets of effects did not fit into {study.budget:g} s of CPU time: "
+            f"vibeam verdict {quote(str(case.path))} --only effects makes all of them."
+        )
+    if not study.exact:
+        yield "Effects were left out one after another: try a smaller set by [fidelity.NAME] without = […]."
+    yield from doubts(study.comparison)
+
+
+def details(study: InfluenceStudy) -> Iterator[str]:
+    """Sentence for each effect, the remarks, and how the needed set was found."""
     yield from (_sentence(study, row) for row in study.rows)
     yield from _remarks(study)
     yield from filter(None, [both_peaks(study.comparison, len(study.rows))])
-    yield from notes(study.comparison)
-    yield verdict(study)
+    yield from settled(study.comparison)
+    tried = "All sets up to that size were tried" if study.exact else "One effect after another was left out"
+    yield f"{tried}: {study.models} models swept; CPU time of a sweep varied by {_milliseconds(study.scatter)}."
 
 
 def _sentence(study: InfluenceStudy, row: EffectRow) -> str:
     if row.without.why:
         return f"{row.effect} cannot be taken away from the case as it is ({row.without.why}): needed."
-    notes = [*_modes(study.whole, row.without), *_moved(study, row.without)]
-    none = f"nothing moves by more than {share(row.influence)} of its tolerance" if row.influence else "nothing changes"
-    return f"Without {row.effect} {'; '.join(notes) or none}: {_why(study, row)}."
+    changed = "; ".join(_modes(study.whole, row.without)) or f"the influence is {share(row.influence)}"
+    return f"Without {row.effect} {changed}: {_why(study, row)}."
 
 
 def _why(study: InfluenceStudy, row: EffectRow) -> str:
@@ -158,23 +232,9 @@ def _modes(whole: Variant, variant: Variant) -> Iterator[str]:
         yield f"mode {pairs.index((ours, theirs)) + 1} is at {ours:.4g} Hz instead of {theirs:.4g} Hz"
 
 
-def _moved(study: InfluenceStudy, variant: Variant) -> Iterator[str]:
-    """Changes beyond tolerance, each with the frequency of the peak or the ringing."""
-    for quantity, each in zip(study.quantities, variant.changes, strict=True):
-        if isinf(each.share):
-            yield f"{quantity.label.replace('its', _of(quantity))} is not there to compare ({each.why})"
-        elif each.share >= 1e-3:
-            size = _amount(quantity, each).lstrip("+-")
-            yield f"{quantity.label.replace('its', _of(quantity))} moves by {size}"
-
-
-def _of(quantity: Interest) -> str:
-    return "the peak's" if quantity.name.startswith("peak") else "the ringing's"
-
-
 def _remarks(study: InfluenceStudy) -> Iterator[str]:
     """Explanation of each mark in the tables, once, with the models that have it."""
-    labels = {quantity.name: quantity.label.replace("its", _of(quantity)) for quantity in study.quantities}
+    labels = {quantity.name: _label(quantity) for quantity in study.quantities}
     models = [("all effects", study.whole), ("none", study.bare)]
     models += [(f"without {row.effect}", row.without) for row in study.rows]
     models += [(f"{row.effect} alone", row.alone) for row in study.rows]
@@ -188,28 +248,6 @@ def _remarks(study: InfluenceStudy) -> Iterator[str]:
             found.setdefault(text, []).append(name)
     for text, names in found.items():
         yield f"* {text} ({'every model' if len(names) == len(models) else ', '.join(names)})"
-
-
-def verdict(study: InfluenceStudy) -> str:
-    """Sentence on the effects that the scene needs, and how that was determined."""
-    needed = [row.effect for row in study.rows if row.needed]
-    others = [row.effect for row in study.rows if not row.needed]
-    needs = _listed(needed) if needed else "none of its effects"
-    text = f"The scene needs {needs}" + (f", not {_listed(others, 'or')}" if others else "")
-    kept = f"every quantity then stays within {share(study.enough.worst)} of its tolerance" if others else (
-        "leaving out any set of them moves some quantity beyond its tolerance" if study.exact
-        else "leaving out any one of them moves some quantity beyond its tolerance"
-    )  # fmt: skip
-    how = (
-        f"all sets up to that size were tried, {study.models} models swept"
-        if study.exact
-        else f"found by leaving out one after another, {study.models} models swept: a smaller set may exist"
-    )
-    return f"{text}: {kept} ({how})."
-
-
-def _listed(names: list[str], last: str = "and") -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
 
 
 def lines(study: InfluenceStudy) -> Iterator[dict[str, Any]]:

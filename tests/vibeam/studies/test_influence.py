@@ -24,7 +24,7 @@ from vibeam.casefile.read import parse
 from vibeam.casefile.tables.table import key, table
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
-from vibeam.report.influence import bars, left_alone, lines, sentences, taken_away, verdict
+from vibeam.report.influence import answer, bars, details, left_alone, lines, sheet, taken_away
 from vibeam.report.tables import print_table
 from vibeam.studies.influence.curve import (
     Curve,
@@ -179,7 +179,7 @@ def test_what_cannot_be_taken_away_is_told_with_its_reason_and_needed() -> None:
     assert "gain" in shaker.without.why
     assert platform.needed
     assert shaker.needed
-    said = "\n".join(sentences(study))
+    said = "\n".join(details(study))
     assert "platform cannot be taken away from the case as it is (" in said
     kept = {row["model"]: row["why"] for row in lines(study) if row["effect"] == "platform"}
     assert "drives a platform" in kept["without"]
@@ -307,7 +307,7 @@ def test_one_mode_does_not_ring_and_says_so() -> None:
     assert isnan(ringing.value)
     assert "nothing rings" in ringing.why
     assert restitution.value == pytest.approx(0.72, abs=1e-6)
-    assert any("nothing rings" in line and "every model" in line for line in sentences(one))
+    assert any("nothing rings" in line and "every model" in line for line in details(one))
 
 
 def test_changes_are_relative_or_absolute_and_never_dropped() -> None:
@@ -368,7 +368,11 @@ def test_effects_that_do_nothing_come_out_as_not_needed() -> None:
     assert study.exact
     order = [row.influence for row in study.rows]
     assert order == sorted(order, reverse=True)
-    assert verdict(study).startswith("The scene needs mass.rotary_inertia and mass.rigid_half_width, not ")
+    assert answer(study).startswith(
+        "With R = 0.72 at the contact held, the scene needs mass.rotary_inertia and mass.rigid_half_width of its 5 "
+        "effects: without mass.rotary_inertia the peak is "
+    )
+    assert answer(study).endswith("clamp and torsion nothing changes.") or "torsion and clamp" in answer(study)
 
 
 def test_effects_that_cancel_are_not_dropped_singly() -> None:
@@ -386,9 +390,8 @@ def test_effects_that_cancel_are_not_dropped_singly() -> None:
     assert all(row.influence > 1 for row in study.rows)
     assert study.bare.worst < 0.3
     assert study.enough.kept == ()
-    said = list(sentences(study))
-    assert sum("together they cancel" in line for line in said) == 2
-    assert said[-1].startswith("The scene needs none of its effects, not ")
+    assert sum("together they cancel" in line for line in details(study)) == 2
+    assert "the scene needs none of its 2 effects: without " in answer(study)
     tight = study_of(GRAVITY, CLAMP, **settings, **bare, clamp__stiffness=stiffness,
                      influence__frequency_tolerance=study.bare.changes[0].share * 0.05)  # fmt: skip
     assert set(tight.enough.kept) == {"gravity", "clamp"}
@@ -411,6 +414,23 @@ def test_the_needed_set_keeps_its_promise_in_an_ordinary_run() -> None:
     assert study.enough.changes[1].amount == pytest.approx(there - at, abs=0.011)
     assert abs(ours / whole - 1) < 0.08
     assert abs(there - at) < 0.25
+
+
+def test_a_budget_leaves_sets_out_and_claims_no_smallest() -> None:
+    """By a clock that counts its looks, at least one a sweep: 32 sets want more than 12."""
+    ticks = itertools.count()
+    clock = lambda: float(next(ticks))  # noqa: E731
+    done: list[tuple[int, int]] = []
+    case = case_of(ADDED, CLAMP, TORSION, influence__quantities=["peak"], influence__tolerance=0.002)
+    study = influence(case, progress=lambda *counts: done.append(counts), clock=clock, budget=12.0)
+    assert (study.exact, study.left_out > 0) == (False, True)
+    assert study.seconds <= 12 + 2 * study.left_out + 2  # a look at each of those left out
+    assert study.enough.worst <= 1
+    assert done[0][0] == 0
+    assert all(count <= total for count, total in done)
+    assert f"{study.left_out} sweeps of sets of effects did not fit into 12 s" in sheet(study, case).notes[0]
+    with pytest.raises(ValueError, match=r"6 models, all effects and each without one, take about .* and 4 s are"):
+        influence(case, clock=clock, budget=4.0)
 
 
 def test_a_motion_is_read_at_the_frequency_that_the_case_says() -> None:
@@ -459,7 +479,7 @@ def test_the_command_prints_and_writes(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     found = json.loads(done.stdout)
     assert {row["effect"] for row in found["study"]["rows"]} == {"mass.rotary_inertia", "mass.rigid_half_width"}
-    assert found["sentences"][-1].startswith("The scene needs ")
+    assert "held, the scene needs " in found["answer"]
     stem = tmp_path / "rig_influence.csv"
     rows = list(csv.DictReader(stem.read_text(encoding="utf-8").splitlines()))
     assert len(rows) == 7 * (3 + 2 * 2)
@@ -475,13 +495,19 @@ def test_tables_and_plot_show_what_is_not_there(capsys: pytest.CaptureFixture[st
     lost = replace(row.without.changes[1], value=np.nan, amount=np.nan, share=inf, why="no impacts at 15 Hz")
     without = replace(row.without, changes=(row.without.changes[0], lost))
     shown = replace(study, rows=(replace(row, without=without), *study.rows[1:]))
+    assert len(taken_away(shown).brief().columns) == 1 + 2 + 2  # coordinates, modes and CPU are details
+    rests = [
+        replace(each.without, changes=tuple(replace(c, share=0.0) for c in each.without.changes)) for each in study.rows
+    ]
+    still = [replace(each, without=without) for each, without in zip(study.rows, rests, strict=True)]
+    assert taken_away(replace(study, rows=tuple(still))).brief().columns[-1].header == "influence"
     print_table(taken_away(shown))
     print_table(left_alone(shown))
     text = capsys.readouterr().out
     line = next(each for each in text.splitlines() if row.effect in each)
     assert "–*" in line
     assert "∞" in line
-    assert any(f"* the ringing: no impacts at 15 Hz (without {row.effect})" in each for each in sentences(shown))
+    assert any(f"* the ringing: no impacts at 15 Hz (without {row.effect})" in each for each in details(shown))
     widths = [patch.get_width() for patch in bars(shown).axes[0].patches]
     assert max(widths) == pytest.approx(1e3, rel=1e-3)
     assert all(isfinite(width) for width in widths)

@@ -55,6 +55,11 @@ class HeldComparison:
     cpu_seconds: float
 
     @property
+    def what(self) -> str:
+        """Held restitution, in a sentence."""
+        return self.held.label if self.held.coefficient is not None else f"the {self.held.label}"
+
+    @property
     def turning(self) -> tuple[str, ...]:
         """Fidelities whose verdict turns with the choice."""
         return tuple(row.fidelity for row in self.rows if row.turns)
@@ -91,8 +96,28 @@ def both_peaks(found: HeldComparison, most: int = PAIRS) -> str:
 
 def notes(found: HeldComparison) -> Iterator[str]:
     """Sentences on the distance of the finest fidelity from its limit, and on what is not known."""
+    yield from _unknown(found)
+    yield from _own_limit(found)
+
+
+def doubts(found: HeldComparison) -> Iterator[str]:
+    """Sentences on what is uncertain, with what to do: verdicts that turn, a distance from the limit that counts."""
+    if found.turning and found.other is not None:
+        key = f"'stop.restitution_of=\"{found.other.restitution_of}\"'"
+        yield f"{headline(found)[:-1]}: --set {key} compares so."
+    if not all(row.small for row in found.rows):
+        yield f"{'; '.join(line.strip() for line in _own_limit(found))}."
+
+
+def settled(found: HeldComparison) -> Iterator[str]:
+    """Sentences on a comparison beside its ``doubts``."""
+    yield from () if found.turning else (headline(found),)
+    yield from _unknown(found)
+    yield from _own_limit(found) if all(row.small for row in found.rows) else ()
+
+
+def _unknown(found: HeldComparison) -> Iterator[str]:
     if found.other is None:
-        yield from _own_limit(found) if found.held.law else ()
         return
     reasons: dict[str, list[str]] = {}
     for row in found.rows:
@@ -100,10 +125,11 @@ def notes(found: HeldComparison) -> Iterator[str]:
             reasons.setdefault(row.why, []).append(row.fidelity)
     for why, names in reasons.items():
         yield f"{listed(names)} with {found.other.label} held: not known ({why})"
-    yield from _own_limit(found)
 
 
 def _own_limit(found: HeldComparison) -> Iterator[str]:
+    if found.other is None and not found.held.law:
+        return
     own, name = found.limit, found.finest
     if own.why:
         yield f"{name}: distance from its own limit not estimated ({own.why})"

@@ -5,12 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from math import inf, nan
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.case.case import require_displacement
 from vibeam.case.source import of_source
+from vibeam.flight.engine.threads import Clock
 from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import ComparedModel, compared_model, held_comparison
 from vibeam.solvers.steady import warm_up_once
@@ -24,8 +26,8 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
-Progress = Callable[[str], None]
-NAN = float("nan")
+Tell = Callable[[str], None]
+Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class Variant:
     changes: tuple[Change, ...]
     coordinates: int
     frequencies: tuple[float, ...]
-    cpu: float = NAN
+    cpu: float = nan
     why: str = ""
 
     @property
@@ -78,7 +80,8 @@ class InfluenceStudy(ValueRecord):
     ``comparison``: of the complete model with those without one effect, with either restitution held, and its distance
     from its own limit. ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest
     set; ``exact``: True where all sets were tried; ``models``: number of sweeps; ``scatter``: s by which repeats of a
-    sweep's CPU time differed at most, below which a difference means nothing; ``seconds``: CPU time in all.
+    sweep's CPU time differed at most, below which a difference means nothing (NaN: not timed); ``seconds``: CPU time in
+    all, ``budget``: those allowed, by which ``left_out`` sets and repeats were not swept.
     """
 
     title: str
@@ -96,21 +99,31 @@ class InfluenceStudy(ValueRecord):
     settle: int
     hold: int
     seconds: float
+    budget: float = inf
+    left_out: int = 0
 
 
 @of_source
-def influence(case: Case, progress: Progress | bool | None = None) -> InfluenceStudy:
+def influence(
+    case: Case,
+    tell: Tell | None = None,
+    progress: Progress | bool | None = None,
+    clock: Clock = time.thread_time,
+    budget: float = inf,
+) -> InfluenceStudy:
     """Remove each effect alone, keep each alone, and find the smallest set within the tolerances.
 
-    ``progress``: True shows it, a function is told in lines.
-    ValueError where the case names no effect, its sweep reads no displacement, or its complete model cannot be built.
+    ``tell`` is called with the time that it takes where that is long, ``progress`` with the sweeps made and all that
+    are foreseen; True shows both. Sets that do not fit into ``budget`` CPU seconds are not swept. ValueError where the
+    case names no effect, its sweep reads no displacement, its complete model cannot be built, or the models without one
+    effect alone would take longer than the budget.
     """
     require_displacement(case, "influence")
     sets = subsets(case)
     _warm_up(case, sets.fidelity)
-    begun = time.thread_time()
     with telling(progress, "influence") as told:
-        return _EffectSweeps(case, sets, told).study(begun)
+        said: Any = told if progress is True else tell or (lambda line: None)
+        return _EffectSweeps(case, sets, said, told, clock, budget).study()
 
 
 def _warm_up(case: Case, name: str) -> None:
@@ -120,22 +133,54 @@ def _warm_up(case: Case, name: str) -> None:
     warm_up_once(fidelity.solver, case.system(name), omega, base, case.sweep.output, fidelity.options)
 
 
+LEFT_OUT = "left out: over the budget"
+LONG = 10.0  # CPU seconds from which on a prediction is told
+
+
 class _EffectSweeps:
     """State of a study in progress: every set of effects is swept once."""
 
-    def __init__(self, case: Case, sets: Subsets, progress: Progress) -> None:
-        self.case, self.sets, self.say = case, sets, progress
+    def __init__(self, case: Case, sets: Subsets, tell: Tell, progress: Progress, clock: Clock, budget: float) -> None:
+        self.case, self.sets, self.tell, self.progress = case, sets, tell, progress
+        self.clock, self.budget, self.began = clock, budget, clock()
         self.asked = quantities(case.influence)
         self.all = frozenset(sets.effects)
+        lacking = [self.all - {name} for name in sets.effects]
+        self.compared = list(dict.fromkeys([self.all, *lacking, frozenset[str]()]))
+        self.single = list(dict.fromkeys([*self.compared, *(frozenset({name}) for name in sets.effects)]))
+        self.needed = {self.all, *lacking}
         self.models: dict[frozenset[str], EffectModel] = {}
         self.cpu: dict[frozenset[str], list[float]] = {}
+        self.done, self.total = 0, len(self.single) + case.influence.repeats * len(self.compared)
+        self.each, self.left_out = 0.0, 0
+        progress(0, self.total)
         if self._model(self.all).why:
             raise ValueError(self._model(self.all).why)
+        self.each = clock() - self.began
+        self._predict()
 
-    def study(self, begun: float) -> InfluenceStudy:
-        """Run single effects first, then the search, then make the rows."""
+    def _predict(self) -> None:
+        """Say how long it may take, by the time of the first model; ValueError for what cannot fit into the budget."""
+        if not self._fits(len(self.needed) - 1):
+            raise ValueError(
+                f"{len(self.needed)} models, all effects and each without one, take about "
+                f"{len(self.needed) * self.each:.2g} s of CPU time, and {self.budget:g} s are allowed: "
+                "allow more, or sweep fewer points (influence.points)"
+            )
+        if self.total * self.each > LONG:
+            self.tell(f"{self.total} sweeps and more, of about {self.each:.2g} s of CPU time each")
+
+    def _fits(self, sweeps: int) -> bool:
+        """Test whether so many sweeps can be expected within the budget."""
+        return sweeps * self.each <= self.budget - (self.clock() - self.began)
+
+    def study(self) -> InfluenceStudy:
+        """Run single effects first, then the search, then time them, and make the rows."""
+        for kept in self.single:
+            self._model(kept)
+        all_sets = self._fits(2 ** len(self.sets.effects) - len(self.models))
+        needed, exact = smallest(self.sets.effects, lambda kept: self._variant(kept).worst, all_sets)
         self._time()
-        needed, exact = smallest(self.sets.effects, lambda kept: self._variant(kept).worst)
         rows = sorted((self._row(name, needed) for name in self.sets.effects), key=lambda row: -row.influence)
         plan = self._case(self.all).sweep
         return InfluenceStudy(
@@ -147,13 +192,15 @@ class _EffectSweeps:
             enough=self._variant(needed),
             rows=tuple(rows),
             comparison=self._compared(),
-            exact=exact,
-            models=len(self.models),
-            scatter=max(max(seconds) - min(seconds) for seconds in self.cpu.values()),
+            exact=exact and all(each.why != LEFT_OUT for each in self.models.values()),
+            models=sum(each.why != LEFT_OUT for each in self.models.values()),
+            scatter=max((max(seconds) - min(seconds) for seconds in self.cpu.values()), default=nan),
             frequency=(float(plan.frequency.min()), float(plan.frequency.max()), len(plan.frequency)),
             settle=plan.settle,
             hold=plan.hold,
-            seconds=time.thread_time() - begun,
+            seconds=self.clock() - self.began,
+            budget=self.budget,
+            left_out=self.left_out,
         )
 
     def _compared(self) -> HeldComparison:
@@ -173,10 +220,22 @@ class _EffectSweeps:
 
     def _model(self, kept: frozenset[str]) -> EffectModel:
         if kept not in self.models:
-            self.say(f"with {', '.join(name for name in self.sets.effects if name in kept) or 'no effect'}")
-            wanted = [quantity.name for quantity in self.asked]
-            self.models[kept] = model(self.sets, kept, wanted, self.case.influence.frequency)
+            self.total += kept not in self.single
+            self.models[kept] = self._swept_model(kept)
         return self.models[kept]
+
+    def _swept_model(self, kept: frozenset[str]) -> EffectModel:
+        if kept not in self.needed and not self._fits(1):
+            self.left_out += 1
+            return EffectModel(tuple(name for name in self.sets.effects if name in kept), why=LEFT_OUT)
+        wanted = [quantity.name for quantity in self.asked]
+        found = model(self.sets, kept, wanted, self.case.influence.frequency)
+        self._count()
+        return found
+
+    def _count(self) -> None:
+        self.done += 1
+        self.progress(self.done, self.total)
 
     def _case(self, kept: frozenset[str]) -> Case:
         found = self._model(kept).case
@@ -188,12 +247,14 @@ class _EffectSweeps:
 
         The first sweep of each, which read the quantities, was the warm-up and does not count.
         """
-        single = [self.all, frozenset[str](), *(self.all - {name} for name in self.sets.effects)]
-        timed = [kept for kept in single if not self._model(kept).why]
-        self.say(f"timing {len(timed)} models")
+        timed = [kept for kept in self.compared if not self._model(kept).why]
         for _ in range(self.case.influence.repeats):
+            if not self._fits(len(timed)):
+                self.left_out += len(timed)
+                continue
             for kept in timed:
                 self.cpu.setdefault(kept, []).append(self._swept(kept))
+                self._count()
 
     def _swept(self, kept: frozenset[str]) -> float:
         """CPU seconds of one sweep."""
@@ -206,7 +267,7 @@ class _EffectSweeps:
         found, whole = self._model(kept), self._model(self.all)
         changes = tuple(change(each, found.value(each.name), whole.value(each.name)) for each in self.asked)
         return Variant(
-            found.kept, changes, found.coordinates, found.frequencies, min(self.cpu.get(kept, [NAN])), found.why
+            found.kept, changes, found.coordinates, found.frequencies, min(self.cpu.get(kept, [nan])), found.why
         )
 
     def _row(self, name: str, needed: frozenset[str]) -> EffectRow:

@@ -187,13 +187,13 @@ EXACT = 6  # largest number of effects for which all sets are tried
 Worst = Callable[[frozenset[str]], float]
 
 
-def smallest(effects: Sequence[str], worst: Worst) -> tuple[frozenset[str], bool]:
-    """Find the set, and whether it is proved to be the smallest.
+def smallest(effects: Sequence[str], worst: Worst, all_sets: bool = True) -> tuple[frozenset[str], bool]:
+    """Find the set, and whether it is proved to be the smallest: by ``all_sets``, where the effects are few.
 
     ``worst``: the largest change of a set in units of its tolerance, sufficient where it is at most 1; ∞ for an
     invalid set. Of several equally small sets the one with the least change.
     """
-    if len(effects) <= EXACT:
+    if all_sets and len(effects) <= EXACT:
         return _of_all(effects, worst), True
     return _one_by_one(effects, worst), False
 
