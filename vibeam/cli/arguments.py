@@ -44,7 +44,7 @@ TableFile = Annotated[
     str | None,
     typer.Option(
         "--out", "-o", metavar="FILE", show_default=False,
-        help=f"The CSV file, or its folder; {_NEW_FOLDERS}; absent = the current folder with a figure, else none.",
+        help=f"The table (.csv), with figures beside it, or of a study its page (.html); or a folder; {_NEW_FOLDERS}.",
     ),
 ]  # fmt: skip
 
@@ -78,9 +78,11 @@ def results_path(case: Case, out: str | None) -> Path:
     return output_path(out, f"{case.path.stem}.h5", RESULTS, "a results file")
 
 
-def table_path(case: Case, out: str | None, kind: str) -> Path:
+def table_path(case: Case, out: str | None, kind: str, endings: tuple[str, ...] = (".csv",)) -> Path:
     """``out`` itself, or the case's name and ``kind`` in the folder ``out``."""
-    return output_path(out, f"{case.path.stem}_{kind}.csv", (".csv",), "a table")
+    return output_path(
+        out, f"{case.path.stem}_{kind}.csv", endings, "a table" if len(endings) == 1 else "a table or page"
+    )
 
 
 def output_path(out: str | None, name: str, endings: tuple[str, ...], wanted: str) -> Path:

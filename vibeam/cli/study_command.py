@@ -18,6 +18,7 @@ from vibeam_models.keys import Key, keys_of
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.report.declaration import StudyDeclaration
+    from vibeam.report.output import StudySheet
 
 
 def study_command(study: StudyDeclaration) -> Callable[..., None]:
@@ -68,12 +69,21 @@ def run_declared(study: StudyDeclaration, case: Case, out: str | None) -> None:
     """Run a study of a case, and show and write what it gives."""
     from vibeam.cli.progress import Bar, stderr
 
-    path = table_path(case, out, study.name)
+    path = table_path(case, out, study.name, (".csv", ".html"))
     first = _first(study, case)
     with Bar(study.name) as bar:
         record = of_case(case.path, lambda: study.of(case, stderr().print, bar))
     sheet = study.shown(record, case)
-    print_sheet(sheet, sheet.write(path, case.figure), first)
+    files = [_page(study, sheet, case, path)] if path.suffix == ".html" else sheet.write(path, case.figure)
+    print_sheet(sheet, files, first)
+
+
+def _page(study: StudyDeclaration, sheet: StudySheet, case: Case, path: Path) -> Path:
+    from vibeam.exchange.whole_files import write_whole
+    from vibeam.report.page.study import study_page
+
+    write_whole(path, study_page(case.title, sheet.answer, [(study.meaning, sheet)]).encode())
+    return path
 
 
 def _first(study: StudyDeclaration, case: Case) -> str:

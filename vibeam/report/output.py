@@ -71,7 +71,7 @@ class StudySheet:
 
     ``more`` tables and ``details``, sentences, are shown on the page and with ``-v`` alone. ``data`` for JSON; ``rows``
     of the CSV file: mappings, or records of one dataclass; ``draw`` makes the figure, a ``coarse`` one with fewer dots
-    an inch.
+    an inch; ``page`` makes a page of its own.
     """
 
     answer: str
@@ -83,13 +83,18 @@ class StudySheet:
     rows: Sequence[Any] = ()
     draw: Callable[[], Figure] | None = None
     coarse: bool = False
+    page: Callable[[], str] | None = None
 
     def write(self, table: Path, plan: FigurePlan) -> list[Path]:
-        """Write the rows to ``table``, and the figure beside it as ``plan`` says; return the files."""
+        """Write the rows to ``table``, the figure beside it as ``plan`` says, and the page; return the files."""
         figures = paths_of(table, plan) if self.draw is not None else []
         if self.draw is not None:
             from vibeam.figures.page import DOTS, write_page
 
             write_page(self.draw, figures, dots=COARSE if self.coarse else DOTS)
         write_rows([row if isinstance(row, Mapping) else plain(row) for row in self.rows], table)
-        return [table, *figures]
+        if self.page is None:
+            return [table, *figures]
+        page = table.with_suffix(".html")
+        write_whole(page, self.page().encode())
+        return [page, table, *figures]

@@ -102,6 +102,9 @@ def test_a_declaration_is_table_options_answer_and_files(folder: Path) -> None:
     found = json.loads(CliRunner().invoke(app, ["study", "narrower", "b.toml", "--json", "--out", "n.csv"]).stdout)
     assert (found["schema"], found["answer"]) == ("vibeam.narrower/1", "1 gaps")
     assert found["rows"] == [{"fidelity": "sdof", "gap": gap - 0.25}]
+    page = CliRunner().invoke(app, [*words[:-1], "n.html"])
+    assert page.stdout.splitlines()[-1] == "wrote n.html"
+    assert "the play is a guess: measure it" in Path("n.html").read_text(encoding="utf-8")
     wrong = CliRunner().invoke(app, [*words, "--play", "-1", "--json"])
     assert (wrong.exit_code, json.loads(wrong.stdout)["faults"][0]["key"]) == (2, "narrower.play")
     assert "--play" in CliRunner().invoke(app, ["study", "narrower", "-h"]).stdout
