@@ -1,6 +1,6 @@
 """Tables as wide as the terminal: text wraps, further columns go into a further table, and no number is cut.
 
-Those of few parameters are made here: derived ones, modes, identified ones, keys.
+Those of few parameters are made here: identified ones, keys.
 """
 
 from __future__ import annotations
@@ -21,13 +21,11 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from vibeam.exchange.whole_files import naming_stdout
-from vibeam.system.number_text import FREQUENCIES, percent, prefixed, signed, without_round_off
+from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
-    from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.identification.estimates import Identification
-    from vibeam.studies.modes import ModeTable
 
 LINES = (24, 16, 12)  # characters of text that stay on one line in a narrow column, if the terminal can hold them
 
@@ -229,38 +227,6 @@ def identified(found: Identification) -> ReportTable:
         ]
         unit = "" if row.unit == "1" else row.unit
         table.add_row(row.name, *(numbers if row.determined else ["not determined", "–", "–"]), unit)
-    return table
-
-
-def derivation(rows: Iterable[DerivedParameter]) -> ReportTable:
-    """Table of SDOF parameters from geometry, each beside its finite-element value."""
-    table = blank("SDOF parameters", "parameter", "symbol", "by formula|", "by FE|", "unit", "error|", "assumption")
-    for row in rows:
-        values = (f"{row.value:.5g}", f"{row.reference:.5g}")
-        unit = "" if row.unit == "1" else row.unit
-        error = signed(without_round_off(row.error, 1.0))
-        table.add_row(row.name, row.symbol, *values, unit, error, row.assumption)
-    return table
-
-
-def modal(modes: ModeTable) -> ReportTable:
-    """Modal table: participation of each mode at contact, sensor and drive, and the remaining restitution."""
-    unit, factor = prefixed(FREQUENCIES, min((row.frequency for row in modes.rows), default=0.0), usual=-1)
-    of = "finite elements" if len(modes.positions) else "structure"
-    table = blank(f"Modes of the {of}", "mode|", f"{unit}|", "damping|")
-    impulsive = any(isfinite(row.contact_restitution) for row in modes.rows)
-    table.add("contact|", "sensor|", "load|", "Σ share|", *(["R₁ seen|", "R|"] * impulsive))
-    shown = [(row.contact, row.sensor, row.load) for row in modes.rows]
-    largest = [max(map(abs, column)) for column in zip(*shown, strict=True)]
-    for row, numbers in zip(modes.rows, shown, strict=True):
-        values = (f"{without_round_off(*pair):.4g}" for pair in zip(numbers, largest, strict=True))
-        restitutions = [f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}"] * impulsive
-        first = (str(row.number), f"{row.frequency * factor:.5g}", percent(row.damping_ratio))
-        table.add_row(*first, *values, percent(row.share), *restitutions)
-    table.caption = (
-        f"contact, sensor: kg^-½; load: {modes.load_unit}; Σ share: of the contact mobility w M⁻¹ wᵀ, up to this mode"
-        + "\nR: of the contact; R₁: what mode 1 sees of it where the model is cut off after this mode" * impulsive
-    )
     return table
 
 

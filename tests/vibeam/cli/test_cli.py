@@ -188,7 +188,12 @@ def test_check_refuses_what_run_would(command: Command, sdof: Path) -> None:
 
 
 def test_derive_prints_and_writes_its_table(command: Command, tmp_path: Path) -> None:
-    assert "K_S" in command("derive", RIG).stdout
+    shown = command("derive", RIG).stdout.splitlines()
+    assert shown[0] == (
+        "One degree of freedom: k = 1219 N/m, m = 0.5355 kg, f = 7.593 Hz (0.0488 % below the finite-element value), "
+        "ζ = 1.7 %, with R₁ = 0.72 of mode 1."
+    )
+    assert max(map(len, shown[1:])) <= 100
     rows = json.loads(command("derive", RIG, "--json", "--out", "a.csv").stdout)["rows"]
     assert {"name", "symbol", "unit", "value", "reference", "error", "assumption"} <= set(rows[0])
     assert len((tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()) == len(rows) + 1
@@ -196,7 +201,13 @@ def test_derive_prints_and_writes_its_table(command: Command, tmp_path: Path) ->
 
 
 def test_modes_prints_its_table_and_writes_shapes(command: Command, tmp_path: Path) -> None:
+    """The first lines by the columns below: R = 0.72 at the contact, R₁ by (1 + R) of the share, less 1."""
     held = ("--set", 'stop.restitution_of="contact"')
+    alone, both = (command("modes", RIG, *words, "--count", 2).stdout.splitlines()[0] for words in ((), held))
+    first, models = "Mode 1, at 7.597 Hz, has 92.1 % of the contact's mobility, ", " in a model cut off after mode 1, "
+    assert both.startswith(f"{first}the first 2 modes have 94 %; with ")
+    assert alone.endswith(f"; with R₁ = 0.72 of mode 1 held, the contact has R = 0.72{models}0.7566 after mode 2.")
+    assert both.endswith(f"R = 0.72 held at the contact, mode 1 sees R₁ = 0.72{models}0.6841 after mode 2.")
     rows = json.loads(command("modes", RIG, *held, "--json", "--count", 4, "--out", "a.vtu").stdout)["rows"]
     assert [row["number"] for row in rows] == [1, 2, 3, 4]
     assert rows[0]["frequency"] == pytest.approx(7.60, abs=0.005)

@@ -20,7 +20,9 @@ from vibeam.figures.units import METRIC, units_of
 from vibeam.observe.branches import MotionClass, jumps, pieces
 from vibeam.report import tables as table
 from vibeam.report.checks import checks
+from vibeam.report.derive import derivation
 from vibeam.report.limit import sentences as limit_sentences
+from vibeam.report.modes import modal
 from vibeam.report.output import to_json, write_csv
 from vibeam.report.run_report import costs, responses
 from vibeam.runs.result import Result
@@ -205,11 +207,11 @@ def test_round_off_is_shown_as_nothing() -> None:
     """A node's displacement, 9.16e-13 beside 1.19, and an identity's error of half an ulp; 3.6e-6 is a number."""
     rows = [(1.19, 1.131, 0.8413), (9.16e-13, -3.6e-6, 2.33e-12)]
     modes = [ModeRow(n, 14.0 * n, 0.01, *each, 0.03 * n, 0.7, 0.7) for n, each in enumerate(rows, 1)]
-    shown = table.modal(ModeTable(tuple(modes), np.zeros(0), np.zeros((0, 0))))
+    shown = modal(ModeTable(tuple(modes), np.zeros(0), np.zeros((0, 0))))
     assert [cells(shown, name)[1] for name in ("contact", "sensor", "load")] == ["0", "-3.6e-06", "0"]
     same = DerivedParameter("mass", "M", "kg", 1.0 + 2.0**-52, 1.0, "none")
     other = DerivedParameter("mass", "M", "kg", 1.00347, 1.0, "a point")
-    assert cells(table.derivation([same, other]), "error") == ["0", "+0.347 %"]
+    assert cells(derivation([same, other]), "error") == ["0", "+0.347 %"]
 
 
 def test_what_is_off_altogether_is_capped_and_no_percentage_is_a_power_of_ten() -> None:

@@ -12,6 +12,7 @@ from stand_in import case, curve
 from vibeam.casefile.documentation import reference_table
 from vibeam.report import tables as table
 from vibeam.report.checks import checks
+from vibeam.report.derive import derivation
 from vibeam.report.run_report import costs, responses
 from vibeam.report.tables import ReportTable, fitted
 from vibeam.runs.result import Result
@@ -37,7 +38,7 @@ TABLES = {
     "costs": lambda: costs(SUMMARIES),
     "checks": lambda: checks([MISSED]),
     "keys": lambda: table.keys(reference_table()),
-    "derivation": lambda: table.derivation(
+    "derivation": lambda: derivation(
         [DerivedParameter("mass, massless beam", "M_S", "kg", 0.41321, 0.40011, "point mass")]
     ),
 }

@@ -17,7 +17,7 @@ from vibeam.casefile.documentation import template
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
-from vibeam.report.tables import modal
+from vibeam.report.modes import modal
 from vibeam.runs.result import Result
 from vibeam.runs.summary import ill_posed, remarks
 from vibeam.studies.derive import derive

@@ -8,7 +8,7 @@ import typer
 
 from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, output_path, table_path
 from vibeam.cli.errors import of_case
-from vibeam.cli.output import print_result, write_table
+from vibeam.cli.output import print_sheet
 from vibeam.cli.streams import say
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ def modes(
 
     Each stands with the restitution of mode 1 in a model that is cut off after it.
     """
+    from vibeam.report.modes import sheet
     from vibeam.studies.modes import mode_table, write_shapes
 
     loaded = load(case, set_)
@@ -48,7 +49,7 @@ def modes(
     if path is not None:
         of_case(case, lambda: write_shapes(table, path))
         say(f"wrote {path}")
-    print_result(table.rows, lambda tables: [tables.modal(table)], table.notes)
+    print_sheet(sheet(table))
 
 
 def export(case: Case, out: str) -> None:
@@ -65,10 +66,10 @@ def derive(case: CaseFile, set_: Overrides = None, out: TableFile = None) -> Non
 
     Each stands beside its finite-element value.
     """
+    from vibeam.report.derive import sheet
     from vibeam.studies.derive import derive as derived
 
     loaded = load(case, set_)
-    table = of_case(case, lambda: derived(loaded))
-    rows = list(table)
-    write_table(rows, None if out is None else table_path(loaded, out, "derive"))
-    print_result(rows, lambda tables: [tables.derivation(rows)], table.notes)
+    path = None if out is None else table_path(loaded, out, "derive")
+    found = sheet(of_case(case, lambda: derived(loaded)), loaded)
+    print_sheet(found, [] if path is None else found.write(path, loaded.figure))

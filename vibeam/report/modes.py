@@ -1,0 +1,69 @@
+"""Modes of the whole beam as a sheet: what mode 1 has of the contact in a sentence, and a row for each mode."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from vibeam.report.output import StudySheet
+from vibeam.report.tables import ReportTable, blank
+from vibeam.system.number_text import FREQUENCIES, percent, prefixed, with_unit, without_round_off
+
+if TYPE_CHECKING:
+    from vibeam.studies.modes import ModeRow, ModeTable
+
+
+def sheet(modes: ModeTable) -> StudySheet:
+    """Sheet of a table of modes; as CSV a row a mode."""
+    return StudySheet(
+        answer=answer(modes),
+        tables=[modal(modes)],
+        notes=modes.notes,
+        data={"rows": modes.rows, "load_unit": modes.load_unit, "notes": modes.notes},
+        rows=modes.rows,
+    )
+
+
+def answer(modes: ModeTable) -> str:
+    """Sentence on the first mode's share of the contact's mobility, and on the restitution of truncated models."""
+    first, last = modes.rows[0], modes.rows[-1]
+    count = len(modes.rows)
+    alone = f"Mode 1, at {with_unit(first.frequency, 'Hz')}, has {percent(first.share)} of the contact's mobility"
+    if count == 1:
+        return f"{alone}."
+    return f"{alone}, the first {count} modes have {percent(last.share)}{_seen(first, last)}."
+
+
+def _seen(first: ModeRow, last: ModeRow) -> str:
+    """Restitution that follows from the one held, from the first to the last truncated model."""
+    if not isfinite(first.contact_restitution):
+        return ""
+    at, after = "cut off after mode 1", f"after mode {last.number}"
+    if first.contact_restitution == last.contact_restitution:
+        held = f"with R = {last.contact_restitution:.4g} held at the contact"
+        seen = first.first_mode_restitution, last.first_mode_restitution
+        return f"; {held}, mode 1 sees R₁ = {seen[0]:.4g} in a model {at}, {seen[1]:.4g} {after}"
+    held = f"with R₁ = {last.first_mode_restitution:.4g} of mode 1 held"
+    needs = first.contact_restitution, last.contact_restitution
+    return f"; {held}, the contact has R = {needs[0]:.4g} in a model {at}, {needs[1]:.4g} {after}"
+
+
+def modal(modes: ModeTable) -> ReportTable:
+    """Modal table: participation of each mode at contact, sensor and drive, and the remaining restitution."""
+    unit, factor = prefixed(FREQUENCIES, min((row.frequency for row in modes.rows), default=0.0), usual=-1)
+    of = "finite elements" if len(modes.positions) else "structure"
+    table = blank(f"Modes of the {of}", "mode|", f"{unit}|", "damping|")
+    impulsive = any(isfinite(row.contact_restitution) for row in modes.rows)
+    table.add("contact|", "sensor|", "load|", "Σ share|", *(["R₁ seen|", "R|"] * impulsive))
+    shown = [(row.contact, row.sensor, row.load) for row in modes.rows]
+    largest = [max(map(abs, column)) for column in zip(*shown, strict=True)]
+    for row, numbers in zip(modes.rows, shown, strict=True):
+        values = (f"{without_round_off(*pair):.4g}" for pair in zip(numbers, largest, strict=True))
+        restitutions = [f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}"] * impulsive
+        first = (str(row.number), f"{row.frequency * factor:.5g}", percent(row.damping_ratio))
+        table.add_row(*first, *values, percent(row.share), *restitutions)
+    table.caption = (
+        f"contact, sensor: kg^-½; load: {modes.load_unit}; Σ share: of the contact mobility w M⁻¹ wᵀ, up to this mode"
+        + "\nR: of the contact; R₁: what mode 1 sees of it where the model is cut off after this mode" * impulsive
+    )
+    return table
