@@ -12,16 +12,15 @@ from typing import Any
 import pytest
 
 from vibeam.flight import trajectory
-from vibeam.studies.doctor import Finding, Severity
+from vibeam.studies.doctor import Finding, Severity, verdict
 from vibeam.studies.doctor.machine import (
     Requirement,
     _folder,
     numbers,
     once,
-    optional,
+    package,
     parsed,
     processor,
-    required,
     requirements,
 )
 from vibeam.studies.doctor.self_check import CHECKS, checked, reason, self_check
@@ -39,6 +38,13 @@ def doctor(code: str = DOCTOR, *words: str, **variables: str) -> tuple[int, dict
     found = {each["name"]: each for each in answer["findings"]}
     assert answer["faults"] == sum(each["state"] == "fault" for each in answer["findings"])
     return done.returncode, found, done.stderr
+
+
+def test_the_first_line_is_the_verdict() -> None:
+    right = [Finding("packages", name, Severity.GOOD, "3.11.7 (here)") for name in ("Python", "vibeam")]
+    off = [Finding("self-check", name, Severity.FAULT, "off", "cure") for name in ("orbit", "rest")]
+    assert verdict([*right, *off]) == "The installation has 2 faults: orbit, rest."
+    assert verdict(right).startswith("The installation is whole: vibeam 3.11.7 on Python 3.11.7, 2 packages imported, ")
 
 
 def test_a_whole_installation_has_no_fault() -> None:
@@ -140,12 +146,12 @@ def test_versions_are_compared_by_their_numbers(one: str, other: str) -> None:
 
 
 def test_a_package_that_is_absent_or_old_has_its_cure() -> None:
-    assert required(Requirement("no-such-package", "2")) == Finding(
+    assert package(Requirement("no-such-package", "2")) == Finding(
         "packages", "no-such-package", Severity.FAULT, "not installed", "pip install 'no-such-package>=2'"
     )
-    old = required(Requirement("numpy", "999"))
+    old = package(Requirement("numpy", "999"))
     assert (old.state, old.cure) == (Severity.FAULT, "pip install --upgrade 'numpy>=999'")
-    extra = optional(Requirement("no-such-package", "2", "lab"))
+    extra = package(Requirement("no-such-package", "2", "lab"))
     assert (extra.state, extra.cure) == (Severity.ABSENT, "to have it: pip install 'vibeam[lab]'")
 
 

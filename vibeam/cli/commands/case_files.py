@@ -84,15 +84,19 @@ def doctor() -> None:
 
     Exit code 1 where there is a fault.
     """
-    from vibeam.studies.doctor import Severity, examine
+    from vibeam.studies.doctor import Severity, examine, verdict
 
-    findings = examine()
+    findings, form = examine(), verbosity()
     faults = sum(each.state is Severity.FAULT for each in findings)
-    if verbosity().json:
-        print_json({"faults": faults, "findings": findings})
+    if form.json:
+        print_json({"answer": verdict(findings), "faults": faults, "findings": findings})
     else:
-        for topic, group in groupby(findings, key=lambda each: each.topic):
-            put("\n".join([topic, *(f"  {each}" for each in group), ""]))
-        put("no fault found" if not faults else f"{faults} fault{'s' * (faults > 1)} found")
+        right = () if form.verbose else (Severity.GOOD, Severity.FACT)
+        shown = () if form.quiet else [each for each in findings if each.state not in right]
+        put(verdict(findings))
+        for topic, group in groupby(shown, key=lambda each: each.topic):
+            put("\n".join([topic, *(f"  {each}" for each in group)]))
+        if right and not form.quiet:
+            put("more: -v")
     if faults:
         raise typer.Exit(MISSED)

@@ -155,11 +155,7 @@ def packages() -> Iterator[Finding]:
     state, cure = (Severity.GOOD, "") if new else (Severity.FAULT, f"install {least} or higher")
     yield Finding(TOPIC, "Python", state, f"{platform.python_version()} ({sys.executable})", cure)
     yield _own()
-    for each in requirements():
-        if not each.extra:
-            yield required(each)
-        elif each.extra in EXTRAS:
-            yield optional(each)
+    yield from (package(each) for each in requirements() if not each.extra or each.extra in EXTRAS)
 
 
 def _own() -> Finding:
@@ -213,21 +209,15 @@ def parsed(entry: str) -> Requirement:
     return Requirement(found[1].lower(), found[2] or "", extra[1] if extra else "")
 
 
-def required(wanted: Requirement) -> Finding:
-    """Finding about a package that must be there: its version, and that it can be imported."""
+def package(wanted: Requirement) -> Finding:
+    """Finding about a package: its version, and that it can be imported; one of an extra may be absent."""
     installed = _version(wanted.name)
-    if installed is None:
+    if installed is not None:
+        return _imported(wanted, installed) or _judged(wanted, installed)
+    if not wanted.extra:
         return Finding(TOPIC, wanted.name, Severity.FAULT, "not installed", f"pip install '{_as_pip(wanted)}'")
-    return _imported(wanted, installed) or _judged(wanted, installed)
-
-
-def optional(wanted: Requirement) -> Finding:
-    """Finding about a package of an extra, which may be absent."""
-    installed = _version(wanted.name)
-    if installed is None:
-        said = f"not installed ({EXTRAS[wanted.extra]})"
-        return Finding(TOPIC, wanted.name, Severity.ABSENT, said, f"to have it: pip install 'vibeam[{wanted.extra}]'")
-    return _imported(wanted, installed) or _judged(wanted, installed)
+    said = f"not installed ({EXTRAS[wanted.extra]})"
+    return Finding(TOPIC, wanted.name, Severity.ABSENT, said, f"to have it: pip install 'vibeam[{wanted.extra}]'")
 
 
 def _imported(wanted: Requirement, installed: str) -> Finding | None:
