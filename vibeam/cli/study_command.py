@@ -80,7 +80,7 @@ def run_declared(study: StudyDeclaration, case: Case, out: str | None) -> None:
 
 def _page(study: StudyDeclaration, sheet: StudySheet, case: Case, path: Path) -> Path:
     from vibeam.exchange.whole_files import write_whole
-    from vibeam.report.page.study import study_page
+    from vibeam.report.page.page import study_page
 
     write_whole(path, study_page(case.title, sheet.answer, [(study.meaning, sheet)]).encode())
     return path

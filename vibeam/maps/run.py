@@ -20,7 +20,7 @@ from vibeam.maps.result import MapResult
 from vibeam.runs.parallel import run_parallel
 from vibeam.store.blocks import discard
 from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
-from vibeam.store.place import Place, locked
+from vibeam.store.place import Place, locked, place_of
 from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
 
-__all__ = ["MapResult", "run_map"]
+__all__ = ["MapResult", "run_map", "stored_map"]
 Progress = Callable[[int, int], None]
 EVERY, SHARE = 5.0, 20.0  # s between partial pictures at least, and how many times as long as one takes
 
@@ -73,6 +73,20 @@ def run_map(
             told(total, total)
         discard(place.folder)
     return MapResult(case, plan, read_map(place.target, grids), total, found, total, path)
+
+
+def stored_map(case: Case, name: str, path: Path) -> MapResult | None:
+    """The map ``name`` of a case in the file ``path``, nothing computed; None where none is there, or another one."""
+    plan = plan_of(case, name)
+    grids = grids_of(case, plan)
+    try:
+        place = place_of(path)
+        if not finished(place, {fidelity: key_of(case, grid) for fidelity, grid in grids.items()}):
+            return None
+    except StoreError:
+        return None
+    points = sum(grid.lines * prod(grid.shape) for grid in grids.values())
+    return MapResult(case, plan, read_map(place.target, grids), points, points, points, path)
 
 
 def _remove(place: Place) -> None:

@@ -1,9 +1,11 @@
 """The page of a results file: what it says, what it asks of nobody, and how it takes hostile texts."""
 
 import base64
+import csv
 import json
 import re
 from html.parser import HTMLParser
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,12 +16,13 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
+from vibeam.maps.run import run_map
 from vibeam.report.output import StudySheet
 from vibeam.report.page import charts
 from vibeam.report.page.charts import as_json, packed
-from vibeam.report.page.drawing import LEFT, drawing
-from vibeam.report.page.page import page
-from vibeam.report.page.study import study_page
+from vibeam.report.page.drawing import LEFT, REACH, drawing, mode_shapes
+from vibeam.report.page.page import VIEWS, page, study_page
+from vibeam.report.page.parts import EXPORT, IMPORT, text_of
 from vibeam.report.tables import blank
 from vibeam.store.errors import StoreError
 from vibeam.studies.stored import stored
@@ -212,10 +215,6 @@ def test_the_beam_has_its_stop_and_its_base_beside_it(data):
     assert all(each["held"] for each in data["fidelities"])
 
 
-def test_the_finest_fidelity_is_named_where_accuracy_is_drawn_against_time(data):
-    assert [(each["fidelity"], each["finest"]) for each in data["cost"]] == [("sdof", False), ("beam", True)]
-
-
 def test_no_label_of_the_drawing_covers_another():
     """Mass, sensor, outputs and both stops at one place."""
     outputs = "".join(f'[output.{name}]\nposition = "132 mm"\n' for name in ("second", "laser"))
@@ -230,8 +229,147 @@ def test_no_label_of_the_drawing_covers_another():
 
 
 def test_print_has_no_section_that_needs_a_script(text):
-    printed = re.search(r"@media print \{(.*?)\}\s*</style>", text, re.DOTALL)[1]
+    printed = re.search(r"@media print \{(.*?)\n\}", text, re.DOTALL)[1]
     assert "#motion, #participation { display: none; }" in printed
+
+
+def brightness(colour):
+    """Relative luminance, WCAG 2.2."""
+    digits = colour.lstrip("#")
+    digits = "".join(2 * each for each in digits) if len(digits) == 3 else digits
+    parts = (int(digits[at : at + 2], 16) / 255 for at in (0, 2, 4))
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return np.dot((0.2126, 0.7152, 0.0722), linear)
+
+
+def contrast(one, other):
+    low, high = sorted(map(brightness, (one, other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_texts_and_lines_stand_out_on_the_light_and_on_the_dark_ground(text, data):
+    """4.5 for texts, 3 for lines and marks: WCAG 2.2, 1.4.3 and 1.4.11; the system's dark is the reader's."""
+    roots = [dict(re.findall(r"--(\w+): (#\w+)", each)) for each in re.findall(r":root[^{]*\{([^}]*)\}", text)]
+    light, dark, system = roots[:3]
+    assert dark == system
+    assert light.keys() == dark.keys()
+    for colours, kind in ((light, "colour"), (dark, "dark")):
+        for name in ("ink", "pale", "link", "stop"):
+            assert contrast(colours[name], colours["ground"]) >= 4.5
+        assert min(contrast(colours[name], colours["tint"]) for name in ("ink", "link")) >= 4.5
+        assert min(contrast(each[kind], colours["ground"]) for each in data["palette"] + data["fidelities"]) >= 3
+
+
+def test_headings_controls_and_pictures_have_an_order_and_names(text):
+    parsed = elements(text)
+    levels = [int(tag[1]) for tag, _ in parsed.found if re.fullmatch(r"h\d", tag)]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(deeper - level <= 1 for level, deeper in pairwise(levels))
+    names = [at["aria-label"] for _, at in parsed.found if at.get("role") in ("region", "img")]
+    assert all(names)
+    sections = re.findall(r"<h2[^>]*>([^<]+)</h2>", text)
+    regions = [at["aria-label"] for _, at in parsed.found if at.get("role") == "region"] + sections
+    assert len(regions) == len(set(regions))
+    for control in re.findall(r"<(?:select|input)\b[^>]*>", text.partition('<script id="data"')[0]):
+        before = text[: text.index(control)]
+        assert before.rindex("<label") > before.rindex("</label>") if "</label>" in before else "<label" in before
+    links = [at["href"][1:] for tag, at in parsed.found if tag == "a"]
+    assert set(links) <= {at.get("id") for _, at in parsed.found}
+
+
+def test_scripts_take_from_one_another_what_these_have_and_what_they_use():
+    before = {}
+    for name in ("state", "saving", *VIEWS, "start"):
+        source = text_of(f"{name}.js")
+        for taken, home in IMPORT.findall(source):
+            for each in taken.strip("{} ").split(", "):
+                assert each in before[home], f"{name}.js: {home}.js has no {each}"
+                assert len(re.findall(rf"\b{each}\b", source)) > 1, f"{name}.js does not use {each}"
+        before[name] = [each[1] for each in EXPORT.findall(source)]
+
+
+def test_mode_shapes_are_those_of_the_structure_over_their_places(results, text):
+    """From three to eight modes, here of a fidelity with four: the dot is the shape at the stop."""
+    case = vibeam.read(results).case
+    shown = mode_shapes(case.scene, 4)
+    assert [shown.data.count(f"mode {number}<") for number in (1, 4, 5)] == [1, 1, 0]
+    assert mode_shapes(case.scene, 1).data.count("<polyline") == 3
+    assert mode_shapes(case.scene, 40).data.count("<polyline") == 8
+    assert shown.data in text
+    table = vibeam.modes(case, 2)
+    points = re.findall(r'<polyline class="shape" points="([^"]+)"', shown.data)[1].split()
+    x, y = np.array([each.split(",") for each in points], dtype=float).T
+    rest = float(re.findall(r'class="axis" d="M[\d.]+ ([\d.]+)H', shown.data)[1])
+    np.testing.assert_allclose((x - LEFT) / (x[-1] - LEFT), table.positions / 0.18, atol=1e-4)
+    shape = table.shapes[:, 1] / table.shapes[np.argmax(abs(table.shapes[:, 1])), 1]
+    np.testing.assert_allclose((rest - y) / REACH, shape, atol=5e-3)
+    dot = float(re.findall(r'class="touch" cx="[\d.]+" cy="([\d.]+)"', shown.data)[1])
+    assert (rest - dot) / REACH == pytest.approx(np.interp(0.132, table.positions, shape), abs=5e-3)
+    rows = list(csv.reader(shown.numbers.splitlines()))
+    assert float(rows[-1][2]) == pytest.approx(table.shapes[-1, 1], rel=1e-5)
+
+
+MEASURED = """
+[measured.top]
+fidelity = "beam"
+quantity = "peak"
+value = "0.2 mm"
+scatter = "5 %"
+source = "lab"
+[measured.where]
+fidelity = "beam"
+quantity = "peak_frequency"
+value = "50 Hz"
+source = "lab"
+[measured.one]
+fidelity = "sdof"
+quantity = "impact_velocity"
+frequency = "40 Hz"
+value = "3 mm/s"
+source = "lab"
+[map.plane]
+axes = [
+  { key = "stop.gap", from = "0.05 mm", to = "0.1 mm", points = 2 },
+  { key = "sweep.frequency", from = "30 Hz", to = "60 Hz", points = 3 },
+]
+[show.ends]
+kind = "curve"
+quantity = "reach"
+"""
+
+
+def test_what_was_measured_and_the_figures_and_maps_of_the_case_are_on_the_page(tmp_path):
+    (tmp_path / "lab.csv").write_text("frequency,amplitude,direction\n30,1e-5,up\n", encoding="utf-8")
+    (tmp_path / "case.toml").write_text(CASE.replace("TITLE", "Prüfstand") + LAB + MEASURED, encoding="utf-8")
+    case = vibeam.load(tmp_path / "case.toml")
+    vibeam.run(case, out=tmp_path / "case.h5")
+    found = stored(tmp_path / "case.h5")
+    marks = {each["name"]: each for each in charts.chart_data(found)["references"]}
+    assert (marks["lab"]["frequency"], marks["lab"]["value"], marks["lab"]["single"]) == ([30.0], [1e-5], False)
+    assert (marks["top"]["frequency"], marks["top"]["value"], marks["top"]["bar"]) == ([50.0], [2e-4], [1e-5])
+    assert (marks["one"]["quantity"], marks["one"]["frequency"], marks["one"]["value"]) == (
+        "impact_velocity",
+        [40.0],
+        [3e-3],
+    )
+    assert "where" not in marks
+    before = page(found)
+    assert "Not shown: Map plane, which vibeam map puts beside" in before
+    assert 'alt="Map plane' not in before
+    run_map(case, "plane", tmp_path / "case_plane.h5")
+    after = page(found)
+    assert 'alt="Map plane"' in after
+    curve = re.search(r'data-name="ends" data-csv="([^"]+)"', after)[1].splitlines()
+    assert curve[0] == "panel,curve,x,y"
+    assert len(curve) > 10
+    run_map(
+        vibeam.load(tmp_path / "case.toml", {"drive.amplitude": "0.03 mm"}),
+        "plane",
+        tmp_path / "case_plane.h5",
+        fresh=True,
+    )
+    assert 'alt="Map plane' not in page(found)
 
 
 def test_motions_have_the_amplitude_and_the_impacts_of_their_points(results, data):
@@ -326,19 +464,27 @@ def test_another_title_is_the_file_s_from_the_next_run_on_without_a_word(tmp_pat
     assert found.found == found.total
 
 
-def test_a_page_of_studies_has_a_section_for_each_sheet_with_all_that_it_holds():
-    """Answer, tables, notes, figure; folded: details and further tables; hostile texts as texts."""
+def sheet_drawn():
+    figure = Figure(figsize=(3, 2))
+    figure.subplots().plot([1, 2], [3, 4], label="line")
+    return figure
 
-    def draw():
-        figure = Figure(figsize=(3, 2))
-        figure.subplots().plot([1, 2], [3, 4])
-        return figure
 
+def sheets():
+    """Sheets of two studies, with hostile texts."""
     table, more = blank("Narrow", "model", "off|"), blank("Wide", "model", "by|")
     table.add_row("sdof", "3 %")
     more.add_row(HOSTILE, "4 %")
-    sheet = StudySheet("Two modes suffice.", [table], ["Not known: fly it."], ["A detail."], [more], draw=draw)
-    text = study_page(HOSTILE, "One beam, one stop.", [("Modes & more", sheet), ("Effects", StudySheet(HOSTILE))])
+    said = ["Two modes suffice.", [table], ["Not known: fly it."], ["A detail."], [more]]
+    return [("Modes & more", StudySheet(*said, draw=sheet_drawn)), ("Effects", StudySheet(HOSTILE))]
+
+
+SHEETS = sheets()
+
+
+def test_a_page_of_studies_has_a_section_for_each_sheet_with_all_that_it_holds():
+    """Answer, tables, notes, figure; folded: details and further tables; hostile texts as texts."""
+    text = study_page(HOSTILE, "One beam, one stop.", SHEETS)
     parsed = elements(text)
     words = " ".join(" ".join(parsed.words).split())
     said = ("One beam, one stop.", "Modes & more", "Two modes suffice.", "Narrow", "3 %", "Not known: fly it.")
@@ -350,3 +496,5 @@ def test_a_page_of_studies_has_a_section_for_each_sheet_with_all_that_it_holds()
     assert [at["alt"] for tag, at in parsed.found if tag == "img"] == ["Figure: Modes & more"]
     assert all(at["src"].startswith("data:image/svg+xml;") for tag, at in parsed.found if tag == "img")
     assert len([tag for tag, _ in parsed.found if tag == "section"]) == 2
+    drawn = next(at["data-csv"] for tag, at in parsed.found if tag == "figure")
+    assert drawn.splitlines() == ["panel,curve,x,y", ",line,1,3", ",line,2,4"]

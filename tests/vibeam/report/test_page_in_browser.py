@@ -3,15 +3,18 @@
 pip install 'vibeam[browser]' and Debian's chromium; python -m pytest -m slow tests/vibeam/report
 """
 
+import csv
 import json
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 import vibeam
-from tests.vibeam.report.test_page import CASE, HOSTILE
-from vibeam.report.page.page import page
+from tests.vibeam.report.test_page import CASE, HOSTILE, SHEETS
+from vibeam.report.page.page import page, study_page
+from vibeam.report.page.parts import text_of
 from vibeam.studies.stored import stored
 
 pytestmark = pytest.mark.slow
@@ -45,14 +48,14 @@ def file(tmp_path_factory):
 class Opened:
     """A page with what it has asked for, said and run."""
 
-    def __init__(self, browser, file, **options):
+    def __init__(self, browser, file, fragment="", **options):
         self.page = browser.new_page(**options)
         self.asked, self.said = [], []
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.on("console", lambda message: self.said.append(message.text))
         self.page.on("pageerror", lambda error: self.said.append(str(error)))
         self.page.on("dialog", lambda dialog: (self.said.append("dialog"), dialog.dismiss()))
-        self.page.goto(file.as_uri())
+        self.page.goto(file.as_uri() + fragment)
 
     @property
     def foreign(self):
@@ -66,6 +69,13 @@ def opened(browser, file):
     assert found.said == []
     assert found.foreign == []
     found.page.close()
+
+
+def saved(opened, name):
+    """Content of the file that a button writes."""
+    with opened.page.expect_download() as started:
+        opened.page.get_by_role("button", name=name, exact=True).click()
+    return Path(started.value.path()).read_bytes()
 
 
 def test_opens_in_less_than_a_second_of_its_own(opened):
@@ -103,10 +113,10 @@ def test_the_reader_picks_a_frequency(opened):
     picker.evaluate("each => { each.value = 0; each.dispatchEvent(new Event('input')); }")
     assert opened.page.locator("#picked").inner_text() == "30 Hz"
     clear = opened.page.locator("#numbers").inner_text()
-    portrait = opened.page.locator("#portrait path").first.get_attribute("d")
+    portrait = saved(opened, "SVG of phase portrait")
     picker.press("End")
     assert opened.page.locator("#picked").inner_text() == "60 Hz"
-    assert opened.page.locator("#portrait path").first.get_attribute("d") != portrait
+    assert saved(opened, "SVG of phase portrait") != portrait
     assert "no contact" in clear
 
 
@@ -121,25 +131,91 @@ def test_the_beam_moves_when_played_and_stands_still_before(opened):
     assert opened.page.locator("#play").get_attribute("aria-pressed") == "true"
 
 
-PLOT = "(name) => charts.find((each) => each.host.id === name).plot"
-
-SCALES = f"() => {{ const {{ x, y }} = ({PLOT})('response').scales; return [x.min, x.max, y.min, y.max]; }}"
+def labels(opened, name="SVG of frequency response"):
+    """Tick labels of a chart, across and up, read off its SVG."""
+    texts = ElementTree.fromstring(saved(opened, name)).findall(".//{*}text")
+    across, up = ([each.text for each in texts if each.get("text-anchor") == way] for way in ("middle", "end"))
+    return [float(each) for each in across if re.fullmatch(r"[\d.]+", each)], [float(each) for each in up]
 
 
 def test_a_zoom_scales_the_upward_axis_anew_and_leaves_no_mark_beside_it(opened):
     place = opened.page.locator("#response .u-over")
     place.scroll_into_view_if_needed()
-    box, whole = place.bounding_box(), opened.page.evaluate(SCALES)
+    box, (across, up) = place.bounding_box(), labels(opened)
     beside = {"x": box["x"] + box["width"] + 2, "y": box["y"], "width": 16, "height": box["height"] - 10}
     before = opened.page.screenshot(clip=beside)
     opened.page.mouse.move(box["x"] + 0.1 * box["width"], box["y"] + 60)
     opened.page.mouse.down()
     opened.page.mouse.move(box["x"] + 0.33 * box["width"], box["y"] + 60, steps=3)
     opened.page.mouse.up()
-    low, high, _, top = opened.page.evaluate(SCALES)
-    assert whole[0] < low < high < whole[1]
-    assert top < 0.9 * whole[3]
     assert opened.page.screenshot(clip=beside) == before
+    low, high = map(float, re.search(r"x=([\d.]+),([\d.]+)", opened.page.url).groups())
+    assert 30 < low < high < 60
+    enlarged, lower = labels(opened)
+    assert low <= min(enlarged) < max(enlarged) <= high < max(across)
+    assert max(lower) < 0.9 * max(up)
+
+
+def test_a_link_reproduces_frequency_curves_quantity_zoom_and_theme(browser, file, opened):
+    page = opened.page
+    page.locator("#response .u-over").scroll_into_view_if_needed()
+    box = page.locator("#response .u-over").bounding_box()
+    page.mouse.click(box["x"] + 0.99 * box["width"], box["y"] + 50)
+    assert page.locator("#picked").inner_text() == "60 Hz"
+    page.locator("#pick").focus()
+    page.keyboard.press("ArrowLeft")
+    assert page.locator("#picked").inner_text() == "55 Hz"
+    page.locator("#shown input").first.uncheck()
+    page.locator("#quantity").select_option("maximum")
+    page.locator("#theme").select_option("dark")
+    page.get_by_role("link", name="Motion").click()
+    page.wait_for_url(re.compile("#motion&.*theme"))
+    again = Opened(browser, file, fragment="#" + page.url.partition("#")[2] + "&x=35,50")
+    found = again.page
+    assert found.locator("#picked").inner_text() == "55 Hz"
+    assert not found.locator("#shown input").first.is_checked()
+    assert found.locator("#numbers tbody tr").count() == 1
+    assert found.locator("#quantity").input_value() == "maximum"
+    assert found.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(20, 25, 31)"
+    assert found.evaluate("scrollY") > 500
+    across, _ = labels(again)
+    assert 35 <= min(across) < max(across) <= 50
+    assert "x=35,50" in found.url
+    assert again.said == []
+    found.close()
+
+
+@pytest.mark.parametrize("link", ["#f=x&hide=99&x=9,1&q=none&theme=pink&modal=-1&way=left", "#%E0%A4%A", "#<script>"])
+def test_a_broken_link_opens_the_page_as_it_is(browser, file, link):
+    found = Opened(browser, file, fragment=link)
+    assert found.page.locator("#picked").inner_text().endswith("Hz")
+    assert found.said == []
+    found.page.close()
+
+
+def test_every_view_is_saved_as_numbers_and_pictures_on_white_paper(browser, file):
+    """Whatever the theme; the page is afterwards as it was."""
+    found = Opened(browser, file, color_scheme="dark")
+    before = found.page.locator("#beam polyline").first.get_attribute("stroke")
+    for view in ("displacement over time", "phase portrait", "spectrum", "beam", "participation", "Mode shapes"):
+        drawing = ElementTree.fromstring(saved(found, f"SVG of {view}"))
+        assert len(drawing.findall(".//{*}path")) + len(drawing.findall(".//{*}polyline")) > 2
+        assert "NaN" not in ElementTree.tostring(drawing, encoding="unicode")
+    assert found.page.locator("#beam polyline").first.get_attribute("stroke") == before
+    assert before not in saved(found, "SVG of beam").decode()
+    assert saved(found, "PNG of phase portrait").startswith(b"\x89PNG")
+    rows = list(csv.reader(saved(found, "CSV of frequency response").decode("utf-8-sig").splitlines()))
+    assert rows[0][:3] == ["fidelity", "sweep", "frequency (Hz)"]
+    assert [float(row[2]) for row in rows[1:8]] == list(range(30, 61, 5))
+    assert saved(found, "CSV of Response").decode("utf-8-sig").startswith("fidelity,modes,")
+    assert found.said == []
+    assert found.foreign == []
+    found.page.close()
+
+
+def test_nothing_of_the_page_is_global(opened):
+    known = opened.page.evaluate("[typeof uPlot, typeof modules, typeof fidelity, typeof charts]")
+    assert known == ["undefined"] * 4
 
 
 def test_another_quantity_empties_the_readout(opened):
@@ -152,14 +228,13 @@ def test_another_quantity_empties_the_readout(opened):
     assert opened.page.locator("#kinds").inner_text().count("grazing") == 0
 
 
-def test_no_tick_of_the_shares_is_zero_and_the_finest_is_named(opened):
-    ticks = f"() => {{ const {{ y }} = ({PLOT})('shares').scales; return logTicks(y.min, y.max).map(percent); }}"
-    found = opened.page.evaluate(ticks)
-    assert len(found) >= 2
-    assert "0 %" not in found
+def test_no_tick_of_the_shares_is_zero(opened):
+    texts = ElementTree.fromstring(saved(opened, "SVG of participation")).findall(".//{*}text[@text-anchor='end']")
+    assert len(texts) >= 2
+    assert "0 %" not in [each.text for each in texts]
+    numbers = text_of("numbers.js").replace("export ", "")
     for low, high in ((0.039, 1.6), (0.006, 0.12), (0.9, 1.1), (1e-6, 1.3)):
-        assert len(opened.page.evaluate(f"logTicks({low}, {high})")) >= 3
-    assert "four </b> modes" in opened.page.locator("#cost p").inner_text()
+        assert len(opened.page.evaluate(f"() => {{ {numbers} return logTicks({low}, {high}); }}")) >= 3
 
 
 def test_spectra_have_a_strip_each_and_the_beam_its_stop_and_base(opened):
@@ -188,8 +263,17 @@ def test_printed_it_has_the_static_picture(opened):
     assert not any(opened.page.locator(each).is_visible() for each in ("#response", "#motion", "#participation"))
 
 
-def test_nothing_serious_is_found_by_axe(opened):
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_nothing_is_found_by_axe(browser, file, theme):
+    """Of a result, and of studies; nothing minor either."""
     axe = pytest.importorskip("axe_playwright_python.sync_playwright")
-    found = axe.Axe().run(opened.page).response["violations"]
-    serious = [each for each in found if each["impact"] in ("serious", "critical")]
-    assert [(each["id"], [node["html"][:120] for node in each["nodes"]]) for each in serious] == []
+    studies = file.with_name("studies.html")
+    studies.write_text(study_page("Two <modes>", "One beam.", list(SHEETS)), encoding="utf-8")
+    for each in (file, studies):
+        found = Opened(browser, each, color_scheme=theme)
+        for folded in found.page.locator("details").all():
+            folded.evaluate("each => { each.open = true; }")
+        violations = axe.Axe().run(found.page).response["violations"]
+        assert [(at["id"], [node["html"][:120] for node in at["nodes"]]) for at in violations] == []
+        assert found.said == []
+        found.page.close()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from base64 import b64encode
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,15 +14,16 @@ from numpy.typing import ArrayLike, NDArray
 from vibeam.exchange.faults import CaseError
 from vibeam.figures.panels import NOT_FROM_ZERO, SLIGHT, TOP
 from vibeam.figures.response_curve import grazing_heights
-from vibeam.figures.style import DASH, DASHES, DOT, LINES, looks_of, name_of
+from vibeam.figures.style import COLOURS, DASH, DASHES, DOT, LINES, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass, pieces
-from vibeam.runs.summary import Summary, compare
+from vibeam.studies.regression.references import COVERAGE
 from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions, held_at_zero, stations
 from vibeam.system.response import Ended, FrequencyResponse, complete
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
+    from vibeam.case.plans import MeasuredNumber, Reference
     from vibeam.runs.result import Result
     from vibeam.runs.stored_result import StoredResult
 
@@ -51,6 +52,7 @@ def as_json(values: Any) -> str:
 
 
 MOTION_BYTES, MOTIONS_BYTES = 8000, 750_000  # of one motion on the page, and of all of them
+LIGHTER = 0.45  # share of white in a line's colour on a dark ground
 FEWEST, MOST = 3, 41  # frequencies at which motions are kept
 
 
@@ -71,6 +73,7 @@ def chart_quantities(units: DisplayUnits) -> list[ChartQuantity]:
         ChartQuantity("amplitude", "Amplitude ½(max − min) of the output", *length),
         ChartQuantity("maximum", "Maximum of the output", *length),
         ChartQuantity("minimum", "Minimum of the output", *length),
+        ChartQuantity("reach", "Largest distance of the contact from its stop", *length),
         ChartQuantity("impact_velocity", "Mean velocity before impact", *_contact_speed(units)),
         ChartQuantity("impacts_per_period", "Impacts a drive period", "", 1.0),
         ChartQuantity("period", "Period of the motion in drive periods (0: does not repeat, −1: no contact)", "", 1.0),
@@ -94,6 +97,7 @@ def chart_data(stored: StoredResult) -> dict[str, Any]:
         "speed": {"unit": units.speed, "factor": units.speed_factor},
         "quantities": [asdict(each) for each in quantities],
         "contact_speed": dict(zip(("unit", "factor"), _contact_speed(units), strict=True)),
+        "palette": [_colours(each) for each in (*COLOURS, "#5E35B1", "#B3261E")],
         "kinds": [_kind(each) for each in MotionClass],
         "upward": {"top": TOP, "slight": SLIGHT, "note": NOT_FROM_ZERO},
         "fidelities": _fidelities(result),
@@ -103,7 +107,6 @@ def chart_data(stored: StoredResult) -> dict[str, Any]:
             for way, response in branches.items()
         ],
         "references": list(_references(result)),
-        "cost": [_cost(row) for row in compare(result)],
         "motions": [_motion(each) for each in StoredMotions(stored, motion_frequencies(result))],
         "frames": FRAMES,
         "lines": HARMONICS,
@@ -127,7 +130,7 @@ def _fidelities(result: Result) -> list[dict[str, Any]]:
         {
             "name": name,
             "label": name_of(case, name),
-            "colour": looks[name].colour,
+            **_colours(looks[name].colour),
             "dash": [] if looks[name].dash == DASHES[0] else [3 * each for each in looks[name].dash[1]],
             "grazing": heights.get(name),
             "places": [0.0, *stations(case, name).values()] if name in case.fidelities else [],
@@ -135,6 +138,12 @@ def _fidelities(result: Result) -> list[dict[str, Any]]:
         }
         for name in result
     ]
+
+
+def _colours(colour: str) -> dict[str, str]:
+    """Colour of a line (#rrggbb) on white paper, and a lighter one on a dark ground."""
+    parts = (int(colour[at : at + 2], 16) for at in (1, 3, 5))
+    return {"colour": colour, "dark": "#" + "".join(f"{round(part + LIGHTER * (255 - part)):02x}" for part in parts)}
 
 
 def _kind(kind: MotionClass) -> dict[str, Any]:
@@ -179,24 +188,30 @@ def _curve(name: str, way: str, response: FrequencyResponse, quantities: list[Ch
 
 
 def _references(result: Result) -> Iterator[dict[str, Any]]:
+    """Curves of references; measured numbers at a frequency, and peaks whose frequency was measured as well."""
     for reference in result.case.references.values():
         try:
             points = [each for each in reference.points() if each.value is not None]
         except CaseError:
             continue
-        yield {
-            "name": reference.name,
-            "fidelity": reference.fidelity,
-            "quantity": reference.quantity,
-            "frequency": rounded([each.frequency for each in points]),
-            "value": rounded([each.value or 0.0 for each in points]),
-        }
+        rows = [(each.frequency, each.value or 0.0, COVERAGE * (each.uncertainty or 0.0)) for each in points]
+        yield _marks(reference, reference.quantity, rows, single=False)
+    numbers = [each for each in result.case.measured.values() if each.against is None and each.show is None]
+    peaks = {each.fidelity: each.value for each in numbers if each.quantity == "peak_frequency"}
+    for each in numbers:
+        at = peaks.get(each.fidelity) if each.quantity == "peak" else each.frequency
+        if at is not None and each.fidelity in result:
+            quantity = "amplitude" if each.quantity == "peak" else each.quantity
+            yield _marks(each, quantity, [(at, each.value, each.scatter or 0.0)], single=True)
 
 
-def _cost(row: Summary) -> dict[str, Any]:
-    off = np.nan if row.distance is None else abs(row.distance.worst)
-    finest = row.distance is None
-    return {"fidelity": row.fidelity, "seconds": row.cpu_seconds, "off": rounded([off])[0], "finest": finest}
+def _marks(
+    of: Reference | MeasuredNumber, quantity: str, rows: Sequence[tuple[float, float, float]], single: bool
+) -> dict[str, Any]:
+    """Marks over the curves of a quantity, each (Hz, value, half of its bar)."""
+    columns = zip(("frequency", "value", "bar"), np.reshape(rows, (-1, 3)).T, strict=True)
+    head = {"name": of.name, "fidelity": of.fidelity, "quantity": quantity, "single": single}
+    return head | {name: rounded(column) for name, column in columns}
 
 
 def _motion(each: StoredMotion) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Drawing of a scene to scale, as SVG: the beam as it lies, its supports, masses, stop, sensors and drive."""
+"""Drawing of a scene to scale, as SVG: the beam with supports, masses, stop, sensors and drive; its mode shapes."""
 
 from __future__ import annotations
 
@@ -10,9 +10,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.report.page.parts import Picture, as_csv
+from vibeam.studies.modes import ModeTable, mode_table
+from vibeam.system.number_text import in_prefix, percent
 from vibeam_models.scene import AnyScene, Scene
 
 if TYPE_CHECKING:
+    from vibeam_models.arrays import Array
     from vibeam_models.beams.beam import Beam
 
 
@@ -24,16 +28,18 @@ LETTER, ROW = 6.6, 14.0  # px: mean width of a letter, height of a line of text
 
 
 @dataclass(frozen=True)
-class _SceneFrame:
+class SceneFrame:
     """Pixels of a place along the beam, and of a height."""
 
     length: float
 
     @property
     def scale(self) -> float:
+        """Pixels a metre."""
         return (WIDTH - LEFT - RIGHT) / self.length
 
     def x(self, place: float) -> float:
+        """Pixels from the left to a ``place`` (m) along the beam."""
         return LEFT + self.scale * place
 
 
@@ -75,28 +81,31 @@ def drawing(scene: AnyScene) -> str:
     """
     if not isinstance(scene, Scene):
         return ""
-    frame = _SceneFrame(scene.beam.length)
+    frame = SceneFrame(scene.beam.length)
     parts = [*_base(scene, frame), *_beam(scene.shaped_beam, frame), *_held(scene, frame), *_masses(scene, frame)]
     parts += [*_stop(scene, frame), *_sensors(scene, frame), *_drive(scene, frame)]
     labels = _apart(_labels(scene, frame))
     height = max([HEIGHT, *(each.y + 2 * ROW for each in labels)])
     parts += [*map(str, labels), *_ruler(frame, height - 8)]
-    head = (
+    return _svg(height, _spoken(scene), parts)
+
+
+def _svg(height: float, words: str, parts: Iterable[str]) -> str:
+    return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:.0f}" role="img" '
-        f'aria-label="{escape(_spoken(scene), quote=True)}" class="scene">'
+        f'aria-label="{escape(words, quote=True)}" class="scene">{"".join(parts)}</svg>'
     )
-    return head + "".join(parts) + "</svg>"
 
 
 def _spoken(scene: Scene) -> str:
     mass = "no attached mass" if scene.mass is None else f"a mass of {scene.mass.mass:.4g} kg"
     return (
-        f"Side view to scale: a {scene.beam.ends} beam of {_length(scene.beam.length)}, {mass}, "
-        f"a stop at {_length(scene.stop.position)} with a gap of {_length(scene.stop.gap)}"
+        f"Side view to scale: a {scene.beam.ends} beam of {_said('m', scene.beam.length)}, {mass}, "
+        f"a stop at {_said('m', scene.stop.position)} with a gap of {_said('m', scene.stop.gap)}"
     )
 
 
-def _beam(beam: Beam, frame: _SceneFrame) -> Iterator[str]:
+def _beam(beam: Beam, frame: SceneFrame) -> Iterator[str]:
     for piece in beam.stretches:
         x = np.linspace(piece.start, piece.end, POINTS)
         height = piece.section(x).height
@@ -108,7 +117,7 @@ def _beam(beam: Beam, frame: _SceneFrame) -> Iterator[str]:
         yield f'<polygon class="beam{"" if known else " unknown"}" points="{" ".join(upper + lower)}"/>'
 
 
-def _held(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
+def _held(scene: Scene, frame: SceneFrame) -> Iterator[str]:
     for each in scene.shaped_beam.held:
         x = frame.x(each.position)
         if isinf(each.stiffness) and isinf(each.rotational_stiffness):
@@ -120,7 +129,7 @@ def _held(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
             yield _spring(x, AXIS + 3)
 
 
-def _masses(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
+def _masses(scene: Scene, frame: SceneFrame) -> Iterator[str]:
     zones = dict(scene.rigid_zones)
     for _, position in scene.weights:
         half = max(zones.get(position, 0.0) * frame.scale, 5.0)
@@ -128,7 +137,7 @@ def _masses(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
         yield f'<rect class="mass" x="{x - half:.1f}" y="{AXIS - 18}" width="{2 * half:.1f}" height="36" rx="2"/>'
 
 
-def _stop(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
+def _stop(scene: Scene, frame: SceneFrame) -> Iterator[str]:
     stop, x = scene.stop, frame.x(scene.stop.position)
     yield from _tip(x, AXIS - _reach(scene, stop.position, frame) - max(stop.gap, 0.0) * frame.scale, -1)
     if stop.second_gap is not None:
@@ -139,20 +148,20 @@ def _tip(x: float, y: float, way: int) -> Iterator[str]:
     yield f'<path class="stop" d="M{x:.1f} {y:.2f} l-7 {14 * way} v{16 * way} h14 v{-16 * way} z"/>'
 
 
-def _reach(scene: Scene, position: float, frame: _SceneFrame) -> float:
+def _reach(scene: Scene, position: float, frame: SceneFrame) -> float:
     """Pixels from the axis to the surface that the stop meets: of the mass where one is there."""
     zones = dict(scene.rigid_zones)
     near = (abs(position - at) <= max(zones.get(at, 0.0), 5 / frame.scale) for _, at in scene.weights)
     return 18.0 if any(near) else THIN
 
 
-def _sensors(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
+def _sensors(scene: Scene, frame: SceneFrame) -> Iterator[str]:
     for _, position in _outputs(scene):
         below = 24 + _lower(scene, position, frame)
         yield f'<path class="sensor" d="M{frame.x(position):.1f} {AXIS + below} v18 m-4 -12 l4 -6 l4 6"/>'
 
 
-def _lower(scene: Scene, position: float, frame: _SceneFrame) -> float:
+def _lower(scene: Scene, position: float, frame: SceneFrame) -> float:
     """Pixels by which a sensor gives way to the second stop."""
     met = scene.stop.second_gap is not None and abs(scene.stop.position - position) * frame.scale < 12
     return 10.0 if met else 0.0
@@ -162,12 +171,12 @@ def _outputs(scene: Scene) -> list[tuple[str, float]]:
     return [("sensor", scene.sensor.position), *((each.name, each.position) for each in scene.outputs)]
 
 
-def _labels(scene: Scene, frame: _SceneFrame) -> Iterator[_Label]:
+def _labels(scene: Scene, frame: SceneFrame) -> Iterator[_Label]:
     """Label of everything that is drawn, the masses' first: these have the least room."""
     stop, place = scene.stop, frame.x(scene.stop.position)
     arrows = [frame.x(position) for _, position in _outputs(scene)]
     for mass, position in scene.weights:
-        label = _Label(frame.x(position), AXIS + 34, _prefixed(mass * 1e3, "g"))
+        label = _Label(frame.x(position), AXIS + 34, _said("kg", mass))
         met = any(abs(label.x - x) < label.half + 8 for x in arrows)
         yield replace(label, x=label.x - label.half - 12) if met else label
     for each in scene.shaped_beam.held:
@@ -175,19 +184,19 @@ def _labels(scene: Scene, frame: _SceneFrame) -> Iterator[_Label]:
             words = f"{each.stiffness:.4g} N/m" if each.stiffness else "turns stiffly"
             yield _Label(frame.x(each.position), AXIS + 62, words)
     opposite = ", on the opposite beam" if scene.named("opposite") else ""
-    yield _Label(place, AXIS - 82, f"stop, gap {_length(stop.gap)}{opposite}", -1)
+    yield _Label(place, AXIS - 82, f"stop, gap {_said('m', stop.gap)}{opposite}", -1)
     for name, position in _outputs(scene):
         yield _Label(frame.x(position), AXIS + 56 + _lower(scene, position, frame), name)
     on = scene.base.on_beam
     yield _Label(22, 195, "drive") if on is None else _Label(frame.x(on[0]), AXIS + 74, "moment" if on[1] else "force")
     if stop.second_gap is not None:
-        yield _Label(place, AXIS + 90, f"second stop, gap {_length(stop.second_gap)}")
+        yield _Label(place, AXIS + 90, f"second stop, gap {_said('m', stop.second_gap)}")
     if scene.platform is not None:
         words = f"platform, {scene.platform.coupling}, {scene.platform.mass:.4g} kg"
         yield _Label(WIDTH / 2, AXIS + 104, words)
 
 
-def _base(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
+def _base(scene: Scene, frame: SceneFrame) -> Iterator[str]:
     if scene.platform is None:
         return
     yield f'<rect class="platform" x="{LEFT - 24}" y="{AXIS + 78}" width="{WIDTH - LEFT - RIGHT + 40}" height="12"/>'
@@ -195,7 +204,7 @@ def _base(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
     yield _spring(LEFT + 20, AXIS + 90, 20) + _spring(WIDTH - RIGHT, AXIS + 90, 20)
 
 
-def _drive(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
+def _drive(scene: Scene, frame: SceneFrame) -> Iterator[str]:
     on = scene.base.on_beam
     if on is None:
         yield '<path class="drive" d="M22 95 v80 m-5 -72 l5 -8 l5 8 m-10 64 l5 8 l5 -8"/>'
@@ -203,11 +212,11 @@ def _drive(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
     yield f'<path class="drive" d="M{frame.x(on[0]):.1f} {AXIS + 60} v-34 m-5 8 l5 -8 l5 8"/>'
 
 
-def _ruler(frame: _SceneFrame, y: float) -> Iterator[str]:
+def _ruler(frame: SceneFrame, y: float) -> Iterator[str]:
     step = 10.0 ** np.floor(np.log10(frame.length))
     step = step / 2 if 2 * step > frame.length else step
     yield f'<path class="ruler" d="M{LEFT} {y} h{step * frame.scale:.2f} m0 -4 v8 M{LEFT} {y - 4} v8"/>'
-    yield f'<text class="small" x="{LEFT + step * frame.scale + 8:.1f}" y="{y + 4}">{_length(step)}, to scale</text>'
+    yield f'<text class="small" x="{LEFT + step * frame.scale + 8:.1f}" y="{y + 4}">{_said("m", step)}, to scale</text>'
 
 
 def _spring(x: float, y: float, length: float = 40) -> str:
@@ -216,15 +225,47 @@ def _spring(x: float, y: float, length: float = 40) -> str:
     return f'<path class="part line" d="M{x:.1f} {y:.1f} v{turn:.2f} {zigzag} m-10 0 h20"/>'
 
 
-def _length(metres: float) -> str:
-    return _prefixed(metres * 1e3, "m", ("m", "µ", "n")) if metres else "0"
+def _said(unit: str, value: float) -> str:
+    """A number in the prefix that suits it."""
+    name, factor = in_prefix(unit, abs(value))
+    return f"{value * factor:.4g} {name}" if value else "0"
 
 
-def _prefixed(thousandths: float, unit: str, prefixes: tuple[str, ...] = ("", "m", "µ")) -> str:
-    """A number given in the first prefix, in one that suits its size."""
-    value = thousandths
-    for prefix in prefixes:
-        if abs(value) >= 0.1 or prefix == prefixes[-1]:
-            return f"{value:.4g} {prefix}{unit}"
-        value *= 1e3
-    raise AssertionError
+FEWEST, MOST = 3, 8  # modes drawn
+STRIP, REACH = 46.0, 17.0  # px: height of a strip, largest deflection in it
+WORDS = (
+    "Shapes of the first modes, each to its own height, above the place along the beam. Dotted: the stop's place, with "
+    "the deflection there. Right: share of the contact's mobility that the modes up to this one carry."
+)
+
+
+def mode_shapes(scene: AnyScene, modes: int) -> Picture | None:
+    """Picture of the first modes, ``modes`` of them but from three to eight; None where a scene has no beam."""
+    if not isinstance(scene, Scene):
+        return None
+    table = mode_table(scene, min(max(modes, FEWEST), MOST))
+    x, height = SceneFrame(scene.beam.length).x(scene.stop.position), STRIP * len(table.rows) + 8
+    parts = [f'<path class="contact" d="M{x:.1f} 0V{height:.0f}"/>']
+    parts += [part for at in range(len(table.rows)) for part in _strip(table, at, scene)]
+    words = f"Shapes of {len(table.rows)} modes at " + ", ".join(_said("Hz", row.frequency) for row in table.rows)
+    heads = [f"mode {row.number}, {row.frequency:.6g} Hz (kg^-1/2)" for row in table.rows]
+    numbers = as_csv(["place (m)", *heads], np.column_stack([table.positions, table.shapes]).tolist())
+    return Picture("Mode shapes", WORDS, _svg(height, words, parts), numbers)
+
+
+def _strip(table: ModeTable, at: int, scene: Scene) -> Iterator[str]:
+    frame, row, middle = SceneFrame(scene.beam.length), table.rows[at], STRIP * (at + 0.5) + 4
+    shape = _scaled(table.shapes[:, at])
+    points = " ".join(f"{frame.x(x):.1f},{middle - REACH * y:.1f}" for x, y in zip(table.positions, shape, strict=True))
+    touch = middle - REACH * float(np.interp(scene.stop.position, table.positions, shape))
+    yield f'<path class="axis" d="M{LEFT} {middle}H{WIDTH - RIGHT}"/><polyline class="shape" points="{points}"/>'
+    yield f'<circle class="touch" cx="{frame.x(scene.stop.position):.1f}" cy="{touch:.1f}" r="3.5"/>'
+    yield f'<text class="end" x="{LEFT - 8}" y="{middle - 2}">mode {row.number}</text>'
+    yield f'<text class="end" x="{LEFT - 8}" y="{middle + 12}">{_said("Hz", row.frequency)}</text>'
+    yield f'<text class="end" x="{WIDTH - 4}" y="{middle + 4}">{percent(row.share)}</text>'
+
+
+def _scaled(shape: Array) -> Array:
+    """Deflections over the largest, which is positive; 0 of a mode that does not bend the beam."""
+    largest = float(shape[np.argmax(np.abs(shape))])
+    return shape / largest if largest else shape

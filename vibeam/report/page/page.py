@@ -1,102 +1,68 @@
-"""One self-contained HTML page of a results file: pictures, tables and charts that ask nothing of any network."""
+"""Self-contained HTML pages, of a results file and of studies, that ask nothing of any network."""
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from vibeam.report.output import StudySheet
 from vibeam.report.page.charts import as_json, chart_data
-from vibeam.report.page.drawing import drawing
-from vibeam.report.page.parts import PageTable, Picture, of_report, picture, rendered, section
+from vibeam.report.page.drawing import drawing, mode_shapes
+from vibeam.report.page.parts import Picture, picture, rendered
 from vibeam.report.run_report import run_report
+from vibeam.system.response import modes_of
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from vibeam.runs.result import Result
     from vibeam.runs.stored_result import StoredResult
 
 
-ELSEWHERE = ("title", "source", "units", "fidelity", "sweep", "show", "reference", "expect", "measured", "cost",
-             "influence", "map", "uncertain", "chosen_by", "fit", "figure", "accuracy", "accuracy_of")  # fmt: skip
-
-
-def scene_table(text: str) -> PageTable:
-    """Keys of the case that say what stands on the bench, in SI units; effects among them are those that are active."""
-    tables = {name: value for name, value in tomllib.loads(text).items() if name not in ELSEWHERE}
-    rows = [row for name, value in tables.items() for row in _rows(name, value)]
-    return PageTable("The scene, in SI units", ("table", "key", "value"), rows, (False, False, True))
-
-
-def _rows(name: str, value: Any) -> Iterator[tuple[str, str, str]]:
-    if isinstance(value, list) and value and isinstance(value[0], Mapping):
-        for number, each in enumerate(value, 1):
-            yield from _rows(f"{name} {number}", each)
-    elif isinstance(value, Mapping):
-        for key, inner in value.items():
-            if isinstance(inner, Mapping):
-                yield from _rows(f"{name}.{key}", inner)
-            else:
-                yield name, key, _shown(inner)
-    else:
-        yield "", name, _shown(value)
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, list):
-        return ", ".join(map(_shown, value[:12])) + " …" * (len(value) > 12)
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
-SCRIPTS = ("response.js", "motion.js", "page.js")  # one after the other
+VIEWS = ("numbers", "chart", "result", "response", "motion", "participation")
 PICTURES_BYTES = 420_000  # of all static pictures together
 
 
 def page(stored: StoredResult) -> str:
     """The page as HTML; CaseError where a model of the case cannot be built any more."""
+    from vibeam.figures.response_curve import frc
+
     result = stored.result
+    pictures, absent = _pictures(result)
     return rendered(
         "results.html",
+        ("state", "saving", *VIEWS, "start"),
         title=result.case.title,
         result=result,
         case=result.case,
         missing=stored.missing,
-        verdict=section("Verdict", run_report(result)),
-        scene=drawing(result.case.scene),
+        verdict=run_report(result),
+        drawings=_drawings(result),
         overview=result.overview,
-        scene_keys=scene_table(result.case.text),
         no_beam=result.case.scene.no_beam,
         checks=_checks(result, stored.left_out),
-        pictures=_pictures(result),
+        response=picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result)),
+        pictures=pictures,
+        absent=absent,
         provenance=sorted(stored.provenance.items()),
         data=as_json(chart_data(stored)),
-        scripts=SCRIPTS,
     )
 
 
-@dataclass(frozen=True)
-class Checks:
-    """Checks of the case as tables; ``why``: the reason for none."""
-
-    tables: list[PageTable]
-    passed: int = 0
-    missed: int = 0
-    why: str = ""
+def study_page(title: str, overview: str, sheets: Sequence[tuple[str, StudySheet]]) -> str:
+    """The page of studies: ``title``, the sentence (or lines) ``overview``, a section for each (heading, sheet)."""
+    return rendered("study.html", ("state", "saving", "start"), title=title, overview=overview, sheets=sheets)
 
 
-def _checks(result: Result, left_out: tuple[str, ...]) -> Checks:
+def _checks(result: Result, left_out: tuple[str, ...]) -> StudySheet:
     """References, regression values and measured numbers of the case, where each fidelity was run by itself."""
     case = result.case
     lost = f"Not checked against {', '.join(left_out)}: no such files beside the results; name the case with --case."
-    if left_out and not (case.references or case.expectations or case.measured):
-        return Checks([], why=lost)
     if not (case.references or case.expectations or case.measured):
-        return Checks([], why="The case names no reference to check against and no measured number.")
+        return StudySheet(lost if left_out else "The case names no reference to check against and no measured number.")
     if result.accuracy is not None:
-        return Checks([], why="Checked by vibeam check, which runs each fidelity by itself.")
+        return StudySheet("Checked by vibeam check, which runs each fidelity by itself.")
     from vibeam.exchange.faults import CaseError
     from vibeam.figures.units import units_of
     from vibeam.report.checks import verdicts
@@ -105,24 +71,46 @@ def _checks(result: Result, left_out: tuple[str, ...]) -> Checks:
     try:
         rows, measured = check(case, result), compare_measured(case, result)
     except CaseError as fault:
-        return Checks([], why=f"Not checked: {fault}")
+        return StudySheet(f"Not checked: {fault}")
     passed, missed = (sum(row.passed is verdict for row in rows) for verdict in (True, False))
-    made = [of_report(each) for each in verdicts(rows, measured, units_of(case))]
-    return Checks(made, passed, missed, lost if left_out else "")
+    answer = f"{passed} passed, {missed} missed." if rows else ""
+    return StudySheet(answer, verdicts(rows, measured, units_of(case)), [lost] if left_out else [])
 
 
-def _pictures(result: Result) -> list[Picture]:
-    """The figure of the run, and further figures of the case as far as there is room."""
-    from vibeam.figures.response_curve import frc
-    from vibeam.report.figures import figure
+def _drawings(result: Result) -> list[Picture]:
+    """The scene and its mode shapes; none where it has no beam."""
+    scene = result.case.scene
+    shapes = mode_shapes(scene, max((modes_of(each) for each in result.values()), default=0))
+    if shapes is None:
+        return []
+    return [Picture("Side view", "Side view to scale; what has no known shape is a box.", drawing(scene)), shapes]
 
-    found = [picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result))]
-    room = PICTURES_BYTES - len(found[0].data)
-    for name, plan in result.case.shows.items():
-        if name not in result.shown:
-            continue
-        made = picture(name, f"Figure {name}: {plan.kind}", partial(figure, result, plan))
-        if len(made.data) < room:
-            found.append(made)
+
+def _pictures(result: Result) -> tuple[list[Picture], list[str]]:
+    """Further figures and maps of the case as far as there is room; which are not shown, and why."""
+    shown, absent, room = [], [], PICTURES_BYTES
+    for name, words, make in _figures(result):
+        if make is None:
+            absent.append(f"{words}, which vibeam map puts beside the results")
+        elif len((made := picture(name, words, make)).data) > room:
+            absent.append(f"{words}, too large for this page")
+        else:
+            shown.append(made)
             room -= len(made.data)
-    return found
+    return shown, absent
+
+
+def _figures(result: Result) -> Iterator[tuple[str, str, Callable[[], Figure] | None]]:
+    """Name, words and drawing of each figure and map of the case; None of a map that is not beside the results."""
+    from vibeam.maps.run import stored_map
+    from vibeam.report.figures import figure
+    from vibeam.report.maps.page import map_figure
+
+    for name, plan in result.case.shows.items():
+        if name in result.shown:
+            yield name, f"Figure {name}: {plan.kind}", partial(figure, result, plan)
+    path = result.path or result.case.path
+    for name in result.case.maps:
+        files = [path.with_name(f"{stem}_{name}.h5") for stem in (path.stem, result.case.path.stem)]
+        found = next(filter(None, (stored_map(result.case, name, file) for file in files)), None)
+        yield name, f"Map {name}", None if found is None else partial(map_figure, found)

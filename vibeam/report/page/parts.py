@@ -1,61 +1,57 @@
-"""Parts of a page: tables as plain rows, pictures, sections of a study's sheet; the templates that set them."""
+"""Parts of a page: tables as plain rows, pictures, scripts; the templates that set them."""
 
 from __future__ import annotations
 
+import csv
+import re
 from base64 import b64encode
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
-from io import BytesIO
+from io import BytesIO, StringIO
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibeam.report.output import StudySheet
     from vibeam.report.tables import ReportTable
 
 
-@dataclass(frozen=True)
-class PageTable:
-    """Title, heads and rows of texts; ``numbers``: which columns are right-aligned."""
-
-    title: str
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    numbers: Sequence[bool]
-    caption: str = ""
-
-
-def of_report(table: ReportTable) -> PageTable:
-    """A terminal's table as texts, without the columns that are empty in every row."""
+def texts(table: ReportTable) -> dict[str, Any]:
+    """A terminal's table as texts, without the columns that are empty in every row; ``numbers``: those of numbers."""
     columns = [each for at, each in enumerate(table.columns) if at < table.heads or any(map(str, each.cells))]
-    cells = [[str(cell) for cell in column.cells] for column in columns]
-    return PageTable(
-        str(table.title or ""),
-        [str(each.header) for each in columns],
-        list(zip(*cells, strict=True)),
-        [each.justify == "right" for each in columns],
-        str(table.caption or ""),
-    )
+    return {
+        "title": str(table.title or ""),
+        "caption": str(table.caption or ""),
+        "heads": [str(each.header) for each in columns],
+        "rows": list(zip(*([str(cell) for cell in each.cells] for each in columns), strict=True)),
+        "numbers": [each.justify == "right" for each in columns],
+    }
 
 
 DOTS = 110  # dots an inch of a picture of dots
-LINES_BYTES = 200_000  # largest picture of lines: a larger one is shown in dots
+LINES_BYTES = 120_000  # largest picture of lines: a larger one is shown in dots
+NUMBERS_BYTES = 60_000  # largest text of a picture's numbers that the page holds
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A static picture as the content of a data URL, and what it shows in words."""
+    """A static picture, what it shows in ``words``, and its ``numbers`` as CSV where the page holds them.
+
+    ``data``: the content of a data URL, or an SVG that is part of the page.
+    """
 
     name: str
     words: str
     data: str
+    numbers: str = ""
 
     @property
-    def of_lines(self) -> bool:
-        """Test whether it is an SVG, of which any size can be made."""
-        return self.data.startswith("image/svg")
+    def inline(self) -> bool:
+        """Test whether it is an SVG that takes its colours from the page."""
+        return self.data.startswith("<svg")
 
 
 def picture(name: str, words: str, make: Callable[[], Figure]) -> Picture:
@@ -68,48 +64,59 @@ def picture(name: str, words: str, make: Callable[[], Figure]) -> Picture:
     with mpl.rc_context(PAGE):
         figure = composed(make)
         figure.set_layout_engine(None)  # the layout is found: keep it for both formats
-        content = _saved(figure, format="svg", metadata=METADATA[".svg"])
-        kind = "image/svg+xml"
-        if len(content) > LINES_BYTES:
-            content, kind = _saved(figure, format="png", dpi=DOTS), "image/png"
-    return Picture(name, words, f"{kind};base64,{b64encode(content).decode()}")
+        kind, content = "image/svg+xml", BytesIO()
+        figure.savefig(content, format="svg", metadata=METADATA[".svg"])
+        if content.tell() > LINES_BYTES:
+            kind, content = "image/png", BytesIO()
+            figure.savefig(content, format="png", dpi=DOTS)
+    return Picture(name, words, f"{kind};base64,{b64encode(content.getvalue()).decode()}", numbers_of(figure))
 
 
-def _saved(figure: Figure, **options: Any) -> bytes:
-    with BytesIO() as content:
-        figure.savefig(content, **options)
-        return content.getvalue()
+def numbers_of(figure: Figure) -> str:
+    """Lines of a figure as CSV, a row a point; empty where there are none, or too many for a page."""
+    rows = [
+        (axes.get_title(loc="left") or axes.get_title() or axes.get_ylabel(), line.get_gid() or line.get_label(), x, y)
+        for axes in figure.axes
+        for line in axes.lines
+        for x, y in np.asarray(line.get_xydata(), dtype=float)
+    ]
+    made = as_csv(("panel", "curve", "x", "y"), rows)
+    return made if rows and len(made) <= NUMBERS_BYTES else ""
 
 
-@dataclass(frozen=True)
-class PageSection:
-    """Sheet of a study as texts: its answer, tables and notes; behind them, folded, details and further tables."""
-
-    heading: str
-    answer: str
-    tables: Sequence[PageTable]
-    notes: Sequence[str]
-    details: Sequence[str]
-    more: Sequence[PageTable]
-    picture: Picture | None = None
+def as_csv(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
+    """Rows as CSV, numbers with six digits."""
+    text = StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(heads)
+    writer.writerows([f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row] for row in rows)
+    return text.getvalue()
 
 
-def section(heading: str, sheet: StudySheet) -> PageSection:
-    """Section of a sheet, with its figure where it draws one."""
-    drawn = None if sheet.draw is None else picture(heading, f"Figure: {heading}", sheet.draw)
-    tables, more = ([of_report(each) for each in several] for several in (sheet.tables, sheet.more))
-    return PageSection(heading, sheet.answer, tables, sheet.notes, sheet.details, more, drawn)
+EXPORT = re.compile(r"^export (\w+) (\w+)", re.MULTILINE)
+IMPORT = re.compile(r'^import (\{.*\}) from "\./(\w+)\.js";$', re.MULTILINE)
 
 
-def rendered(template: str, **values: object) -> str:
-    """A template of this folder with its values; texts are escaped, the style is part of the page."""
+def bundle(names: Sequence[str]) -> str:
+    """Modules of scripts, each after those that it imports from, as one text that needs no files: none is global."""
+    parts = ["const modules = {};"]
+    for name in names:
+        text = text_of(f"{name}.js")
+        known = ", ".join(each[1] for each in EXPORT.findall(text))
+        own = IMPORT.sub(r"const \1 = modules.\2;", EXPORT.sub(r"\1 \2", text))
+        parts.append(f"modules.{name} = (() => {{\n{own}return {{ {known} }};\n}})();")
+    return "\n".join(parts)
+
+
+def text_of(name: str) -> str:
+    """Text of a file of this folder."""
+    return (files(__package__) / name).read_text(encoding="utf-8")
+
+
+def rendered(template: str, scripts: Sequence[str], **values: object) -> str:
+    """A template of this folder with its values, texts escaped; style and ``scripts`` are part of the page."""
     from jinja2 import Environment, FunctionLoader
 
-    room = files(__package__)
-
-    def text(name: str) -> str:
-        return (room / name).read_text(encoding="utf-8")
-
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, loader=FunctionLoader(text))
-    environment.globals["text_of"] = text
-    return environment.get_template(template).render(values)
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, loader=FunctionLoader(text_of))
+    environment.globals |= {"text_of": text_of, "picture_of": picture, "texts": texts}
+    return environment.get_template(template).render(values, scripts=bundle(scripts))

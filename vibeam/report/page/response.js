@@ -1,63 +1,22 @@
-"use strict";
-document.documentElement.classList.add("js");
-const data = JSON.parse(document.getElementById("data").textContent);
-const byId = (id) => document.getElementById(id);
-const fidelity = Object.fromEntries(data.fidelities.map((each) => [each.name, each]));
-const title = (curve) => `${fidelity[curve.fidelity].label} ${curve.way === "up" ? "↑" : "↓"}`;
-const withUnit = (label, unit) => (unit ? `${label} (${unit})` : label);
-const short = (value, digits = 4) => (value === null || value === undefined || !isFinite(value) ? "–" : String(+value.toPrecision(digits)));
+// View: curves over frequency, with what was measured; a click picks the frequency of the motion.
+import { address, byId, drawn, element, ink, on } from "./state.js";
+import { axis, chart, svgOf } from "./chart.js";
+import { short, withUnit } from "./numbers.js";
+import { csv, offer } from "./saving.js";
+import { FACTOR, colour, data, fidelity, inUnits, isShown, kept, pickNear, picked, shade, show, title } from "./result.js";
 
-function unpacked(packed) {
-  const bytes = Uint8Array.from(atob(packed.data), (letter) => letter.charCodeAt(0));
-  return Array.from(new Uint16Array(bytes.buffer), (whole) => packed.low + packed.step * whole);
-}
-
-function element(name, attributes = {}, text = null, space = null) {
-  const made = space ? document.createElementNS("http://www.w3.org/2000/svg", name) : document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
-  if (text !== null) made.textContent = text;
-  return made;
-}
-const drawn = (name, attributes, text = null) => element(name, attributes, text, "svg");
-const shade = (curve) => fidelity[curve.fidelity].colour + (curve.way === "up" ? "" : "88");
-
-// Charts over frequency: all curves on the union of their frequencies.
-
-const FACTOR = data.frequency.factor;
-const grid = [...new Set(data.curves.flatMap((curve) => curve.frequency).concat(data.references.flatMap((each) => each.frequency)))].sort((a, b) => a - b);
-const place = new Map(grid.map((value, index) => [value, index]));
-const spread = (frequency, values) => {
-  const found = new Array(grid.length).fill(null);
-  frequency.forEach((at, index) => { found[place.get(at)] = values[index]; });
+const all = [...new Set([...data.curves, ...data.references].flatMap((each) => each.frequency))].sort((a, b) => a - b);  // all curves on the union of their frequencies
+const order = new Map(all.map((value, index) => [value, index]));
+function spread(frequency, values) {
+  const found = new Array(all.length).fill(null);
+  frequency.forEach((each, index) => { found[order.get(each)] = values[index]; });
   return found;
-};
-const charts = [];
-const widthOf = (host) => Math.max(280, host.clientWidth || 280);
-
-function chart(host, series, columns, axes, options = {}) {
-  host.replaceChildren();
-  const height = options.height || 320;
-  const made = new uPlot({
-    width: widthOf(host), height,
-    scales: { x: { time: false }, ...(options.scales || {}) },
-    axes, series, cursor: { focus: { prox: 24 }, ...(options.cursor || {}) },
-    legend: { live: options.live !== false, show: options.legend !== false },
-    hooks: options.hooks || {},
-  }, columns, host);
-  const canvas = made.root.querySelector("canvas");
-  canvas.setAttribute("role", "img");
-  canvas.setAttribute("aria-label", options.words || "chart");
-  for (const each of charts.splice(0)) if (each.host !== host && each.host.isConnected) charts.push(each); else each.plot.destroy();
-  charts.push({ host, height, plot: made });
-  return made;
 }
-window.addEventListener("resize", () => charts.forEach((each) => each.plot.setSize({ width: widthOf(each.host), height: each.height })));
-
-const axis = (label) => ({ label, values: (plot, splits) => splits.map((value) => (value === null ? "" : short(value, 6))), stroke: "#1d2733", grid: { stroke: "#e3e8ee", width: 1 }, size: 66 });
-const frequencyAxis = () => ({ ...axis(withUnit("Drive frequency", data.frequency.unit)), size: 44 });
+const chosen = () => data.quantities.find((each) => each.name === byId("quantity").value);
+const measured = (quantity) => data.references.filter((each) => each.quantity === quantity.name);
+const piecesOf = (curve, quantity) => curve.pieces[quantity] || curve.pieces.amplitude;
 
 // Upward axis from 0, or by the data where they all lie in its upper part: the rule of the figures.
-
 const byData = (low, high) => low < 0 || (high - low > data.upward.slight * high && high - low < data.upward.top * high);
 function upward(plot, low, high) {
   if (low === null || high === null) return [0, 1];
@@ -65,163 +24,182 @@ function upward(plot, low, high) {
   return [byData(low, high) ? low - room : 0, high + room];
 }
 
-// Room for marks at the ends.
-const beside = (plot, low, high) => (grid.length === 1 ? [0.95 * grid[0] * FACTOR, 1.05 * grid[0] * FACTOR] : [low - 0.01 * (high - low), high + 0.01 * (high - low)]);
+// Room for marks at the ends of the whole range; a zoom is what was asked for.
+const ends = [all[0], all.at(-1)].map((each) => each * FACTOR);
+export function beside(plot, low, high) {
+  if (all.length === 1) return [0.95 * ends[0], 1.05 * ends[0]];
+  const room = low > ends[0] || high < ends[1] ? 0 : 0.01 * (ends[1] - ends[0]);
+  return [low - room, high + room];
+}
+export const frequencyAxis = () => ({ ...axis(withUnit("Drive frequency", data.frequency.unit)), size: 44 });
 
-// Branches in the pieces in which figures draw them: no line over a jump, none between motions that do not repeat.
-
-function drawMark(draw, marker, x, y, size) {
-  draw.beginPath();
-  if (marker === "_") { draw.moveTo(x - size, y); draw.lineTo(x + size, y); }
-  else if (marker === "x") { draw.moveTo(x - size, y - size); draw.lineTo(x + size, y + size); draw.moveTo(x - size, y + size); draw.lineTo(x + size, y - size); }
-  else if (marker === "D") { draw.moveTo(x, y - 1.4 * size); draw.lineTo(x + 1.4 * size, y); draw.lineTo(x, y + 1.4 * size); draw.lineTo(x - 1.4 * size, y); draw.closePath(); }
-  else draw.arc(x, y, size, 0, 7);
-  draw.stroke();
+function drawMark(pen, marker, x, y, size) {
+  pen.beginPath();
+  if (marker === "_") { pen.moveTo(x - size, y); pen.lineTo(x + size, y); }
+  else if (marker === "x") { pen.moveTo(x - size, y - size); pen.lineTo(x + size, y + size); pen.moveTo(x - size, y + size); pen.lineTo(x + size, y - size); }
+  else if (marker === "D") { pen.moveTo(x, y - 1.4 * size); pen.lineTo(x + 1.4 * size, y); pen.lineTo(x, y + 1.4 * size); pen.lineTo(x - 1.4 * size, y); pen.closePath(); }
+  else { pen.moveTo(x + size, y); pen.arc(x, y, size, 0, 7); }
+  pen.stroke();
 }
 
-function drawPieces(plot, curve, quantity, values, look, failedRow) {
-  const draw = plot.ctx, ratio = devicePixelRatio, down = curve.way === "down";
-  draw.strokeStyle = draw.fillStyle = look.colour;
-  for (const [number, begin, end] of curve.pieces[quantity] || curve.pieces.amplitude) {
+// A branch in the pieces in which figures draw it: no line over a jump, none between motions that do not repeat.
+export function drawPieces(pen, at, curve, quantity, values, look, failedRow) {
+  pen.strokeStyle = pen.fillStyle = look.colour;
+  for (const [number, begin, end] of piecesOf(curve, quantity)) {
     const kind = data.kinds[number], points = [];
-    for (let at = begin; at < end; at += 1) {
-      const x = plot.valToPos(curve.frequency[at] * FACTOR, "x", true);
-      if (kind.name === "failed") points.push([x, plot.bbox.top + (6 + 8 * failedRow) * ratio]);
-      else if (values[at] !== null) points.push([x, plot.valToPos(values[at], "y", true)]);
+    for (let index = begin; index < end; index += 1) {
+      const x = at.x(curve.frequency[index] * FACTOR);
+      if (kind.name === "failed") points.push([x, at.top + (6 + 8 * failedRow) * at.ratio]);
+      else if (values[index] !== null) points.push([x, at.y(values[index])]);
     }
     const alone = points.length === 1 && !kind.marker;
-    draw.setLineDash([]);
-    draw.lineWidth = 1.2 * ratio;
-    if (alone || kind.marker) for (const [x, y] of points) drawMark(draw, alone ? kind.alone : kind.marker, x, y, kind.size * ratio);
-    if (alone && kind.alone === "o") draw.fill();
+    pen.setLineDash([]);
+    pen.lineWidth = 1.2 * at.ratio;
+    if (alone || kind.marker) for (const [x, y] of points) drawMark(pen, alone ? kind.alone : kind.marker, x, y, kind.size * at.ratio);
+    if (alone && kind.alone === "o") pen.fill();
     if (!kind.width || points.length < 2) continue;
     const plain = kind.name === data.kinds[0].name;
-    draw.lineWidth = (plain ? (down ? 4 : 1.7) : 1.6 * kind.width) * ratio;
-    draw.setLineDash((plain ? look.dash : kind.dash).map((each) => 1.5 * each * ratio));
-    draw.beginPath();
-    points.forEach(([x, y], at) => (at ? draw.lineTo(x, y) : draw.moveTo(x, y)));
-    draw.stroke();
+    pen.lineWidth = (plain ? (curve.way === "down" ? 4 : 1.7) : 1.6 * kind.width) * at.ratio;
+    pen.setLineDash((plain ? look.dash : kind.dash).map((each) => 1.5 * each * at.ratio));
+    pen.beginPath();
+    points.forEach(([x, y], index) => (index ? pen.lineTo(x, y) : pen.moveTo(x, y)));
+    pen.stroke();
   }
 }
 
-function within(plot, drawAll) {
-  const draw = plot.ctx, box = plot.bbox;
-  draw.save();
-  draw.beginPath();
-  draw.rect(box.left, box.top, box.width, box.height);
-  draw.clip();
-  drawAll(draw);
-  draw.restore();
+function drawAll(pen, at, quantity) {
+  const shown = data.curves.filter(isShown);
+  for (const way of ["down", "up"]) for (const curve of shown.filter((each) => each.way === way)) drawPieces(pen, at, curve, quantity.name, curve.values[quantity.name], { colour: shade(curve), dash: fidelity[curve.fidelity].dash }, data.curves.indexOf(curve));
+  if (quantity.name === "amplitude") drawGrazing(pen, at, [...new Set(shown.map((curve) => fidelity[curve.fidelity]))], quantity.factor);
+  for (const each of measured(quantity)) drawMeasured(pen, at, each, quantity.factor);
+  if (!kept.length) return;
+  const x = at.x(picked() * FACTOR);
+  [pen.strokeStyle, pen.lineWidth] = [ink("pale"), at.ratio];
+  pen.setLineDash([3 * at.ratio, 3 * at.ratio]);
+  pen.beginPath(); pen.moveTo(x, at.top); pen.lineTo(x, at.top + at.height); pen.stroke();
+}
+
+// Points over the curves, each with its bar, of a long curve every so many; single measured numbers as squares on end.
+const MARKS = 60;
+function drawMeasured(pen, at, each, factor) {
+  pen.setLineDash([]);
+  [pen.strokeStyle, pen.lineWidth] = [ink(), 1.2 * at.ratio];
+  const every = Math.ceil(each.frequency.length / MARKS);
+  each.frequency.forEach((frequency, index) => {
+    if (each.value[index] === null || index % every) return;
+    const x = at.x(frequency * FACTOR), value = each.value[index] * factor, bar = (each.bar[index] || 0) * factor;
+    pen.beginPath(); pen.moveTo(x, at.y(value - bar)); pen.lineTo(x, at.y(value + bar)); pen.stroke();
+    drawMark(pen, each.single ? "D" : "o", x, at.y(value), 3 * at.ratio);
+  });
+}
+
+function drawGrazing(pen, at, fidelities, factor) {
+  fidelities.forEach((own, index) => {
+    if (!(own.grazing > 0)) return;
+    const y = at.y(own.grazing * factor);
+    pen.strokeStyle = colour({ fidelity: own.name });
+    pen.lineWidth = 1.2 * at.ratio;
+    pen.setLineDash([1.5 * at.ratio, (4 * fidelities.length - 1.5) * at.ratio]);
+    pen.lineDashOffset = -4 * index * at.ratio;
+    pen.beginPath(); pen.moveTo(at.left, y); pen.lineTo(at.left + at.width, y); pen.stroke();
+  });
+  pen.lineDashOffset = 0;
 }
 
 // Mark of an axis that does not start at 0: two strokes across its lower end.
-function drawCut(plot) {
-  const draw = plot.ctx, ratio = devicePixelRatio, { left, top, height } = plot.bbox;
-  draw.save();
-  draw.strokeStyle = "#1d2733";
-  draw.lineWidth = 1.2 * ratio;
-  for (const up of [6, 10]) { draw.beginPath(); draw.moveTo(left - 5 * ratio, top + height - (up - 3) * ratio); draw.lineTo(left + 5 * ratio, top + height - (up + 3) * ratio); draw.stroke(); }
-  draw.restore();
-}
-
-const hiddenCurves = new Set();
-
-const unjoined = { paths: () => null, points: { show: false } };  // drawn by drawPieces
-
-function drawResponse() {
-  const quantity = data.quantities.find((each) => each.name === byId("quantity").value);
-  const references = data.references.filter((each) => each.quantity === quantity.name);
-  const series = [{ label: withUnit("Frequency", data.frequency.unit), value: (plot, value) => short(value, 6) }];
-  const columns = [grid.map((value) => value * FACTOR)];
-  for (const curve of data.curves) {
-    series.push({ ...unjoined, label: title(curve), stroke: shade(curve), show: !hiddenCurves.has(title(curve)), value: (plot, value) => short(value) });
-    columns.push(spread(curve.frequency, curve.values[quantity.name]));
-  }
-  for (const reference of references) {
-    series.push({ label: reference.name, stroke: "#1d2733", width: 0, points: { show: true, size: 5 }, value: (plot, value) => short(value) });
-    columns.push(spread(reference.frequency, reference.value.map((value) => value === null ? null : value * quantity.factor)));
-  }
-  const label = withUnit(quantity.label, quantity.unit);
-  const hooks = { setCursor: [(plot) => say(plot, quantity)], draw: [(plot) => drawBranches(plot, quantity)] };
-  lastRead = null;
-  byId("reading").textContent = "";
-  drawKinds(quantity.name);
-  return chart(byId("response"), series, columns, [frequencyAxis(), axis(label)], { height: 380, hooks, scales: { x: { time: false, range: beside }, y: { range: upward } }, words: `${label} against drive frequency` });
-}
-
-function drawBranches(plot, quantity) {
-  const shown = data.curves.filter((curve) => !hiddenCurves.has(title(curve)));
-  within(plot, (draw) => {
-    for (const way of ["down", "up"]) for (const curve of shown.filter((each) => each.way === way)) {
-      const own = fidelity[curve.fidelity];
-      drawPieces(plot, curve, quantity.name, curve.values[quantity.name], { colour: shade(curve), dash: own.dash }, data.curves.indexOf(curve));
-    }
-    if (quantity.name === "amplitude") drawGrazing(plot, draw, [...new Set(shown.map((curve) => fidelity[curve.fidelity]))], quantity.factor);
-  });
-  const cut = plot.scales.y.min > 0;
-  if (cut) drawCut(plot);
+function drawCut(pen, at) {
+  const { left, top, height, ratio, scales } = at, cut = scales.y.min > 0;
   byId("cut").textContent = cut ? `${data.upward.note[0].toUpperCase()}${data.upward.note.slice(1)}.` : "";
-}
-
-function drawGrazing(plot, draw, fidelities, factor) {
-  const ratio = devicePixelRatio;
-  fidelities.forEach((own, index) => {
-    if (!(own.grazing > 0)) return;
-    const y = plot.valToPos(own.grazing * factor, "y", true);
-    draw.strokeStyle = own.colour;
-    draw.lineWidth = 1.2 * ratio;
-    draw.setLineDash([1.5 * ratio, (4 * fidelities.length - 1.5) * ratio]);
-    draw.lineDashOffset = -4 * index * ratio;
-    draw.beginPath(); draw.moveTo(plot.bbox.left, y); draw.lineTo(plot.bbox.left + plot.bbox.width, y); draw.stroke();
-  });
+  if (!cut) return;
+  [pen.strokeStyle, pen.lineWidth] = [ink(), 1.2 * ratio];
+  pen.setLineDash([]);
+  for (const up of [6, 10]) { pen.beginPath(); pen.moveTo(left - 5 * ratio, top + height - (up - 3) * ratio); pen.lineTo(left + 5 * ratio, top + height - (up + 3) * ratio); pen.stroke(); }
 }
 
 // What the lines and marks mean, of those that occur.
-
-function drawKinds(quantity) {
-  const shown = data.curves.flatMap((curve) => curve.pieces[quantity] || curve.pieces.amplitude), used = new Set(shown.map(([number]) => number));
+function listKinds(quantity) {
+  const shown = data.curves.flatMap((curve) => piecesOf(curve, quantity.name)), used = new Set(shown.map(([number]) => number));
   const entries = data.kinds.flatMap((kind, number) => {
     if (!used.has(number)) return [];
     const alone = shown.some(([own, begin, end]) => own === number && end - begin === 1);
     return [[kind.width ? kind : null, kind.marker, kind.name === "failed" ? "failed, along the upper edge" : kind.name], ...(number === 0 && alone ? [[null, "full", `${kind.name}, at one frequency alone`]] : [])];
   });
-  if (quantity === "amplitude" && data.fidelities.some((each) => each.grazing > 0)) entries.push([{ width: 1.2, dash: [1.5, 2.5] }, "", "grazing: mode 1 reaches the stop"]);
-  byId("kinds").replaceChildren();
-  for (const [line, marker, words] of entries) {
-    const svg = drawn("svg", { viewBox: "0 0 30 12", width: 30, height: 12, "aria-hidden": "true" }), keys = { fill: "none", stroke: "#1d2733" };
-    if (line) svg.append(drawn("path", { ...keys, d: "M1 6H29", "stroke-width": 1.2 * line.width, "stroke-dasharray": line.dash.join(" ") }));
-    if (marker === "x") svg.append(drawn("path", { ...keys, d: "M12 3L18 9M12 9L18 3" }));
-    else if (marker === "D") svg.append(drawn("path", { ...keys, fill: "#fff", d: "M15 2L19 6L15 10L11 6Z" }));
-    else if (marker) svg.append(drawn("circle", { ...keys, cx: 15, cy: 6, r: marker === "full" ? 2.2 : 3, fill: marker === "full" ? "#1d2733" : "#fff" }));
+  if (quantity.name === "amplitude" && data.fidelities.some((each) => each.grazing > 0)) entries.push([{ width: 1.2, dash: [1.5, 2.5] }, "", "grazing: mode 1 reaches the stop"]);
+  for (const each of measured(quantity)) entries.push([null, each.single ? "D" : "o", `${each.name}, of ${fidelity[each.fidelity]?.label ?? each.fidelity}${!each.bar.some(Boolean) ? "" : each.single ? "; bar: its scatter" : "; bar: twice the standard uncertainty"}`]);
+  byId("kinds").replaceChildren(...entries.map(([line, marker, words]) => {
+    const svg = drawn("svg", { viewBox: "0 0 30 12", width: 30, height: 12, "aria-hidden": "true" });
+    if (line) svg.append(drawn("path", { d: "M1 6H29", "stroke-width": 1.2 * line.width, "stroke-dasharray": line.dash.join(" ") }));
+    const shape = { x: "M12 3L18 9M12 9L18 3", D: "M15 2L19 6L15 10L11 6Z" }[marker];
+    if (shape) svg.append(drawn("path", { d: shape }));
+    else if (marker) svg.append(drawn("circle", { class: marker, cx: 15, cy: 6, r: marker === "full" ? 2.2 : 3 }));
     const entry = element("span");
     entry.append(svg, ` ${words}`);
-    byId("kinds").append(entry);
-  }
+    return entry;
+  }));
 }
 
-let lastRead = null;
-function say(plot, quantity) {
-  const at = plot.cursor.idx;
-  if (at === null || at === undefined || at === lastRead) return;
-  lastRead = at;
-  const parts = data.curves.map((curve, number) => [curve, plot.data[number + 1][at]]).filter(([curve, value]) => value !== null && value !== undefined && !hiddenCurves.has(title(curve)));
-  const failed = data.curves.flatMap((curve) => { const index = curve.frequency.indexOf(grid[at]); return index >= 0 && curve.ended[index] ? [`${title(curve)}: ${curve.ended[index]}`] : []; });
-  byId("reading").textContent = `${short(grid[at] * FACTOR, 6)} ${data.frequency.unit}: ` + parts.map(([curve, value]) => `${title(curve)} ${short(value)} ${quantity.unit}`).concat(failed).join(", ");
-}
-
-function fillControls() {
-  for (const each of data.quantities) byId("quantity").append(element("option", { value: each.name }, withUnit(each.label, each.unit)));
-  byId("quantity").addEventListener("change", drawResponse);
-  data.curves.forEach((curve) => {
-    const label = element("label"), box = element("input", { type: "checkbox" });
-    box.checked = true;
-    box.addEventListener("change", () => {
-      if (box.checked) hiddenCurves.delete(title(curve)); else hiddenCurves.add(title(curve));
-      drawResponse(); drawMotion();
-    });
-    const mark = element("i");
-    mark.style.borderColor = shade(curve);
-    label.append(box, mark, title(curve));
-    byId("shown").append(label);
+// Values at a frequency in words.
+function wordsAt(frequency, quantity) {
+  const read = data.curves.filter(isShown).flatMap((curve) => {
+    const index = curve.frequency.indexOf(frequency);
+    if (index < 0) return [];
+    const value = curve.values[quantity.name][index];
+    return curve.ended[index] ? [`${title(curve)}: ${curve.ended[index]}`] : value === null ? [] : [`${title(curve)} ${short(value)} ${quantity.unit}`.trim()];
   });
+  return `${inUnits(frequency)}: ${read.join(", ")}`;
 }
+
+let shown = null, last = null;
+const sayAt = (frequency) => { byId("reading").textContent = wordsAt(frequency, chosen()); };
+
+function draw() {
+  const quantity = chosen(), references = measured(quantity), [from, to] = address.numbers("x");
+  const series = [{ label: withUnit("Frequency", data.frequency.unit), value: (plot, value) => short(value, 6) }], columns = [all.map((value) => value * FACTOR)];
+  for (const curve of data.curves) {
+    series.push({ label: title(curve), stroke: () => shade(curve), show: isShown(curve), value: (plot, value) => short(value) });
+    columns.push(spread(curve.frequency, curve.values[quantity.name]));
+  }
+  for (const each of references) {
+    series.push({ label: each.name, stroke: () => ink(), value: (plot, value) => short(value) });
+    columns.push(spread(each.frequency, each.value.map((value) => (value === null ? null : value * quantity.factor))));
+  }
+  const label = withUnit(quantity.label, quantity.unit);
+  const hooks = {
+    setCursor: [(plot) => { const at = plot.cursor.idx; if (at !== null && at !== undefined && at !== last) sayAt(all[last = at]); }],
+    setScale: [(plot, key) => { if (key === "x" && shown?.plot === plot) keepZoom(plot); }],
+  };
+  [shown, last, byId("reading").textContent] = [null, null, ""];
+  listKinds(quantity);
+  shown = chart(byId("response"), { words: `${label} against drive frequency`, height: 380, series, columns, axes: [frequencyAxis(), axis(label)], hooks, scales: { x: { time: false, range: beside }, y: { range: upward } }, draw: (pen, at) => drawAll(pen, at, quantity), mark: drawCut });
+  if (to > from) shown.plot.setScale("x", { min: from, max: to });
+  shown.plot.over.addEventListener("click", () => { if (kept.length && last !== null) pickNear(all[last]); });
+}
+
+function keepZoom(plot) {
+  const { min, max } = plot.scales.x, whole = min <= ends[0] && max >= ends[1];
+  address.set("x", whole ? null : [min, max].map((each) => +each.toPrecision(6)).join(","));
+}
+
+const rows = () => {
+  const names = data.quantities.map((each) => withUnit(each.label, each.unit));
+  return [["fidelity", "sweep", withUnit("frequency", data.frequency.unit), ...names], ...data.curves.filter(isShown).flatMap((curve) => curve.frequency.map((value, at) => [fidelity[curve.fidelity].label, curve.way, value * FACTOR, ...data.quantities.map((each) => curve.values[each.name][at])]))];
+};
+
+for (const each of data.quantities) byId("quantity").append(element("option", { value: each.name }, withUnit(each.label, each.unit)));
+if (data.quantities.some((each) => each.name === address.get("q"))) byId("quantity").value = address.get("q");
+byId("quantity").addEventListener("change", () => { address.set("q", byId("quantity").value); draw(); });
+const marks = data.curves.map((curve, number) => {
+  const label = element("label"), box = element("input", { type: "checkbox" }), mark = element("i");
+  box.checked = isShown(curve);
+  box.addEventListener("change", () => show(number, box.checked));
+  label.append(box, mark, title(curve));
+  byId("shown").append(label);
+  return () => { mark.style.borderColor = shade(curve); };
+});
+const colourMarks = () => marks.forEach((each) => each());
+colourMarks();
+draw();
+on("hidden", draw);
+on("theme", () => { colourMarks(); draw(); });
+on("picked", () => { shown.plot.redraw(false); sayAt(picked()); });
+offer(byId("response"), "frequency response", { csv: () => csv(rows()), svg: () => svgOf([shown], document.title) });
