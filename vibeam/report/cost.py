@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 WITHIN = 0.01  # accuracy by which the answer calls a run enough
 MOST_ROWS, MOST_NOTES = 15, 5
 ROUND_OFF, EXACT = 1e-12, 1e-5  # errors that are no larger are none, or nearly none
-RATIO = 10.0  # ratio of model error to solver error from which on the solver is not where the error is
 
 
 def sheet(study: CostStudy, case: Case, within: float = WITHIN) -> StudySheet:
@@ -157,50 +156,40 @@ def _runs(study: CostStudy, title: str, rows: Sequence[RunRow], further: str) ->
     last = ""
     for row in rows:
         name, last = "" if row.fidelity == last else row.fidelity, row.fidelity
-        first = (name, row.label, *_errors(row), *_times(study, row, exact), _points(row), "*" * (row in front))
-        table.add_row(*first, *_further(row))
+        table.add_row(name, *_run(row, exact, len(study.frequency), row in front))
     return table
 
 
-def _errors(row: RunRow) -> tuple[str, ...]:
-    total = row.total.amplitude
-    return share(abs(total.worst)), share(total.rms), share(abs(row.numerical.amplitude.worst))
-
-
-def _points(row: RunRow) -> str:
-    off = row.total.amplitude
-    return f"{off.points}/{off.total}" if off.total else "–"
-
-
-def _times(study: CostStudy, row: RunRow, exact: float) -> tuple[str, str]:
-    spent = _seconds(row)
-    return (f"{1e3 * spent / len(study.frequency):.3g}", _ratio(spent / exact)) if row.work else ("–", "–")
-
-
-def _further(row: RunRow) -> tuple[str | Text, ...]:
-    """Cells of details; empty, so that the column is left out, where no run has a number."""
-    own, work = row.numerical, row.work
-    statistics = f"{share(own.statistics)} ({share(own.scatter)})" if isfinite(own.statistics) else ""
-    return (
-        str(row.modes), share(own.path), share(own.impact_velocities), statistics,
-        *(map(_micro, (work.per_period, work.per_impact)) if work else ("–", "–")), Text(row.why, "red"),
-    )  # fmt: skip
+def _run(row: RunRow, exact: float, frequencies: int, best: bool) -> Iterator[str | Text]:
+    """Cells of a run behind its model; one of statistics is empty without them, so that the column is left out."""
+    off, own, work = row.total.amplitude, row.numerical, row.work
+    yield row.label
+    yield from map(share, (abs(off.worst), off.rms, abs(own.amplitude.worst)))
+    yield f"{1e3 * work.cpu_min / frequencies:.3g}" if work else "–"
+    yield _ratio(work.cpu_min / exact) if work else "–"
+    yield f"{off.points}/{off.total}" if off.total else "–"
+    yield "*" * best
+    yield str(row.modes)
+    yield from map(share, (own.path, own.impact_velocities))
+    yield f"{share(own.statistics)} ({share(own.scatter)})" if isfinite(own.statistics) else ""
+    yield from map(_micro, (work.per_period, work.per_impact)) if work else ("–", "–")
+    yield Text(row.why, "red")
 
 
 def parts(study: CostStudy) -> ReportTable:
     """Table of every fidelity's error and its parts, a row each."""
     table = blank("Where the error comes from", "fidelity", "modes|", "R₁ seen|", "part", "mean|", "rms|", "lowest|")
-    table.add("highest|", "at peak|", "by the solver|", "CPU, exact|")
+    table.add("highest|", "at peak|", "by the solver|", "CPU, exact|", "")
     table.caption = (
         f"of amplitude over that of {study.truth}: means and values at its peak add up; R₁: restitution that the first "
         "mode sees\nby the solver: largest, against the exact motion of its own fidelity"
     )
     for split in study.splits:
         head = (split.fidelity, str(split.modes), coefficient(split.restitution))
-        table.add_row(*head, "in all", *_numbers(split.total), _range(study, split), f"{split.cpu:.3g} s")
+        table.add_row(*head, "in all", *_numbers(split.total), _by_solver(study, split), f"{split.cpu:.3g} s", "")
         for each in split.parts:
-            if each.worst > ROUND_OFF:
-                table.add_row("", "", "", each.name, *_numbers(each), "", "")
+            if each.worst > ROUND_OFF or each.note:
+                table.add_row("", "", "", each.name, *_numbers(each), "", "", each.note)
         table.add_section()
     return table
 
@@ -209,15 +198,11 @@ def _numbers(part: Part) -> tuple[str, ...]:
     return signed(part.mean), share(part.rms), signed(part.lowest), signed(part.highest), signed(part.peak)
 
 
-def _range(study: CostStudy, split: Split) -> str:
-    found = _by_solver(study, split)
-    return f"{share(found[0])} … {share(found[-1])}" if found else "–"
-
-
-def _by_solver(study: CostStudy, split: Split) -> list[float]:
-    """Largest numerical error of every run on a fidelity, the smallest first."""
+def _by_solver(study: CostStudy, split: Split) -> str:
+    """Smallest and largest of the largest numerical errors of the runs on a fidelity."""
     found = (abs(row.numerical.amplitude.worst) for row in study.rows if row.fidelity == split.fidelity)
-    return sorted(filter(isfinite, found))
+    known = sorted(filter(isfinite, found))
+    return f"{share(known[0])} … {share(known[-1])}" if known else "–"
 
 
 def uncertain(study: CostStudy, case: Case) -> Iterator[str]:
@@ -252,38 +237,12 @@ def _left_out(study: CostStudy, case: Case) -> Iterator[str]:
 
 
 def details(study: CostStudy) -> Iterator[str]:
-    """Sentences on the reference, on the solver's part in each error, on models and runs that are not there."""
+    """Sentences on the reference, on models and runs that are not there."""
     yield f"Reference: {study.finest}. Solver error: {study.bound.sentence}."
     yield from settled(study.comparison)
-    yield from _solvers_part(study)
-    yield from _parts_not_there(study)
     for name, twin in study.same.items():
         yield f"{name}: the same model as {twin}."
     yield from _refusals(study.refused)
-
-
-def _solvers_part(study: CostStudy) -> Iterator[str]:
-    """Fidelities in whose error the solver has a part worth mentioning, and those in which it has none."""
-    large = {}
-    for split in study.splits:
-        errors = _by_solver(study, split)
-        if errors and split.points and (study.reference or split.fidelity != study.finest):
-            above = sum(error * RATIO > split.total.rms for error in errors)
-            large[split.fidelity] = f"{split.fidelity} ({above} of {len(errors)} runs)" if above else ""
-    if any(large.values()):
-        yield f"The solver's part is more than a tenth of the error of {listed(list(filter(None, large.values())))}."
-    if none := [name for name, said in large.items() if not said]:
-        yield f"The solver is not where the error is of {listed(none)}."
-
-
-def _parts_not_there(study: CostStudy) -> Iterator[str]:
-    reasons: dict[str, list[str]] = {}
-    for split in study.splits:
-        for part in split.parts:
-            if part.note:
-                reasons.setdefault(f"no part for the {part.name} ({part.note})", []).append(split.fidelity)
-    for reason, names in reasons.items():
-        yield f"{listed(names)}: {reason}."
 
 
 def _refusals(refused: tuple[LeftOut, ...]) -> Iterator[str]:

@@ -48,7 +48,7 @@ def sheet(study: InfluenceStudy, case: Case) -> StudySheet:
     return StudySheet(
         answer=answer(study),
         tables=[taken_away(study)],
-        notes=list(unsettled(study, case)),
+        notes=list(uncertain(study, case)),
         details=said,
         more=[left_alone(study)],
         data={"study": study, "sentences": said},
@@ -140,21 +140,15 @@ def left_alone(study: InfluenceStudy) -> ReportTable:
     return table
 
 
-def _values(study: InfluenceStudy) -> list[str]:
-    pairs = zip(study.quantities, study.whole.changes, strict=True)
-    return [_value(quantity, each) + "*" * bool(each.why) for quantity, each in pairs]
+def _values(study: InfluenceStudy) -> Iterator[str]:
+    for quantity, each in zip(study.quantities, study.whole.changes, strict=True):
+        unit, factor = SHOWN[quantity.unit]
+        yield (f"{each.value * factor:.4g} {unit}".strip() if isfinite(each.value) else "–") + "*" * bool(each.why)
 
 
-def _value(quantity: Interest, each: Change) -> str:
-    unit, factor = SHOWN[quantity.unit]
-    return f"{each.value * factor:.4g} {unit}".strip() if isfinite(each.value) else "–"
-
-
-def _changes(study: InfluenceStudy, variant: Variant) -> list[str]:
-    if variant.why:
-        return ["–*"] * len(study.quantities)
-    pairs = zip(study.quantities, variant.changes, strict=True)
-    return [_amount(quantity, each) + "*" * bool(each.why) for quantity, each in pairs]
+def _changes(study: InfluenceStudy, variant: Variant) -> Iterator[str]:
+    for quantity, each in zip(study.quantities, variant.changes, strict=True):
+        yield "–*" if variant.why else _amount(quantity, each) + "*" * bool(each.why)
 
 
 def _amount(quantity: Interest, each: Change) -> str:
@@ -183,7 +177,7 @@ def share(value: float) -> str:
     return f"{value:.3g}" if value >= LEAST else f"{value:.0e}" if value > DUST else "0"
 
 
-def unsettled(study: InfluenceStudy, case: Case) -> Iterator[str]:
+def uncertain(study: InfluenceStudy, case: Case) -> Iterator[str]:
     """Notes on what is uncertain, each with what to do about it."""
     if study.left_out:
         yield (

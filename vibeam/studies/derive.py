@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any
@@ -108,39 +108,33 @@ def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> DerivedTable:
     if share < LEAST_SHARE:
         del masses[MASSLESS]
         notes.append(f"{NEGLECTED}: the attached mass is {100 * share:.2g} % of what moves, and eq. 45 needs m ≫ ρAL")
-    rows = [*_static_rows(paper, exact), *_mass_rows(masses, exact), *_frequency_rows(masses, paper.stiffness, exact)]
-    rows += [*_cost_rows(masses, paper), *_scaling_rows(scene, paper, exact, MASSLESS in masses)]
+    rows = [
+        DerivedParameter("shape at the mass", "φ(L_m)", "1", paper.shape, exact.shape, STATIC_SHAPE),
+        DerivedParameter("stiffness", "K_S", "N/m", paper.stiffness, exact.stiffness, STATIC_SHAPE),
+        *_inertial_rows(masses, paper.stiffness, exact, _LEFT_OUT),
+        *_error_rows(masses, paper.stiffness),
+        *_scaling_rows(scene, paper, exact, MASSLESS in masses),
+    ]
     return DerivedTable(tuple(rows), tuple(notes))
 
 
 def _bare(scene: Scene, exact: _FirstMode) -> DerivedTable:
     """Table of a beam without an attached mass."""
+    from vibeam.runs.summary import BARE
     from vibeam_models.static_shape import static_shape_of
 
     load_at, unit_at = scene.stop.position, scene.sensor.position
     static = static_shape_of(scene.shaped_beam, load_at, unit_at)
-    stiffness, mass = static.stiffness, {WITH_BEAM: static.beam_mass(scene.carrier)}
+    mass = static.beam_mass(scene.carrier)
+    rows = [DerivedParameter("stiffness", "K_S", "N/m", static.stiffness, exact.stiffness, STATIC_SHAPE)]
     notes = [f"{OF_A_MASS}: there is no attached mass"]
-    if not mass[WITH_BEAM]:
-        return DerivedTable(
-            (DerivedParameter("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),), tuple(notes)
-        )
-    gap = scene.stop.gap / scene.beam.length
-    if scene.stop.gap_at == "contact":
-        gap /= static.at(load_at)
-    rows = [
-        DerivedParameter("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),
-        *(replace(row, assumption=STATIC_SHAPE) for row in _mass_rows(mass, exact)),
-        *(replace(row, assumption=STATIC_SHAPE) for row in _frequency_rows(mass, stiffness, exact)),
-        _gap_row(scene, gap, exact),
-    ]
-    return DerivedTable(tuple(rows), (*notes, *_ill_posed(scene)))
-
-
-def _ill_posed(scene: Scene) -> list[str]:
-    from vibeam.runs.summary import BARE
-
-    return [BARE] if scene.stop.law is None else []
+    if mass:
+        gap = scene.stop.gap / scene.beam.length
+        gap /= static.at(load_at) if scene.stop.gap_at == "contact" else 1.0
+        rows += _inertial_rows({WITH_BEAM: mass}, static.stiffness, exact, {WITH_BEAM: STATIC_SHAPE})
+        rows.append(_gap_row(scene, gap, exact))
+        notes += [BARE] if scene.stop.law is None else []
+    return DerivedTable(tuple(rows), tuple(notes))
 
 
 LEAST_SHARE = 0.1  # smallest share of the attached mass in the moving one for which the beam may be neglected
@@ -203,60 +197,46 @@ def _explained(row: DerivedParameter, scene: Scene) -> DerivedParameter:
     return replace(row, assumption=f"{said}, {ADDED}" if lacks and added else said)
 
 
-def _static_rows(paper: SdofModel, exact: _FirstMode) -> list[DerivedParameter]:
-    return [
-        DerivedParameter("shape at the mass", "φ(L_m)", "1", paper.shape, exact.shape, STATIC_SHAPE),
-        DerivedParameter("stiffness", "K_S", "N/m", paper.stiffness, exact.stiffness, STATIC_SHAPE),
-    ]
-
-
 _LEFT_OUT = {MASSLESS: "massless beam, point mass", WITH_BEAM: "point mass", WITH_INERTIA: STATIC_SHAPE}
+_ERRORS = {"massless beam": (MASSLESS, WITH_BEAM), "point mass": (WITH_BEAM, WITH_INERTIA)}
 
 
-def _mass_rows(masses: dict[str, float], exact: _FirstMode) -> list[DerivedParameter]:
-    return [
-        DerivedParameter(f"mass, {kept}", "M_S", "kg", mass, exact.mass, _LEFT_OUT[kept])
-        for kept, mass in masses.items()
+def _inertial_rows(
+    masses: Mapping[str, float], stiffness: float, exact: _FirstMode, why: Mapping[str, str]
+) -> list[DerivedParameter]:
+    """Rows of the masses, then of their frequencies, each with ``why`` it is off."""
+    rows = [
+        DerivedParameter(f"mass, {kept}", "M_S", "kg", mass, exact.mass, why[kept]) for kept, mass in masses.items()
     ]
-
-
-def _frequency_rows(masses: dict[str, float], stiffness: float, exact: _FirstMode) -> list[DerivedParameter]:
-    rows = []
+    units = {"circular frequency": ("ω_n", "rad/s", 1.0), "frequency": ("f_n", "Hz", 2 * pi)}
     for kept, mass in masses.items():
-        omega, left_out = sqrt(stiffness / mass), _LEFT_OUT[kept]
-        rows.append(DerivedParameter(f"circular frequency, {kept}", "ω_n", "rad/s", omega, exact.omega, left_out))
-        rows.append(
-            DerivedParameter(f"frequency, {kept}", "f_n", "Hz", omega / (2 * pi), exact.omega / (2 * pi), left_out)
-        )
+        omega = sqrt(stiffness / mass)
+        rows += [
+            DerivedParameter(f"{name}, {kept}", symbol, unit, omega / turn, exact.omega / turn, why[kept])
+            for name, (symbol, unit, turn) in units.items()
+        ]
     return rows
 
 
-def _cost_rows(masses: dict[str, float], paper: SdofModel) -> list[DerivedParameter]:
+def _error_rows(masses: Mapping[str, float], stiffness: float) -> list[DerivedParameter]:
     """Error of one assumption at a time: f_n with it against f_n without it, all else equal."""
-    f = {kept: sqrt(paper.stiffness / mass) / (2 * pi) for kept, mass in masses.items()}
-    rows = []
-    if MASSLESS in f:
-        rows.append(
-            DerivedParameter("error of the massless beam", "f_n", "Hz", f[MASSLESS], f[WITH_BEAM], "massless beam")
-        )
-    if WITH_INERTIA in f:
-        rows.append(
-            DerivedParameter("error of the point mass", "f_n", "Hz", f[WITH_BEAM], f[WITH_INERTIA], "point mass")
-        )
-    return rows
+    f = {kept: sqrt(stiffness / mass) / (2 * pi) for kept, mass in masses.items()}
+    return [
+        DerivedParameter(f"error of the {why}", "f_n", "Hz", f[one], f[other], why)
+        for why, (one, other) in _ERRORS.items()
+        if one in f and other in f
+    ]
 
 
 def _scaling_rows(scene: Scene, paper: SdofModel, exact: _FirstMode, massless: bool) -> list[DerivedParameter]:
     """Rows of the scaling: β_S where a massless beam is meaningful, base factor, γ or B, and Δ."""
-    damping_time = 2 * exact.damping_ratio / exact.omega
-    ratio = damping_time * paper.omega / 2
+    ratio = exact.damping_ratio / exact.omega * paper.omega
+    why, base = _LEFT_OUT[MASSLESS], (1 / paper.shape, exact.base_factor)
     damping = DerivedParameter("damping ratio", "β_S", "1", ratio, exact.damping_ratio, "the same D, the ω_n of eq. 45")
     return [
         *([damping] if massless else []),
-        DerivedParameter(
-            "base factor", "φᵀM1/φᵀMφ", "1", 1 / paper.shape, exact.base_factor, "massless beam, point mass"
-        ),
-        *_drive_rows(scene, paper, exact),
+        DerivedParameter("base factor", "φᵀM1/φᵀMφ", "1", *base, why),
+        *_drive_rows(scene, paper, exact, why),
         _gap_row(scene, paper.gap, exact),
     ]
 
@@ -266,11 +246,11 @@ def _gap_row(scene: Scene, gap: float, exact: _FirstMode) -> DerivedParameter:
     return DerivedParameter("gap", "Δ", "1", gap, carried / (exact.contact * scene.beam.length), STATIC_SHAPE)
 
 
-def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode) -> list[DerivedParameter]:
+def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode, why: str) -> list[DerivedParameter]:
     from vibeam_models.base import is_constant
     from vibeam_models.base_motion import base_amplitude
 
-    span, why, gain = scene.beam.length, "massless beam, point mass", scene.base.gain
+    span, gain = scene.beam.length, scene.base.gain
     if scene.platform is not None:
         return []  # the base motion depends on the frequency there
     rows = []

@@ -92,19 +92,11 @@ def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
     contact, sensor = structure.contact @ modes.shapes, structure.outputs["sensor"] @ modes.shapes
     mobility = structure.mobility(structure.contact)
     cut = np.cumsum(contact**2)
+    load = [-structure.load @ shape for shape in modes.shapes.T]
+    columns = np.array([modes.frequency, damping, contact, sensor, load, cut / mobility, cut])
     rows = [
-        ModeRow(
-            number=i + 1,
-            frequency=float(modes.frequency[i]),
-            damping_ratio=float(damping[i]),
-            contact=float(contact[i]),
-            sensor=float(sensor[i]),
-            load=float(-structure.load @ modes.shapes[:, i]),
-            share=float(cut[i]) / mobility,
-            first_mode_restitution=_restitutions(rig, contact, cut[i])[0],
-            contact_restitution=_restitutions(rig, contact, cut[i])[1],
-        )
-        for i in range(len(modes.omega))
+        ModeRow(number, f, zeta, w, u, force, share, *_restitutions(rig, float(contact[0]), cut_off))
+        for number, (f, zeta, w, u, force, share, cut_off) in enumerate(columns.T.tolist(), 1)
     ]
     unit = LOAD_UNITS[None if rig.base.on_beam is None else rig.base.on_beam[1]]
     if pointed is None:  # the coordinates have no places
@@ -129,14 +121,14 @@ def _notes(scene: RigScene, rows: list[ModeRow]) -> tuple[str, ...]:
     return tuple(ill_posed({f"from {below.number} modes on": below.first_mode_restitution})) if below else ()
 
 
-def _restitutions(scene: RigScene, contact: Array, mobility: float) -> tuple[float, float]:
+def _restitutions(scene: RigScene, first: float, mobility: float) -> tuple[float, float]:
     """First mode's and contact's coefficient, whichever of them is given; NaN of a stop that yields."""
     if scene.stop.law is not None and scene.stop.law.compliant:
         return nan, nan
-    given, first = scene.stop.usual_restitution, float(contact[0])
+    given = scene.stop.usual_restitution
     if scene.stop.restitution_of == "contact":
-        return float(first_mode_restitution(given, first, mobility)), given
-    return given, float((1 + given) * mobility / first**2 - 1)
+        return first_mode_restitution(given, first, mobility), given
+    return given, (1 + given) * mobility / first**2 - 1
 
 
 def write_shapes(table: ModeTable, path: Path) -> None:

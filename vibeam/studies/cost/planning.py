@@ -57,15 +57,9 @@ class Planning:
         """Plan with at least the case's own settling, for the exact runs."""
         return replace(self.plan, settle=max(self._case.sweep.settle, self.plan.settle))
 
-    def of(self, model: CostModel) -> Plan:
-        """Plan with the drive of the model's own scene."""
-        return self._driven(model, self.plan)
-
-    def long_of(self, model: CostModel) -> Plan:
-        """Long plan with the drive of the model's own scene."""
-        return self._driven(model, self.long)
-
-    def _driven(self, model: CostModel, plan: Plan) -> Plan:
+    def of(self, model: CostModel, long: bool = False) -> Plan:
+        """Plan, or the long one, with the drive of the model's own scene."""
+        plan = self.long if long else self.plan
         if not self._case.scenes:
             return plan
         place = np.array([plan.drive.omega])

@@ -221,36 +221,27 @@ class RunRow:
         return " ".join(filter(None, (self.solver, self.method, self.setting)))
 
 
-@dataclass(frozen=True)
-class References:
-    """References of a run: its fidelity's exact motion, settled as long as the run (``short``) and as long as
-    needed (``own``), and the reference.
-    """
-
-    short: Measurement
-    own: Measurement
-    reference: Measurement
-
-
 def run_row(model: CostModel, setting: Setting, **found: Any) -> RunRow:
     """Row of a run by what was ``found``; without any it did not end."""
     return RunRow(model.name, model.system.size, setting.solver, setting.method, setting.setting, **found)
 
 
 def compared(
-    model: CostModel, setting: Setting, plan: Plan, found: Measurement, work: Work, references: References
+    model: CostModel, setting: Setting, plan: Plan, found: Measurement, work: Work, truths: Sequence[Measurement]
 ) -> RunRow:
-    """Row of a run that ended, with or without failed points."""
+    """Row of a run that ended, with or without failed points.
+
+    ``truths``: its fidelity's exact motion, settled as long as the run, that settled as long as needed, the reference.
+    """
     motions = int(np.count_nonzero(complete(found.response)))
     if found.failure:
         return run_row(model, setting, work=work, found=motions, why=found.failure)
-    total, numerical = (errors(found, truth, plan) for truth in (references.reference, references.own))
+    numerical, total = (errors(found, truth, plan) for truth in truths[1:])
     why = "" if total.amplitude.points or np.isfinite(total.statistics) else _nothing(found)
-    chain = (found, references.short, references.own, references.reference)
-    parts = tuple(part(name, each) for name, each in zip(PARTS, shares([c.response for c in chain]), strict=True))
-    return run_row(
-        model, setting, total=total, numerical=numerical, parts=parts, work=work, found=motions, why=why
-    )  # fmt: skip
+    links = shares([each.response for each in (found, *truths)])
+    parts = tuple(part(name, each) for name, each in zip(PARTS, links, strict=True))
+    kept = {"total": total, "numerical": numerical, "parts": parts, "work": work, "found": motions}
+    return run_row(model, setting, **kept, why=why)
 
 
 def _nothing(found: Measurement) -> str:

@@ -21,7 +21,7 @@ from vibeam.studies.cost.measure import Measurement, Plan, Setting, measure, ser
 from vibeam.studies.cost.models import CUT_SOLVERS, CostModel, built, finest, models
 from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_schedule
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
-from vibeam.studies.cost.row import References, RunRow, Split, Work, compared, front, run_row, split, timed
+from vibeam.studies.cost.row import RunRow, Split, Work, compared, front, run_row, split, timed
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.progress import telling
 from vibeam_models.arrays import ValueRecord
@@ -198,7 +198,7 @@ class _CostRuns:
         return self.budget - (self.clock() - self.ready)
 
     def _exact(self, model: CostModel) -> tuple[Measurement, Work]:
-        found = self._timed(model.system, FLIGHT, self.planning.long_of(model), np.inf)
+        found = self._timed(model.system, FLIGHT, self.planning.of(model, long=True), np.inf)
         self._count()
         return found
 
@@ -215,7 +215,7 @@ class _CostRuns:
             return built(self.case, alike, one.like)
 
         def fly(system: ImpactSystem) -> Any:
-            return measure(system, FLIGHT, replace(self.planning.long_of(model), window=0)).response
+            return measure(system, FLIGHT, replace(self.planning.of(model, long=True), window=0)).response
 
         exact, work = self.exact[model.name]
         return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
@@ -263,8 +263,8 @@ class _CostRuns:
         except OutOfTime as up:
             self.rows.append(run_row(model, setting, why=str(up)))
             return None
-        references = References(self.short[fidelity], self.exact[fidelity][0], self.truth)
-        self.rows.append(compared(model, setting, self.planning.plan, found, work, references))
+        truths = self.short[fidelity], self.exact[fidelity][0], self.truth
+        self.rows.append(compared(model, setting, self.planning.plan, found, work, truths))
         return work.cpu_median
 
 

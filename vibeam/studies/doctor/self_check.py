@@ -20,14 +20,15 @@ from math import pi, sqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.studies.doctor.machine import Finding, Severity
 
 if TYPE_CHECKING:
-    from vibeam.system.state import State
+    from vibeam.flight.trajectory import Trajectory
+    from vibeam.system.impact_system import ImpactSystem
 
 TOPIC, KERNELS = "self-check", "kernels"
 CURE = "the installation computes wrongly: install vibeam anew, and report this output"
@@ -96,55 +97,62 @@ def checked(name: str, deviation: Callable[[], float], allowed: float) -> Findin
 
 def oscillator() -> float:
     """Largest relative error of ten impacts, times and velocities, with a certificate that none was missed."""
-    from vibeam.flight.trajectory import simulate
-    from vibeam.system.impact_system import Drive, ImpactSystem
-
     rate, kept = 7.0, 0.8
-    system = ImpactSystem.from_modes([rate], 0.0, [1.0], [1.0], gap=0.0, restitution=kept)
-    path = simulate(system, Drive(1.0, 0.0), 10.5 * pi / rate, _thrown(1.0), certify=True)
-    if len(path.impact_times) != 10 or path.certificate is None or not path.certificate.complete:
-        raise ValueError(f"{len(path.impact_times)} impacts of 10, or no proof of them")
+    path = _flown(_at_stop(rate, kept), 1.0, 0.0, 1.0, (0.0, 10.5 * pi / rate), impacts=10)
     number = np.arange(1, 11)
     return _largest(path.impact_times / (number * pi / rate), path.impact_velocities / kept ** (number - 1.0))
 
 
 def ball() -> float:
     """Relative error of the time at which the ball comes to rest."""
-    from vibeam.flight.trajectory import simulate
-    from vibeam.system.impact_system import Drive, ImpactSystem
-
     fall, kept = 9.81, 0.5
-    system = ImpactSystem.from_modes([0.0], 0.0, [1.0], [1.0], static=[fall], restitution=kept)
-    path = simulate(system, Drive(1.0, 0.0), 1.0, _thrown(1.0))
+    path = _flown(_at_stop(0.0, kept, static=[fall]), 1.0, 0.0, 1.0, (0.0, 1.0))
     return _largest(path.rests[:1, 0] * fall * (1 - kept) / 2)
+
+
+RATE, KEPT, SIZE = 50.0, 0.7, 1e-4  # of the orbit
+STRIKES = 8 / 3 * 2 * RATE * SIZE / (1 - KEPT)  # m/s
 
 
 def orbit() -> float:
     """Largest relative error of the impact velocities along the orbit, flown from just after an impact."""
-    from vibeam.flight.trajectory import simulate
-    from vibeam.system.impact_system import Drive, ImpactSystem
-
-    rate, kept, size = 50.0, 0.7, 1e-4
-    system = ImpactSystem.from_modes([rate], 0.0, [1.0], [1.0], gap=0.0, restitution=kept)
-    velocity = 8 / 3 * 2 * rate * size / (1 - kept)
-    begin = pi / (2 * rate)  # Ωt = π: the driven part passes the stop from outside
-    start = _thrown(kept * velocity)
-    path = simulate(system, Drive(2 * rate, size), begin + 5.5 * pi / rate, start, t_start=begin, certify=True)
-    if len(path.impact_times) != 5 or path.certificate is None or not path.certificate.complete:
-        raise ValueError(f"{len(path.impact_times)} impacts of 5, or no proof of them")
-    times = begin + np.arange(1, 6) * pi / rate
-    return _largest(path.impact_times / times, path.impact_velocities / velocity)
+    begin = pi / (2 * RATE)  # Ωt = π: the driven part passes the stop from outside
+    times = begin + np.arange(1, 6) * pi / RATE
+    span = begin, begin + 5.5 * pi / RATE
+    path = _flown(_at_stop(RATE, KEPT), 2 * RATE, SIZE, KEPT * STRIKES, span, impacts=5)
+    return _largest(path.impact_times / times, path.impact_velocities / STRIKES)
 
 
 def closed_orbit() -> float:
     """Relative error of the velocity of the same orbit, as the equations of periodic motions give it."""
     from vibeam.periodic.orbit import orbits
-    from vibeam.system.impact_system import Drive, ImpactSystem
+    from vibeam.system.impact_system import Drive
 
-    rate, kept, size = 50.0, 0.7, 1e-4
-    system = ImpactSystem.from_modes([rate], 0.0, [1.0], [1.0], gap=0.0, restitution=kept)
-    found = [each.velocity for each in orbits(system, Drive(2 * rate, size)) if each.admissible]
-    return _largest(np.array(found[:1]) / (8 / 3 * 2 * rate * size / (1 - kept)))
+    found = [each.velocity for each in orbits(_at_stop(RATE, KEPT), Drive(2 * RATE, SIZE)) if each.admissible]
+    return _largest(np.array(found[:1]) / STRIKES)
+
+
+def _at_stop(rate: float, kept: float, **more: Any) -> ImpactSystem:
+    """One mode without damping, of ``rate`` rad/s, with the stop where it rests."""
+    from vibeam.system.impact_system import ImpactSystem
+
+    return ImpactSystem.from_modes([rate], 0.0, [1.0], [1.0], gap=0.0, restitution=kept, **more)
+
+
+def _flown(
+    system: ImpactSystem, omega: float, size: float, velocity: float, span: tuple[float, float], impacts: int = 0
+) -> Trajectory:
+    """Flight over ``span`` s, thrown off the stop (m/s); ValueError without the ``impacts``, or a proof of them."""
+    from vibeam.flight.trajectory import simulate
+    from vibeam.system.impact_system import Drive
+    from vibeam.system.state import State
+
+    thrown = State(np.zeros(1), np.array([-velocity]))
+    path = simulate(system, Drive(omega, size), span[1], thrown, t_start=span[0], certify=impacts > 0)
+    proved = path.certificate is not None and path.certificate.complete
+    if impacts and not (len(path.impact_times) == impacts and proved):
+        raise ValueError(f"{len(path.impact_times)} impacts of {impacts}, or no proof of them")
+    return path
 
 
 def cantilever() -> float:
@@ -169,13 +177,6 @@ def results_file() -> float:
             file["values"] = values
         with h5py.File(path) as file:
             return float(np.count_nonzero(file["values"][()] != values))
-
-
-def _thrown(velocity: float) -> State:
-    """One mode at its stop, thrown off it (m/s)."""
-    from vibeam.system.state import State
-
-    return State(np.zeros(1), np.array([-velocity]))
 
 
 def _largest(*ratios: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:

@@ -89,7 +89,7 @@ def _restitution(times: Array, displacement: Array, contacts: Array, slow: SlowP
     """Mean over the impacts of −after/before, from the slow part's rate at end and begin; NaN without any."""
     marks = np.unique(contacts)
     read = extrapolated_restitution(times, displacement, marks, slow, **keys)
-    first, last = (np.searchsorted(marks, contacts[:, side]) for side in (0, 1))
+    first, last = np.searchsorted(marks, contacts.T)
     return replace(read, time=contacts[:, 0], before=read.before[first], after=read.after[last]).mean
 
 
@@ -117,9 +117,6 @@ def _free(system: ImpactSystem, modes: NDArray[np.int64]) -> SlowPart | None:
     if not kept:
         return None
     return SlowPart(-1, None, tuple(system.omega[kept].tolist()), tuple(system.zeta[kept].tolist()))
-
-
-IN_MOTION = ("ringing", "ringing_frequency", "apparent_restitution")
 
 
 @dataclass(frozen=True)
@@ -164,7 +161,7 @@ def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> d
     values = {"peak": top.amplitude, "peak_frequency": top.frequency}
     if {"period_one_from", "period_one_to"} & set(wanted):
         values |= dict(zip(("period_one_from", "period_one_to"), ends(curve), strict=True))
-    if set(IN_MOTION) & set(wanted):
+    if set(RINGING) & set(wanted):
         values |= _in_motion(curve, top, frequency)
     return {name: values[name] for name in wanted}
 
@@ -173,7 +170,7 @@ def _in_motion(curve: Curve, top: RefinedPeak, frequency: float | None) -> dict[
     if frequency is not None:
         return observed_ringing(curve, frequency, nearest(curve, frequency))
     if top.near is None:
-        return dict.fromkeys(IN_MOTION, top.frequency)
+        return dict.fromkeys(RINGING, top.frequency)
     return observed_ringing(curve, top.frequency.number, top.near)
 
 
