@@ -64,29 +64,37 @@ def mistakes() -> Iterator[None]:
     """Context that turns a user's mistakes into a message on stderr and an exit code; a defect keeps its traceback."""
     if short := refusal():
         _stop(short, WRONG)
+    try:
+        yield
+    except BrokenPipeError:
+        reader_gone()
+    except (Exception, KeyboardInterrupt) as error:
+        fault = fault_of(error)
+        if fault is None:
+            raise
+        _stop(*fault, error)
+
+
+def fault_of(error: BaseException) -> tuple[str, int] | None:
+    """Message and exit code of a user's mistake; None for a defect."""
     from vibeam.exchange.faults import CaseError
     from vibeam.flight.engine.loading import KernelsUnavailable
     from vibeam.store.errors import StoreError
 
-    try:
-        yield
-    except (CaseError, KernelsUnavailable, StoreError, UsageError) as mistake:
-        _stop(str(mistake), WRONG, mistake)
-    except BrokenPipeError:
-        reader_gone()
-    except OSError as error:
+    if isinstance(error, CaseError | KernelsUnavailable | StoreError | UsageError):
+        return str(error), WRONG
+    if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
         if error.filename == STDOUT:  # what is pending would fail once more at the end
             discard_stdout()
         where = f"{error.filename}: " if error.filename else ""
-        _stop(f"{where}{(error.strerror or str(error)).lower()}", WRONG)
-    except MemoryError:
-        _stop("there is not enough memory: take fewer points, periods, modes or elements", WRONG)
-    except ImportError as error:
-        if not any(said in str(error) for said in UNMAPPED):
-            raise
-        _stop(f"there is not enough memory to load what is needed (ulimit -v): {error}", WRONG)
-    except KeyboardInterrupt as interrupt:
-        _stop(str(interrupt) or "stopped", STOPPED)
+        return f"{where}{(error.strerror or str(error)).lower()}", WRONG
+    if isinstance(error, MemoryError):
+        return "there is not enough memory: take fewer points, periods, modes or elements", WRONG
+    if isinstance(error, ImportError) and any(said in str(error) for said in UNMAPPED):
+        return f"there is not enough memory to load what is needed (ulimit -v): {error}", WRONG
+    if isinstance(error, KeyboardInterrupt):
+        return str(error) or "stopped", STOPPED
+    return None
 
 
 def of_case(case: Path, make: Callable[[], Made]) -> Made:
@@ -101,7 +109,7 @@ def of_case(case: Path, make: Callable[[], Made]) -> Made:
         raise UsageError(f"{case}: {refusal}") from None
 
 
-def _stop(message: str, code: int, fault: Exception | None = None) -> None:
+def _stop(message: str, code: int, fault: BaseException | None = None) -> None:
     say(message)
     if verbosity().json:
         from vibeam.cli.output import print_json

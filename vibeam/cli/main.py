@@ -22,7 +22,7 @@ from vibeam.cli.verbosity import with_verbosity
 
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "How much model": (runs.run, maps.verdict, maps.map, maps.stability),
-    "Measurements": (runs.check, runs.record, measured.fit, measured.identify, studies.uncertainty),
+    "Measurements": (runs.check, measured.fit, measured.identify, studies.uncertainty),
     "From geometry": (modes.derive, modes.modes),
     "Results": (runs.report, studies.study),
     "Case files": (case_files.new, case_files.keys, case_files.doctor),
@@ -34,6 +34,7 @@ EARLIER: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
     "limit": (("study", "limit"), {}),
     "influence": (("study", "influence"), {}),
     "cost": (("study", "cost"), {}),
+    "record": (("check", "--record"), {}),
 }
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from io import StringIO
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,39 +15,97 @@ from rich.text import Text
 from vibeam.exchange.curves.record import COLUMNS, QUANTITIES
 from vibeam.exchange.curves.reference import RECORDED
 from vibeam.figures.units import METRIC, DisplayUnits
+from vibeam.report.output import StudySheet
 from vibeam.report.tables import ARROWS, ReportTable, blank
+from vibeam.runs.comparison.differences import listed
 from vibeam.store.provenance import provenance
 from vibeam.studies.regression.readings import MeasuredRow
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.number_text import percent
 from vibeam.system.response import complete
+from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.result import Result
 
-NAN = float("nan")
-WITHIN = {True: "yes", False: "no", None: "not given"}
+NOTES, NAMED = 5, 3  # lines below the tables; names in a list of what is missed
+KINDS = {"reference": "reference", "regression value": "regression value", "measured": "measured curve"}
+WITHIN = {True: "yes", False: "no", None: ""}
+
+
+def check_report(
+    rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: DisplayUnits = METRIC, held: str = "",
+    remarks: Sequence[str] = (),
+) -> StudySheet:  # fmt: skip
+    """Report of a check: whether all holds, the tables, shift and amplitude error of every curve that is off.
+
+    ``held``: restitution that its comparisons of fidelities hold; ``remarks`` on the result.
+    """
+    notes = [f"{row.reference}: {row.registration.sentence}." for row in rows if row.registration is not None]
+    notes = [*remarks, *notes]
+    data = {
+        "rows": [*rows, *measured],
+        "passed": sum(row.passed is True for row in rows),
+        "missed": sum(row.passed is False for row in rows),
+    }
+    answer = check_answer(rows, measured) + f" {held} is held." * bool(held)
+    return StudySheet(answer, verdicts(rows, measured, units), notes[:NOTES], notes[NOTES:], data=data)
+
+
+def check_answer(rows: Sequence[CheckRow], measured: Sequence[MeasuredRow]) -> str:
+    """Sentence on what holds, what is missed, and what is compared without a verdict."""
+    if not (rows or measured):
+        return "The case is sound; it names no reference to check against and no measured number."
+    hold, missed, beside = [], [], []
+    for kind, name in KINDS.items():
+        own = [row for row in rows if row.kind == kind and row.passed is not None]
+        wrong = [row.reference for row in own if not row.passed]
+        if wrong:
+            some = wrong if len(wrong) <= NAMED else [*wrong[:NAMED], f"{len(wrong) - NAMED} more"]
+            missed.append(f"{len(wrong)} of {counted(len(own), name)} missed ({', '.join(some)})")
+        elif own:
+            hold.append(counted(len(own), name))
+        if free := sum(row.kind == kind and row.passed is None for row in rows):
+            beside.append(f"{counted(free, name)} {_are(free)} compared without a tolerance")
+    if measured:
+        names = {row.measured for row in measured}
+        judged = {row.measured for row in measured if row.within is not None}
+        held = judged - {row.measured for row in measured if row.within is False}
+        within = f", {len(held)} of {len(judged)} within the scatter" * bool(judged)
+        beside.append(f"{counted(len(names), 'measured number')} {_are(len(names))} beside the model's{within}")
+    count = sum(row.passed is True for row in rows)
+    every = "All " * (count > 1 and not missed)
+    passed = [f"{every}{listed(hold)} hold{'s' * (count == 1)}"] if hold else []
+    return f"{'; '.join([*missed, *passed, *beside])}."
+
+
+def _are(count: int) -> str:
+    return "is" if count == 1 else "are"
 
 
 def verdicts(
     rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: DisplayUnits = METRIC
 ) -> list[ReportTable]:
-    """Tables of references, of regression values and of measured numbers, those that there are."""
-    kinds = {"reference": "reference", "regression value": "regression value", "measured": "measured curve"}
-    found = [checks(own, units, kinds[kind]) for kind in kinds if (own := [row for row in rows if row.kind == kind])]
-    return [*found, measurements(measured, units)] if measured else found
+    """Tables of references, regression values and measured numbers, those that there are; first what is missed."""
+    found = [checks(own, units, name) for kind, name in KINDS.items() if (own := [r for r in rows if r.kind == kind])]
+    beside = [measurements(measured, units)] if measured else []
+    return [*found, *beside] if any(row.passed is False for row in rows) else [*beside, *found]
 
 
 def checks(rows: Iterable[CheckRow], units: DisplayUnits = METRIC, kind: str = "reference") -> ReportTable:
-    """Table of the references (or regression values): passed or missed, by how much and where."""
-    names = ("", kind, "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
-    table = blank(f"{kind.capitalize()}s", *names, heads=2)
-    for row in rows:
-        mark = _verdict(row.passed)
+    """Table of the references (or regression values), those missed first: by how much and where."""
+    table = blank(
+        f"{kind.capitalize()}s", "", kind, "fidelity", "quantity", "worst|", "at|", "allowed|", "why", heads=2
+    )
+    table.add("points|", "found", detail=True)
+    for row in sorted(rows, key=lambda row: row.passed is not False):
+        notes = "; ".join(row.notes)
+        why = (notes or "off by more than allowed") if row.passed is False else ""
         points = str(row.points) if row.points == row.total else f"{row.points} of {row.total}"
-        numbers = (points, percent(row.worst), units.frequencies(row.frequency), percent(row.tolerance))
-        table.add_row(mark, row.reference, row.fidelity, row.quantity, *numbers, _why(row))
+        numbers = (percent(row.worst), units.frequencies(row.frequency), percent(row.tolerance))
+        of = (_verdict(row.passed), row.reference, row.fidelity, row.quantity)
+        table.add_row(*of, *numbers, why, points, "" if why else notes)
     return table
 
 
@@ -56,16 +115,18 @@ def _verdict(passed: bool | None) -> Text:
     return Text("passed", style="green") if passed else Text("missed", style="bold red")
 
 
-def measurements(rows: Iterable[MeasuredRow], units: DisplayUnits = METRIC) -> ReportTable:
+def measurements(rows: Sequence[MeasuredRow], units: DisplayUnits = METRIC) -> ReportTable:
     """Table of measured numbers: the model's, their difference, whether it is within the scatter."""
     table = ReportTable("Measured", 1)
-    table.add("measured", "fidelity", "quantity", "at|", "measured|", "scatter|", "model|", "difference|")
-    table.add("within scatter", "the model", "chosen by it", "source", "why")
-    table.caption = "difference: model − measured; calibrated: the number chose keys of the model, and tests nothing"
+    table.add("measured", "fidelity", "quantity", "at|", "measured|", "scatter|", "model|", "difference|", "within")
+    table.add("the model", "chosen by it", "source", "why", detail=True)
+    table.caption = "difference: model − measured; within: its scatter, nothing where that is not given"
+    if any(row.chose for row in rows):
+        table.caption += "\ncalibrated: the number chose keys of the model, and tests nothing"
     for row in rows:
-        numbers = (row.value, NAN if row.scatter is None else row.scatter, row.model)
-        values = (_amount(row, each, units) for each in numbers)
-        words = (WITHIN[row.within] if isfinite(row.difference) else "–", "calibrated" if row.chose else "predicted")
+        numbers = (row.value, row.scatter, row.model)
+        values = ("" if each is None else _amount(row, each, units) for each in numbers)
+        words = (WITHIN[row.within], "calibrated" if row.chose else "predicted")
         further = (", ".join(row.chose), row.source, "; ".join(row.notes))
         place = (row.measured, row.fidelity, _quantity(row), units.frequencies(row.frequency))
         table.add_row(*place, *values, _difference(row, units), *words, *further)
@@ -97,10 +158,16 @@ def _difference(row: MeasuredRow, units: DisplayUnits) -> str:
     return own if row.against or not row.value else f"{own} ({sign}{percent(abs(row.difference / row.value))})"
 
 
-def _why(row: CheckRow) -> str:
-    if row.notes:
-        return "; ".join(row.notes)
-    return "off by more than allowed" if row.passed is False else ""
+def record_report(case: Case, files: Mapping[str, Path]) -> StudySheet:
+    """Report of recorded fidelities: the tables that check the case against their files."""
+    home, tables = case.path.parent, []
+    for name, file in files.items():
+        shown = file.relative_to(home) if file.is_relative_to(home) else file.absolute()
+        lines = [f"[reference.{name}_before]", f'file = "{shown.as_posix()}"', f'fidelity = "{name}"']
+        tables.append("\n".join([*lines, 'quantity = "amplitude"', 'tolerance = "0.001 %"', ""]))
+    fidelities = f"{len(files)} fidelities are" if len(files) > 1 else f"{next(iter(files))} is"
+    answer = f"{fidelities} recorded as regression values; a table like this in the case checks them:"
+    return StudySheet(answer, notes=tables[:NAMED], details=tables[NAMED:])
 
 
 def record(result: Result, name: str) -> str:

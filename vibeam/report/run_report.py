@@ -1,19 +1,20 @@
-"""Report of a run: headlines, tables and sentences, the same on the terminal and on the page."""
+"""Report of a run: answer, table of its fidelities, what is uncertain; the same on the terminal and the page."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Collection, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
 from vibeam.figures.units import METRIC, DisplayUnits, units_for
 from vibeam.report.output import StudySheet
+from vibeam.report.run_answer import USUAL, groups_of, run_answer
 from vibeam.report.tables import ARROWS, ReportTable, blank, coefficient, plain
-from vibeam.runs.comparison.differences import headline, notes
+from vibeam.runs.comparison.differences import listed, notes
 from vibeam.runs.estimate.records import estimate_texts
 from vibeam.runs.summary import Summary, compare, remarks
-from vibeam.system.number_text import percent, signed
+from vibeam.system.number_text import percent, signed, without_round_off
 
 if TYPE_CHECKING:
     from vibeam.runs.comparison.differences import HeldComparison
@@ -22,80 +23,87 @@ if TYPE_CHECKING:
 
 
 FEW_IMPACTS = 100  # so few tell nothing of what an impact costs
+NOTES = 5
 MARK = "*"  # of a peak at which the motion does not repeat
 
 
-def run_report(result: Result) -> StudySheet:
-    """Report of a result; its errors are estimated and its comparisons made as far as it has them."""
-    rows, units, compared = compare(result), units_for(result), result.comparisons
-    choice = () if result.accuracy is None else result.accuracy.sentences()
-    estimated = estimate_texts(result.estimates)
-    below = [*(line for each in compared for line in notes(each)), *estimated.sentences, *remarks(result)]
-    shown = [responses(rows, units, estimated), costs(rows, compared)]
-    return StudySheet("\n".join([*choice, *map(headline, compared)]), shown, below)
+def run_report(result: Result, accuracy: float | None = None) -> StudySheet:
+    """Report of a result; its errors are estimated and its comparisons made as far as it has them.
 
-
-def responses(
-    summaries: Sequence[Summary], units: DisplayUnits = METRIC, estimates: EstimateTexts | None = None
-) -> ReportTable:
-    """Table of every fidelity's peak and period-1 range.
-
-    With ``estimates``: its error estimated against the full model as well.
+    ``accuracy``: what suffices, None: 5 %; of a case with an accuracy its own choice is told.
     """
-    swept = [branch for branch in ("up", "down") if any(branch in row.period_one for row in summaries)]
-    hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
-    table = blank("Response", "fidelity", "modes|", "R|", "R₁|", f"peak{length}|", f"at{hertz}|")
-    table.add(*(f"period 1 {ARROWS[branch].strip()}{hertz}|" for branch in swept))
-    cells = estimates.cells if estimates else {}
-    table.caption = (
-        "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
-        "period 1: the contiguous range with impacts around the largest amplitude"
+    rows, units, estimated = compare(result), units_for(result), estimate_texts(result.estimates)
+    choice = [] if result.accuracy is None else [*result.accuracy.sentences()][1:]
+    uncertain = [*choice, *remarks(result), *_faults(rows)]
+    certain: list[str] = []
+    groups = groups_of(result, {row.fidelity: row for row in rows})
+    for each in groups:
+        (certain if each.settled else uncertain).extend(notes(each.compared) if each.compared else ())
+    if estimated.unknown:
+        uncertain.append(f"{listed(estimated.unknown)}: est. off is not known, -v says why")
+    return StudySheet(
+        run_answer(result, accuracy or USUAL),
+        [fidelities(rows, result.comparisons, units, estimated, [each.finest.fidelity for each in groups])],
+        uncertain[:NOTES],
+        [*uncertain[NOTES:], *certain, *estimated.sentences],
+        [details(rows, units)],
+        _data(result, rows, estimated),
     )
-    table.caption += f"\n{MARK}: the motion at the peak does not repeat" * any(map(_irregular, summaries))
-    if estimates and cells:
-        table.add(f"{estimates.column}|")
-        table.caption += f"\n{estimates.caption}"
+
+
+def _data(result: Result, rows: Sequence[Summary], estimated: EstimateTexts) -> dict[str, Any]:
+    """Content of the JSON object."""
+    always = {"fidelities": rows, "remarks": remarks(result), "found": result.found, "total": result.total}
+    known = {"curves": result.curves, "estimates": estimated.rows, "accuracy": result.accuracy}
+    return always | {"comparisons": result.comparisons} | {name: value for name, value in known.items() if value}
+
+
+def _faults(rows: Sequence[Summary]) -> Iterator[str]:
+    """Sentences on points that failed, and on peaks that hang on the length of the hold."""
+    failed = [f"{row.fidelity} ({row.failed})" for row in rows if row.failed]
+    if failed:
+        yield f"points failed of {listed(failed)}: the results file says why, ended"
+    if irregular := [row.fidelity for row in rows if _irregular(row)]:
+        yield f"{listed(irregular)}: no motion that repeats at the peak: its height hangs on sweep.hold, hold longer"
+
+
+def fidelities(
+    summaries: Sequence[Summary], comparisons: Sequence[HeldComparison] = (), units: DisplayUnits = METRIC,
+    estimates: EstimateTexts | None = None, finest: Collection[str] = (),
+) -> ReportTable:  # fmt: skip
+    """Table of every fidelity: its peak, its distance from the finest and from the full model, its cost.
+
+    With ``comparisons``: at the peak with the other restitution held as well, and in the row of the finest its distance
+    from its own limit. With ``estimates``: the error against the full model. ``finest``: those called so.
+    """
+    compared = [each for each in comparisons if each.other is not None]
+    cells = estimates.cells if estimates else {}
+    hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
+    table = blank("Fidelities", "fidelity", "modes|", f"peak{length}|", f"at{hertz}|", "off at peak|")
+    table.add(*[f"{_other_symbol(compared)} held|"] * bool(compared), "rms off|")
+    table.add(*["est. off|"] * bool(cells), "CPU ratio|")
+    table.caption = "\n".join(_captions(summaries, bool(compared), estimates if cells else None))
     for row in summaries:
         at = plain(units.frequencies(row.peak.frequency)) + ARROWS.get(row.peak.direction, "")
-        peak = (plain(units.lengths(row.peak.amplitude)) + MARK * _irregular(row), at)
-        coefficients = map(coefficient, (row.restitution, row.first_mode_restitution))
-        ranges = (units.range(row.period_one.get(branch)) for branch in swept)
-        table.add_row(
-            row.fidelity, str(row.modes), *coefficients, *peak, *ranges, *filter(None, [cells.get(row.fidelity)])
-        )
+        first = (str(row.modes), plain(units.lengths(row.peak.amplitude)) + MARK * _irregular(row), at)
+        estimated = [cells.get(row.fidelity, "–")] * bool(cells)
+        table.add_row(row.fidelity, *first, *_off(row, compared, finest), *estimated, f"{row.cost_ratio:.3g}")
     return table
+
+
+def _captions(rows: Sequence[Summary], compared: bool, estimates: EstimateTexts | None) -> Iterator[str]:
+    if any(row.distance is not None for row in rows):
+        limit = "; [ ]: the finest off its own limit" if compared else ""
+        yield f"off: from the finest, where both repeat{limit}"
+    if estimates:
+        yield estimates.caption
+    if any(map(_irregular, rows)):
+        yield f"{MARK}: the motion at the peak does not repeat"
 
 
 def _irregular(row: Summary) -> bool:
     """Test whether there is a peak at which the motion does not repeat."""
     return row.peak.point >= 0 and not row.peak.repeats
-
-
-def costs(summaries: Sequence[Summary], comparisons: Sequence[HeldComparison] = ()) -> ReportTable:
-    """Table of every fidelity's distance from the finest, and its cost.
-
-    With ``comparisons``: at the peak as well, with both choices of the restitution held, and in the row of the finest
-    its distance from its own limit.
-    """
-    compared = [each for each in comparisons if each.other is not None]
-    table = blank("Accuracy and cost", "fidelity", "max off|", "rms off|")
-    if compared:
-        table.add("at peak|", f"{_other_symbol(compared)} held|")
-    table.add("CPU|", "ratio|", "impacts|", "ns each|", "failed|")
-    table.caption = "off: in amplitude, where it and the finest are periodic; ratio: to the cheapest" + (
-        "\nat peak: of its height, beside it with the other choice; [ ]: the finest off its own limit"
-    ) * bool(compared)
-    if any(0 < row.impacts < FEW_IMPACTS for row in summaries):
-        table.caption += f"\nns each: of fewer than {FEW_IMPACTS} impacts it is no cost of impacts"
-    related = len(summaries) == 1 or any(row.distance is not None for row in summaries)
-    if not related:
-        table.caption += "\nno two of the fidelities are of the same physics: none is off another"
-    for row in summaries:
-        per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts >= FEW_IMPACTS else "–"
-        cost = (f"{row.cpu_seconds:.3g} s", f"{row.cost_ratio:.3g}", str(row.impacts), per_impact)
-        failed = Text(str(row.failed), style="bold red") if row.failed else Text("–")
-        table.add_row(row.fidelity, *_off(row, compared, "finest" if related else ""), *cost, failed)
-    return table
 
 
 def _other_symbol(compared: Sequence[HeldComparison]) -> str:
@@ -104,20 +112,40 @@ def _other_symbol(compared: Sequence[HeldComparison]) -> str:
     return symbols.pop() if len(symbols) == 1 else "other"
 
 
-def _off(row: Summary, compared: Sequence[HeldComparison], finest: str) -> tuple[str, ...]:
-    """Cells of a fidelity's distance from the finest, of the finest from its limit; else it is called ``finest``."""
+def _off(row: Summary, compared: Sequence[HeldComparison], finest: Collection[str]) -> tuple[str, ...]:
+    """Cells of a fidelity's distance from the finest, of the finest from its limit."""
+    own = ("finest" * (row.fidelity in finest), "")
+    if row.distance is not None:
+        off = (without_round_off(each, 1.0) for each in (row.distance.peak, row.distance.rms))
+        own = signed(next(off)), percent(next(off))
     for each in compared:
         if row.fidelity == each.finest and not each.limit.why:
             here, there = each.limit.held, each.limit.other
-            cells = (percent(abs(here.worst)), percent(here.rms), signed(here.peak), signed(there.peak))
-            return tuple(f"[{cell}]" for cell in cells)
+            return tuple(f"[{cell}]" for cell in (signed(here.peak), signed(there.peak), percent(here.rms)))
         for other in each.rows:
             if other.fidelity == row.fidelity:
-                return *_distance(row, finest), signed(other.held.peak), signed(other.other.peak)
-    return *_distance(row, finest), *[""] * (2 * bool(compared))
+                return own[0], signed(other.other.peak), own[1]
+    return own[:1] + ("",) * bool(compared) + own[1:]
 
 
-def _distance(row: Summary, finest: str) -> tuple[str, str]:
-    if row.distance is None:
-        return finest, ""
-    return percent(abs(row.distance.worst)), percent(row.distance.rms)
+def details(summaries: Sequence[Summary], units: DisplayUnits = METRIC) -> ReportTable:
+    """Table of every fidelity's restitution, period-1 range, largest distance from the finest, and impacts."""
+    swept = [branch for branch in ("up", "down") if any(branch in row.period_one for row in summaries)]
+    hertz = f" ({units.frequency})" if units.frequency else ""
+    table = blank("Motions and impacts", "fidelity", "R|", "R₁|")
+    table.add(*(f"period 1 {ARROWS[branch].strip()}{hertz}|" for branch in swept))
+    table.add("max off|", "CPU|", "impacts|", "ns each|", "failed|")
+    table.caption = (
+        "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
+        "period 1: the contiguous range with impacts around the largest amplitude\n"
+        f"ns each: CPU time an impact, where there are {FEW_IMPACTS} or more"
+    )
+    for row in summaries:
+        coefficients = map(coefficient, (row.restitution, row.first_mode_restitution))
+        ranges = (units.range(row.period_one.get(branch)) for branch in swept)
+        worst = "" if row.distance is None else percent(abs(without_round_off(row.distance.worst, 1.0)))
+        per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts >= FEW_IMPACTS else "–"
+        cpu = f"{row.cpu_seconds:.3g} s"
+        failed = Text(str(row.failed), style="bold red") if row.failed else Text("–")
+        table.add_row(row.fidelity, *coefficients, *ranges, worst, cpu, str(row.impacts), per_impact, failed)
+    return table

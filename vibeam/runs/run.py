@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +16,7 @@ from vibeam.runs.fidelity_sweep import Job, PointCount, Progress, job_of, known_
 from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.result import Result
-from vibeam.runs.run_plan import RunStorage
+from vibeam.runs.run_plan import RunStorage, restricted
 from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.store.file import Store, Tell
 from vibeam.runs.store.records import COMPARISONS, ESTIMATED
@@ -49,6 +49,7 @@ def run(
     tell: Tell | None = None,
     before: Callable[[Overview], None] | None = None,
     compare: bool = False,
+    fidelities: Collection[str] = (),
 ) -> Result:
     """Sweep every fidelity of ``case``; points already in the results file ``out`` are not computed again.
 
@@ -62,17 +63,20 @@ def run(
     ``out=None`` keeps nothing on disk. ``progress``: True shows a bar; a function is called with the points that are
     there, at the start and after each further block of them, and their total, from any thread. ``show``: compute the
     data of the case's further figures.
+    ``fidelities``: these alone; the others can be added to the same file later.
     ``compare``: compare the fidelities with the finest under both choices of the restitution held, and that with its
     own limit (``result.comparisons``), and estimate the error of each against the full model of its scene
     (``result.estimates``); the file gets both too.
-    CaseError for a fidelity that cannot be built, or where none is within the accuracy; StoreError where ``out`` cannot
-    be used, Interrupted on Ctrl-C.
+    CaseError for a fidelity that cannot be built, or where none is within the accuracy; ValueError for one that there
+    is not; StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
     """
+    case = restricted(case, fidelities)
     systems, storage = Systems(case), RunStorage(None if out is None else Path(out), fresh, tell)
     with storage.opened(case, systems) as (store, plan), telling(progress, "sweeping") as told:
         names = list(plan.branches) if case.accuracy is None else by_cost(case, plan.modes)
         jobs = [job_of(case, name, systems, plan.branches[name], store) for name in names]
-        known = known_estimates(case, jobs, store)
+        records = None if store and store.has(set(case.own) - set(case.fidelities)) else store  # theirs
+        known = known_estimates(case, jobs, records)
         jobs = jobs[: len(known) or None]
         models = plan.models or {name: properties_of(case, name, system) for name, system in systems.items()}
         if before and any(job.missing for job in jobs):
@@ -80,27 +84,28 @@ def run(
         count = PointCount((kept for job in jobs for _, kept in job.branches), told)
         try:
             if case.accuracy is None:
-                _sweep(case, jobs, store, count)
+                _sweep(case, *jobs, store=store, count=count)
             else:
-                known = known or until_within(case, jobs, systems, store, lambda job: _sweep(case, [job], store, count))
+                sweep = partial(_sweep, case, store=store, count=count)
+                known = known or until_within(case, jobs, systems, records, sweep)
                 count.end()
                 jobs = jobs[: len(known)]
             curves = {job.name: known_curves(case, job, store) for job in jobs if SOLVERS[job.fidelity.solver].curves}
-            shown = _shown(case, store) if show else {}
+            shown = _shown(case, records) if show else {}
             branches = {job.name: job.gathered(curves.get(job.name)) for job in jobs}
-            _keep_models(case, models, store)
+            _keep_models(case, models, records)
             result = Result(case, branches, storage.path, sum(job.found for job in jobs), shown, models=models)
             if case.accuracy is not None:
                 result.estimates, result.accuracy = known, required_choice(case, names, known)
             if not compare:
                 return result
-            result.estimates = known or _estimated(result, systems, {job.name: job.after for job in jobs}, store)
-            return _compared(result, systems, store)
+            result.estimates = known or _estimated(result, systems, {job.name: job.after for job in jobs}, records)
+            return _compared(result, systems, records)
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, storage.path)) from None
 
 
-def _sweep(case: Case, jobs: Sequence[Job], store: Store | None, count: PointCount) -> None:
+def _sweep(case: Case, *jobs: Job, store: Store | None, count: PointCount) -> None:
     """Sweep the missing points of ``jobs``, several at once."""
     missing = [job for job in jobs if job.missing]
     for job in missing:

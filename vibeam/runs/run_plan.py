@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.exchange.faults import suggest
 from vibeam.runs.keys import branch_key, model_key
 from vibeam.runs.result import output_units
 from vibeam.runs.store.adaptation import Requirements
@@ -21,7 +23,43 @@ from vibeam.runs.systems import ModelProperties
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.plans import ResultNumber, ShowPlan
     from vibeam.system.impact_system import ImpactSystem
+
+
+def restricted(case: Case, names: Collection[str]) -> Case:
+    """Case with these of its fidelities alone, and with the checks, measured numbers and figures of no others.
+
+    ValueError for a name that it does not have.
+    """
+    for name in names:
+        if name not in case.fidelities:
+            raise ValueError(f"{name}: no such fidelity; {suggest(name, case.fidelities)}")
+    if names and set(names) < set(case.fidelities):
+        shows = {
+            name: plan for name, each in case.shows.items() if (plan := _restricted_figure(each, names)).fidelities
+        }
+
+        def of(each: ResultNumber) -> bool:
+            return {each.fidelity, each.against} <= {None, *names} and (each.show is None or each.show in shows)
+
+        return replace(
+            case,
+            fidelities={name: each for name, each in case.fidelities.items() if name in names},
+            references={name: each for name, each in case.references.items() if each.fidelity in names},
+            expectations={name: each for name, each in case.expectations.items() if of(each)},
+            measured={name: each for name, each in case.measured.items() if of(each)},
+            shows=shows,
+        )
+    return case
+
+
+def _restricted_figure(plan: ShowPlan, names: Collection[str]) -> ShowPlan:
+    """Figure of these fidelities alone; its numbers are others then."""
+    own = tuple(name for name in plan.fidelities if name in names)
+    if own == plan.fidelities:
+        return plan
+    return replace(plan, fidelities=own, key=sha256(f"{plan.key} {own}".encode()).hexdigest())
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import numpy as np
 
 from vibeam.runs.accuracy import accuracy_choice, by_cost
 from vibeam.runs.result import Result
+from vibeam.runs.run_plan import restricted
 from vibeam.runs.store.adaptation import whole_case
 from vibeam.runs.store.branches import branch_names, points_of, read_rows
 from vibeam.runs.store.figures import sheets_of
@@ -70,6 +71,7 @@ def read_result(path: str | Path, parse: Callable[[str], Case]) -> StoredResult:
 
 
 def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
+    case = restricted(case, {name for name, _ in branch_names(stored)} & set(case.fidelities))
     rows = {at: read_rows(stored[at[0]][at[1]]) for at in branch_names(stored) if at[0] in case.fidelities}
     models = {name: properties for name, (_, properties) in read_models(stored).items()}
     estimates, choice = read_estimates(stored[ESTIMATES]) if ESTIMATES in stored else {}, None

@@ -94,7 +94,7 @@ NEGATIVE = (
 
 def remarks(result: Result) -> list[str]:
     """Remarks on fidelities that never touch the stop, and on those whose mode 1 sees R₁ < 0."""
-    clear = [name for name, branches in result.items() if _stays_clear(branches)]
+    clear = [name for name, branches in result.items() if stays_clear(branches)]
     notes = [f"{listed(clear)}: no impact at any frequency: {_cure(result.overview)}"] if clear else []
     return [*notes, *ill_posed({row.fidelity: row.first_mode_restitution for row in compare(result)})]
 
@@ -112,6 +112,6 @@ def ill_posed(first_mode: Mapping[str, float]) -> list[str]:
     return [f"{listed(below)}: {NEGATIVE}"] if below else []
 
 
-def _stays_clear(branches: Branches) -> bool:
+def stays_clear(branches: Branches) -> bool:
     """Test whether every point is complete and none touches the stop."""
     return all(np.all(complete(each) & (each.period == -1)) for _, each in branches.items())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import re
@@ -19,6 +20,7 @@ import typer
 from stand_in import RIG, SDOF, Solver
 from typer.testing import CliRunner
 
+import vibeam
 from vibeam import __version__
 from vibeam.casefile.read import parse
 from vibeam.cli import errors
@@ -59,8 +61,8 @@ def sdof(tmp_path: Path) -> Path:
 def test_run_writes_results_and_figures_and_goes_on(command: Command, sdof: Path, tmp_path: Path) -> None:
     first = command("run", sdof)
     assert {path.name for path in tmp_path.iterdir()} == {"sdof.toml", "sdof.h5", "sdof.png", "sdof.svg"}
-    assert first.stdout.splitlines()[-3:] == ["sdof.h5", "sdof.png", "sdof.svg"]
-    assert "Accuracy and cost" in first.stdout
+    assert first.stdout.endswith("\nwrote sdof.h5, sdof.png, sdof.svg\n")
+    assert first.stdout.startswith("sdof (1 mode) is the only fidelity, and how far it is off is not known; peak of ")
     again = command("run", sdof)
     assert again.stderr == "all 10 points are there already\n"
     assert again.stdout == first.stdout
@@ -108,6 +110,85 @@ def test_run_says_what_it_keeps_of_a_changed_case(command: Command, sdof: Path) 
     assert told[-1] == "continuing: 5 of 14 points are there"
     checked = command("check", with_reference(sdof, curve_of(sdof)), "--out", "sdof.h5", "--fresh")
     assert re.fullmatch(OVERVIEW, checked.stderr)
+
+
+def test_after_an_edit_the_same_command_works_and_nothing_is_lost(command: Command, sdof: Path) -> None:
+    command("run", sdof)
+    before = sdof.with_name("sdof.h5").read_bytes()
+    sdof.write_text(SDOF.replace("restitution = 0.9", "restitution = 0.8"), encoding="utf-8")
+    assert command("run", sdof).stderr.splitlines()[0] == (
+        "sdof.h5: holds the case as it was (stop.restitution = 0.9 there, 0.8 here); "
+        "its results are kept aside as sdof.1.h5"
+    )
+    assert sdof.with_name("sdof.1.h5").read_bytes() == before
+    assert command("run", sdof).stderr == "all 10 points are there already\n"
+    assert json.loads(command("report", "sdof.1.h5", "--csv", "--json").stdout)["files"] == ["sdof.1_curves.csv"]
+
+
+def test_several_cases_are_run_each_into_its_own_file(command: Command, sdof: Path) -> None:
+    other, wrong, built = (sdof.with_name(f"{name}.toml") for name in ("other", "wrong", "built"))
+    other.write_text(SDOF, encoding="utf-8")
+    wrong.write_text("titl = 1\n", encoding="utf-8")
+    built.write_text(SDOF.replace("[fidelity.sdof]", '[fidelity.sdof]\nsolver = "orbit"\ndrag = 1'), encoding="utf-8")
+    done = command("run", sdof, wrong, other, built, "--out", "results", expect=2)
+    lines = done.stdout.splitlines()
+    assert [line.partition(": ")[0] for line in lines] == [str(each) for each in (sdof, wrong, other, built)]
+    assert lines[1].startswith(f"{wrong}: not run: ")
+    assert " is the only fidelity" in lines[0]
+    places = [done.stderr.index(said) for said in ("titl", "drag", f"{sdof}:\n", f"{other}:\n")]
+    assert places == sorted(places), "all faults are told before anything is run"
+    assert {each.name for each in (sdof.parent / "results").glob("*.h5")} == {"sdof.h5", "other.h5"}
+    data = json.loads(command("run", sdof, wrong, "--out", "results", "--json", expect=2).stdout)
+    assert data["schema"] == "vibeam.run/1"
+    assert [("error" in each, each.get("found")) for each in data["runs"]] == [(False, 10), (True, None)]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--out", "a.h5"), "--out a.h5: names a folder where there are several cases"),
+        ((), "sdof.toml: all write sdof.h5"),
+    ],
+)
+def test_several_cases_need_a_folder_and_names(command: Command, sdof: Path, words: tuple[str, ...], said: str) -> None:
+    assert said in command("run", sdof, sdof, *words, expect=2).stderr
+    assert list(sdof.parent.iterdir()) == [sdof]
+
+
+def test_one_fidelity_is_run_and_the_others_are_added_to_its_file(command: Command, sdof: Path) -> None:
+    table = '[reference.it]\nfile = "it.csv"\nfidelity = "two"\nquantity = "amplitude"\ntolerance = 1\n'
+    sdof.write_text(f'{SDOF}[fidelity.two]\nsolver = "mapping"\n{table}', encoding="utf-8")
+    sdof.with_name("it.csv").write_text("no curve\n", encoding="utf-8")
+    command("run", sdof, "--fidelity", "sdof")
+    command("check", sdof, "--fidelity", "sdof")
+    assert list(vibeam.read(sdof.with_name("sdof.h5"))) == ["sdof"]
+    sdof.with_name("it.csv").write_text("frequency_hz,direction,amplitude\n0.2387,up,1\n", encoding="utf-8")
+    added = command("run", sdof).stderr
+    assert "sdof.h5: kept: sdof/up, sdof/down; added: two/up, two/down" in added
+    before = sdof.with_name("sdof.h5").read_bytes()
+    assert command("run", sdof, "--fidelity", "two").stderr == "all 10 points are there already\n"
+    assert sdof.with_name("sdof.h5").read_bytes() == before, "records of all fidelities stay"
+    assert command("run", sdof).stderr == "all 20 points are there already\n"
+    assert (
+        "--fidelity tow: no such fidelity; did you mean 'two'?"
+        in command("run", sdof, "--fidelity", "tow", expect=2).stderr
+    )
+
+
+def test_all_curves_are_written_as_a_table_with_units(command: Command, sdof: Path) -> None:
+    command("run", sdof, "--set", "fidelity.exact.solver=orbit")
+    assert command("report", "sdof.h5", "--csv").stdout.splitlines() == ["sdof_curves.csv", "sdof_motions.csv"]
+    rows = list(csv.DictReader(sdof.with_name("sdof_curves.csv").read_text("utf-8").splitlines()))
+    assert [(row["fidelity"], row["direction"]) for row in rows[::5]] == [
+        (name, way) for name in ("sdof", "exact") for way in ("up", "down")
+    ]
+    curve = vibeam.read(sdof.with_name("sdof.h5"))["sdof"].up
+    assert curve is not None
+    assert [float(row["amplitude"]) for row in rows[:5]] == curve.amplitude.tolist()
+    assert {"frequency (Hz)", "impact_velocity (1/s)", "ended", "mode_energy_1 (s-2)"} <= set(rows[0])
+    known = list(csv.DictReader(sdof.with_name("sdof_motions.csv").read_text("utf-8").splitlines()))
+    assert {row["fidelity"] for row in known} == {"exact"}
+    assert ".csv" in command("report", "sdof.h5", "--csv", "--out", "a.html", expect=2).stderr
 
 
 def curve_of(case: Path, columns: str = "amplitude") -> str:
@@ -166,7 +247,8 @@ def test_check_keeps_what_it_computes_where_it_is_told(command: Command, sdof: P
 def test_a_measured_number_is_shown_and_decides_nothing(command: Command, sdof: Path) -> None:
     table = '\n[measured.top]\nfidelity = "sdof"\nquantity = "peak"\nvalue = 9\nscatter = 0.1\nsource = "Fig. 3"\n'
     sdof.write_text(sdof.read_text(encoding="utf-8") + table, encoding="utf-8")
-    shown = command("check", sdof).stdout
+    shown = command("check", sdof, "-v").stdout
+    assert shown.startswith("1 measured number is beside the model's, 0 of 1 within the scatter.\n")
     assert all(word in shown for word in ("Measured", "predicted", "no", "Fig. 3"))
     assert "References" not in shown
     row = json.loads(command("check", sdof, "--json").stdout)["rows"][0]
@@ -174,9 +256,9 @@ def test_a_measured_number_is_shown_and_decides_nothing(command: Command, sdof: 
 
 
 def test_check_without_a_reference_says_so(command: Command, sdof: Path) -> None:
-    result = command("check", sdof)
-    assert "names no reference" in result.stderr
-    assert json.loads(command("check", sdof, "--json").stdout) == {"schema": "vibeam.check/1", "rows": []}
+    assert "names no reference" in command("check", sdof).stdout
+    found = json.loads(command("check", sdof, "--json").stdout)
+    assert (found["schema"], found["rows"], found["missed"]) == ("vibeam.check/1", [], 0)
 
 
 def test_check_refuses_what_run_would(command: Command, sdof: Path) -> None:

@@ -1,4 +1,4 @@
-"""``vibeam record`` writes regression values with their provenance, and never over a file unasked; ``--plot`` draws."""
+"""``vibeam check``: ``--record`` writes regression values, and never over a file unasked; ``--plot`` draws."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def changed(rig: Path, change: Callable[[str], str]) -> None:
 
 
 def test_a_recorded_curve_is_a_regression_value_and_met(rig: Path) -> None:
-    said = vibeam("record", rig).output
+    said = vibeam("check", rig, "--record").output
     file = rig.parent / "references" / "rig_sdof.csv"
     head = [line for line in file.read_text(encoding="utf-8").splitlines() if line.startswith("#")]
     assert head[0] == "# Regression values: recorded by vibeam, which is no reference"
@@ -58,11 +58,12 @@ def test_a_file_that_is_there_stays_unless_it_is_forced(rig: Path) -> None:
     said = vibeam("record", rig, code=2).output
     assert "is there already: --force replaces it, --out FOLDER writes elsewhere" in said
     assert file.read_text(encoding="utf-8") == "kept\n"
-    vibeam("record", rig, "--out", rig.parent / "new")
+    vibeam("check", rig, "--record", "--out", rig.parent / "new")
     assert len(read_curve(rig.parent / "new" / "rig_sdof.csv").points) == 10
-    vibeam("record", rig, "--force")
+    vibeam("check", rig, "--record", "--force")
+    assert "--record, which is not asked for" in vibeam("check", rig, "--force", code=2).output
     assert read_curve(file).recorded
-    assert "no such fidelity; known here: sdof" in vibeam("record", rig, "--fidelity", "beam", code=2).output
+    assert "no such fidelity; known here: sdof" in vibeam("check", rig, "--record", "--fidelity", "beam", code=2).output
 
 
 def test_check_draws_references_and_model(rig: Path) -> None:

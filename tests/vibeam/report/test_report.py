@@ -24,7 +24,7 @@ from vibeam.report.derive import derivation
 from vibeam.report.limit import sentences as limit_sentences
 from vibeam.report.modes import modal
 from vibeam.report.output import to_json, write_csv
-from vibeam.report.run_report import costs, responses
+from vibeam.report.run_report import details, fidelities
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
 from vibeam.studies.derive import DerivedParameter
@@ -162,8 +162,8 @@ def test_a_figure_is_the_same_each_time(tmp_path: Path) -> None:
 
 def test_tables_show_what_they_are_given(capsys: pytest.CaptureFixture[str]) -> None:
     summaries = compare(result("one", "two"))
-    table.print_table(responses(summaries))
-    table.print_table(costs(summaries))
+    table.print_table(fidelities(summaries, finest=["one"]))
+    table.print_table(details(summaries))
     row = CheckRow("exact", "one", "amplitude", 3, 4, 0.0123, 15.2, 0.01, False, ("one is off",))
     table.print_table(checks([row]))
     table.print_table(table.keys(reference_table()))
@@ -224,14 +224,11 @@ def test_what_is_off_altogether_is_capped_and_no_percentage_is_a_power_of_ten() 
 def test_seven_impacts_tell_no_cost_of_an_impact_and_a_family_has_no_finest() -> None:
     shared = compare(result("one", "two", modes=2))
     few = [replace(each, impacts=count, cpu_seconds=0.0157) for each, count in zip(shared, (7, 20000), strict=True)]
-    shown = costs(few)
-    assert cells(shown, "ns each") == ["–", "785"]
-    assert "ns each" in str(shown.caption)
-    assert "ns each" not in str(costs(shared).caption)
-    assert "finest" in cells(shown, "max off")
-    family = costs([replace(each, distance=None) for each in shared])
-    assert cells(family, "max off") == ["", ""]
-    assert "same physics" in str(family.caption)
+    assert cells(details(few), "ns each") == ["–", "785"]
+    assert cells(fidelities(few, finest=["one"]), "off at peak") == ["finest", "0"]
+    family = fidelities([replace(each, distance=None) for each in shared])
+    assert cells(family, "off at peak") == ["", ""]
+    assert "off: from the finest" not in str(family.caption)
 
 
 def test_a_limit_that_is_hardly_known_is_said_in_words() -> None:

@@ -13,7 +13,7 @@ from vibeam.casefile.documentation import reference_table
 from vibeam.report import tables as table
 from vibeam.report.checks import checks
 from vibeam.report.derive import derivation
-from vibeam.report.run_report import costs, responses
+from vibeam.report.run_report import details, fidelities
 from vibeam.report.tables import ReportTable, fitted
 from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare
@@ -34,8 +34,8 @@ def summary(name: str, modes: int) -> Summary:
 SUMMARIES = [summary("sdof", 1), summary("two_modes", 2), summary("beam", 8)]
 MISSED = CheckRow("exact", "two_modes", "amplitude", 3, 4, 0.0123, 15.2, 0.01, False, ("one is off by much",))
 TABLES = {
-    "responses": lambda: responses(SUMMARIES),
-    "costs": lambda: costs(SUMMARIES),
+    "fidelities": lambda: fidelities(SUMMARIES),
+    "details": lambda: details(SUMMARIES),
     "checks": lambda: checks([MISSED]),
     "keys": lambda: table.keys(reference_table()),
     "derivation": lambda: derivation(
@@ -70,17 +70,16 @@ def test_no_number_is_cut_and_nothing_is_wider_than_the_terminal(
 
 
 def test_eighty_columns_hold_the_main_tables() -> None:
-    for name in ("responses", "costs"):
-        assert len(fitted(TABLES[name](), 80)) == 1
-        assert len(fitted(TABLES[name](), 60)) == 2
+    assert len(fitted(TABLES["fidelities"](), 80)) == 1
+    assert len(fitted(TABLES["fidelities"](), 50)) == 2
 
 
 def test_every_further_table_says_what_its_rows_are_about() -> None:
-    first, second = fitted(TABLES["responses"](), 60)
+    first, second = fitted(TABLES["fidelities"](), 50)
     assert list(second.columns[0].cells) == list(first.columns[0].cells) == ["sdof", "two_modes", "beam"]
-    assert second.title == "Response, continued"
+    assert second.title == "Fidelities, continued"
     shown = [str(column.header) for column in [*first.columns, *second.columns[second.heads :]]]
-    assert shown == [str(column.header) for column in TABLES["responses"]().columns]
+    assert shown == [str(column.header) for column in TABLES["fidelities"]().columns]
 
 
 def test_a_column_that_says_nothing_is_left_out() -> None:
@@ -119,7 +118,7 @@ def test_columns_of_details_are_left_out_of_the_brief_table() -> None:
 
 
 def test_a_terminal_narrower_than_a_number_gets_the_number() -> None:
-    pieces = fitted(TABLES["responses"](), 5)
+    pieces = fitted(TABLES["details"](), 5)
     assert all(len(piece.columns) == 2 for piece in pieces)
     assert all(
         column.width == len("period") + 7
@@ -132,4 +131,4 @@ def test_a_terminal_narrower_than_a_number_gets_the_number() -> None:
 def test_the_direction_of_the_peak_is_told_by_an_arrow() -> None:
     one = Branches(curve([14, 15], [1e-3, 2e-3]), curve([15, 14], [1e-3, 3e-3]))
     rows = compare(Result(case(), {"one": one}, None, 0, {}))
-    assert list(responses(rows).columns[5].cells) == ["14 ↓"]
+    assert list(fidelities(rows).columns[3].cells) == ["14 ↓"]

@@ -281,7 +281,7 @@ NAN, SEEN, CLEAR, GONE = float("nan"), Basis.ORBIT, Basis.FREE, Basis.NO_ORBIT
 @pytest.mark.parametrize(
     ("bounds", "basis", "cell", "said"),
     [
-        ([0.2, 0.01, 0.03], [CLEAR, SEEN, SEEN], "3 % (2/2)", ""),  # points clear of the stop count for nothing
+        ([0.2, 0.01, 0.03], [CLEAR, SEEN, SEEN], "3 %", ""),  # points clear of the stop count for nothing
         ([0.2, 0.01, NAN], [CLEAR, SEEN, GONE], "1 % (1/2)", "known at 1 of 2 points with impacts (the full model has"),
         ([0.2, 0.01, NAN, NAN], [CLEAR, SEEN, GONE, GONE], "– (1/3)", "1 of 3 points with impacts, too few to say"),
         ([0.2, NAN], [CLEAR, Basis.TOUCHES], "– (0/1)", "the full model touches the stop, this one does not: 1"),

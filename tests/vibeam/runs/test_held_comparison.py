@@ -157,7 +157,8 @@ def test_a_law_without_one_coefficient_leaves_no_choice() -> None:
     assert found.other is None
     assert headline(found) == 'Held in every fidelity: contact law "linear".'
     assert list(notes(found)) == [
-        'beam: distance from its own limit not estimated (no closed-form motions with the contact law "linear")'
+        'beam: distance from its own limit not estimated (no closed-form motions with the contact law "linear"): '
+        "compare it with more modes"
     ]
 
 

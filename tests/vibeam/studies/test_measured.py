@@ -126,7 +126,7 @@ ROW = MeasuredRow(
     [
         ({}, ["103 Hz", "0.5 Hz", "101 Hz", "-2 Hz (-1.94 %)", "no", "predicted", "Fig. 27"]),
         ({"chose": ("beam.width", "beam.length"), "within": True}, ["yes", "calibrated", "beam.width, beam.length"]),
-        ({"scatter": None, "within": None}, ["not given"]),
+        ({"scatter": None, "within": None}, ["nothing where that is not given"]),
         (
             {"unit": "m/s", "value": 0.035, "model": 0.0223, "difference": -0.0127},
             ["35 mm/s", "22.3 mm/s", "-12.7 mm/s"],

@@ -10,7 +10,7 @@ import pytest
 import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
-from vibeam.report.run_report import responses
+from vibeam.report.run_report import fidelities
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
 from vibeam.studies.cost.models import CostModel
@@ -62,7 +62,7 @@ def test_all_commands_have_one_peak_of_a_sweep_that_does_not_repeat_there(case: 
 
 
 def test_a_peak_that_does_not_repeat_is_marked(result: Result) -> None:
-    table = responses(compare(result))
+    table = fidelities(compare(result))
     cell = next(column for column in table.columns if "peak" in str(column.header))
     assert str(next(iter(cell.cells))).endswith("*")
     assert "*: the motion at the peak does not repeat" in str(table.caption)

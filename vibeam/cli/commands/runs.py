@@ -1,61 +1,163 @@
-"""``vibeam run``, ``check``, ``record`` and ``report``: results of a case, what holds of them, and their page."""
+"""``vibeam run``, ``check`` and ``report``: results of cases, what holds of them, their page and their tables."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from vibeam.cli.arguments import (
+    RESULTS,
     CaseFile,
     Fresh,
     Overrides,
     ResultsFile,
     folder,
     load,
+    number,
     output_path,
     results_path,
     run_case,
 )
-from vibeam.cli.errors import UsageError, of_case
-from vibeam.cli.output import print_result
-from vibeam.cli.streams import MISSED, put, say
+from vibeam.cli.errors import UsageError, fault_of, of_case
+from vibeam.cli.output import print_json, print_sheet, put_lines
+from vibeam.cli.streams import MISSED, WRONG, say
+from vibeam.cli.verbosity import verbosity
 
 if TYPE_CHECKING:
-    from vibeam.runs.result import Result
-    from vibeam.studies.regression.references import CheckRow
+    from vibeam.case.case import Case
+    from vibeam.report.output import StudySheet
+
+Fidelities = Annotated[
+    list[str] | None,
+    typer.Option("--fidelity", metavar="NAME", help="This one alone. Repeatable; absent = all.", show_default=False),
+]
 
 
-def run(case: CaseFile, set_: Overrides = None, out: ResultsFile = None, fresh: Fresh = False) -> None:
-    """Sweep every fidelity of a case, or continue a results file."""
-    loaded = load(case, set_)
+def run(
+    cases: Annotated[
+        list[Path],
+        typer.Argument(metavar="CASE...", help="The case file (TOML), or several.", show_default=False),
+    ],
+    set_: Overrides = None,
+    out: ResultsFile = None,
+    fresh: Fresh = False,
+    fidelity: Fidelities = None,
+    accuracy: Annotated[
+        str | None,
+        typer.Option(
+            "--accuracy", metavar="PERCENT", show_default=False,
+            help="What suffices; absent = that of the case, else 5 %.",
+        ),
+    ] = None,
+) -> None:  # fmt: skip
+    """Say which fidelity suffices: sweep all, compare, store.
+
+    A run that was stopped goes on where it was; after an edit of the case, what it does not change is kept, and results
+    that would be lost are kept aside (NAME.1.h5). Of several cases --out names a folder, and a line each is printed.
+
+    \b
+    Examples:
+      vibeam run mine.toml
+      vibeam run *.toml --accuracy "2 %" --out results/
+    """
+    from vibeam.casefile.quantities import RATIO
+
+    within = None if accuracy is None else number("--accuracy", accuracy, RATIO, positive=True)
+    if len(cases) > 1:
+        _run_several(cases, (set_, out, fidelity), fresh, within)
+        return
+    case = _runnable(cases[0], set_, fidelity)
+    print_sheet(*_swept(case, results_path(case, out), fresh, within))
+
+
+def _runnable(path: Path, settings: list[str] | None, fidelities: Sequence[str] | None) -> Case:
+    """The case, with what its run needs beside: its references, programs for its figures."""
     from vibeam.studies.regression.references import require_readable
 
-    require_readable(loaded)
-    if any(plan.format for plan in loaded.shows.values()):
+    case = _of_fidelities(load(path, settings), fidelities)
+    require_readable(case)
+    if any(plan.format for plan in case.shows.values()):
         from vibeam.figures.moving import require_programs
 
-        of_case(loaded.path, lambda: require_programs(loaded))
-    path = results_path(loaded, out)
-    _report(run_case(loaded, path, fresh=fresh, compare=True), path)
+        of_case(case.path, lambda: require_programs(case))
+    return case
 
 
-def _report(result: Result, path: Path) -> None:
+def _of_fidelities(case: Case, names: Sequence[str] | None) -> Case:
+    from vibeam.runs.run_plan import restricted
+
+    try:
+        return restricted(case, names or ())
+    except ValueError as unknown:
+        raise UsageError(f"--fidelity {unknown}") from None
+
+
+def _swept(case: Case, path: Path, fresh: bool, within: float | None) -> tuple[StudySheet, list[Path]]:
+    """Report of the run of a case, and the files written."""
+    result = run_case(case, path, fresh=fresh, compare=True)
     from vibeam.report.figures import write_figures
     from vibeam.report.run_report import run_report
-    from vibeam.runs.estimate.records import estimate_texts
-    from vibeam.runs.summary import compare, remarks
 
-    files = [path, *write_figures(result, path)]
-    whole = {"fidelities": compare(result), "remarks": remarks(result), "found": result.found, "total": result.total}
-    whole |= {"files": files, "comparisons": result.comparisons}
-    more = {"curves": result.curves, "estimates": estimate_texts(result.estimates).rows, "accuracy": result.accuracy}
-    whole |= {name: value for name, value in more.items() if value}
-    found = run_report(result)
-    print_result(whole, lambda _: found.tables, [*found.notes, *files], filter(None, [found.answer]))
+    return run_report(result, within), [path, *write_figures(result, path)]
+
+
+def _run_several(
+    paths: Sequence[Path], of: tuple[list[str] | None, str | None, list[str] | None], fresh: bool, within: float | None
+) -> None:
+    """Run cases one after the other, each into a file of its own: all faults first, then a line each."""
+    from vibeam.runs.systems import require_runnable
+
+    settings, out, fidelities = of
+    if out is not None and Path(out).suffix in RESULTS and not Path(out).is_dir():
+        raise UsageError(f"--out {out}: names a folder where there are several cases")
+    for stem in {path.stem for path in paths}:
+        if len(same := [str(path) for path in paths if path.stem == stem]) > 1:
+            raise UsageError(f"{', '.join(same)}: all write {stem}.h5: run them apart, each with an --out of its own")
+    place = Path() if out is None else folder(Path(out))
+    cases: dict[Path, Case] = {}
+    found: dict[Path, dict[str, Any]] = {}
+    for path in paths:
+        with _noting(found, path):
+            cases[path] = _runnable(path, settings, fidelities)
+            require_runnable(cases[path])
+    for path, case in cases.items():
+        if path not in found:
+            if not verbosity().quiet:
+                say(f"{path}:")
+            with _noting(found, path):
+                sheet, files = _swept(case, place / f"{path.stem}.h5", fresh, within)
+                found[path] = {"answer": sheet.answer, "notes": sheet.notes, **sheet.data, "files": files}
+    if verbosity().json:
+        print_json({"runs": [{"case": path, **found[path]} for path in paths]})
+    else:
+        put_lines(f"{path}: {_line(path, found[path])}" for path in paths)
+    if any("error" in each for each in found.values()):
+        raise typer.Exit(WRONG)
+
+
+@contextmanager
+def _noting(found: dict[Path, dict[str, Any]], path: Path) -> Iterator[None]:
+    """Context that tells a user's mistake on stderr and keeps it as what was ``found``, in place of ending all."""
+    try:
+        yield
+    except Exception as error:
+        fault = fault_of(error)
+        if fault is None:
+            raise
+        say(fault[0])
+        found[path] = {"error": fault[0], "faults": getattr(error, "faults", ())}
+
+
+def _line(path: Path, found: Mapping[str, Any]) -> str:
+    """Answer of one case of several, or why there is none."""
+    if "error" not in found:
+        return str(found["answer"])
+    first, _, rest = found["error"].removeprefix(f"{path}: ").partition("\n")
+    return f"not run: {first}" + f" (and {rest.count(chr(10)) + 1} more)" * bool(rest)
 
 
 DRAWN = (".png", ".svg", ".pdf")
@@ -74,110 +176,94 @@ def check(
     set_: Overrides = None,
     out: ResultsFile = None,
     fresh: Fresh = False,
+    fidelity: Fidelities = None,
     plot: Plot = None,
+    record: Annotated[
+        bool, typer.Option("--record", help="Write the curves as regression values, into the folder of --out.")
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="With --record: replace files that are there.")] = False,
 ) -> None:
-    """Compare a case with references and measured numbers.
+    """Say whether references and measured numbers hold.
 
-    References are compared at their own frequencies. Exit code 1 where one is missed.
+    References are compared at their own frequencies. Exit code 1 where one is missed. What --record writes goes into
+    references/ beside the case where no --out says otherwise.
+
+    \b
+    Examples:
+      vibeam check mine.toml --plot check.png
+      vibeam check mine.toml --record --fidelity sdof
     """
-    loaded = load(case, set_)
-    path = None if plot is None else output_path(plot, f"{loaded.path.stem}_check.png", DRAWN, "a figure")
-    if not (loaded.references or loaded.expectations or loaded.measured):
-        from vibeam.runs.systems import require_runnable
-
-        require_runnable(loaded)
-        say(f"{case}: a sound case, but it names no reference to check against and no measured number")
-        print_result([])
-        return
-    from vibeam.case.held import held_of
     from vibeam.casefile.read import without_accuracy
-    from vibeam.figures.units import units_of
-    from vibeam.report.checks import verdicts
-    from vibeam.runs.summary import remarks
-    from vibeam.studies.regression.check import at_references, compare_measured
-    from vibeam.studies.regression.check import check_expectations as expectations
-    from vibeam.studies.regression.references import check as of_references
-    from vibeam.studies.regression.references import require_readable
 
-    require_readable(loaded)
-    loaded = without_accuracy(loaded)  # each fidelity is checked by itself
-    result = run_case(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
-    partial = any(each.strip().startswith("sweep") for each in set_ or ())
-    at = at_references(loaded, result, partial=partial)
-    rows = [*of_references(loaded, result, partial=partial, at=at), *expectations(loaded, result, partial=bool(set_))]
-    measured = compare_measured(loaded, result)
-    units = units_of(loaded)
-    compared = any(each.against for each in loaded.expectations.values())
-    print_result(
-        [*rows, *measured], lambda _: verdicts(rows, measured, units),
-        [*_registrations(rows), *remarks(result)],
-        [f"Held: {held_of(loaded.scene).label}."] if compared else [],
-    )  # fmt: skip
-    if path is not None and at:
-        from vibeam.report.references import write_references
-
-        write_references(loaded, rows, at, path)
-        say(f"wrote {path}")
-    if any(row.passed is False for row in rows):
+    loaded = _of_fidelities(without_accuracy(load(case, set_)), fidelity)  # each fidelity is checked by itself
+    if force and not record:
+        raise UsageError("--force: replaces files of --record, which is not asked for")
+    if record and plot is not None:
+        raise UsageError("--plot: of a check, and --record makes none: leave one of them out")
+    if record:
+        print_sheet(*_recorded(loaded, out, force))
+        return
+    path = None if plot is None else output_path(plot, f"{loaded.path.stem}_check.png", DRAWN, "a figure")
+    sheet, draw = _checked(loaded, out, fresh, set_ or ())
+    if path is not None and draw is not None:
+        draw(path)
+    print_sheet(sheet, [path] if path is not None and draw is not None else [])
+    if sheet.data["missed"]:
         raise typer.Exit(MISSED)
 
 
-def _registrations(rows: Iterable[CheckRow]) -> list[str]:
-    """Shift and amplitude error of every curve that is off."""
-    return [f"{row.reference}: {row.registration.sentence}." for row in rows if row.registration is not None]
+def _checked(
+    case: Case, out: str | None, fresh: bool, settings: Sequence[str]
+) -> tuple[StudySheet, Callable[[Path], None] | None]:
+    """Report of a check, and what draws its references, where there are any."""
+    from vibeam.report.checks import check_report
+
+    if not (case.references or case.expectations or case.measured):
+        from vibeam.runs.systems import require_runnable
+
+        require_runnable(case)
+        return check_report([], []), None
+    from vibeam.case.held import held_of
+    from vibeam.figures.units import units_of
+    from vibeam.runs.summary import remarks
+    from vibeam.studies.regression.check import at_references, check_expectations, compare_measured
+    from vibeam.studies.regression.references import check as check_references
+    from vibeam.studies.regression.references import require_readable
+
+    require_readable(case)
+    result = run_case(case, None if out is None else results_path(case, out), show=False, fresh=fresh)
+    partial = any(each.strip().startswith("sweep") for each in settings)
+    at = at_references(case, result, partial=partial)
+    rows = [
+        *check_references(case, result, partial=partial, at=at),
+        *check_expectations(case, result, partial=bool(settings)),
+    ]
+    held = held_of(case.scene).label if any(each.against for each in case.expectations.values()) else ""
+    sheet = check_report(rows, compare_measured(case, result), units_of(case), held, remarks(result))
+
+    def draw(file: Path) -> None:
+        from vibeam.report.references import write_references
+
+        write_references(case, rows, at, file)
+
+    return sheet, draw if at else None
 
 
-def record(
-    case: CaseFile,
-    set_: Overrides = None,
-    out: Annotated[
-        str | None,
-        typer.Option(
-            "--out", metavar="FOLDER", help="Where the files go; absent = references/ beside the case.",
-            show_default=False,
-        ),
-    ] = None,
-    fidelity: Annotated[
-        str | None, typer.Option("--fidelity", help="This one alone; absent = all.", show_default=False)
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
-) -> None:  # fmt: skip
-    """Write the curves of a case as regression values.
-
-    Never over a file that is there, unless by --force.
-    """
-    loaded = load(case, set_)
-    from vibeam.casefile.read import without_accuracy
-    from vibeam.exchange.faults import suggest
+def _recorded(case: Case, out: str | None, force: bool) -> tuple[StudySheet, list[Path]]:
+    """Write the curves of a case as regression values; the tables that check them, and the files."""
     from vibeam.exchange.whole_files import write_whole
-    from vibeam.report.checks import record as recorded
+    from vibeam.report.checks import record, record_report
 
-    if fidelity is not None and fidelity not in loaded.fidelities:
-        raise UsageError(f"--fidelity {fidelity}: no such fidelity; {suggest(fidelity, loaded.fidelities)}")
-    loaded = without_accuracy(loaded)
-    names = [fidelity] if fidelity else list(loaded.fidelities)
-    place = loaded.path.parent / "references" if out is None else Path(out)
-    files = {name: place / f"{loaded.path.stem}_{name}.csv" for name in names}
+    place = case.path.parent / "references" if out is None else Path(out)
+    files = {name: place / f"{case.path.stem}_{name}.csv" for name in case.fidelities}
     there = [str(file) for file in files.values() if file.exists()]
     if there and not force:
         raise UsageError(f"{', '.join(there)}: is there already: --force replaces it, --out FOLDER writes elsewhere")
-    wanted = replace(loaded, fidelities={name: loaded.fidelities[name] for name in names})
-    result = run_case(wanted, None, show=False)
+    result = run_case(case, None, show=False)
     folder(place)
     for name, file in files.items():
-        write_whole(file, recorded(result, name).encode())
-    written = list(files.values())
-    print_result({"files": written}, notes=[*written, *_table(loaded.path.parent, files)])
-
-
-def _table(home: Path, files: dict[str, Path]) -> list[str]:
-    """Tables that check the case against the files."""
-    lines = ["", "The tables that check them:", ""]
-    for name, file in files.items():
-        shown = file.relative_to(home) if file.is_relative_to(home) else file.absolute()
-        lines += [f"[reference.{name}_before]", f'file = "{shown.as_posix()}"', f'fidelity = "{name}"']
-        lines += ['quantity = "amplitude"', 'tolerance = "0.001 %"', ""]
-    return lines
+        write_whole(file, record(result, name).encode())
+    return record_report(case, files), list(files.values())
 
 
 def report(
@@ -187,18 +273,40 @@ def report(
         typer.Option("--case", metavar="CASE", help="Its case file, where references or other files lie beside that."),
     ] = None,
     out: Annotated[
-        str | None, typer.Option("--out", metavar="FILE", help="The page (.html), or the folder for it.")
+        str | None,
+        typer.Option("--out", "-o", metavar="FILE", help="The page (.html), the table (.csv), or the folder for it."),
     ] = None,
+    csv: Annotated[bool, typer.Option("--csv", help="Write all curves as a table in place of the page.")] = False,
 ) -> None:
-    """Write one HTML page of a results file: scene, curves, motions, cost, checks; it needs no network."""
+    """Write a page of results, or all curves as CSV.
+
+    The page holds the answer, the scene, curves, motions, cost and checks; it needs no network. The table has a row for
+    every point of every fidelity and way, and a column for every quantity, with its unit.
+
+    \b
+    Examples:
+      vibeam report mine.h5
+      vibeam report mine.h5 --csv --out tables/
+    """
     from vibeam.casefile.read import load
-    from vibeam.exchange.whole_files import write_whole
-    from vibeam.report.page.page import page
     from vibeam.studies.stored import stored
 
     if results.suffix == ".toml":
         raise UsageError(f"{results}: is a case: name the results file that vibeam run makes of it")
-    path = output_path(out, f"{results.stem}.html", (".html", ".htm"), "a page")
+    wanted = (f"{results.stem}_curves.csv", (".csv",), "a table")
+    path = output_path(out, *(wanted if csv else (f"{results.stem}.html", (".html", ".htm"), "a page")))
     found = stored(results, None if case is None else load(case))
-    write_whole(path, page(found).encode())
-    put(str(path))
+    if csv:
+        from vibeam.report.curve_tables import write_curves
+
+        files = write_curves(found.result, path)
+    else:
+        from vibeam.exchange.whole_files import write_whole
+        from vibeam.report.page.page import page
+
+        write_whole(path, page(found).encode())
+        files = [path]
+    if verbosity().json:
+        print_json({"files": files})
+    else:
+        put_lines(map(str, files))

@@ -132,7 +132,7 @@ def _own_limit(found: HeldComparison) -> Iterator[str]:
         return
     own, name = found.limit, found.finest
     if own.why:
-        yield f"{name}: distance from its own limit not estimated ({own.why})"
+        yield f"{name}: distance from its own limit not estimated ({own.why}): compare it with more modes"
         return
     yield f"{name} is off its own limit by {_distance(own)}"
     near = [

@@ -104,10 +104,7 @@ NAN = float("nan")
 WHOLE = "it is the full model"
 COLUMN = "est. off"
 
-CAPTION = (
-    f"{COLUMN}: largest error in amplitude over the points with impacts whose full model makes the same motion;\n"
-    "(k/n): estimated at k of n points with impacts, no number where that is less than half of them"
-)
+CAPTION = f"{COLUMN}: largest error against the full model; (k/n): known at k of n points with impacts"
 
 LEAST = 0.5  # share of the points with impacts at which an error must be known to be one of the curve
 
@@ -133,22 +130,24 @@ class EstimateSummary:
 
     @property
     def cell(self) -> str:
-        """Largest error and its coverage, for a table."""
+        """Largest error, and its coverage unless it is known everywhere, for a table."""
         if self.why or not self.total:
             return "full" if self.why == WHOLE else "–" if self.why else "no impact"
-        return f"{percent(self.worst)} ({self.points}/{self.total})"
+        return percent(self.worst) + f" ({self.points}/{self.total})" * (self.points < self.total)
 
 
 @dataclass(frozen=True)
 class EstimateTexts:
     """Estimates in words, for the terminal and the page: ``cells`` by fidelity, empty where nothing is estimated.
 
-    ``column``: their head, ``caption``: its meaning; ``sentences``: on what is not known, and why.
+    ``column``: their head, ``caption``: its meaning; ``sentences``: on what is not known, and why; ``unknown``: those
+    without a number.
     """
 
     rows: tuple[EstimateSummary, ...]
     cells: Mapping[str, str]
     sentences: tuple[str, ...]
+    unknown: tuple[str, ...] = ()
     column: str = COLUMN
     caption: str = CAPTION
 
@@ -157,7 +156,9 @@ def estimate_texts(found: Mapping[str, FidelityEstimate]) -> EstimateTexts:
     """Cells and sentences of the estimates of every fidelity."""
     rows = tuple(summary(name, each) for name, each in found.items())
     known = any(row.total or row.why == WHOLE for row in rows)
-    return EstimateTexts(rows, {row.fidelity: row.cell for row in rows if known}, tuple(_sentences(rows)))
+    cells = {row.fidelity: row.cell for row in rows if known}
+    unknown = tuple(row.fidelity for row in rows if known and row.why != WHOLE and row.total and not row.worst >= 0)
+    return EstimateTexts(rows, cells, tuple(_sentences(rows)), unknown)
 
 
 def summary(name: str, found: FidelityEstimate) -> EstimateSummary:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -21,6 +21,7 @@ from vibeam.runs.store.branches import (
     branch_names,
     join_blocks,
     keep_block,
+    points_of,
     read_branch,
     read_rows,
     rows_of,
@@ -126,6 +127,11 @@ class Store:
             else:
                 keep_block(self.path, self._place.folder, group, start, rows)
                 self._blocks += 1
+
+    def has(self, fidelities: Collection[str]) -> bool:
+        """Test whether there are points of any of the fidelities."""
+        with self._reading("its groups") as file:
+            return any(name in fidelities and points_of(file[name][way]) for name, way in branch_names(file))
 
     def kept(self, record: KeyedRecord[Kept], key: str) -> Kept | None:
         """The record stored for ``key``, of all that decides it; None without one."""
