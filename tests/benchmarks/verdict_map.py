@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import vibeam
-from vibeam.studies.verdict.between import verified
+from vibeam.studies.fidelity_map.between import verified
 
 NEUTRAL = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
 
@@ -25,7 +25,7 @@ def main() -> None:
     parser.add_argument("--places", type=int, default=200)
     given = parser.parse_args()
     cpu, wall = time.process_time(), time.perf_counter()
-    found = vibeam.verdict(vibeam.load(given.case), verify=0)
+    found = vibeam.fidelity_map(vibeam.load(given.case), verify=0)
     print(f"map: {time.process_time() - cpu:.1f} s of CPU, {time.perf_counter() - wall:.1f} s; {found.shares}")
     checked = verified(found, given.places)
     same, decided = int((checked.predicted == checked.flown).sum()), int(checked.decided.sum())

@@ -44,7 +44,7 @@ hold = 16
 """
 )
 
-COMMAND = ("--load", "small_blocks", "map", "rig.toml", "--only")
+COMMAND = ("--load", "small_blocks", "map", "rig.toml")
 
 NAMES = ("plane", "starts")
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
-from vibeam.case.plans import MOST_POINTS
+from vibeam.case.plans import MOST_POINTS, SweepPlan
 from vibeam_models import keys as declare
 
 FREQUENCY = "sweep.frequency"
 DISPLACEMENT, VELOCITY = "start.displacement", "start.velocity"
 STARTS = (DISPLACEMENT, VELOCITY)  # of the contact: keys of a grid alone, no case has them
 GAP, RESTITUTION = "stop.gap", "stop.restitution"
+SHARE = "drive.share"  # of the drive as the case has it: a key of a grid alone
 
 LEVELS = tuple(
     f"drive.{name}" for name in ("amplitude", "voltage", "gain", "force", "moment", "velocity", "acceleration")
@@ -21,7 +22,7 @@ LEVELS = tuple(
 
 def is_structural(key: str) -> bool:
     """Test whether the system has to be built anew for each value of a key."""
-    return key not in (FREQUENCY, *STARTS, GAP, RESTITUTION, *LEVELS)
+    return key not in (FREQUENCY, *STARTS, GAP, RESTITUTION, SHARE, *LEVELS)
 
 
 def axis_faults(keys: Sequence[str], carried: bool, frequency: float | None, random: bool) -> list[tuple[str, str]]:
@@ -73,7 +74,20 @@ PICTURES = {
     "basins": "which of the coexisting motions a start leads to, or how many are found, or their shares",
     "spectra": "spectra of the output along one axis, one behind the other",
     "values": "a quantity over one or two axes",
+    "stability": "where motions with one impact exist, keep clear and are stable, in closed form, over two axes",
+    "verdict": "the cheapest fidelity that suffices, and how far each is off, over two axes",
 }
+
+NEEDED: Mapping[str, tuple[str, ...]] = {
+    "period": ("period", "rest"),
+    "bifurcation": ("period",),
+    "basins": ("period", "impacts_per_period", "maximum", "minimum", "impact_velocity"),
+    "spectra": ("state", "resting"),
+    "values": (),
+}
+
+ORBITS = ("impact_velocity", "admissible", "stable")  # stored of a stability map
+JUDGED = ("error", "kind", "exponent", "state", "resting", "cpu_seconds")  # of a fidelity map, beside its quantity
 
 
 @dataclass(frozen=True)
@@ -92,7 +106,9 @@ class MapPlan:
     ``direction``: "up", "down" or "both", the state carried; "apart": every point from its own start. ``frequency`` in
     Hz, where it is no axis; ``settle`` and ``hold`` in drive periods; ``strobes``: how many values at the end of a
     period; ``starts`` at random, from ``seed``, within ``spread`` (m). ``picture`` and the ``quantity`` that it shows;
-    ``boundaries``: whether exact ones are laid over it.
+    ``boundaries``: whether exact ones are laid over it. ``fidelities`` empty: those that the picture suits. Of a
+    fidelity map ``accuracy`` of the quantity, as a share, and how many places ``verify`` it; of a stability map
+    ``periods`` of the drive from impact to impact.
     """
 
     name: str
@@ -123,7 +139,36 @@ class MapPlan:
         written=False,
     )
     quantity: str = declare.word(
-        READ, 'what picture = "values" shows; absent = amplitude', "impact_velocity", None, written=False
+        READ,
+        'what picture = "values" shows, or "verdict" compares (amplitude or reach); absent = amplitude',
+        "impact_velocity",
+        None,
+        written=False,
+    )
+    accuracy: float = declare.quantity(
+        "",
+        'how near the finest fidelity a model of picture = "verdict" has to come; absent = 1 %',
+        "1 %",
+        None,
+        above=0,
+        most=0.999,
+        written=False,
+    )
+    verify: int = declare.count(
+        0,
+        100_000,
+        'at how many places, drawn at random, the map of picture = "verdict" is flown anew; absent = 24',
+        24,
+        None,
+        written=False,
+    )
+    periods: int = declare.count(
+        1,
+        100,
+        'drive periods from impact to impact, of picture = "stability"; absent = 1',
+        1,
+        None,
+        written=False,
     )
     strobes: int = declare.count(
         1,
@@ -154,3 +199,27 @@ class MapPlan:
         ),
         True,
     )
+
+
+USUAL: Mapping[str, Any] = {"quantity": "amplitude", "accuracy": 0.01, "verify": 24, "periods": 1}
+
+
+def planned(name: str, axes: Sequence[AxisPlan], sweep: SweepPlan, picture: str = "period", **given: Any) -> MapPlan:
+    """Plan of a map; what is not ``given``, or None, is as the ``sweep`` has it, or as the picture needs it."""
+    said = {key: value for key, value in given.items() if value is not None}
+    own = {**USUAL, "settle": sweep.settle, "hold": sweep.hold, "output": sweep.output, **said}
+    own.setdefault("strobes", min(STROBES, own["hold"]) if picture == "bifurcation" else 0)
+    own["direction"] = way_of(said.get("direction"), picture, axes, "starts" in said, sweep.direction)
+    shown = (own["quantity"],) if picture == "values" else ()
+    stored = {"stability": ORBITS, "verdict": (own["quantity"], *JUDGED)}.get(picture) or (
+        *said.get("quantities", ("amplitude", "period")), *NEEDED[picture], *shown,
+        *(("strobes",) if own["strobes"] else ()),
+    )  # fmt: skip
+    return MapPlan(name=name, axes=tuple(axes), picture=picture, **own | {"quantities": tuple(dict.fromkeys(stored))})
+
+
+def way_of(said: str | None, picture: str, axes: Sequence[Any], starts: bool, swept: str | None) -> Any:
+    """Way of the last of the ``axes``: as said, else apart where motions have starts of their own, else the sweep's."""
+    if picture == "verdict" or said is not None:
+        return said or "both"
+    return "apart" if starts or any(axis.key in STARTS for axis in axes) else swept or "both"

@@ -9,17 +9,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.grid_keys import DISPLACEMENT, FREQUENCY, STARTS, STROBES, AxisPlan, MapPlan, axis_faults
+from vibeam.case.grid_keys import (
+    DISPLACEMENT,
+    FREQUENCY,
+    SHARE,
+    STARTS,
+    AxisPlan,
+    MapPlan,
+    axis_faults,
+    planned,
+    way_of,
+)
 from vibeam.case.plans import MOST_ELEMENTS, SweepPlan
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.fields import Count, Entry, OneOrSeveral, Quantity
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.quantities import SI, UnitSystem, with_unit
-from vibeam.casefile.tables.maps import count_of, direction_of, picture_complaints, random_complaints
-from vibeam.casefile.tables.table import Frequency, named_fidelity, plan_of
+from vibeam.casefile.quantities import POSITIVE, SI, UnitSystem, with_unit
+from vibeam.casefile.tables.maps import PLANES, count_of, picture_complaints, random_complaints
+from vibeam.casefile.tables.table import Frequency, named_fidelity
 from vibeam.casefile.validation import entry_of, units_of
 from vibeam.exchange.faults import CaseError, Complaint, KeyPath, as_shown_in_message
+from vibeam_models.keys import keys_of
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Model
@@ -70,7 +81,8 @@ def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: t
     keys = [axis.key_ for axis in table.axes]
     if None in keys:
         return
-    run = direction_of(table, keys, case.sweep.direction)
+    axes = [AxisPlan(key, (), "") for key in keys]
+    run = way_of(table.direction, table.picture, axes, table.starts is not None, case.sweep.direction)
     for which, message in axis_faults(keys, run != "apart", _frequency(case, table, keys), table.starts is not None):
         yield (*path, "axes", keys.index(which)) if which in keys else (*path, which), message
     if (count := int(np.prod([count_of(axis) for axis in table.axes], dtype=object))) > LARGEST:
@@ -81,6 +93,8 @@ def key_of(name: str, case: Any, model: type[AnyCase]) -> _Key:
     """Reading of the values of an axis."""
     if name == FREQUENCY:
         return _Key(Frequency, "Hz")
+    if name == SHARE:
+        return _Key(Quantity(units.RATIO, POSITIVE))
     if name in STARTS:
         kind = units.LENGTH if name == DISPLACEMENT else units.SPEED
         kind = units.RATIO if KINDS[case.kind].plain else kind
@@ -143,7 +157,7 @@ def value_complaints(declared: AnyCase, model: Callable[[str], Model]) -> Iterat
     """
     for name, table in declared.map.items():
         for index, axis in enumerate(table.axes):
-            if axis.key_ in (FREQUENCY, *STARTS):
+            if axis.key_ in (FREQUENCY, SHARE, *STARTS):
                 continue
             numbers = axis_values(axis, key_of(axis.key_, declared, type(declared)), units_of(declared.units))
             for place, value in {0: numbers[0], len(numbers) - 1: numbers[-1]}.items():
@@ -193,38 +207,7 @@ def _plan(name: str, table: Any, declared: AnyCase, sweep: SweepPlan) -> MapPlan
     keys = [axis.key_ for axis in table.axes]
     known = [key_of(each, declared, type(declared)) for each in keys]
     axes = [AxisPlan(axis.key_, axis_values(axis, key), key.unit) for axis, key in zip(table.axes, known, strict=True)]
-    run: Any = direction_of(table, keys, sweep.direction)
-    strobes = table.strobes or 0
-    hold = sweep.hold if table.hold is None else table.hold
-    if table.picture == "bifurcation" and not strobes:
-        strobes = min(STROBES, hold)
-    return plan_of(
-        MapPlan,
-        table,
-        name=name,
-        fidelities=table.fidelities or tuple(declared.fidelity),
-        axes=tuple(axes),
-        direction=run,
-        frequency=_frequency(declared, table, keys),
-        settle=sweep.settle if table.settle is None else table.settle,
-        hold=hold,
-        output=table.output or sweep.output,
-        quantities=_quantities(table, strobes),
-        quantity=table.quantity or "amplitude",
-        strobes=strobes,
-    )
-
-
-NEEDED = {
-    "period": ("period", "rest"),
-    "bifurcation": ("period",),
-    "basins": ("period", "impacts_per_period", "maximum", "minimum", "impact_velocity"),
-    "spectra": ("state", "resting"),
-    "values": (),
-}
-
-
-def _quantities(table: Any, strobes: int) -> tuple[str, ...]:
-    asked = table.quantities or ("amplitude", "period")
-    shown = (table.quantity or "amplitude",) if table.picture == "values" else ()
-    return tuple(dict.fromkeys((*asked, *NEEDED[table.picture], *shown, *(("strobes",) if strobes else ()))))
+    given = {key: getattr(table, key) for key in keys_of(MapPlan) if key not in ("picture", "fidelities")}
+    chosen = () if table.picture in PLANES else tuple(declared.fidelity)
+    own = {"fidelities": table.fidelities or chosen, "frequency": _frequency(declared, table, keys)}
+    return planned(name, axes, sweep, table.picture, **given | own)

@@ -21,7 +21,7 @@ from vibeam.cli.streams import put, say, standard_streams
 from vibeam.cli.verbosity import with_verbosity
 
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
-    "How much model": (runs.run, maps.verdict, maps.map, maps.stability),
+    "How much model": (runs.run, maps.map),
     "Measurements": (runs.check, measured.fit, measured.identify, studies.uncertainty),
     "From geometry": (modes.derive, modes.modes),
     "Results": (runs.report, studies.study),
@@ -35,6 +35,8 @@ EARLIER: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
     "influence": (("study", "influence"), {}),
     "cost": (("study", "cost"), {}),
     "record": (("check", "--record"), {}),
+    "stability": (("map", "--picture", "stability"), {}),
+    "verdict": (("map", "--picture", "verdict"), {}),
 }
 
 

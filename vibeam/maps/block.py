@@ -8,10 +8,10 @@ from math import prod
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
 from vibeam.flight.engine.threads import pause
+from vibeam.maps.irregular import judged
 from vibeam.maps.points import (
     Axis,
     GridPoints,
@@ -23,6 +23,8 @@ from vibeam.maps.points import (
     start_states,
     values_at,
 )
+from vibeam.periodic.orbit_map import orbit_points
+from vibeam.store.blocks import Values
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -30,9 +32,11 @@ if TYPE_CHECKING:
     from vibeam.case.fidelity import Model
 
 
-Values = dict[str, NDArray[Any]]
-Way = Literal["up", "down"]
-DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16, "resting": np.int16}
+Way = Literal["up", "down", "harder", "softer"]  # of a sweep; motions with one impact, by which of the two it is
+Motions = Literal["flown", "judged", "orbits"]
+CODES = ("period", "ended", "resting", "kind", "admissible", "stable")
+DTYPES: Mapping[str, type] = dict.fromkeys(CODES, np.int16)
+SWEPT = ("period", "ended", "state", "resting", "cpu_seconds")  # read of sweeps that are judged, beside a quantity
 LEAST = 20  # drive periods of the mean of a Lyapunov exponent
 
 QUANTITIES = (
@@ -49,7 +53,9 @@ class Grid:
     state is carried from point to point along it, and every line begins at equilibrium; without any, every point starts
     from equilibrium, from where the axes say, or from ``starts``. ``frequency`` in Hz, where that is no axis;
     ``settle`` and ``hold`` in drive periods; ``strobes``: how many values of the output at the end of a period are
-    read. ``lanes``: lines, or points apart, fly side by side where they can (``vibeam.batch``).
+    read. ``lanes``: lines, or points apart, fly side by side where they can (``vibeam.batch``). ``motions``: "flown";
+    "judged": those that do not repeat are followed further (``irregular``); "orbits": known in closed form, with one
+    impact in ``periods``, nothing is flown.
     """
 
     model: Model
@@ -63,6 +69,8 @@ class Grid:
     strobes: int = 0
     starts: Starts | None = None
     lanes: bool = True
+    motions: Motions = "flown"
+    periods: int = 1
 
     @property
     def fidelity(self) -> str:
@@ -103,6 +111,11 @@ def evaluate_block(block: Block, threads: int | None = None) -> Values:
     grid = block.grid
     lines = np.arange(block.first, block.last)
     points = grid_points(grid.model, grid.axes, grid.frequency, lines)
+    if grid.motions == "orbits":
+        return _orbits(grid, points)
+    if grid.motions == "judged":
+        swept = _carried(replace(grid, quantities=(grid.quantities[0], *SWEPT)), points, threads)
+        return judged(points, swept, grid.quantities[0], grid.hold, grid.output)
     if grid.ways:
         return _carried(grid, points, threads)
     return _apart(grid, points, block.first, threads)
@@ -122,6 +135,20 @@ def _carried(grid: Grid, points: GridPoints, threads: int | None) -> Values:
         name: np.stack([np.stack([way[at][name] for at in range(columns)], axis=1) for way in found], axis=1)
         for name in grid.quantities
     }
+
+
+def _orbits(grid: Grid, points: GridPoints) -> Values:
+    """Motions with one impact, the harder and the softer, of each system with its restitution."""
+    shape = points.omega.shape
+    rebound = np.zeros(shape) if points.restitution is None else points.restitution
+    found = {name: np.empty((*shape, 2), DTYPES.get(name, float)) for name in grid.quantities}
+    for which, own in dict.fromkeys(zip(points.which.flat, rebound.flat, strict=True)):
+        mine = (points.which == which) & (rebound == own)
+        system = points.system_at(int(np.flatnonzero(mine)[0]))
+        read = orbit_points(system, grid.periods, points.omega[mine], points.amplitude[mine], points.gap[mine])
+        for name, values in zip(grid.quantities, read, strict=True):
+            found[name][mine] = values
+    return {name: np.moveaxis(values, 2, 1) for name, values in found.items()}
 
 
 def _back_on_stop(points: GridPoints, column: int, before: BatchResponse | None) -> BatchResponse | None:

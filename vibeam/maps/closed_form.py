@@ -1,26 +1,19 @@
-"""Periodic motions in closed form over a map: along the one axis of a bifurcation diagram, boundaries over a plane.
-
-A level scales the drive as the case has it: the base's amplitude is level · B₁(Ω), so that the boundaries, contours of
-exact test functions (``periodic.contours``), are exact on a platform too.
-"""
+"""Periodic motions in closed form along the one axis of a bifurcation diagram."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY
 from vibeam.maps.points import Axis, GridPoints, grid_points
-from vibeam.periodic.bifurcation_functions import DrivePerLevel, Kind
-from vibeam.periodic.contours import Plane
 from vibeam.periodic.doubled_branches import doubled_branches
 from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.periodic.orbit_curve import orbit_curve
-from vibeam.periodic.orbit_map import plane_boundaries
 from vibeam.periodic.train_branch import Setting, TrainBranch
 from vibeam.periodic.train_orbits import displacements_at
 from vibeam.periodic.trains import Train
@@ -177,37 +170,3 @@ def _runs(motions: Sequence[Orbit | None]) -> list[NDArray[np.int64]]:
     """Stretches of the axis with a motion."""
     there = np.flatnonzero([each is not None for each in motions])
     return np.split(there, np.flatnonzero(np.diff(there) > 1) + 1)
-
-
-@dataclass(frozen=True)
-class PlaneBoundary:
-    """Part of a boundary with an admissible motion: Hz, and gap at the contact (m) or level of the drive, (points,).
-
-    ``branch``: 0 the harder impact, 1 the softer.
-    """
-
-    kind: Kind
-    branch: int
-    frequency: Array
-    value: Array
-
-
-def boundaries_over(
-    system: ImpactSystem, over: Literal["gap", "amplitude"], omega: Array, values: Array, gap: float,
-    unit: DrivePerLevel,
-) -> Iterator[PlaneBoundary]:  # fmt: skip
-    """Boundaries over ``omega`` (columns,) rad/s and ``values`` (rows,), both ascending.
-
-    ``values``: gaps at the contact (m), or levels where ``over`` is "amplitude", with ``gap`` held. ``unit``: amplitude
-    of the base (m) at angular frequencies, at level 1. The system is a plain one.
-    """
-    plane = Plane(system, 1, over, omega, values, 1.0 if over == "gap" else gap, unit)
-    for curve in plane_boundaries(plane):
-        for part in _stretches(curve.clear):
-            yield PlaneBoundary(curve.kind, curve.branch, curve.omega[part] / (2 * np.pi), curve.value[part])
-
-
-def _stretches(clear: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
-    """Stretches of a curve whose motion keeps clear of the stop between impacts."""
-    parts = np.split(np.arange(len(clear)), np.flatnonzero(np.diff(clear)) + 1)
-    return [part for part in parts if clear[part[0]]]

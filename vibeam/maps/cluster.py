@@ -17,7 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from vibeam.flight.engine.threads import pause
-from vibeam.maps.block import Block, Values, evaluate_block
+from vibeam.maps.block import Block, evaluate_block
+from vibeam.store.blocks import Values
 from vibeam.store.errors import reason
 
 Evaluate = Callable[[Block], Values]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from hashlib import sha256
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal
@@ -11,11 +12,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.case.grid_keys import FREQUENCY, STARTS, MapPlan, axis_faults
+from vibeam.case.grid_keys import FREQUENCY, SHARE, STARTS, MapPlan, axis_faults
 from vibeam.case.source import of_source
 from vibeam.exchange.faults import CaseError, Fault
-from vibeam.maps.block import QUANTITIES, Block, Grid, Values, Way, evaluate_block
+from vibeam.maps.block import QUANTITIES, SWEPT, Block, Grid, Motions, Way, evaluate_block
+from vibeam.maps.models import fidelities_of
 from vibeam.maps.points import Axis, Starts, shape_of
+from vibeam.store.blocks import Values
 from vibeam_models.arguments import floats
 from vibeam_models.arrays import ValueRecord
 
@@ -140,7 +143,8 @@ def _require_keys(model: Model, axes: Sequence[Axis]) -> None:
     """CaseError with every fault of the keys and of their first and last values."""
     faults: list[Fault] = []
     for axis in axes:
-        for value in {axis.values[0], axis.values[-1]} if axis.values and axis.key not in (FREQUENCY, *STARTS) else ():
+        rigs = axis.values and axis.key not in (FREQUENCY, SHARE, *STARTS)
+        for value in {axis.values[0], axis.values[-1]} if rigs else ():
             try:
                 model.at({axis.key: value}).checked()
             except CaseError as error:
@@ -172,14 +176,20 @@ def faults_of(grid: Grid) -> list[str]:
 
 SECONDS = 1.0  # of a block, about: what a run that is killed may lose
 PERIOD = 1.5e-6  # s that a drive period of one mode takes, about
-POINT, CALL, SHARE = 4e-5, 1e-3, 4  # s that a point takes beside its periods, and a call of the batch, about; ratio
+POINT, CALL, TIMES = 4e-5, 1e-3, 4  # s that a point takes beside its periods, and a call of the batch, about; ratio
 MOST_CARRIED = 1_000_000  # points of a block whose lines take steps together
+TOGETHER = 8  # lines of a block at most of a picture whose motions are judged: those that stand in lanes together
 LEAST, MOST = 256, 50_000  # points of a block
 FILES = 20_000  # blocks of a map, about: of larger maps each is longer, so that one client can hand them all out
 
 
-def plan_of(case: Case, name: str) -> MapPlan:
-    """The plan of a map; KeyError names those of the case."""
+PICTURED: Mapping[str, Motions] = {"verdict": "judged", "stability": "orbits"}
+
+
+def plan_of(case: Case, name: str | MapPlan) -> MapPlan:
+    """The plan of a map, or the one that is given; KeyError names those of the case."""
+    if isinstance(name, MapPlan):
+        return name
     if name not in case.maps:
         known = f"there are {', '.join(case.maps)}" if case.maps else "the case has none: add a table [map.NAME]"
         raise KeyError(f"no map {name!r}: {known}")
@@ -189,20 +199,37 @@ def plan_of(case: Case, name: str) -> MapPlan:
 def grids_of(case: Case, plan: MapPlan) -> Mapping[str, Grid]:
     """The grid of each fidelity of a map; errors as in ``evaluate``."""
     starts = None if plan.starts is None else Starts(plan.starts, plan.seed, plan.spread or 0.0)
-    return {
+    kind = PICTURED.get(plan.picture, "flown")
+    swept = {"judged": (plan.quantity, *SWEPT), "orbits": ("period",)}.get(kind, plan.quantities)
+    if kind != "flown":
+        _require_plane(plan)
+    grids = {
         fidelity: grid_of(
-            case, fidelity, {axis.key: axis.values for axis in plan.axes}, quantities=plan.quantities,
+            case, fidelity, {axis.key: axis.values for axis in plan.axes}, quantities=swept,
             direction=plan.direction, frequency=plan.frequency, settle=plan.settle, hold=plan.hold,
             output=plan.output, strobes=plan.strobes, starts=starts,
         )
-        for fidelity in plan.fidelities
+        for fidelity in fidelities_of(case, plan)
     }  # fmt: skip
+    if kind == "flown":
+        return grids
+    ways: tuple[Way, ...] = ("harder", "softer") if kind == "orbits" else ("up", "down")
+    own = partial(replace, quantities=plan.quantities, motions=kind, periods=plan.periods, ways=ways)
+    return {name: own(grid) for name, grid in grids.items()}
+
+
+def _require_plane(plan: MapPlan) -> None:
+    for axis in plan.axes:
+        if len(axis.values) < 2 or np.any(np.diff(axis.values) <= 0):
+            raise ValueError(f'{axis.key}: picture = "{plan.picture}" takes two values or more, which ascend')
 
 
 def key_of(case: Case, grid: Grid) -> str:
     """Digest of all that decides the numbers of a grid, the code aside."""
     rest = {"fidelity": grid.fidelity} | asdict(replace(grid, model=None))  # type: ignore[arg-type]
     del rest["model"]
+    if grid.motions == "flown":
+        del rest["motions"], rest["periods"]
     if not grid.lanes:
         del rest["lanes"]  # so that maps of earlier versions stay the same ones
     return sha256(f"{case.own[grid.fidelity]} {rest!r}".encode()).hexdigest()
@@ -212,13 +239,15 @@ def lines_of_block(case: Case, grid: Grid) -> int:
     """Number of lines of a block: those that take about ``SECONDS``, and at least one.
 
     Where the state is carried, all lines of a block take a step of the last axis in one call: there are as many as
-    make the points ``SHARE`` times as long as the call.
+    make the points ``TIMES`` times as long as the call.
     """
+    if grid.motions != "flown":
+        return -(-grid.lines // -(-grid.lines // TOGETHER))
     modes = case.fidelities[grid.fidelity].modes or 1
     seconds = POINT + (grid.settle + grid.hold) * PERIOD * (1 + modes / 8)
     line = prod(grid.shape)
     points = min(max(SECONDS / seconds, LEAST, grid.lines * line / FILES), MOST)
-    together = min(SHARE * CALL / seconds, MOST_CARRIED / line) if grid.ways else 1
+    together = min(TIMES * CALL / seconds, MOST_CARRIED / line) if grid.ways else 1
     return max(1, min(int(max(points / line, together)), grid.lines))
 
 

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from vibeam.case.case import units_of_output
 from vibeam.exchange.whole_files import is_sealed, write_at
-from vibeam.maps.block import DTYPES, Block, Grid, Values
+from vibeam.maps.block import DTYPES, Block, Grid
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.points import shape_of
+from vibeam.store.blocks import Values
 from vibeam.store.errors import ANEW, StoreError, unopened
 from vibeam.store.hdf5 import SIGNATURE, SparseImage, scale, without_values
 from vibeam.store.place import Place
@@ -36,6 +37,11 @@ SHOWN = 4_000_000  # points of a quantity that are read back at most: for pictur
 OWN: Mapping[str, DatasetQuantity] = {
     "energy": DatasetQuantity("time-mean energy of all modes", "E"),
     "lyapunov": DatasetQuantity("largest Lyapunov exponent", "1/s"),  # type: ignore[arg-type]
+    "error": DatasetQuantity("standard error of the mean of motions that do not repeat", "q"),
+    "kind": DatasetQuantity("period, or -1 no contact, 0 long or quasiperiodic, -2 chaos, -3 failed", "1"),
+    "exponent": DatasetQuantity("largest Lyapunov exponent of motions that do not repeat", "1/s"),  # type: ignore[arg-type]
+    "admissible": DatasetQuantity("1: clear of the stop between impacts, proved", "1"),
+    "stable": DatasetQuantity("1: clear, and all multipliers within the unit circle", "1"),
     "strobes": DatasetQuantity("output at the end of the last drive periods", "q"),
 }
 
@@ -98,7 +104,7 @@ def _laid_out(group: h5py.Group, case: Case, plan: MapPlan, source: Source) -> d
 
 def _scales(group: h5py.Group, plan: MapPlan, grid: Grid) -> list[h5py.Dataset]:
     """Coordinates: direction, the axes, random starts where there are."""
-    found = [group.create_dataset("direction", data=np.array(list(grid.ways or ("apart",)), dtype="S5"))]
+    found = [group.create_dataset("direction", data=np.array(list(grid.ways or ("apart",)), dtype="S6"))]
     found[0].make_scale("direction")
     found += [scale(group, axis.key, np.array(axis.values), axis.key, axis.unit or "1") for axis in plan.axes]
     if grid.starts is not None:

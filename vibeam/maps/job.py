@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import MapPlan
-from vibeam.maps.block import DTYPES, Block, Grid, Values
+from vibeam.maps.block import DTYPES, Block, Grid
 from vibeam.maps.evaluate import GridResponse, blocks_of
 from vibeam.maps.gathered import SHOWN, Source, steps_of
 from vibeam.maps.points import shape_of
 from vibeam.maps.result import MapResult
 from vibeam.runs.keys import digest_of_code
 from vibeam.store import blocks as files
+from vibeam.store.blocks import Values
 from vibeam.store.errors import StoreError
 from vibeam.store.place import Place
 from vibeam.system.quantities import Ended

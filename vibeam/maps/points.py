@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION, is_structural
+from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION, SHARE, is_structural
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 
@@ -129,12 +129,13 @@ def grid_points(model: Model, axes: Sequence[Axis], frequency: float | None, lin
     systems = tuple(each.system() for each in models)
     gaps = combinations(axes, index, [*structural, GAP])
     laws = combinations(axes, index, [*structural, RESTITUTION])
-    rebounds = any(axis.key == RESTITUTION for axis in axes)
+    rebounds, share = any(axis.key == RESTITUTION for axis in axes), values_at(axes, index, SHARE)
+    amplitude = _amplitudes(combinations(axes, index, [*structural, *LEVELS]), omega, model)
     return GridPoints(
         systems,
         structures.which,
         omega,
-        _amplitudes(combinations(axes, index, [*structural, *LEVELS]), omega, model),
+        amplitude if share is None else share * amplitude,
         _looked_up(gaps, lambda settings: model.at(settings).checked().system().gap),
         _looked_up(laws, lambda settings: model.at(settings).checked().system().restitution) if rebounds else None,
         index,

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from threading import Event
 
     from vibeam.case.case import Case
+    from vibeam.case.grid_keys import MapPlan
 
 __all__ = ["MapResult", "run_map", "stored_map"]
 Progress = Callable[[int, int], None]
@@ -36,7 +37,7 @@ EVERY, SHARE = 5.0, 20.0  # s between partial pictures at least, and how many ti
 @of_source
 def run_map(
     case: Case,
-    name: str,
+    name: str | MapPlan,
     out: str | Path,
     *,
     fresh: bool = False,
@@ -45,7 +46,7 @@ def run_map(
     partial: Callable[[MapResult], None] | None = None,
     cluster: Cluster | None = None,
 ) -> MapResult:
-    """Compute the map ``name`` of a case into the file ``out`` (HDF5), or go on with what is there.
+    """Compute the map ``name`` of a case, or one by a plan, into the file ``out`` (HDF5), or go on with what is there.
 
     Blocks of lines lie as files of their own in ``OUT.parts`` until all are there: a run that is killed loses the
     blocks in flight, one for each of the ``workers`` (threads; None: one a core). ``fresh``: keep nothing.

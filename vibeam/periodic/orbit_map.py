@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.periodic.bifurcation_functions import DrivePerLevel, Kind, MotionsAt, clearances
+from vibeam.periodic.bifurcation_functions import DrivePerLevel, Kind, MotionsAt, clearances, motions
 from vibeam.periodic.contours import BoundaryCurve, Plane, beyond_touching, boundary_curves, map_function
 from vibeam.periodic.multipliers import real_crossing
 from vibeam.periodic.orbit_curve import checked, proven, stability
@@ -59,28 +60,44 @@ def orbit_map(
         if len(row) < 2 or not np.all(np.isfinite(row)) or not np.all(np.diff(row) > 0):
             raise ValueError(f"{name}: must be two or more finite numbers that ascend")
     plane = Plane(system, int(periods), over[0], grid, values, held, per_level)
-    points, shape = plane.grid(), tuple(len(row) for row in (values, grid))
-    share = _shares(plane, points)
-    admissible = np.stack([share[branch] > 0 for branch in (0, 1)], axis=1)
-    velocity = np.where(points.roots.impulse < 0, points.roots.velocity, np.nan)
-    stable = stability(system, points.total, points.roots, admissible)
-    curves = _curves(plane, points, share)
-    shape = (*shape, 2)
+    points, shape = plane.grid(), (len(values), len(grid), 2)
+    share = _shares(system, points)
+    velocity, admissible, stable = _read(system, points, share)
     return OrbitMap(
         int(periods), over[0], grid, values,
-        velocity.reshape(shape), admissible.reshape(shape), stable.reshape(shape), curves,
+        velocity.reshape(shape), admissible.reshape(shape), stable.reshape(shape), _curves(plane, points, share),
     )  # fmt: skip
+
+
+class OrbitPoints(NamedTuple):
+    """Motions with one impact at points, (points, 2) as in ``OrbitMap``."""
+
+    velocity: Array
+    admissible: Flags
+    stable: Flags
+
+
+def orbit_points(system: ImpactSystem, periods: int, omega: Array, amplitude: Array, gap: Array) -> OrbitPoints:
+    """Motions at points (points,) of frequency (rad/s), amplitude of the drive (m) and gap (m)."""
+    points = motions(system, periods, omega, amplitude, gap)
+    return _read(system, points, _shares(system, points))
+
+
+def _read(system: ImpactSystem, points: MotionsAt, share: dict[int, Array]) -> OrbitPoints:
+    admissible = np.stack([share[branch] > 0 for branch in (0, 1)], axis=1)
+    velocity = np.where(points.roots.impulse < 0, points.roots.velocity, np.nan)
+    return OrbitPoints(velocity, admissible, stability(system, points.total, points.roots, admissible))
 
 
 def plane_boundaries(plane: Plane) -> tuple[BoundaryCurve, ...]:
     """The boundaries of ``orbit_map`` over any plane, one whose drive depends on the frequency too."""
     points = plane.grid()
-    return _curves(plane, points, _shares(plane, points))
+    return _curves(plane, points, _shares(plane.system, points))
 
 
-def _shares(plane: Plane, points: MotionsAt) -> dict[int, Array]:
+def _shares(system: ImpactSystem, points: MotionsAt) -> dict[int, Array]:
     """Clearance of either branch, as a share of the motion's size."""
-    return {branch: clearances(plane.system, points, branch, ceiling=ENOUGH) for branch in (0, 1)}
+    return {branch: clearances(system, points, branch, ceiling=ENOUGH) for branch in (0, 1)}
 
 
 def _curves(plane: Plane, points: MotionsAt, share: dict[int, Array]) -> tuple[BoundaryCurve, ...]:

@@ -2,6 +2,8 @@ from vibeam.maps.evaluate import evaluate as evaluate
 from vibeam.maps.run import run_map as run_map
 from vibeam.studies.cost.study import cost as cost
 from vibeam.studies.derive import derive as derive
+from vibeam.studies.fidelity_map.study import FidelityMap as FidelityMap
+from vibeam.studies.fidelity_map.study import fidelity_map as fidelity_map
 from vibeam.studies.fit.study import fit as fit
 from vibeam.studies.identification.modes import identify_keys as identify_keys
 from vibeam.studies.identification.response import identify_decay as identify_decay
@@ -14,8 +16,6 @@ from vibeam.studies.modes import modes as modes
 from vibeam.studies.reduce.study import reduce as reduce
 from vibeam.studies.regression.check import check as check
 from vibeam.studies.regression.check import compare_measured as compare_measured
-from vibeam.studies.stability.study import stability as stability
+from vibeam.studies.stability import stability as stability
 from vibeam.studies.stored import read as read
 from vibeam.studies.uncertainty.study import uncertainty as uncertainty
-from vibeam.studies.verdict.study import Verdict as Verdict
-from vibeam.studies.verdict.study import verdict as verdict

@@ -17,11 +17,12 @@ import vibeam
 from vibeam.case.grid_keys import AxisPlan
 from vibeam.cli.main import app
 from vibeam.maps import run as running
+from vibeam.maps.boundaries import boundaries_of
 from vibeam.observe.periodicity import Class, classes
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.report.maps.axes import panels, shown_axis
+from vibeam.report.maps.labels import shown_axis
 from vibeam.report.maps.page import map_figure
-from vibeam.report.maps.plane import boundaries_of
+from vibeam.report.maps.plane import panels
 from vibeam.system.quantities import Ended
 
 RIG = Path("cases/dtu_loose.toml").absolute()
@@ -67,7 +68,7 @@ def test_the_cells_of_a_period_map_are_the_classes_of_its_points(tmp_path: Path)
     figure = map_figure(found)
     shown = list(panels(found))
     assert [(each.row, each.column) for each in shown] == [(0, 0), (0, 1), (1, 0), (1, 1)]
-    assert shown[1].title == "(b) gap 0.1 mm"
+    assert shown[1].title == "(b) gap at the sensor 0.1 mm"
     for each in shown:
         axes = figure.axes[2 * each.row + each.column]
         (mesh,) = [part for part in axes.collections if isinstance(part, QuadMesh)]
@@ -122,9 +123,9 @@ def test_boundaries_over_a_level_of_the_drive_are_roots_at_that_level(drive: dic
     assert folds
     system = rig.system("two_modes")
     for curve in folds:
-        for at in (len(curve.across) // 3, 2 * len(curve.across) // 3):
-            omega = 2 * np.pi * curve.across[at]
-            amplitude = vibeam.load(RIG, set=SI | {**drive, key: float(curve.upward[at])}).amplitude_of(
+        for at in (len(curve.frequency) // 3, 2 * len(curve.frequency) // 3):
+            omega = 2 * np.pi * curve.frequency[at]
+            amplitude = vibeam.load(RIG, set=SI | {**drive, key: float(curve.value[at])}).amplitude_of(
                 "two_modes", np.array([omega])
             )
             assert np.min(np.abs(roots(system, float(np.ravel(amplitude)[0]), omega, Kind.FOLD) - omega)) < 1e-6 * omega
@@ -137,10 +138,10 @@ def test_boundaries_over_the_gap_are_roots_at_that_gap(drive: dict[str, Any]) ->
     axes = [AxisPlan("stop.gap", (0.0, 5e-5, 1e-4), "m"), AxisPlan("sweep.frequency", (15.0, 16.0, 17.0), "Hz")]
     found, why = boundaries_of(rig, "sdof", axes, ())
     assert why == ""
-    curve = next(each for each in found if each.kind is Kind.DOUBLING)
-    at = len(curve.across) // 2
-    gap = vibeam.load(RIG, set=SI | {"stop.gap": float(curve.upward[at])}).system("sdof").gap
-    omega = 2 * np.pi * curve.across[at]
+    curve = next(each for each in found if each.kind is Kind.DOUBLING and each.clear.any())
+    at = int(np.flatnonzero(curve.clear)[np.count_nonzero(curve.clear) // 2])
+    gap = vibeam.load(RIG, set=SI | {"stop.gap": float(curve.value[at])}).system("sdof").gap
+    omega = 2 * np.pi * curve.frequency[at]
     amplitude = float(np.ravel(rig.amplitude_of("sdof", np.array([omega])))[0])
     known = roots(replace(rig.system("sdof"), gap=gap), amplitude, omega, Kind.DOUBLING)
     assert np.min(np.abs(known - omega)) < 1e-6 * omega
@@ -148,8 +149,8 @@ def test_boundaries_over_the_gap_are_roots_at_that_gap(drive: dict[str, Any]) ->
 
 def test_where_no_boundaries_are_known_a_note_says_why() -> None:
     frequency = AxisPlan("sweep.frequency", (15.0, 17.0), "Hz")
-    restitution = AxisPlan("stop.restitution", (0.5, 0.6), "")
-    assert "frequency and drive or gap" in boundaries_of(vibeam.load(RIG), "sdof", [restitution, frequency], ())[1]
+    start = AxisPlan("start.velocity", (0.5, 0.6), "m/s")
+    assert "a key of the case" in boundaries_of(vibeam.load(RIG), "sdof", [start, frequency], ())[1]
     two = vibeam.load(RIG, set={"stop.second_gap": "1 mm"})
     assert "a second stop" in boundaries_of(two, "sdof", [AxisPlan("stop.gap", (0.0, 1e-4), "m"), frequency], ())[1]
 
@@ -171,18 +172,20 @@ def call(*words: object, expect: int = 0) -> Any:
 def test_the_command_writes_file_and_picture_and_goes_on(file: Path, tmp_path: Path) -> None:
     first = call(file, "--json")
     assert {path.name for path in tmp_path.iterdir()} == {"rig.toml", "rig_m.h5", "rig_m.svg"}
-    rows = json.loads(first.stdout)["maps"]
+    (told,) = json.loads(first.stdout)["maps"]
+    rows = told["rows"]
     assert [row["fidelity"] for row in rows] == ["sdof", "sdof", "two_modes", "two_modes"]
     assert rows[0]["no_impact"] + rows[0]["period_1"] + rows[0]["not_periodic"] <= 1
     again = call(file)
     assert "all 80 points are there already" in again.stderr
-    assert again.stdout.splitlines()[-2:] == ["rig_m.h5", "rig_m.svg"]
+    assert again.stdout.splitlines()[-1] == "wrote rig_m.h5, rig_m.svg"
+    assert again.stdout.startswith("m: of 80 motions over drive voltage and drive frequency ")
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--only", "n"), "--only n: no such map"),
+        (("n",), "n: no such map"),
         (("--set", "map.m.hold=0"), "--set map.m.hold: 0 is outside"),
         (("--set", "map.m.axes=[]"), "has no axis"),
         (("--out", "a.csv"), "--out names the file of a map that ends in .h5"),
@@ -196,4 +199,7 @@ def test_a_mistake_leaves_a_message_and_no_file(file: Path, tmp_path: Path, word
 
 
 def test_a_case_without_maps_is_told_how_to_have_one(tmp_path: Path) -> None:
-    assert "add a table [map.NAME]" in call(RIG, "--out", tmp_path, expect=2).stderr
+    assert (
+        "--picture stability (verdict, period, …), or add a table [map.NAME]"
+        in call(RIG, "--out", tmp_path, expect=2).stderr
+    )

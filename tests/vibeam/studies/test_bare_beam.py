@@ -17,12 +17,13 @@ from vibeam.casefile.documentation import template
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
+from vibeam.report.maps.stability import sheet
 from vibeam.report.modes import modal
 from vibeam.runs.result import Result
 from vibeam.runs.summary import ill_posed, remarks
 from vibeam.studies.derive import derive
 from vibeam.studies.modes import mode_table
-from vibeam.studies.stability.study import stability
+from vibeam.studies.stability import stability
 from vibeam.system.response import Branches
 from vibeam_models.beam import assemble
 
@@ -137,7 +138,7 @@ def test_no_impact_at_any_frequency_is_said() -> None:
 def test_the_map_says_what_it_cannot_show() -> None:
     found = stability(bare(), points=3, frequencies=3)
     assert any(note.startswith("beam (-0.67): R₁ < 0") for note in found.notes)
-    assert any(note.startswith("no boundary at the case's own gap") for note in found.notes)
+    assert sheet(found).answer.endswith("along the case's own gap at the sensor 0 µm there is no boundary.")
 
 
 def test_a_map_leaves_out_models_whose_law_it_cannot_take() -> None:
@@ -146,7 +147,7 @@ def test_a_map_leaves_out_models_whose_law_it_cannot_take() -> None:
     assert [one.name for one in found.maps] == ["sdof", "beam"]
     assert found.notes[0] == 'two_modes: no map, for no closed form knows the contact law "linear"'
     with pytest.raises(ValueError, match=r'fidelity\.two_modes: no closed form knows the contact law "linear"'):
-        stability(parse(TEXT, set=own), points=3, frequencies=3, fidelity="two_modes")
+        stability(parse(TEXT, set=own), points=3, frequencies=3, fidelities=["two_modes"])
 
 
 def test_the_commands_say_it(tmp_path, monkeypatch) -> None:  # type: ignore[no-untyped-def]

@@ -18,15 +18,15 @@ from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
+from vibeam.maps import irregular
+from vibeam.maps.axes import axes_over
+from vibeam.maps.boundaries import boundaries_of, joined
+from vibeam.maps.irregular import CHAOTIC, IRREGULAR, NO_CONTACT
 from vibeam.maps.points import GridPoints
-from vibeam.studies.stability.axes import second_name
-from vibeam.studies.verdict import judgement
-from vibeam.studies.verdict import motions as irregular
-from vibeam.studies.verdict.axes import exact_boundaries, joined, keys_of, second_axis
-from vibeam.studies.verdict.between import verified
-from vibeam.studies.verdict.judgement import control_variate_gain, correlation
-from vibeam.studies.verdict.motions import CHAOTIC, IRREGULAR, NO_CONTACT, Motions
-from vibeam.studies.verdict.planes import plane_of
+from vibeam.report.maps.verdict import sheet
+from vibeam.studies.fidelity_map import judgement, study
+from vibeam.studies.fidelity_map.between import verified
+from vibeam.studies.fidelity_map.judgement import Motions, control_variate_gain, correlation
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -41,8 +41,8 @@ def case() -> vibeam.Case:
 
 
 @pytest.fixture(scope="module")
-def found(case: vibeam.Case) -> vibeam.Verdict:
-    return vibeam.verdict(case, "frequency,gap", points=5, frequencies=13, accuracy="2 %", verify=0, **GAPS)
+def found(case: vibeam.Case) -> vibeam.FidelityMap:
+    return vibeam.fidelity_map(case, "gap", points=5, frequencies=13, accuracy="2 %", verify=0, **GAPS)
 
 
 def swept(case: vibeam.Case, name: str, gap: float) -> vibeam.Branches:
@@ -57,10 +57,10 @@ def swept(case: vibeam.Case, name: str, gap: float) -> vibeam.Branches:
     return both
 
 
-def test_the_label_is_the_cheapest_within_the_accuracy(case: vibeam.Case, found: vibeam.Verdict) -> None:
+def test_the_label_is_the_cheapest_within_the_accuracy(case: vibeam.Case, found: vibeam.FidelityMap) -> None:
     """In rows where all is periodic kinds and amplitudes of plain sweeps give the same regions."""
     judged = 0
-    for row, gap in enumerate(found.axis.values):
+    for row, gap in enumerate(found.values):
         curves = {model.name: swept(case, model.name, float(gap)) for model in found.models}
         if any((way.period == 0).any() for each in curves.values() for _, way in each.items()):
             continue  # which motion a sweep comes to after a chaotic one is chance
@@ -80,7 +80,7 @@ def test_the_label_is_the_cheapest_within_the_accuracy(case: vibeam.Case, found:
     assert len(np.unique(found.label)) >= 2
 
 
-def test_shares_add_up_and_rows_say_where(found: vibeam.Verdict) -> None:
+def test_shares_add_up_and_rows_say_where(found: vibeam.FidelityMap) -> None:
     assert [model.name for model in found.models] == ["sdof", "two_modes", "beam"]
     assert sum(found.shares.values()) == pytest.approx(1.0)
     sdof, _, beam = found.rows
@@ -94,11 +94,11 @@ def test_shares_add_up_and_rows_say_where(found: vibeam.Verdict) -> None:
     assert sdof.bias == pytest.approx(shares.mean())
 
 
-def test_boundaries_have_other_motions_on_either_side(case: vibeam.Case, found: vibeam.Verdict) -> None:
+def test_boundaries_have_other_motions_on_either_side(case: vibeam.Case, found: vibeam.FidelityMap) -> None:
     """A thousandth of a row or column off each point the closed-form motions are not what they are on the other."""
-    system, factor = case.system("beam"), found.finest.points.gap[-1, 0] / found.axis.values[-1]
+    system, factor = case.system("beam"), found.finest.points.gap[-1, 0] / found.values[-1]
     curves = [curve for curve in found.boundaries if curve.fidelity == "beam"]
-    steps = 2 * np.pi * 1e-3 * np.ptp(found.frequency) / 12, 1e-3 * factor * np.ptp(found.axis.values) / 4
+    steps = 2 * np.pi * 1e-3 * np.ptp(found.frequency) / 12, 1e-3 * factor * np.ptp(found.values) / 4
     for curve in curves:
         at = len(curve.frequency) // 2
         omega, gap = 2 * np.pi * curve.frequency[at], factor * curve.value[at]
@@ -114,8 +114,8 @@ def test_boundaries_have_other_motions_on_either_side(case: vibeam.Case, found: 
 
 def test_over_a_key_that_changes_the_structure(case: vibeam.Case) -> None:
     """Rows of their own systems: the boundaries of each row are those of its case."""
-    found = vibeam.verdict(case, "mass.mass,frequency", "0.19 kg", "0.21 kg", 3, 7, verify=3)
-    assert found.axis.unit == "kg"
+    found = vibeam.fidelity_map(case, "mass.mass", "0.19 kg", "0.21 kg", 3, 7, verify=3)
+    assert found.plan.axes[0].unit == "kg"
     assert found.label.shape == (3, 7)
     heavy = vibeam.load(CASES / "dtu_neutral.toml", QUICK | {"mass.mass": "0.21 kg"})
     frequencies = 2 * np.pi * np.linspace(14, 17, 7)
@@ -128,7 +128,7 @@ def test_over_a_key_that_changes_the_structure(case: vibeam.Case) -> None:
 
 def test_chaos_is_told_by_the_sign_of_the_exponent() -> None:
     tight = vibeam.load(CASES / "dtu_neutral.toml", QUICK)
-    found = vibeam.verdict(tight, "frequency,gap", "-0.14 mm", "-0.13 mm", 2, 3, verify=0)
+    found = vibeam.fidelity_map(tight, "gap", "-0.14 mm", "-0.13 mm", 2, 3, verify=0)
     beam = found.finest
     assert (beam.kind == CHAOTIC).sum() >= 3
     assert np.all(beam.exponent[beam.kind == CHAOTIC] > 0)
@@ -152,15 +152,16 @@ def test_one_mode_that_rests_is_not_chaotic(
     one, blank = np.ones((1, 1)), np.zeros((1, 1, 1))
     points = GridPoints((system,), np.zeros((1, 1), dtype=int), one, one, one, None, {})
     found = dict.fromkeys(("amplitude", "period", "ended", "resting", "cpu_seconds"), blank)
-    judged = irregular.judged(case.sweep, points, found | {"state": np.zeros((1, 1, 1, 2 * modes))}, "amplitude")
+    swept = found | {"state": np.zeros((1, 1, 1, 2 * modes))}
+    judged = irregular.judged(points, swept, "amplitude", case.sweep.hold, case.sweep.output)
     assert judged["kind"].item() == kind
     assert judged["exponent"].item() == (-np.inf if kind == IRREGULAR else 1.0)
-    assert judged["value"].item() == np.mean([0.0, *range(7)])
+    assert judged["amplitude"].item() == np.mean([0.0, *range(7)])
 
 
 def test_places_between_are_as_the_map_says_and_a_wrong_map_is_found_out(case: vibeam.Case) -> None:
     """Period 1 all over, on a grid fine enough: all are right; with the labels' models swapped few are."""
-    found = vibeam.verdict(case, "frequency,gap", "-0.02 mm", "0.03 mm", 4, 13, "3 %", verify=0)
+    found = vibeam.fidelity_map(case, "gap", "-0.02 mm", "0.03 mm", 4, 13, "3 %", verify=0)
     checked = verified(found, 25)
     assert checked.decided.sum() >= 22
     assert checked.right >= 0.9 * checked.decided.sum()
@@ -235,18 +236,18 @@ def test_places_are_joined_from_row_to_row() -> None:
 )
 def test_faults_say_which_argument(case: vibeam.Case, given: dict[str, Any], words: str) -> None:
     with pytest.raises(ValueError, match=words):
-        vibeam.verdict(case, **given)
+        vibeam.fidelity_map(case, **given)
 
 
 def test_one_model_alone_has_no_verdict() -> None:
     alone = vibeam.load(CASES / "sdof_nominal.toml")
     with pytest.raises(ValueError, match="compares two models"):
-        vibeam.verdict(alone)
+        vibeam.fidelity_map(alone)
 
 
 @pytest.mark.parametrize("as_json", [False, True], ids=["tables", "json"])
-def test_the_command_prints_a_verdict_and_writes_its_files(tmp_path: Path, as_json: bool) -> None:
-    asked = ["verdict", str(CASES / "dtu_neutral.toml"), "--points", "2", "--frequencies", "3", "--out", f"{tmp_path}/"]
+def test_the_command_prints_the_map_and_writes_its_files(tmp_path: Path, as_json: bool) -> None:
+    asked = ["map", str(CASES / "dtu_neutral.toml"), "--picture", "verdict", "--points", "2,3", "--out", f"{tmp_path}/"]
     asked += [word for key, value in QUICK.items() for word in ("--set", f"{key}={value}")]
     asked += [
         "--from",
@@ -262,28 +263,40 @@ def test_the_command_prints_a_verdict_and_writes_its_files(tmp_path: Path, as_js
     printed = CliRunner().invoke(app, asked)
     assert printed.exit_code == 0, printed.output
     assert "To 2 % of the amplitude at the sensor" in printed.stdout
-    assert "Flown anew at 2 places between the map's" in printed.stdout
+    assert "Flown anew at 2 places between those of the map" in printed.stdout
     assert {path.name for path in tmp_path.iterdir()} >= {"dtu_neutral_verdict.csv", "dtu_neutral_verdict.png"}
     lines = (tmp_path / "dtu_neutral_verdict.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * 3 * 3 * 2
     if as_json:
-        told = json.loads(printed.stdout)
+        (told,) = json.loads(printed.stdout)["maps"]
         assert [row["fidelity"] for row in told["fidelities"]] == ["sdof", "two_modes", "beam"]
         assert sum(told["shares"].values()) == pytest.approx(1)
 
 
 def test_a_mistake_leaves_no_file(tmp_path: Path) -> None:
-    asked = ["verdict", str(CASES / "dtu_neutral.toml"), "--over", "gap,drive", "--out", f"{tmp_path}/"]
+    asked = [
+        "map",
+        str(CASES / "dtu_neutral.toml"),
+        "--picture",
+        "verdict",
+        "--over",
+        "gap,drive",
+        "--out",
+        f"{tmp_path}/",
+    ]
     printed = CliRunner().invoke(app, asked)
     assert printed.exit_code == 2
     assert "--over" in printed.stderr
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("over", ["gap", "frequency,gap", "gap, sweep.frequency"])
-def test_both_maps_are_asked_for_in_either_way(case: vibeam.Case, over: str) -> None:
-    assert keys_of(case, over) == "stop.gap"
-    assert second_name(over) == "gap"
+@pytest.mark.parametrize(
+    ("over", "counts"), [("gap", (4, 3)), ("frequency,gap", (3, 4)), ("gap, sweep.frequency", (4, 3))]
+)
+def test_a_plane_is_asked_for_in_either_way(case: vibeam.Case, over: str, counts: tuple[int, int]) -> None:
+    """Numbers of places are in the order of the words, the frequency is across."""
+    gap, frequency = axes_over(case, over, None, None, counts, "sdof")
+    assert (gap.key, len(gap.values), frequency.key, len(frequency.values)) == ("stop.gap", 4, "sweep.frequency", 3)
 
 
 GRID = '{ from = "1.9 rad/s", to = "2.9 rad/s", points = 5 }'
@@ -299,13 +312,16 @@ def driven(**drive: Any) -> Case:
 def test_boundaries_under_an_acceleration_are_those_of_its_amplitude_at_each_frequency(key: str) -> None:
     """B = A/Ω²: at each place of a curve one over the amplitude, the frequency held, has that amplitude."""
     case, ends = driven(acceleration=2e-3), RANGES.get(key, (None, None))
-    axis = second_axis(case, key, *ends, 3, case.system("one"))
-    hertz = np.linspace(case.sweep.frequency.min(), case.sweep.frequency.max(), 31)
-    points = plane_of(case, "one", axis, hertz, "amplitude").points
-    curves = [each for each in exact_boundaries(case, "one", points, axis, hertz) if each.boundary == "period doubling"]
-    places = [place for each in curves for place in zip(each.frequency, each.value, strict=True)]
+    axes = axes_over(case, key, *ends, (3, 31), "one")
+    curves = [each for each in boundaries_of(case, "one", axes)[0] if each.boundary == "period doubling"]
+    places = [
+        place
+        for each in curves
+        for part in each.parts()
+        for place in zip(each.frequency[part], each.value[part], strict=True)
+    ]
     assert len(places) >= 3
-    for frequency, value in places:
+    for frequency, value in places[:: -(-len(places) // 12)]:
         omega, own = 2 * np.pi * frequency, parse(TEXT, set={"drive": {"acceleration": 2e-3}} | {key: float(value)})
         level = value if key == "drive.acceleration" else 2e-3
         held = vibeam.boundaries(own.system("one"), (2e-5, 3e-3), omega, kinds=(vibeam.Kind.DOUBLING,))
@@ -314,23 +330,34 @@ def test_boundaries_under_an_acceleration_are_those_of_its_amplitude_at_each_fre
 
 def test_a_drive_s_range_is_written_in_its_unit() -> None:
     beam = vibeam.load(RIG, set={"drive": {"acceleration": "0.05 g"}})
-    axis = second_axis(beam, "drive.acceleration", "0.01 g", "1 m/s^2", 3, beam.system("sdof"))
-    assert (axis.name, axis.unit) == ("base acceleration", "m/s^2")
-    np.testing.assert_allclose(axis.values[[0, -1]], [0.0980665, 1.0])
+    axis, _ = axes_over(beam, "drive.acceleration", "0.01 g", "1 m/s^2", (3,), "sdof")
+    assert (axis.key, axis.unit) == ("drive.acceleration", "m/s^2")
+    np.testing.assert_allclose([axis.values[0], axis.values[-1]], [0.0980665, 1.0])
 
 
-@pytest.mark.parametrize(
-    ("drive", "told"),
-    [
-        ({"amplitude": 1e-3, "harmonic": [2], "harmonic_share": [0.1]},
-         "--set drive.harmonic: a fidelity map knows a drive of one harmonic: take drive.harmonic away"),
-        ({"amplitude": [1e-3, 2e-3], "frequency": ["1.9 rad/s", "2.9 rad/s"]},
-         "--set drive.amplitude: is a list over frequency, which has no one level to vary: write one number, "
-         "or vibeam stability"),
-    ],
-)  # fmt: skip
-def test_what_no_map_knows_is_told_at_its_key(drive: dict[str, Any], told: str) -> None:
+def test_a_drive_of_several_harmonics_is_refused_at_its_key() -> None:
+    drive = {"amplitude": 1e-3, "harmonic": [2], "harmonic_share": [0.1]}
     case = parse(TEXT, set={"drive": drive, "fidelity.other.set": {"stop.restitution": 0.8}})
     with pytest.raises(CaseError) as caught:
-        vibeam.verdict(case, "frequency,drive", fidelities=("one", "other"), points=2, frequencies=2)
-    assert str(caught.value) == told
+        vibeam.fidelity_map(case, "drive", fidelities=("one", "other"), points=2, frequencies=2)
+    assert str(caught.value) == (
+        "--set drive.harmonic: a fidelity map knows a drive of one harmonic: take drive.harmonic away"
+    )
+
+
+def test_a_budget_leaves_places_out_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A clock that goes on by 1 s a reading: 13 by 13 places take 1 s, of which 40 by 20 need 4.7."""
+    case = parse(TEXT, set={"fidelity.other.set": {"stop.restitution": 0.8}, "sweep.settle": 2, "sweep.hold": 2})
+    asked: Any = {"fidelities": ["one", "other"], "points": 40, "frequencies": 20, "verify": 0, "low": 0, "high": 2e-4}
+
+    def sizes(budget: float) -> tuple[int, ...]:
+        ticks = iter(range(9))
+        monkeypatch.setattr(study, "process_time", lambda: next(ticks))
+        found = vibeam.fidelity_map(case, **asked, budget=budget)
+        left = [note for note in sheet(found).notes if "in place of 40 x 20" in note]
+        assert len(left) == (found.label.shape != (40, 20))
+        return found.label.shape
+
+    assert sizes(1.5) == (13, 13)
+    assert sizes(1 + 800 / 169 / 4) == (20, 13)
+    assert sizes(100.0) == (40, 20)

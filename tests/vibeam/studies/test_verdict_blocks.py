@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import vibeam
+from vibeam.maps import evaluate, run
 from vibeam.maps.job import write_block
-from vibeam.studies.verdict import planes
 
 CASES = Path(__file__).parents[3] / "cases"
 QUICK = {"sweep.settle": 100, "sweep.hold": 20, "beam.elements": 8, "fidelity.beam.modes": 3}
@@ -31,18 +31,18 @@ def case() -> vibeam.Case:
 def rows(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """Blocks of two rows, and a list of those that were computed."""
     computed: list[Any] = []
-    whole = planes.evaluate_block
+    whole = run.evaluate_here
 
-    def counted(block: Any, threads: int | None = None) -> Any:
+    def counted(block: Any) -> Any:
         computed.append((block.grid.fidelity, block.first))
-        return whole(block, threads)
+        return whole(block)
 
-    monkeypatch.setattr(planes, "ROWS", 2)
-    monkeypatch.setattr(planes, "evaluate_block", counted)
+    monkeypatch.setattr(evaluate, "TOGETHER", 2)
+    monkeypatch.setattr(run, "evaluate_here", counted)
     return computed
 
 
-def assert_same(one: vibeam.Verdict, other: vibeam.Verdict) -> None:
+def assert_same(one: vibeam.FidelityMap, other: vibeam.FidelityMap) -> None:
     """Equal to the bit, times aside."""
     np.testing.assert_array_equal(one.label, other.label)
     for mine, theirs in zip(one.models, other.models, strict=True):
@@ -63,75 +63,50 @@ def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
             raise Interrupted
         write_block(path, folder, *given)
 
-    undisturbed = vibeam.verdict(case, fidelities=TWO, **CHAOTIC)
+    out = tmp_path / "m.h5"
+    undisturbed = vibeam.fidelity_map(case, fidelities=TWO, **CHAOTIC)
     assert len(rows) == 4
     assert any((model.kind == -2).any() for model in undisturbed.models)  # with chaos, whose bits say most
     with monkeypatch.context() as patch:
-        patch.setattr(planes, "write_block", ending)
+        patch.setattr(run, "write_block", ending)
         with pytest.raises(Interrupted):
-            vibeam.verdict(case, fidelities=TWO, **CHAOTIC, folder=tmp_path)
+            vibeam.fidelity_map(case, fidelities=TWO, **CHAOTIC, out=out)
     rows.clear()
-    told: list[str] = []
-    assert_same(vibeam.verdict(case, fidelities=TWO, **CHAOTIC, folder=tmp_path, tell=told.append), undisturbed)
+    told: list[Any] = []
+    found = vibeam.fidelity_map(case, fidelities=TWO, **CHAOTIC, out=out, progress=lambda *at: told.append(at))
+    assert_same(found, undisturbed)
     assert len(rows) == 2
-    assert len(told) == 4
-    assert "two_modes: 4 of 4 rows" in told
+    assert told[0] == (16, 32)
+    assert max(told) == (32, 32)
     rows.clear()
-    assert_same(vibeam.verdict(case, fidelities=TWO, **CHAOTIC, folder=tmp_path), undisturbed)
+    assert_same(vibeam.fidelity_map(case, fidelities=TWO, **CHAOTIC, out=out), undisturbed)
     assert rows == []
-
-
-def test_a_damaged_block_is_computed_anew_and_another_map_is_refused(
-    case: vibeam.Case, rows: list[Any], tmp_path: Path
-) -> None:
-    asked = CHAOTIC | {"points": 2, "fidelities": TWO}
-    whole = vibeam.verdict(case, **asked, folder=tmp_path)
-    file = next(tmp_path.glob("sdof*.npz"))
-    content = bytearray(file.read_bytes())
-    content[len(content) // 2] ^= 1
-    file.write_bytes(bytes(content))
-    rows.clear()
-    assert_same(vibeam.verdict(case, **asked, folder=tmp_path), whole)
-    assert rows == [("sdof", 0)]
+    assert vibeam.fidelity_map(case, fidelities=TWO, **CHAOTIC, accuracy="3 %", out=out).plan.accuracy == 0.03
+    assert rows == []  # nothing is flown for another accuracy
     for other in ({"quantity": "reach"}, {"frequencies": 3}, {"low": "-0.13 mm"}):
         with pytest.raises(vibeam.StoreError, match="another map"):
-            vibeam.verdict(case, **(asked | other), folder=tmp_path)
-    assert vibeam.verdict(case, **(asked | {"accuracy": "3 %"}), folder=tmp_path).accuracy == 0.03  # flies nothing
-
-
-def test_the_folder_beside_is_deleted_at_the_end_alone(tmp_path: Path) -> None:
-    path, folder = tmp_path / "rig_verdict.csv", tmp_path / "rig_verdict.csv.parts"
-    folder.mkdir()
-    (folder / "manifest").write_text("{}")
-    with pytest.raises(KeyboardInterrupt), planes.kept_beside(path):
-        raise KeyboardInterrupt
-    assert folder.is_dir()
-    with planes.kept_beside(path, fresh=True) as again:
-        assert not again.exists()
-        with pytest.raises(vibeam.StoreError, match="writing it"), planes.kept_beside(path):
-            pass
-    assert list(tmp_path.iterdir()) == []
+            vibeam.fidelity_map(case, fidelities=TWO, **(CHAOTIC | other), out=out)
 
 
 COMMAND = (
-    "dtu_neutral.toml --points 24 --frequencies 5 --from=-0.2mm --to=0mm --verify 0 --fidelity sdof"
+    "dtu_neutral.toml --picture verdict --points 24,5 --from=-0.2mm --to=0mm --verify 0 --fidelity sdof"
     " --fidelity two_modes --set sweep.settle=200 --set sweep.hold=30 --set beam.elements=8 --out"
 )  # fmt: skip
 
 
 def begun(out: Path) -> subprocess.Popen[bytes]:
-    words = [sys.executable, "-m", "vibeam", "verdict", *COMMAND.split(), str(out)]
+    words = [sys.executable, "-m", "vibeam", "map", *COMMAND.split(), str(out)]
     return subprocess.Popen(words, cwd=CASES, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_killed_at_any_instant_it_goes_on_to_the_same_bits(tmp_path: Path, seed: int) -> None:
-    undisturbed, killed = tmp_path / "undisturbed.csv", tmp_path / "killed.csv"
+    undisturbed, killed = tmp_path / "undisturbed.h5", tmp_path / "killed.h5"
     started = time.monotonic()
     assert begun(undisturbed).wait() == 0
     duration = time.monotonic() - started
-    rng, parts = np.random.default_rng(seed), tmp_path / "killed.csv.parts"
+    rng, parts = np.random.default_rng(seed), tmp_path / "killed.h5.parts"
     stored: dict[str, bytes] = {}
     for _ in range(2):
         process = begun(killed)
@@ -143,5 +118,5 @@ def test_killed_at_any_instant_it_goes_on_to_the_same_bits(tmp_path: Path, seed:
         assert stored.items() <= found.items()  # what was there is there, and the same
         stored = found
     assert begun(killed).wait() == 0
-    assert killed.read_bytes() == undisturbed.read_bytes()
+    assert killed.with_suffix(".csv").read_bytes() == undisturbed.with_suffix(".csv").read_bytes()
     assert not parts.exists()

@@ -95,8 +95,8 @@ MORE: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize(
     "name",
-    ["run", "modes", "cost", "fit", "limit", "stability", "uncertainty", "influence", "verdict", "reduce", "derive",
-     "check", "compare_measured", "identify_keys", "evaluate", "run_map"],
+    ["run", "modes", "cost", "fit", "limit", "stability", "uncertainty", "influence", "fidelity_map", "reduce",
+     "derive", "check", "compare_measured", "identify_keys", "evaluate", "run_map"],
 )  # fmt: skip
 def test_a_study_takes_the_file_of_a_case(name: str, tmp_path: Path) -> None:
     gone, study = tmp_path / "gone.toml", getattr(vibeam, name)

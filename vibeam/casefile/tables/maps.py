@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from vibeam.case.grid_keys import STARTS, MapPlan
+from vibeam.case.grid_keys import FREQUENCY, STARTS, MapPlan
 from vibeam.case.plans import MOST_POINTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import TEXT, Count, Quantity, ValueEntry, names
@@ -76,17 +76,38 @@ def random_complaints(path: KeyPath, table: SimpleNamespace) -> Iterator[Complai
         yield (*path, "spread"), "goes with starts: say how many, or leave it away"
 
 
+PLANES = ("stability", "verdict")
+#: pictures that a key goes with
+OF_PICTURE = {"accuracy": ("verdict",), "verify": ("verdict",), "periods": ("stability",),
+              "quantity": ("values", "verdict")}  # fmt: skip
+APART = ("direction", "quantities", "strobes", "starts")  # keys without a meaning for ``PLANES``
+
+
+def _own_keys(path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about keys that do not go with the picture."""
+    for name, pictures in OF_PICTURE.items():
+        if getattr(table, name) is not None and table.picture not in (*pictures, None):
+            yield (*path, name), f"goes with picture = {' or '.join(map(repr, pictures))}: omit it".replace("'", '"')
+    if table.picture in PLANES:
+        for name in APART:
+            if getattr(table, name) is not None:
+                yield (*path, name), f'does not go with picture = "{table.picture}": omit it'
+    if table.picture == "verdict" and table.quantity not in (None, "amplitude", "reach"):
+        yield (*path, "quantity"), 'of picture = "verdict" is "amplitude" or "reach"'
+
+
 def picture_complaints(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about what the picture needs and the axes give."""
     axes, starts = len(table.axes or ()), [axis.key_ for axis in table.axes or () if axis.key_ in STARTS]
     if table.picture == "spectra" and any((axis.key_ or "").endswith(".modes") for axis in table.axes or ()):
         yield (*path, "picture"), '"spectra" is of one number of modes: take another axis'
-    if table.quantity is not None and table.picture != "values":
-        yield (*path, "quantity"), 'goes with picture = "values": leave it away'
+    yield from _own_keys(path, table)
     if table.picture in ("bifurcation", "spectra") and axes > 1:
         yield (*path, "axes"), f'picture = "{table.picture}" is of one axis, not {axes}'
     elif table.picture == "period" and axes == 1:
         yield (*path, "axes"), 'picture = "period" is of two axes or three: add one, or write picture = "values"'
+    elif table.picture in PLANES and (axes != 2 or table.axes[-1].key_ not in (FREQUENCY, None)):
+        yield (*path, "axes"), f'picture = "{table.picture}" is of two axes, the last of them {FREQUENCY}'
     elif axes > 3:
         yield (*path, "axes"), f"{axes} axes cannot be drawn: three at most"
     if table.picture == "basins" and not starts and table.starts is None:
@@ -99,16 +120,6 @@ def picture_complaints(case: SimpleNamespace, path: KeyPath, table: SimpleNamesp
     hold = case.sweep.hold if table.hold is None else table.hold
     if table.strobes is not None and hold is not None and table.strobes > hold:
         yield (*path, "strobes"), f"{table.strobes} values need as many periods held: hold is {hold}"
-
-
-def direction_of(table: Any, keys: list[str], swept: str | None) -> str:
-    """Way of the last axis: as said, else apart where motions have starts of their own, else the sweep's.
-
-    Along a key that changes the modes nothing can be carried: also apart.
-    """
-    if table.direction is not None:
-        return str(table.direction)
-    return "apart" if table.starts is not None or any(key in STARTS for key in keys) else swept or "both"
 
 
 def count_of(axis: SimpleNamespace) -> int:

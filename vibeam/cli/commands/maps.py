@@ -1,4 +1,4 @@
-"""``vibeam map``, ``stability`` and ``verdict``: maps over keys of a case, computed block by block and drawn."""
+"""``vibeam map``: pictures over keys of a case, computed block by block and drawn."""
 
 from __future__ import annotations
 
@@ -9,86 +9,121 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibeam.cli.arguments import (
-    CaseFile,
-    Fresh,
-    Overrides,
-    TableFile,
-    folder,
-    load,
-    output_path,
-    run_study,
-    table_path,
-)
+from vibeam.cli.arguments import CaseFile, Fresh, Overrides, folder, load, output_path
 from vibeam.cli.errors import UsageError, of_case
-from vibeam.cli.output import print_result, print_sheet
+from vibeam.cli.output import print_sheet
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.grid_keys import MapPlan
     from vibeam.maps.cluster import Cluster
-    from vibeam.maps.run import MapResult
+    from vibeam.maps.result import MapResult
 
-Only = Annotated[
-    list[str] | None, typer.Option("--only", metavar="NAME", help="This map alone. Repeatable; absent = all.")
+
+def _option(name: str, said: str, **more: Any) -> Any:
+    return typer.Option(name, help=said, show_default=False, **more)
+
+
+Names = Annotated[
+    list[str] | None, typer.Argument(metavar="NAME", help="These maps of the case; absent = all that it has.")
 ]
-
 Out = Annotated[
     str | None,
     typer.Option(
-        "--out", metavar="FILE", show_default=False,
+        "--out", "-o", metavar="FILE", show_default=False,
         help="The map's file (.h5), or the folder for all; folders on the way are made; absent = the current folder.",
     ),
 ]  # fmt: skip
-
-Workers = Annotated[
+Picture = Annotated[
     str | None,
-    typer.Option(
-        "--cluster", metavar="ADDRESS", help="Compute by the workers of this Dask scheduler; or its scheduler file.",
-        show_default=False,
-    ),
-]  # fmt: skip
+    _option("--picture", "For a case without such a table: period, values, bifurcation, spectra, stability, verdict."),
+]
+Over = Annotated[
+    str | None, _option("--over", "gap, drive, restitution, frequency or a dotted key.", metavar="KEY[,KEY]")
+]
+Points = Annotated[str | None, _option("--points", "Values of each key, one number for all.", metavar="N[,M]")]
+Named = Annotated[list[str] | None, _option("--fidelity", "This fidelity. Repeatable; absent = all.")]
+Workers = Annotated[
+    str | None, _option("--cluster", "Workers of this Dask scheduler, or its scheduler file.", metavar="ADDRESS")
+]
 
 
 def map(
-    case: CaseFile, set_: Overrides = None, out: Out = None, only: Only = None,
-    fresh: Fresh = False, cluster: Workers = None,
-) -> None:  # fmt: skip
-    """Map a case over any of its keys, or continue a map."""
+    case: CaseFile,
+    names: Names = None,
+    set_: Overrides = None,
+    out: Out = None,
+    picture: Picture = None,
+    over: Over = None,
+    low: Annotated[str | None, _option("--from", "First value of the key, with its unit.")] = None,
+    high: Annotated[str | None, _option("--to", "Its last value.")] = None,
+    points: Points = None,
+    frequencies: Annotated[int | None, typer.Option("--frequencies", hidden=True)] = None,
+    accuracy: Annotated[str | None, _option("--accuracy", "Of verdict: how near the finest model.")] = None,
+    quantity: Annotated[str | None, _option("--quantity", "Of values and verdict: amplitude, reach, …")] = None,
+    periods: Annotated[int | None, _option("--periods", "Of stability: from impact to impact.", min=1)] = None,
+    verify: Annotated[int | None, _option("--verify", "Of verdict: places flown anew.", min=0)] = None,
+    fidelity: Named = None,
+    fresh: Fresh = False,
+    cluster: Workers = None,
+) -> None:
+    """Draw motions over keys: period, stability, verdict.
+
+    A map of the case is called by its name, and goes on where it was stopped; --picture makes one that has no table.
+
+    \b
+    Examples:
+      vibeam map cases/maps/fig18.toml fig18
+      vibeam map cases/dtu_neutral.toml --picture verdict --over gap --accuracy "2 %"
+    """
     loaded = load(case, set_)
-    names = _names(loaded, only)
-    rows: list[Any] = []
-    motions: list[Any] = []
-    notes: list[str] = []
-    files: list[Path] = []
-    for name in names:
-        path = _path(loaded, out, name, len(names))
-        result = _computed(case, loaded, name, path, fresh, cluster)
-        drawn, said = _drawn(result)
-        rows += _rows(result)
-        motions += _motions(result)
-        notes += [f"{name}: {each}" for each in said]
-        files += [path, *drawn]
+    asked = {
+        "over": over, "low": low, "high": high, "points": _counts(points, frequencies), "accuracy": accuracy,
+        "quantity": quantity, "periods": periods, "verify": verify, "fidelities": fidelity,
+    }  # fmt: skip
+    given = {name: value for name, value in asked.items() if value is not None}
+    plans = of_case(case, lambda: _plans(loaded, names or [], picture, given))
+    found, notes, files = [], dict[str, list[str]](), list[Path]()
+    for plan in plans:
+        path = _path(loaded, out, plan.name, len(plans))
+        drawn, notes[plan.name], written = of_case(case, lambda: _drawn(_computed(loaded, plan, path, fresh, cluster)))  # noqa: B023
+        found.append(drawn)
+        files += written
+    from vibeam.report.maps.page import sheet_of
 
-    def tables(_: Any) -> list[Any]:
-        from vibeam.figures.units import units_of
-        from vibeam.report.maps import page as made
-
-        units = units_of(loaded, length=max((each.amplitude for each in motions), default=0.0))
-        return [made.shares(rows), *([made.motions(motions, units)] if motions else [])]
-
-    found = {"maps": rows} | ({"motions": motions} if motions else {})
-    print_result(found | {"remarks": notes, "files": files}, tables, [*notes, *files])
+    print_sheet(sheet_of(found, notes), files)
 
 
-def _names(case: Case, only: list[str] | None) -> list[str]:
+def _counts(points: str | None, frequencies: int | None) -> tuple[int, ...] | None:
+    """Numbers of ``--points``, each 2 or more."""
+    if points is None:
+        return None
+    try:
+        found = tuple(int(each) for each in points.split(","))
+    except ValueError:
+        raise UsageError(f"--points {points}: write whole numbers, 61 or 61,41") from None
+    if min(found) < 2:
+        raise UsageError(f"--points {points}: an axis has 2 values or more")
+    return found if frequencies is None else (*found[:1], frequencies)
+
+
+def _plans(case: Case, names: list[str], picture: str | None, asked: dict[str, Any]) -> list[MapPlan]:
+    """The maps that are named, or all; with options the one that they ask for."""
     from vibeam.exchange.faults import suggest
+    from vibeam.maps.plan import plan_over
 
-    if not case.maps:
-        raise UsageError(f"{case.path}: the case has no map: add a table [map.NAME] (vibeam keys map)")
-    unknown = [name for name in only or () if name not in case.maps]
-    if unknown:
-        raise UsageError("\n".join(f"--only {name}: no such map; {suggest(name, case.maps)}" for name in unknown))
-    return only or list(case.maps)
+    unknown = [name for name in names if name not in case.maps]
+    if unknown and case.maps:
+        raise UsageError("\n".join(f"{name}: no such map; {suggest(name, case.maps)}" for name in unknown))
+    if names and (picture or asked):
+        raise UsageError(f"{names[0]}: a map of the case says these itself: --set map.{names[0]}.KEY=VALUE")
+    tables = [plan for plan in case.maps.values() if picture in (None, plan.picture)]
+    if asked or (picture and not tables):
+        return [plan_over(case, picture or "period", **asked)]
+    if not tables or unknown:
+        cure = "write vibeam map CASE --picture stability (verdict, period, …), or add a table [map.NAME]"
+        raise UsageError(f"{case.path}: the case has no map: {cure} (vibeam keys map)")
+    return [case.maps[name] for name in names] or tables
 
 
 def _path(case: Case, out: str | None, name: str, count: int) -> Path:
@@ -96,19 +131,18 @@ def _path(case: Case, out: str | None, name: str, count: int) -> Path:
     own = f"{case.path.stem}_{name}.h5"
     if out is not None and count > 1:
         if Path(out).suffix and not Path(out).is_dir():
-            raise UsageError(f"{out}: the case has {count} maps: name a folder, or one of them by --only")
+            raise UsageError(f"{out}: the case has {count} maps: name a folder, or one of them behind the case")
         return folder(Path(out)) / own
     return output_path(out, own, (".h5",), "the file of a map")
 
 
-def _computed(case: Path, loaded: Case, name: str, path: Path, fresh: bool, where: str | None) -> MapResult:
+def _computed(case: Case, plan: MapPlan, path: Path, fresh: bool, where: str | None) -> MapResult:
     from vibeam.cli.progress import Bar
     from vibeam.maps.run import run_map
 
-    with _workers(where) as cluster, Bar(f"map {name}") as bar:
-        return of_case(
-            case, lambda: run_map(loaded, name, path, fresh=fresh, progress=bar, partial=_sketch, cluster=cluster)
-        )
+    swept = plan.picture not in ("stability", "verdict")
+    with _workers(where) as cluster, Bar(f"map {plan.name}") as bar:
+        return run_map(case, plan, path, fresh=fresh, progress=bar, partial=_sketch if swept else None, cluster=cluster)
 
 
 @contextmanager
@@ -129,95 +163,17 @@ def _sketch(result: MapResult) -> None:
     """Draw what is known so far."""
     from vibeam.report.maps.page import write_map
 
-    write_map(result, _picture(result.path), exact=False)
+    write_map(result, result.path.with_suffix(".png"), exact=False)
 
 
-def _picture(path: Path) -> Path:
-    return path.with_suffix(".png")
-
-
-def _drawn(result: MapResult) -> tuple[list[Path], list[str]]:
+def _drawn(result: MapResult) -> tuple[Any, list[str], list[Path]]:
+    """The study of a map, notes on its picture, and all files, of which the picture and a table are written."""
     from vibeam.figures.files import paths_of
-    from vibeam.report.maps.page import write_map
+    from vibeam.report.maps.page import rows_of_csv, study_of, write_map
+    from vibeam.report.output import write_csv
 
-    figures = paths_of(result.path, result.case.figure)
-    return figures, write_map(result, *figures)
-
-
-def _rows(result: MapResult) -> list[Any]:
-    from vibeam.maps.result import rows_of
-
-    return list(rows_of(result))
-
-
-def _motions(result: MapResult) -> list[Any]:
-    """Coexisting motions of a map that shows them."""
-    if result.plan.picture != "basins":
-        return []
-    from vibeam.maps.motions import motions_of
-
-    return list(motions_of(result))
-
-
-def stability(
-    case: CaseFile,
-    set_: Overrides = None,
-    out: TableFile = None,
-    over: Annotated[str, typer.Option("--over", help="What changes beside the frequency: gap or drive.")] = "gap",
-    low: Annotated[str | None, typer.Option("--from", help="Its first value, with unit.", show_default=False)] = None,
-    high: Annotated[str | None, typer.Option("--to", help="Its last value, with unit.", show_default=False)] = None,
-    points: Annotated[int, typer.Option("--points", min=2, help="How many values of it.")] = 101,
-    frequencies: Annotated[int, typer.Option("--frequencies", min=2, help="How many drive frequencies.")] = 161,
-    periods: Annotated[int, typer.Option("--periods", min=1, help="Drive periods from impact to impact.")] = 1,
-    fidelity: Annotated[
-        str | None, typer.Option("--fidelity", help="This one alone; absent = all.", show_default=False)
-    ] = None,
-) -> None:
-    """Map where periodic motions exist and are stable.
-
-    The axes are frequency and gap or drive.
-    """
-    from vibeam.report.stability import sheet
-    from vibeam.studies.stability.study import stability as mapped
-
-    loaded = load(case, set_)
-    path = table_path(loaded, out, "stability")
-    found = sheet(of_case(case, lambda: mapped(loaded, over, low, high, points, frequencies, periods, fidelity)))
-    print_sheet(found, found.write(path, loaded.figure))
-
-
-Over = Annotated[str, typer.Option("--over", help="frequency and gap, drive, restitution or any dotted key.")]
-
-
-def verdict(
-    case: CaseFile,
-    set_: Overrides = None,
-    out: TableFile = None,
-    over: Over = "frequency,gap",
-    low: Annotated[str | None, typer.Option("--from", help="First value, with unit.", show_default=False)] = None,
-    high: Annotated[str | None, typer.Option("--to", help="Last value, with unit.", show_default=False)] = None,
-    points: Annotated[int, typer.Option("--points", min=2, help="How many values of it.")] = 61,
-    frequencies: Annotated[int, typer.Option("--frequencies", min=2, help="How many drive frequencies.")] = 61,
-    accuracy: Annotated[str, typer.Option("--accuracy", help="How near the finest model.")] = "1 %",
-    quantity: Annotated[str, typer.Option("--quantity", help="Of what: amplitude or reach.")] = "amplitude",
-    verify: Annotated[int, typer.Option("--verify", min=0, help="At how many places to fly anew.")] = 24,
-    fidelity: Annotated[
-        list[str] | None, typer.Option("--fidelity", help="This one; repeatable; absent = all.", show_default=False)
-    ] = None,
-    fresh: Fresh = False,
-) -> None:
-    """Map the cheapest model that suffices, and where models differ in kind; or continue such a map.
-
-    The axes are frequency and another key of the case. Kinds: period, coexisting motions, chaos.
-    """
-    from vibeam.report.verdict import sheet
-    from vibeam.studies.verdict.planes import kept_beside
-    from vibeam.studies.verdict.study import verdict as judge
-
-    loaded = load(case, set_)
-    path = table_path(loaded, out, "verdict")
-    asked = over, low, high, points, frequencies, accuracy, quantity, fidelity, verify
-    with kept_beside(path, fresh) as folder:
-        found = sheet(run_study(case, loaded, lambda own, tell: judge(own, *asked, tell, folder)))
-        files = found.write(path, loaded.figure)
-    print_sheet(found, files)
+    found, figures = study_of(result), paths_of(result.path, result.case.figure)
+    notes, rows, table = write_map(found, *figures), rows_of_csv(found), result.path.with_suffix(".csv")
+    if rows:
+        write_csv(rows, table)
+    return found, notes, [result.path, *([table] if rows else []), *figures]

@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of
 from vibeam.maps.motions import Labelled, counted, label
-from vibeam.report.maps.axes import edges, shown_axis
+from vibeam.report.maps.labels import edges, shown_axis
 from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of, shade
 from vibeam.figures.units import motion_of, units_of
 from vibeam.maps.closed_form import ClosedForm, closed_form_strobes
-from vibeam.report.maps.axes import shown_axis
+from vibeam.report.maps.labels import shown_axis
 
 if TYPE_CHECKING:
     from vibeam.maps.run import MapResult

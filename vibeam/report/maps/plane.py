@@ -1,115 +1,232 @@
-"""Maps over a plane: the class of the motion, or a quantity, with exact boundaries drawn over it."""
+"""Planes of two keys: panels on one scale, cells by class or quantity, exact boundaries and the case's own line."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS
 from vibeam.figures.page import PAGE, plain
-from vibeam.figures.style import COLOURS
-from vibeam.maps.closed_form import boundaries_over
+from vibeam.figures.style import COLOURS, name_of
+from vibeam.maps.axes import own_value
+from vibeam.maps.boundaries import KINDS, PlaneBoundary, boundaries_of
 from vibeam.observe.periodicity import classes
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.report.maps.axes import MapPanel, ShownAxis, cells, edges, panels, quantity_label, shown_axis
-from vibeam.report.planes import BOUNDARIES, boundary_keys
+from vibeam.report.maps.labels import ShownAxis, cells, edges, quantity_label, shown_axis
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.case.fidelity import Model
-    from vibeam.case.grid_keys import AxisPlan
-    from vibeam.maps.run import MapResult
-    from vibeam.system.impact_system import ImpactSystem
+    from vibeam.maps.evaluate import GridResponse
+    from vibeam.maps.result import MapResult
 
+BOUNDARIES: dict[Kind, dict[str, Any]] = {
+    Kind.FOLD: {"color": "black"},
+    Kind.GRAZING: {"color": "#009E73"},
+    Kind.TOUCHING: {"color": "#7A5C00", "linestyle": (0, (4, 1.5))},
+    Kind.DOUBLING: {"color": "#D55E00"},
+    Kind.NEIMARK_SACKER: {"color": "#AA4499"},
+}
+HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.8)  # a boundary is seen over cells of its colour too
+OWN: dict[str, Any] = {"color": "0.35", "linestyle": ":", "linewidth": 1.0}
+COLUMNS = 3  # models beside each other
+LETTERS = "abcdefghijklmnopqrstuvwxyz"
+SHADES = {
+    "no impact": "#D9D9D9",
+    "period 1": COLOURS[0],
+    "period 2": COLOURS[1],
+    "period 3 … 16": COLOURS[3],
+    "not periodic": "#FFFFFF",
+    "failed": "#333333",
+    "not computed yet": "#F7E9C6",
+}  #: classes of the motion, in the order of ``observe.periodicity.Class``
 
-FEWEST, MOST = 41, 81  # points of the grid along each axis, on which boundaries are looked for
+Handles = list[Any]
+Draw = Callable[[Axes, Array, Array], None]
 
 
 @dataclass(frozen=True)
-class DrawnBoundary:
-    """Part of a boundary with an admissible motion: values of the last axis and of the one above, SI."""
+class PlanePanel:
+    """One panel: its place, title, the name of its row, what draws its cells, and boundaries to lay over them."""
 
-    kind: Kind
-    across: Array
-    upward: Array
-
-
-def boundaries_of(
-    case: Case, fidelity: str, axes: Sequence[AxisPlan], outer: Sequence[tuple[str, float]]
-) -> tuple[list[DrawnBoundary], str]:
-    """Boundaries over the last two of ``axes``, the others as in ``outer``; or why there are none.
-
-    They are known over the drive frequency and either the level of the drive or the gap, on a platform too.
-    """
-    upward, across = axes[-2:]
-    if across.key != FREQUENCY or upward.key not in (GAP, *LEVELS):
-        return [], "no exact boundaries: they are known over frequency and drive or gap"
-    own = case.model(fidelity).at(dict(outer))
-    system = own.system()
-    if system.beyond_plain:
-        return [], f"no exact boundaries of {fidelity}: no closed form knows {' or '.join(system.beyond_plain)}"
-    omega = 2 * np.pi * _grid(across.values)
-    if upward.key != GAP:
-        return _over_level(own.at({upward.key: 1.0}), system, omega, np.sort(upward.values))
-    low, high = (own.at({GAP: value}).system().gap for value in (min(upward.values), max(upward.values)))
-    gaps, slope = np.linspace(low, high, len(_grid(upward.values))), np.ptp(upward.values) / (high - low)
-    if not np.all(own.amplitude(omega)):
-        return [], "no exact boundaries: a drive above 0 is needed"
-    found = boundaries_over(system, "gap", omega, gaps, low, lambda at_: np.asarray(own.amplitude(at_)))
-    return [
-        DrawnBoundary(each.kind, each.frequency, min(upward.values) + slope * (each.value - low)) for each in found
-    ], ""
+    row: int
+    column: int
+    title: str
+    draw: Draw
+    boundaries: Sequence[PlaneBoundary] = ()
+    side: str = ""
 
 
-def _over_level(unit: Model, system: ImpactSystem, omega: Array, levels: Array) -> tuple[list[DrawnBoundary], str]:
-    """Boundaries over frequency and a level of the drive, ``unit``: the model with a level of 1."""
-    known = levels[levels > 0]
-    if len(known) < 2 or not np.all(unit.amplitude(omega)):
-        return [], "no exact boundaries: a range of drives above 0 is needed"
-    rows = np.linspace(known[0], known[-1], len(_grid(levels)))
-    found = boundaries_over(system, "amplitude", omega, rows, system.gap, lambda at: np.asarray(unit.amplitude(at)))
-    return [DrawnBoundary(each.kind, each.frequency, each.value) for each in found], ""
+@dataclass(frozen=True)
+class MapPanel:
+    """One fidelity and way, at one value of the outer axis where there are three: where it stands, what it shows."""
+
+    row: int
+    column: int
+    title: str
+    side: str
+    fidelity: str
+    way: int
+    outer: tuple[tuple[str, float], ...] = ()
+    index: int | None = None  # along the outer axis
+
+    def of(self, response: GridResponse, quantity: str) -> NDArray[Any]:
+        """One quantity of this panel, over the last two axes."""
+        values = response.values[quantity][self.way]
+        return np.asarray(values if self.index is None else values[self.index])
 
 
-def _grid(values: Sequence[float] | Array) -> Array:
-    """Even grid over the range of an axis, ascending."""
-    return np.linspace(min(values), max(values), min(max(len(values), FEWEST), MOST))
+def panels(result: MapResult) -> Iterator[MapPanel]:
+    """Panels of a map: a row for each fidelity and way, a column for each value of the outer axis."""
+    outer = result.plan.axes[0] if len(result.plan.axes) == 3 else None
+    shown = None if outer is None else shown_axis(result.case, outer)
+    ways = [
+        (fidelity, way, called) for fidelity, each in result.responses.items() for way, called in enumerate(each.ways)
+    ]
+    for row, (fidelity, way, called) in enumerate(ways):
+        side = name_of(result.case, fidelity) + ("" if called == "apart" else f", {called}")
+        if outer is None or shown is None:
+            yield MapPanel(row, 0, "", side, fidelity, way)
+            continue
+        for column, value in enumerate(outer.values):
+            title = f"({LETTERS[column % 26]}) {shown.text(value)}"
+            yield MapPanel(row, column, title, side, fidelity, way, ((outer.key, value),), column)
 
 
-Handles = list[Any]
-HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.8)  # a boundary is seen over cells of its colour too
+def place_of(number: int) -> tuple[int, int]:
+    """Row and column of a model's panel."""
+    return divmod(number, COLUMNS)
+
+
+def page_size(rows: int, columns: int, around: float = 1.3) -> tuple[float, float]:
+    """Size of the figure in inches; ``around``: for titles and legend."""
+    return 5.8 if columns == 1 else 2.7 * columns + 0.8, max(3.6, 2.2 * rows + around)
 
 
 def size_of(result: MapResult) -> tuple[float, float]:
-    """Size of the figure in inches: a row for each fidelity and way, a column for each panel."""
+    """Size of the figure of a swept map."""
     shown = list(panels(result))
-    columns, rows = max(each.column for each in shown) + 1, max(each.row for each in shown) + 1
-    width = 5.8 if columns == 1 else 2.7 * columns + 0.8
-    return width, max(3.6, 2.2 * rows + 1.3)
+    return page_size(max(each.row for each in shown) + 1, max(each.column for each in shown) + 1)
+
+
+def draw_planes(figure: Figure, result: MapResult, shown: Sequence[PlanePanel]) -> Handles:
+    """Draw all panels with their boundaries and the case's own value; return the legend of these lines."""
+    rows, columns = max(each.row for each in shown) + 1, max(each.column for each in shown) + 1
+    grid: Any = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    page = _Page.of(result)
+    for panel in shown:
+        page.draw(grid[panel.row, panel.column], panel, first=panel.column == 0 and rows > 1)
+    taken = {(panel.row, panel.column) for panel in shown}
+    for row, column in np.ndindex(rows, columns):
+        if (row, column) not in taken:
+            grid[row, column].set_axis_off()
+        elif (row + 1, column) not in taken:
+            grid[row, column].set_xlabel(page.across.label)
+            grid[row, column].tick_params(labelbottom=True)
+    if page.upward is not None:
+        figure.supylabel(page.upward.label, fontsize=PAGE["font.size"])
+    return page.legend()
+
+
+@dataclass
+class _Page:
+    """Axes that all panels share, and what is drawn in any of them."""
+
+    across: ShownAxis
+    upward: ShownAxis | None
+    x: Array
+    y: Array
+    own: float
+    kinds: set[Kind] = field(default_factory=set)
+
+    @classmethod
+    def of(cls, result: MapResult) -> _Page:
+        """Axes of a map as they are shown."""
+        case, axes = result.case, result.plan.axes
+        known = next(iter(result.responses.values())).axes
+        across = shown_axis(case, axes[-1])
+        x = known[across.key] * across.factor
+        if len(axes) == 1:
+            return cls(across, None, x, np.zeros(1), float("nan"))
+        upward = shown_axis(case, axes[-2])
+        own = own_value(case, upward.key) * upward.factor
+        return cls(across, upward, x, known[upward.key] * upward.factor, own)
+
+    def draw(self, axes: Axes, panel: PlanePanel, first: bool) -> None:
+        panel.draw(axes, self.x, self.y)
+        axes.set_title(plain(panel.title))
+        axes.set_ylabel(plain(panel.side) if first else "")
+        axes.set_xlim(edges(self.x)[[0, -1]].min(), edges(self.x)[[0, -1]].max())
+        axes.set_ylim(edges(self.y)[[0, -1]].min(), edges(self.y)[[0, -1]].max())
+        if self.upward is None:
+            axes.set_yticks([])
+            return
+        for number, each in enumerate(panel.boundaries):
+            for part in each.parts():
+                self._line(axes, each, part, f"{each.kind.name.lower()}-{number}-{part[0]}")
+        if self.inside:
+            axes.axhline(self.own, gid="own", **OWN)
+
+    @property
+    def inside(self) -> bool:
+        """Test whether the case's own value lies on the map."""
+        return bool(self.y.min() <= self.own <= self.y.max())
+
+    def _line(self, axes: Axes, each: PlaneBoundary, part: NDArray[np.int64], name: str) -> None:
+        """Draw a piece of a boundary, one of a single point as a dot."""
+        alone: dict[str, Any] = {"marker": ".", "markersize": 4.0} if len(part) == 1 else {}
+        up = self.upward.factor if self.upward else 1.0
+        axes.plot(
+            each.frequency[part] * self.across.factor, each.value[part] * up, linewidth=1.1, path_effects=[HALO],
+            gid=name, **BOUNDARIES[each.kind], **alone,
+        )  # fmt: skip
+        self.kinds.add(each.kind)
+
+    def legend(self) -> Handles:
+        """Entries of the boundaries that are drawn, and of the case's own value."""
+        lines = [
+            Line2D([], [], label=f"exact: {KINDS[kind]}", linewidth=1.1, **look)
+            for kind, look in BOUNDARIES.items()
+            if kind in self.kinds
+        ]
+        own = self.upward is not None and self.inside
+        return [*lines, *([Line2D([], [], label="the case's own", **OWN)] if own else [])]
+
+
+def shade(axes: Axes, x: Array, y: Array, found: NDArray[Any], colours: Iterable[str]) -> None:
+    """Draw a cell for each point, ``found`` (upward, across): the number of its colour."""
+    shades = list(colours)
+    axes.pcolormesh(
+        edges(x), edges(y), found, cmap=ListedColormap(shades), vmin=-0.5, vmax=len(shades) - 0.5, rasterized=True
+    )
+
+
+def swatch(colour: str, label: str) -> Artist:
+    """Legend entry of a class."""
+    return Patch(facecolor=colour, edgecolor="0.6", linewidth=0.5, label=label)
 
 
 def period(figure: Figure, result: MapResult, exact: bool) -> tuple[Handles, list[str]]:
     """Draw the class of the motion; ``exact``: with boundaries. Returns legend and notes."""
     seen: set[int] = set()
 
-    def draw(axes: Axes, panel: MapPanel, across: NDArray[Any], upward: NDArray[Any]) -> None:
+    def draw(axes: Axes, panel: MapPanel, x: Array, y: Array) -> None:
         response = result[panel.fidelity]
         found = cells(classes(*(panel.of(response, name) for name in ("period", "rest", "ended"))))
         seen.update(np.unique(found).tolist())
-        draw_classes(axes, across, upward, found)
+        shade(axes, x, y, found, SHADES.values())
 
-    drawn, notes = _plane(figure, result, draw, exact)
-    marks = [Line2D([], [], **key(each)) for each in sorted(seen)]
+    drawn, notes = _swept(figure, result, draw, exact)
+    marks = [swatch(colour, name) for number, (name, colour) in enumerate(SHADES.items()) if number in seen]
     return [*marks, *drawn], notes
 
 
@@ -123,89 +240,28 @@ def values(figure: Figure, result: MapResult, exact: bool) -> tuple[Handles, lis
     norm = TwoSlopeNorm(0.0, low, high) if signed else Normalize(low, high)
     meshes: list[Any] = []
 
-    def draw(axes: Axes, panel: MapPanel, across: NDArray[Any], upward: NDArray[Any]) -> None:
+    def draw(axes: Axes, panel: MapPanel, x: Array, y: Array) -> None:
         shown = cells(panel.of(result[panel.fidelity], quantity)).astype(float)
-        meshes.append(
-            axes.pcolormesh(
-                edges(across), edges(upward), shown, cmap="RdBu_r" if signed else "viridis", norm=norm, rasterized=True
-            )
-        )
+        colours = "RdBu_r" if signed else "viridis"
+        meshes.append(axes.pcolormesh(edges(x), edges(y), shown, cmap=colours, norm=norm, rasterized=True))
 
-    drawn, notes = _plane(figure, result, draw, exact)
+    drawn, notes = _swept(figure, result, draw, exact)
     bar = figure.colorbar(meshes[0], ax=figure.axes, shrink=0.9)
     bar.set_label(quantity_label(result, quantity))
     return drawn, notes
 
 
-def _plane(
-    figure: Figure, result: MapResult, draw: Callable[[Axes, MapPanel, Any, Any], None], exact: bool
+def _swept(
+    figure: Figure, result: MapResult, draw: Callable[[Axes, MapPanel, Array, Array], None], exact: bool
 ) -> tuple[Handles, list[str]]:
-    """Draw every panel, its axes and, where asked for, the boundaries."""
-    plan, shown = result.plan, list(panels(result))
-    columns, rows = max(each.column for each in shown) + 1, max(each.row for each in shown) + 1
-    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    across = shown_axis(result.case, plan.axes[-1])
-    upward = shown_axis(result.case, plan.axes[-2]) if len(plan.axes) > 1 else None
-    lines: dict[Kind, None] = {}
+    """Draw every panel of a swept map, with boundaries where asked for."""
     notes: dict[str, None] = {}
-    for panel in shown:
-        axes, response = grid[panel.row, panel.column], result[panel.fidelity]
-        x = response.axes[across.key] * across.factor
-        y = np.zeros(1) if upward is None else response.axes[upward.key] * upward.factor
-        draw(axes, panel, x, y)
-        axes.set_xlim(edges(x)[[0, -1]].min(), edges(x)[[0, -1]].max())
-        if panel.row == 0 and panel.title:
-            axes.set_title(plain(panel.title))
-        if upward is not None and exact:
-            _overlay(axes, result, panel, across, upward, lines, notes)
-        if upward is None:
-            axes.set_yticks([])
-    for row in range(rows):
-        side = next(each.side for each in shown if each.row == row)
-        grid[row, 0].set_ylabel(plain(side) if rows > 1 else "")
-    for axes in grid[-1]:
-        axes.set_xlabel(across.label)
-    if upward is not None:
-        figure.supylabel(upward.label, fontsize=PAGE["font.size"])
-    return [key for kind in lines for key in boundary_keys([kind], 1.0, "exact: ")], list(notes)
-
-
-def _overlay(
-    axes: Axes, result: MapResult, panel: MapPanel, across: ShownAxis, upward: ShownAxis, lines: dict[Kind, None],
-    notes: dict[str, None],
-) -> None:  # fmt: skip
-    """Lay the exact boundaries over a panel."""
-    found, why = boundaries_of(result.case, panel.fidelity, result.plan.axes, panel.outer)
-    limits = axes.get_xlim(), axes.get_ylim()
-    for each in found:
-        axes.plot(
-            each.across * across.factor, each.upward * upward.factor, linewidth=1.0, path_effects=[HALO],
-            **BOUNDARIES[each.kind],
-        )  # fmt: skip
-        lines.setdefault(each.kind)
-    axes.set_xlim(limits[0])
-    axes.set_ylim(limits[1])
-    if why:
-        notes.setdefault(why)
-
-
-CALLED = ("no impact", "period 1", "period 2", "period 3 … 16", "not periodic", "failed", "not computed yet")
-SHADES = ("#D9D9D9", COLOURS[0], COLOURS[1], COLOURS[3], "#FFFFFF", "#333333", "#F7E9C6")
-
-
-def draw_classes(
-    axes: Axes, across: NDArray[np.float64], upward: NDArray[np.float64], found: NDArray[np.int_]
-) -> None:  # fmt: skip
-    """Draw a cell for each point, ``found`` (upward, across), its colour by its class."""
-    axes.pcolormesh(
-        edges(across), edges(upward), found, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=len(SHADES) - 0.5,
-        rasterized=True,
-    )  # fmt: skip
-
-
-def key(found: int) -> dict[str, Any]:
-    """Look of a class in the legend."""
-    return {
-        "color": SHADES[found], "markeredgecolor": "0.4", "markeredgewidth": 0.5, "linestyle": "", "marker": "s",
-        "label": CALLED[found],
-    }  # fmt: skip
+    shown = []
+    for panel in panels(result):
+        found: list[PlaneBoundary] = []
+        if exact and len(result.plan.axes) > 1:
+            found, why = boundaries_of(result.case, panel.fidelity, result.plan.axes, panel.outer)
+            notes.update({why: None} if why else {})
+        drawn = lambda axes, x, y, panel=panel: draw(axes, panel, x, y)  # noqa: E731
+        shown.append(PlanePanel(panel.row, panel.column, panel.title, drawn, found, panel.side))
+    return draw_planes(figure, result, shown), list(notes)

@@ -11,7 +11,7 @@ from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of
 from vibeam.figures.units import amplitude_of, units_of
 from vibeam.maps.spectra import LineSpectrum, spectra_along
-from vibeam.report.maps.axes import shown_axis
+from vibeam.report.maps.labels import shown_axis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

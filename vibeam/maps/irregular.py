@@ -1,4 +1,4 @@
-"""Motions of one model over the plane: how large, of which kind, how many coexist; the mean of those without repeat.
+"""Kinds of swept motions: period, no contact, chaos or another motion that does not repeat; the mean of the latter.
 
 A motion that does not repeat within 16 drive periods has no amplitude of its own: it goes on for some more readings of
 the hold's length, and what stands for it is their mean with its standard error. One that has settled by then was slow,
@@ -9,8 +9,7 @@ rests.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,88 +19,40 @@ from vibeam.batches.points import changed
 from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.solver import exact_solver, reading_of
-from vibeam.maps.block import Values
 from vibeam.maps.points import GridPoints
+from vibeam.store.blocks import Values
 from vibeam.system.response import Ended
 from vibeam.system.state import State
-from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.case.plans import SweepPlan
 
 Kinds = NDArray[np.int64]
-WAYS = ("up", "down")
 NO_CONTACT, IRREGULAR, CHAOTIC, FAILED = -1, 0, -2, -3  #: kinds beside the period 1 … 16
-APART = 1e-3  # difference of two amplitudes, as a share, that makes two motions of one kind
-SURE = 3.0  # standard errors by which means must differ for two motions of one kind
-
-
-@dataclass(frozen=True)
-class Motions:
-    """Motions of a model, arrays (ways, rows, columns): up and down over the frequencies, a row a value of the key.
-
-    ``value`` in the output's unit (mean of a motion that does not repeat, ``error`` its standard error, else 0);
-    ``kind``: period 1 … 16, or one of the constants above; ``exponent`` in 1/s, known where it does not repeat.
-    ``count`` (rows, columns): motions that coexist, among those that the two sweeps find. ``cpu``: seconds a point.
-    """
-
-    name: str
-    modes: int
-    value: Array
-    error: Array
-    kind: Kinds
-    exponent: Array
-    count: NDArray[np.int64]
-    state: Array
-    resting: NDArray[np.bool_]
-    points: GridPoints
-    cpu: float
-
-
-def motions(name: str, points: GridPoints, found: Values) -> Motions:
-    """Motions of a model from arrays (ways, rows, columns, …) by name: see ``irregular.judged``."""
-    value, error, kind = found["value"], found["error"], found["kind"]
-    return Motions(
-        name, points.systems[0].size, value, error, kind, found["exponent"], _coexisting(value, error, kind),
-        found["state"], found["resting"], points, float(np.mean(found["cpu_seconds"])),
-    )  # fmt: skip
-
-
-def _coexisting(value: Array, error: Array, kind: Kinds) -> NDArray[np.int64]:
-    """Motions that coexist (rows, columns): 2 where up and down lead to different ones."""
-    up, down = 0, 1
-    apart = np.abs(value[up] - value[down])
-    size = np.maximum(np.abs(value[up]), np.abs(value[down]))
-    margin = np.maximum(APART * size, SURE * np.hypot(error[up], error[down]))
-    return np.where((kind[up] != kind[down]) | (apart > margin), 2, 1).astype(np.int64)
-
 
 READINGS = 8  # of a motion that does not repeat, the sweep's own among them
 
 # drive periods of the mean of an exponent, and standard errors by which it must differ from 0: more periods where it
 # does not. One mode begins with the second stage: a rest, which decides, may be seldom.
 STAGES = ((60, 4.0), (200, 2.0), (1000, 2.0))
-Place = tuple[int, int, int]  # way, row, column
+Place = tuple[int, int, int]  # row, way, column
 
 
-def judged(plan: SweepPlan, points: GridPoints, found: Values, quantity: str) -> Values:
-    """Judge swept motions, arrays (ways, rows, columns, …): value, error, kind, exponent, state, resting, cpu_seconds.
+def judged(points: GridPoints, found: Values, quantity: str, hold: int, output: str) -> Values:
+    """Judge swept motions, arrays (rows, ways, columns, …): the quantity, error, kind, exponent, state, resting, CPU.
 
     ``found``: quantity, period, ended, state, resting and cpu_seconds of the sweeps over ``points`` (rows, columns).
     """
-    plane = _Plane(plan, points, found, quantity)
+    plane = _Plane(points, found, quantity, hold, output)
     plane.go_on()
     return {
-        "value": plane.value, "error": plane.error, "kind": plane.kind, "exponent": plane.exponent,
+        quantity: plane.value, "error": plane.error, "kind": plane.kind, "exponent": plane.exponent,
         "state": plane.state, "resting": plane.resting, "cpu_seconds": np.array(found["cpu_seconds"], dtype=float),
     }  # fmt: skip
 
 
 class _Plane:
-    """Motions under way: arrays (ways, rows, columns)."""
+    """Motions under way: arrays (rows, ways, columns)."""
 
-    def __init__(self, plan: SweepPlan, points: GridPoints, found: Values, quantity: str) -> None:
-        self.plan, self.points, self.quantity = plan, points, quantity
+    def __init__(self, points: GridPoints, found: Values, quantity: str, hold: int, output: str) -> None:
+        self.points, self.quantity, self.hold, self.output = points, quantity, hold, output
         self.value = np.array(found[quantity], dtype=float)
         self.state, self.resting = np.array(found["state"], dtype=float), np.array(found["resting"]) > 0
         self.kind: NDArray[np.int64] = np.array(found["period"], dtype=np.int64)
@@ -124,11 +75,12 @@ class _Plane:
             self._judge(left)
 
     def _irregular(self) -> list[Place]:
-        return [(way, row, column) for way, row, column in np.argwhere(self.kind == IRREGULAR).tolist()]
+        places = np.argwhere(self.kind == IRREGULAR).tolist()
+        return [(row, way, column) for row, way, column in sorted(places, key=lambda at: (at[1], at[0], at[2]))]
 
     def _solver(self, at: Place) -> Any:
         """The solver of a place, one for all places of its system."""
-        points, place = self.points, at[1:]
+        points, place = self.points, at[::2]
         rebound = None if points.restitution is None else float(points.restitution[place])
         key = int(points.which[place]), float(points.gap[place]), rebound
         if key not in self._solvers:
@@ -139,9 +91,9 @@ class _Plane:
 
     def _read(self, at: Place) -> None:
         """Further readings of one motion: their mean, or where it settles after all."""
-        omegas = np.full(READINGS - 1, self.points.omega[at[1:]])
+        omegas = np.full(READINGS - 1, self.points.omega[at[::2]])
         response, after = self._solver(at).steady(
-            omegas, float(self.points.amplitude[at[1:]]), self._state(at), 0, self.plan.hold, self.plan.output,
+            omegas, float(self.points.amplitude[at[::2]]), self._state(at), 0, self.hold, self.output,
             reading_of(self.quantity),
         )  # fmt: skip
         if np.any(response.ended != Ended.COMPLETE.code):
@@ -161,10 +113,11 @@ class _Plane:
         points = self.points
         for periods, margin in STAGES[self.one_mode :]:
             at = tuple(np.transpose(places))
+            here = at[::2]
             found = batch(
-                np.array(points.systems)[points.which[at[1:]]], points.omega[at[1:]], points.amplitude[at[1:]],
-                gap=points.gap[at[1:]], restitution=None if points.restitution is None else points.restitution[at[1:]],
-                state=self.state[at], settle=0, hold=self.plan.hold, lyapunov=periods, threads=1,
+                np.array(points.systems)[points.which[here]], points.omega[here], points.amplitude[here],
+                gap=points.gap[here], restitution=None if points.restitution is None else points.restitution[here],
+                state=self.state[at], settle=0, hold=self.hold, lyapunov=periods, threads=1,
             )  # fmt: skip
             exponent, sure = found.lyapunov, margin * found.lyapunov_error
             self.exponent[at], self.kind[at] = exponent, np.where(exponent > sure, CHAOTIC, IRREGULAR)

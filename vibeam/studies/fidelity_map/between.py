@@ -1,4 +1,4 @@
-"""Verdict between the places of the map: interpolation within a kind, exact expressions where kinds meet.
+"""Fidelity map between its places: interpolation within a kind, exact expressions where kinds meet.
 
 Where the four places around are of one kind, values are interpolated (bilinearly). Where they are not, a boundary runs
 between them. A motion with one impact a period, and one without contact, are known there in closed form: they are ruled
@@ -11,27 +11,27 @@ It is verified at places drawn at random, flown anew with more time to settle.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.batches.batch import batch
 from vibeam.batches.points import changed
-from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS
+from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, SHARE
+from vibeam.maps.block import SWEPT
 from vibeam.maps.evaluate import grid_of
+from vibeam.maps.irregular import NO_CONTACT, judged
 from vibeam.maps.points import Axis, GridPoints, grid_points
 from vibeam.periodic.modal_sums import sums
 from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.runs.parallel import run_parallel
-from vibeam.studies.verdict.judgement import cheapest, doubtful
-from vibeam.studies.verdict.motions import NO_CONTACT, Kinds, Motions, judged, motions
+from vibeam.studies.fidelity_map.judgement import Codes, ComparedModels, Motions, cheapest, doubtful, motions
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.studies.verdict.axes import VerdictAxis
 
 UP, DOWN = 0, 1
 ONE = 1  # period
@@ -46,17 +46,18 @@ class _Cell:
     weights: Array
 
 
-def points_at(case: Case, model: Motions, axis: VerdictAxis, hertz: Array, values: Array) -> GridPoints:
+def points_at(found: ComparedModels, model: Motions, hertz: Array, values: Array) -> GridPoints:
     """Systems and drives at scattered places (1, places): Hz and SI values of the key."""
+    case, key, rows = found.case, found.plan.axes[-2].key, found.values
     omega, own = 2 * np.pi * hertz[None, :], model.points
-    if axis.key == GAP or axis.key in LEVELS:
-        gap = np.interp(values, axis.values, own.gap[:, 0])[None, :]
+    if key in (GAP, SHARE, *LEVELS):
+        gap = np.interp(values, rows, own.gap[:, 0])[None, :]
         drive = np.atleast_1d(case.amplitude_of(model.name, omega[0])) * np.ones(len(hertz))
         first = np.atleast_1d(case.amplitude_of(model.name, own.omega[0, :1]))[0]
-        share = np.interp(values, axis.values, own.amplitude[:, 0] / first)
+        share = np.interp(values, rows, own.amplitude[:, 0] / first)
         zeros = np.zeros(omega.shape, dtype=np.int64)
         return GridPoints(own.systems, zeros, omega, (drive * share)[None, :], gap, None, {})
-    made = [_point(case, model.name, axis.key, float(f), float(v)) for f, v in zip(hertz, values, strict=True)]
+    made = [_point(case, model.name, key, float(f), float(v)) for f, v in zip(hertz, values, strict=True)]
     rebounds = None if own.restitution is None else np.array([[each.restitution[0, 0] for each in made]])  # type: ignore[index]
     return GridPoints(
         tuple(each.systems[0] for each in made), np.arange(len(made))[None, :], omega,
@@ -81,17 +82,15 @@ def system_at(points: GridPoints, place: int) -> tuple[ImpactSystem, Drive]:
     return changed(base, float(points.gap[0, place]), rebound, 1.0), drive
 
 
-def labels_between(
-    case: Case, models: tuple[Motions, ...], axis: VerdictAxis, frequency: Array, accuracy: float, quantity: str,
-    hertz: Array, values: Array,
-) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:  # fmt: skip
+def labels_between(found: ComparedModels, hertz: Array, values: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Index of the cheapest model that suffices at scattered places (places,), by the map alone: nothing is flown.
 
     And where that is open (places,): scatter decides, or kinds meet of which one has no closed form.
     """
-    cells = [_cell(axis.values, frequency, value, f) for f, value in zip(hertz, values, strict=True)]
-    read = [_read(case, model, axis, hertz, values, cells, quantity) for model in models]
-    unclear = np.any([[_unclear(model, cell) for cell in cells] for model in models], axis=0)
+    accuracy = found.plan.accuracy
+    cells = [_cell(found.values, found.frequency, value, f) for f, value in zip(hertz, values, strict=True)]
+    read = [_read(found, model, hertz, values, cells) for model in found.models]
+    unclear = np.any([[_unclear(model, cell) for cell in cells] for model in found.models], axis=0)
     return np.asarray(cheapest(read, accuracy)[0]), np.asarray(doubtful(read, accuracy)[0] | unclear)
 
 
@@ -110,18 +109,16 @@ def _cell(rows: Array, columns: Array, value: float, hertz: float) -> _Cell:
     return _Cell(np.array([row, row, row + 1, row + 1]), np.array([column, column + 1, column, column + 1]), weights)
 
 
-def _read(
-    case: Case, model: Motions, axis: VerdictAxis, hertz: Array, values: Array, cells: list[_Cell], quantity: str
-) -> Motions:
+def _read(found: ComparedModels, model: Motions, hertz: Array, values: Array, cells: list[_Cell]) -> Motions:
     """The motions of a model at scattered places (ways, 1, places), as far as the map says."""
     count = len(cells)
     value, error, kind = np.zeros((2, 1, count)), np.zeros((2, 1, count)), np.zeros((2, 1, count), dtype=np.int64)
     coexist = np.ones((1, count), dtype=np.int64)
-    points = points_at(case, model, axis, hertz, values)
+    points = points_at(found, model, hertz, values)
     for place, cell in enumerate(cells):
         kinds = model.kind[:, cell.rows, cell.columns]
         mixed = bool(np.any(kinds != kinds[:, :1]))
-        known = _Known(points, place, case.sweep.output, quantity) if mixed else None
+        known = _Known(points, place, found.plan.output, found.plan.quantity) if mixed else None
         for way in (UP, DOWN):
             at = way, 0, place
             kind[at] = kinds[way, 0] if known is None else _kind(kinds[way], cell.weights, way, known)
@@ -134,7 +131,7 @@ def _read(
     )
 
 
-def _differ(kinds: Kinds, values: Array) -> bool:
+def _differ(kinds: Codes, values: Array) -> bool:
     return bool(kinds[UP] != kinds[DOWN] or abs(values[UP] - values[DOWN]) > 1e-2 * np.abs(values).max())
 
 
@@ -173,7 +170,7 @@ class _Known:
         return min(each, key=lambda value: abs(value - near))
 
 
-def _kind(kinds: Kinds, weights: Array, way: int, known: _Known) -> int:
+def _kind(kinds: Codes, weights: Array, way: int, known: _Known) -> int:
     """Kind at a place around which kinds differ: first what the sweep comes with, then the likeliest left."""
     before = kinds[[0, 2]] if way == UP else kinds[[1, 3]]
     share = weights[[0, 2]] if way == UP else weights[[1, 3]]
@@ -222,57 +219,22 @@ class Verification:
         return int(np.sum((self.predicted == self.flown) & self.decided))
 
 
-class Judged(Protocol):
-    """Parts of a fidelity map that are verified."""
-
-    @property
-    def case(self) -> Case:
-        """Whose."""
-        ...
-
-    @property
-    def axis(self) -> VerdictAxis:
-        """Its second key."""
-        ...
-
-    @property
-    def frequency(self) -> Array:
-        """Its columns, Hz."""
-        ...
-
-    @property
-    def accuracy(self) -> float:
-        """Asked for, as a share."""
-        ...
-
-    @property
-    def quantity(self) -> str:
-        """Of what."""
-        ...
-
-    @property
-    def models(self) -> tuple[Motions, ...]:
-        """Cheapest first, the finest last."""
-        ...
-
-
-def verified(found: Judged, count: int, seed: int = SEED) -> Verification:
+def verified(found: ComparedModels, count: int, seed: int = SEED) -> Verification:
     """Fly all models anew at ``count`` places drawn from the whole plane, not from its grid."""
     draw = np.random.default_rng(seed).random((2, count))
     hertz = found.frequency[0] + draw[0] * np.ptp(found.frequency)
-    values = found.axis.values[0] + draw[1] * np.ptp(found.axis.values)
+    values = found.values[0] + draw[1] * np.ptp(found.values)
     again = run_parallel(lambda model, _: _flown(found, model, hertz, values), found.models[::-1])[::-1]
-    predicted, unclear = labels_between(
-        found.case, found.models, found.axis, found.frequency, found.accuracy, found.quantity, hertz, values
-    )
-    decided = ~(unclear | doubtful(again, found.accuracy)[0])
-    return Verification(hertz, values, predicted, cheapest(again, found.accuracy)[0], decided)
+    predicted, unclear = labels_between(found, hertz, values)
+    accuracy = found.plan.accuracy
+    decided = ~(unclear | doubtful(again, accuracy)[0])
+    return Verification(hertz, values, predicted, cheapest(again, accuracy)[0], decided)
 
 
-def _flown(found: Judged, model: Motions, hertz: Array, values: Array) -> Motions:
+def _flown(found: ComparedModels, model: Motions, hertz: Array, values: Array) -> Motions:
     """Both ways from the state of the nearest place that the sweep passed before."""
-    points, plan = points_at(found.case, model, found.axis, hertz, values), found.case.sweep
-    rows = np.abs(found.axis.values[:, None] - values).argmin(axis=0)
+    points, plan = points_at(found, model, hertz, values), found.plan
+    rows = np.abs(found.values[:, None] - values).argmin(axis=0)
     left = np.clip(np.searchsorted(found.frequency, hertz) - 1, 0, len(found.frequency) - 2)
     systems: Any = points.systems[0] if len(points.systems) == 1 else points.system[0]  # type: ignore[index]
     responses = []
@@ -283,9 +245,11 @@ def _flown(found: Judged, model: Motions, hertz: Array, values: Array) -> Motion
             restitution=None if points.restitution is None else points.restitution[0], state=state,
             settle=LONGER * plan.settle, hold=plan.hold, output=plan.output,
         ))  # fmt: skip
-    names = (found.quantity, "period", "ended", "state", "resting", "cpu_seconds")
-    stacked = {name: np.stack([getattr(each, name) for each in responses])[:, None] for name in names}
-    return motions(model.name, points, judged(plan, points, stacked, found.quantity))
+    swept = {name: np.stack([getattr(each, name) for each in responses])[None] for name in (plan.quantity, *SWEPT)}
+    read = judged(points, swept, plan.quantity, plan.hold, plan.output)
+    return motions(
+        model.name, points, {name: np.moveaxis(each, 1, 0) for name, each in read.items()}, plan.quantity
+    )  # fmt: skip
 
 
 def _onto_stops(state: Array, points: Any) -> Array:

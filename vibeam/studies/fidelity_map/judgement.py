@@ -1,4 +1,4 @@
-"""Worth of a model's motions beside the finest model's, place by place of the plane; rows of the verdict."""
+"""Motions of each model over the plane, their worth beside the finest model's place by place; a row of each model."""
 
 from __future__ import annotations
 
@@ -10,13 +10,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.studies.verdict.motions import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT, SURE, Motions
-from vibeam_models.arrays import Array, Flags
+from vibeam.maps.irregular import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT
+from vibeam.maps.points import GridPoints
+from vibeam_models.arrays import Array, Flags, ValueRecord
 
 if TYPE_CHECKING:
-    from vibeam.studies.verdict.axes import VerdictAxis
+    from vibeam.case.case import Case
+    from vibeam.case.grid_keys import MapPlan
+    from vibeam.maps.result import MapResult
+    from vibeam.store.blocks import Values
 
 Codes = NDArray[np.int64]
+APART = 1e-3  # difference of two amplitudes, as a share, that makes two motions of one kind
+SURE = 3.0  # standard errors by which means must differ for two motions of one kind
 NOISE = 2.0  # standard errors by which a mean may miss the accuracy and still count as within it
 SAME, IN_PERIOD, IN_NUMBER, IN_CHAOS = range(4)  #: differences in kind, the gravest last
 
@@ -25,6 +31,79 @@ DIFFERENCES = {
     IN_NUMBER: "another number of coexisting motions",
     IN_CHAOS: "chaos in one alone",
 }
+
+
+@dataclass(frozen=True)
+class Motions:
+    """Motions of a model, arrays (ways, rows, columns): up and down over the frequencies, a row a value of the key.
+
+    ``value`` in the output's unit (mean of a motion that does not repeat, ``error`` its standard error, else 0);
+    ``kind``: period 1 … 16, or one of the constants above; ``exponent`` in 1/s, known where it does not repeat.
+    ``count`` (rows, columns): motions that coexist, among those that the two sweeps find. ``cpu``: seconds a point.
+    """
+
+    name: str
+    modes: int
+    value: Array
+    error: Array
+    kind: Codes
+    exponent: Array
+    count: NDArray[np.int64]
+    state: Array
+    resting: NDArray[np.bool_]
+    points: GridPoints
+    cpu: float
+
+
+def motions(name: str, points: GridPoints, found: Values, quantity: str) -> Motions:
+    """Motions of a model from arrays (ways, rows, columns, …) by name: see ``irregular.judged``."""
+    value, error, kind = found[quantity], found["error"], found["kind"].astype(np.int64)
+    return Motions(
+        name, points.systems[0].size, value, error, kind, found["exponent"], _coexisting(value, error, kind),
+        found["state"], found["resting"] > 0, points, float(np.mean(found["cpu_seconds"])),
+    )  # fmt: skip
+
+
+def _coexisting(value: Array, error: Array, kind: Codes) -> NDArray[np.int64]:
+    """Motions that coexist (rows, columns): 2 where up and down lead to different ones."""
+    up, down = 0, 1
+    apart = np.abs(value[up] - value[down])
+    size = np.maximum(np.abs(value[up]), np.abs(value[down]))
+    margin = np.maximum(APART * size, SURE * np.hypot(error[up], error[down]))
+    return np.where((kind[up] != kind[down]) | (apart > margin), 2, 1).astype(np.int64)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ComparedModels(ValueRecord):
+    """Map whose ``models``, cheapest first and the finest last, are compared over frequency and a key of the case."""
+
+    result: MapResult
+    models: tuple[Motions, ...]
+
+    @property
+    def case(self) -> Case:
+        """Whose."""
+        return self.result.case
+
+    @property
+    def plan(self) -> MapPlan:
+        """Accuracy, quantity and axes."""
+        return self.result.plan
+
+    @property
+    def finest(self) -> Motions:
+        """The model that the others are judged by."""
+        return self.models[-1]
+
+    @property
+    def frequency(self) -> Array:
+        """Hz (columns,)."""
+        return np.array(self.plan.axes[-1].values)
+
+    @property
+    def values(self) -> Array:
+        """SI values of the other key (rows,)."""
+        return np.array(self.plan.axes[-2].values)
 
 
 def difference(model: Motions, finest: Motions) -> Codes:
@@ -118,8 +197,9 @@ class FidelityRow:
     use_it_for: str
 
 
-def fidelity_row(model: Motions, finest: Motions, frequency: Array, axis: VerdictAxis, accuracy: float) -> FidelityRow:
+def fidelity_row(model: Motions, found: ComparedModels) -> FidelityRow:
     """The row of one model."""
+    finest, accuracy = found.finest, found.plan.accuracy
     apart, near = difference(model, finest), within(model, finest, accuracy)
     alike = (model.kind == finest.kind) & (model.kind != FAILED) & (finest.value != 0)
     shares = model.value[alike] / finest.value[alike] - 1
@@ -131,7 +211,7 @@ def fidelity_row(model: Motions, finest: Motions, frequency: Array, axis: Verdic
     share, other = float(near.mean()), float((apart != SAME).mean())
     return FidelityRow(
         model.name, model.modes, model.cpu, ratio, share, bias, rms, rho, gain, other,
-        _kinds(finest, apart != SAME), *_ranges(wrong, frequency, axis), _use(model is finest, share, other, rms, gain),
+        _kinds(finest, apart != SAME), *_ranges(wrong, found), _use(model is finest, share, other, rms, gain),
     )  # fmt: skip
 
 
@@ -170,11 +250,11 @@ def _kinds(finest: Motions, places: NDArray[np.bool_]) -> str:
 
 
 def _ranges(
-    wrong: NDArray[np.bool_], frequency: Array, axis: VerdictAxis
+    wrong: NDArray[np.bool_], found: ComparedModels
 ) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
     if not wrong.any():
         return None, None
-    columns, rows = frequency[wrong.any(axis=0)], axis.values[wrong.any(axis=1)]
+    columns, rows = found.frequency[wrong.any(axis=0)], found.values[wrong.any(axis=1)]
     return (float(columns.min()), float(columns.max())), (float(rows.min()), float(rows.max()))
 
 

@@ -1,0 +1,120 @@
+"""Models of a map: the fidelities that its picture suits, each model once, and the reasons of those left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.case.case import require_one_harmonic
+from vibeam.case.grid_keys import LEVELS, MapPlan
+from vibeam.exchange.faults import CaseError
+from vibeam.flight.disturbance.tangent import tangent_fault
+from vibeam.runs.comparison.differences import listed
+from vibeam.runs.systems import Systems
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
+
+
+@dataclass(frozen=True)
+class MappedModels:
+    """Names of distinct models, the ``twins`` of each among the fidelities, and sentences on those left out."""
+
+    twins: dict[str, tuple[str, ...]]
+    notes: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """One fidelity of each model."""
+        return tuple(self.twins)
+
+
+def fidelities_of(case: Case, plan: MapPlan) -> tuple[str, ...]:
+    """Fidelities of a map, one of each model where its picture compares models; errors as in ``models_of``."""
+    return models_of(case, plan).names
+
+
+def models_of(case: Case, plan: MapPlan) -> MappedModels:
+    """Models of a map.
+
+    KeyError for an unknown fidelity; of a fidelity map ValueError where fewer than two models remain; of a stability
+    map CaseError, at their lines, where no model has a closed form.
+    """
+    unknown = [name for name in plan.fidelities if name not in case.fidelities]
+    if unknown:
+        raise ValueError(f"no fidelity {', '.join(map(repr, unknown))}: there are {', '.join(case.fidelities)}")
+    find = {"verdict": _compared, "stability": _known}.get(plan.picture)
+    if find is None:
+        return MappedModels({name: (name,) for name in plan.fidelities or case.fidelities})
+    called = "a fidelity map" if plan.picture == "verdict" else "a stability map"
+    require_one_harmonic(case, called, plan.fidelities)
+    return find(case, plan)
+
+
+def _compared(case: Case, plan: MapPlan) -> MappedModels:
+    """Models that fly, those alone that change the rig no more than others do unless they are named."""
+    built, found, notes = Systems(case), dict[str, list[str]](), list[str]()
+    usual = min((len(case.fidelities[name].changes) for name in case.fidelities), default=0)
+    for name, fidelity in case.fidelities.items():
+        if plan.fidelities and name not in plan.fidelities:
+            continue
+        twin = next((other for other in found if built[name].moves_as(built[other])), None)
+        if twin is not None:
+            notes.append(f"{name}: the same model as {twin}")
+            found[twin].append(name)
+        elif fidelity.solver != "flight":
+            notes.append(f'{name}: left out, for its solver is "{fidelity.solver}" and not flight')
+        elif not plan.fidelities and len(fidelity.changes) > usual:
+            changed = ", ".join(fidelity.changes)
+            notes.append(f"{name}: left out, for it changes the rig ({changed}): name it by --fidelity")
+        else:
+            found[name] = [name]
+    if len(found) < 2:
+        raise ValueError(
+            "; ".join([f"a fidelity map compares two models or more, and the case has {len(found)}", *notes])
+        )
+    untold = [name for name in found if tangent_fault(built[name])]
+    if untold:
+        reason = tangent_fault(built[untold[0]])
+        notes.append(f"{listed(untold)}: chaos is not told from other motions that do not repeat, for {reason}")
+    return MappedModels({name: tuple(names) for name, names in found.items()}, tuple(notes))
+
+
+def _known(case: Case, plan: MapPlan) -> MappedModels:
+    """Models that closed forms know, each under its own drive."""
+    systems, found, refused = dict[str, "ImpactSystem"](), dict[str, list[str]](), dict[str, list[str]]()
+    omega = 2 * np.pi * np.array(plan.axes[-1].values)
+    for name in plan.fidelities or case.fidelities:
+        system = case.system(name)
+        if system.beyond_plain:
+            refused.setdefault(" or ".join(system.beyond_plain), []).append(name)
+            continue
+        drive = case.amplitude_of(name, omega)
+        twin = next(
+            (
+                other
+                for other in found
+                if systems[other].moves_as(system) and np.array_equal(case.amplitude_of(other, omega), drive)
+            ),
+            None,
+        )
+        systems[name] = system
+        found.setdefault(twin or name, []).append(name)
+    if not found:
+        told = "no closed form knows {}: vibeam map --picture period and --picture verdict fly it instead"
+        wrong = [(name, told.format(why)) for why, names in refused.items() for name in names]
+        raise CaseError([case.fault("fidelity", name, message=message) for name, message in wrong])
+    notes = [f"{listed(names)}: no map, for no closed form knows {why}" for why, names in refused.items()]
+    apart = _otherwise_driven(case, plan.axes[-2].key, list(found))
+    notes += [f"{listed(found[name])}: no map, for its drive is not said by {plan.axes[-2].key}" for name in apart]
+    return MappedModels({name: tuple(found[name]) for name in found if name not in apart}, tuple(notes))
+
+
+def _otherwise_driven(case: Case, key: str, names: Sequence[str]) -> list[str]:
+    """Models that do not have the key of a drive's level."""
+    return [name for name in names if key in LEVELS and case.model(name).value(key) is None]

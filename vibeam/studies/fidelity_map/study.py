@@ -1,0 +1,204 @@
+"""Fidelity map (``vibeam map --picture verdict``): over frequency and another key, the cheapest model that suffices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.case.grid_keys import MapPlan
+from vibeam.case.source import of_source
+from vibeam.maps.axes import points_of
+from vibeam.maps.boundaries import PlaneBoundary, boundaries_of
+from vibeam.maps.evaluate import grids_of
+from vibeam.maps.models import models_of
+from vibeam.maps.plan import plan_over
+from vibeam.maps.points import grid_points
+from vibeam.maps.run import Progress, run_map
+from vibeam.runs.parallel import run_parallel
+from vibeam.studies.fidelity_map.between import LONGER, Verification, verified
+from vibeam.studies.fidelity_map.judgement import (
+    Codes,
+    ComparedModels,
+    FidelityRow,
+    cheapest,
+    difference,
+    doubtful,
+    fidelity_row,
+    motions,
+    relative,
+)
+from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.maps.result import MapResult
+
+LEAST = 13  # values of each axis that a budget leaves at least
+
+
+@dataclass(frozen=True)
+class PlacePoint:
+    """One place of the map: Hz, SI value of the key, model that suffices, and of each way and model kind and value."""
+
+    frequency: float
+    key: float
+    suffices: str
+    fidelity: str
+    way: str
+    kind: int
+    value: float
+    error: float
+    exponent: float
+    coexist: int
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FidelityMap(ComparedModels):
+    """Fidelity map of a case: ``models`` by their modes, cheapest first, the finest last; arrays (rows, columns).
+
+    ``label``: index of the cheapest model that suffices; ``differences``: of each model in kind (``judgement``);
+    ``relative``: of each model in value, the way where it is larger; ``refused``: sentences on fidelities left out.
+    ``thinned``: places a side that were asked for and are computed, where a budget took some; None: all are.
+    """
+
+    label: Codes
+    differences: tuple[Codes, ...]
+    relative: tuple[Array, ...]
+    rows: tuple[FidelityRow, ...]
+    boundaries: tuple[PlaneBoundary, ...]
+    refused: tuple[str, ...] = ()
+    verification: Verification | None = None
+    thinned: tuple[tuple[int, int], tuple[int, int]] | None = None
+
+    @property
+    def doubtful(self) -> float:
+        """Share of the map where the label hangs on the scatter of motions that do not repeat."""
+        return float(doubtful(self.models, self.plan.accuracy).mean())
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Share of the map where each model is the cheapest that suffices."""
+        return {model.name: float((self.label == index).mean()) for index, model in enumerate(self.models)}
+
+    @property
+    def points(self) -> list[PlacePoint]:
+        """All motions of all models, place by place."""
+        frequency, values = self.frequency, self.values
+        return [
+            PlacePoint(
+                float(frequency[column]), float(values[row]), self.models[self.label[row, column]].name,
+                model.name, way, int(model.kind[at, row, column]), float(model.value[at, row, column]),
+                float(model.error[at, row, column]), float(model.exponent[at, row, column]),
+                int(model.count[row, column]),
+            )
+            for row, column in np.ndindex(self.label.shape) for model in self.models
+            for at, way in enumerate(("up", "down"))
+        ]  # fmt: skip
+
+
+@of_source
+def fidelity_map(
+    case: Case,
+    over: str = "gap",
+    low: str | float | None = None,
+    high: str | float | None = None,
+    points: int = 61,
+    frequencies: int = 61,
+    accuracy: str | float = "1 %",
+    quantity: str = "amplitude",
+    fidelities: Sequence[str] | None = None,
+    verify: int = 24,
+    *,
+    out: str | Path | None = None,
+    fresh: bool = False,
+    progress: Progress | bool | None = None,
+    budget: float | None = None,
+) -> FidelityMap:
+    """Compute the fidelity map of a case over its frequencies and another of its keys.
+
+    ``over``: "gap", "drive", "restitution" or any dotted key; ``low``, ``high``: its range, as a case has it, with unit
+    (None: chosen, for gap and drive). ``accuracy`` of ``quantity`` ("amplitude" of the sweep's output or "reach" of the
+    contact) against the fidelity with most modes. ``fidelities``: which, also where they change the rig; None: all that
+    do not. ``verify``: at how many places, drawn at random from the whole plane, all models are flown anew. ``out``,
+    ``fresh``, ``progress``: as in ``run_map``; without ``out`` no file is kept. ``budget``: CPU seconds that the map
+    may take: its time is predicted from a map of 13 by 13 places, and places left out until it fits, down to these.
+
+    ValueError for arguments or a case that make no sense, fewer than two models included; CaseError for values of the
+    key that the case may not have; StoreError for a file of another map.
+    """
+    plan = plan_over(
+        case, "verdict", over, low, high, points_of(over, points, frequencies), accuracy=accuracy,
+        fidelities=fidelities, quantity=quantity, verify=verify,
+    )  # fmt: skip
+    if budget is None:
+        with _kept(out) as path:
+            return fidelity_map_of(run_map(case, plan, path, fresh=fresh, progress=progress))
+    if out is not None:
+        raise ValueError("budget: the places that it leaves differ from run to run, so no file is kept: leave out away")
+    return _within(case, plan, budget, progress)
+
+
+@contextmanager
+def _kept(out: str | Path | None) -> Iterator[Path]:
+    """The file of a map: ``out``, or one that is gone in the end."""
+    if out is not None:
+        yield Path(out)
+        return
+    with TemporaryDirectory(prefix="vibeam-") as folder:
+        yield Path(folder) / "verdict.h5"
+
+
+def _within(case: Case, plan: MapPlan, budget: float, progress: Progress | bool | None) -> FidelityMap:
+    """The map on as many places as the budget allows, its time predicted from the smallest."""
+    full = tuple(len(axis.values) for axis in plan.axes[-2:])
+    least = tuple(min(LEAST, count) for count in full)
+    begun = process_time()
+    with _kept(None) as path:
+        small = run_map(case, _thinned(plan, least), path)
+        found = fidelity_map_of(small, verify=0)
+    spent = process_time() - begun
+    flights = 2 * LONGER * plan.verify  # of the verification, in places
+    place = spent / (least[0] * least[1])
+    share = np.sqrt(max(budget - spent - place * flights, 0.0) / (place * full[0] * full[1]))
+    chosen = tuple(max(few, min(count, int(share * count))) for few, count in zip(least, full, strict=True))
+    if chosen == least:
+        found = replace(found, verification=verified(found, plan.verify) if plan.verify else None)
+    else:
+        with _kept(None) as path:
+            found = fidelity_map_of(run_map(case, _thinned(plan, chosen), path, progress=progress))
+    return found if chosen == full else replace(found, thinned=((full[0], full[1]), (chosen[0], chosen[1])))
+
+
+def _thinned(plan: MapPlan, counts: Sequence[int]) -> MapPlan:
+    """The same ranges in fewer places."""
+    axes = [
+        replace(axis, values=tuple(np.linspace(axis.values[0], axis.values[-1], count).tolist()))
+        for axis, count in zip(plan.axes, counts, strict=True)
+    ]
+    return replace(plan, axes=tuple(axes))
+
+
+def fidelity_map_of(result: MapResult, verify: int | None = None) -> FidelityMap:
+    """Fidelity map of a finished map with ``picture = "verdict"``; ``verify`` None: as its plan says."""
+    case, plan = result.case, result.plan
+    flown = []
+    for name, grid in grids_of(case, plan).items():
+        points = grid_points(grid.model, grid.axes, grid.frequency, np.arange(grid.lines))
+        flown.append(motions(name, points, dict(result[name].values), plan.quantity))
+    compared = ComparedModels(result, tuple(sorted(flown, key=lambda model: model.modes)))  # costs grow with modes
+    models, finest = compared.models, compared.finest
+    bounds = run_parallel(lambda model, _: boundaries_of(case, model.name, plan.axes)[0], flown)
+    found = FidelityMap(
+        result, models, cheapest(models, plan.accuracy), tuple(difference(model, finest) for model in models),
+        tuple(relative(model, finest) for model in models), tuple(fidelity_row(model, compared) for model in models),
+        tuple(boundary for each in bounds for boundary in each), models_of(case, plan).notes,
+    )  # fmt: skip
+    count = plan.verify if verify is None else verify
+    return replace(found, verification=verified(found, count)) if count > 0 else found

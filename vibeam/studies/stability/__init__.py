@@ -1,1 +1,0 @@
-"""Stability maps over drive frequency and gap or drive amplitude."""
