@@ -1,19 +1,24 @@
-"""Table, CSV, JSON and figure of a fit."""
+"""Sheets of a fit and of an identification: answer, tables, JSON, figure."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from functools import partial
+from math import floor, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.held import PLACES, held_of
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.study import FitRow, FitStudy, FittedPoint
+from vibeam.studies.identification.estimates import Identification
 from vibeam.studies.identification.modes import unit_of
-from vibeam.system.number_text import shown_in, with_unit
+from vibeam.system.number_text import percent, shown_in, with_unit
+from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,18 +29,81 @@ PANEL_MOST = 4  # references with a panel
 
 
 def sheet(study: FitStudy) -> StudySheet:
-    """Sheet of a fit: its tables, sentences, keys as CSV, figure."""
+    """Sheet of a fit: answer, tables, remarks, keys as CSV, figure."""
+    tables = [_estimates(study.rows, study.judgement), *([_next(study)] if study.next else [])]
+    said = fit_answer(study)
+    notes = [each for each in study.sentences if each not in (said, *study.facts)]
     return StudySheet(
-        "", fit_tables(study), study.sentences, data=as_data(study), rows=study.rows, draw=partial(fit_figure, study)
-    )
+        said, tables, notes, [each for each in study.facts if each != said], data=as_data(study), rows=study.rows,
+        draw=partial(fit_figure, study),
+    )  # fmt: skip
 
 
-def fit_tables(study: FitStudy) -> list[ReportTable]:
-    """Estimated keys with their intervals; what to measure next, where it was asked for."""
-    found = [_estimates(study.rows, study.judgement)]
-    if study.next:
-        found.append(_next(study))
-    return found
+def fit_answer(study: FitStudy) -> str:
+    """Estimated keys in one sentence, with the coefficient that is meant; or that the model does not fit them."""
+    if not study.judgement.described:
+        return study.sentences[0]
+    open_keys = [row.key for row in study.rows if not row.determined]
+    used = sum(not point.left_out for point in study.points)
+    if open_keys:
+        fault = "do not determine" if len(open_keys) == 1 else "cannot separate"
+        told = f"The {counted(used, 'point')} {fault} {_listed(open_keys)} within the bounds"
+        return f"{told}: --next says what to measure." if not study.next else f"{told}."
+    found = _listed([f"{row.key} {_value(row.value, row.low, row.high, row.unit)}" for row in study.rows])
+    rms = f"rms residual {(study.misfit / used) ** 0.5:.2g} of their uncertainty"
+    return f"{found} describe the {used} points ({rms}){_restitution(study)}."
+
+
+def _restitution(study: FitStudy) -> str:
+    """Restitution that is meant, as mode 1 sees it or of the contact; fitted or held."""
+    held = held_of(study.case.scene)
+    if held.coefficient is None:
+        return ""
+    if any(row.key == "stop.restitution" for row in study.rows):
+        return f"; {held.symbol} {PLACES.get(held.restitution_of, 'of the contact')} is what is fitted"
+    return f"; {held.label} is held"
+
+
+def _listed(parts: Sequence[str]) -> str:
+    return " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
+
+
+def _value(value: float, low: float, high: float, unit: str) -> str:
+    """Value with half its interval: as a share of it, or as a number where it is a plain one of 0.1 to 1."""
+    half = (high - low) / 2
+    unit = "" if unit == "1" else unit
+    share = f"{half:.2g}" if not unit and 0.1 < value <= 1 else percent(float(f"{half / value:.2g}"))
+    return f"{with_unit(value, unit)} (± {share})"
+
+
+def identification_sheet(found: Identification) -> StudySheet:
+    """Sheet of an identification: values with intervals, what a file was taken as, what is not fixed."""
+    known = [row for row in found.rows if row.determined]
+    unknown = [row.name for row in found.rows if not row.determined]
+    fault = f"The data do not fix {_listed(unknown)}; " if unknown else ""
+    told = _listed([f"{row.name} {_value(row.value, row.low, row.high, row.unit)}" for row in known] or ["nothing"])
+    told = told if unknown or not found.of else f"{told[0].upper()}{told[1:]}"
+    of = f"points of the {found.of}" if found.of else "measured modal frequencies"
+    because = f"; taken as a {found.of}, since {found.why}" if found.of else ""
+    return StudySheet(
+        f"{fault}{told} describe the {found.points} {of} (rms residual {percent(found.residual)}){because}.",
+        [_identified(found)], [*found.directions, *found.notes],
+        data={each.name: getattr(found, each.name) for each in fields(found)}, rows=found.rows,
+    )  # fmt: skip
+
+
+def _identified(found: Identification) -> ReportTable:
+    """Identified parameters: value and 95 % interval, a dash where the data do not fix it."""
+    table = blank("Identified", "parameter", "value|", "95 % interval|", "±|", "unit")
+    table.caption = found.method
+    for row in found.rows:
+        half = 0.5 * (row.high - row.low)
+        digits = 4 if not half > 0 else max(2, min(9, 2 + floor(log10(abs(row.value) / half))))
+        unit, factor = shown_in("" if row.unit == "1" else row.unit, row.value, row.low, row.high)
+        value, low, high = (f"{factor * each:.{digits}g}" for each in (row.value, row.low, row.high))
+        numbers = [value, f"{low} … {high}", percent(half / row.value)]
+        table.add_row(row.name, *(numbers if row.determined else ["not determined", "–", "–"]), unit)
+    return table
 
 
 def _estimates(rows: Sequence[FitRow], judgement: Judgement) -> ReportTable:
@@ -62,18 +130,19 @@ def _caption(judgement: Judgement) -> str:
 
 
 def _next(study: FitStudy) -> ReportTable:
-    settings = list(study.next[0].settings)
+    settings, first = list(study.next[0].settings), study.next[0]
     table = blank("What to measure next", "frequency|", *(f"{each}|" for each in settings), "motion", "value|")
-    table.add("key", "interval now|", "then|")
-    unit = next(row.unit for row in study.rows if row.key == study.next[0].key)
+    table.add("interval then|")
+    unit = next(row.unit for row in study.rows if row.key == first.key)
     quantity = study.case.references[study.points[0].reference].quantity
     plain = study.case.scene.given_mode is not None
     for each in study.next:
         values = (with_unit(each.settings[name], unit_of(name)) for name in settings)
-        interval = (f"± {with_unit(half, unit, 3)}" for half in (each.before, each.after))
         value = with_unit(each.value, "" if plain else "m/s" if quantity == "impact_velocity" else "m")
-        table.add_row(f"{each.frequency:.5g} Hz", *values, each.motion, value, each.key, *interval)
-    table.caption = "linearised; the best point of each setting"
+        table.add_row(f"{each.frequency:.5g} Hz", *values, each.motion, value, f"± {with_unit(each.after, unit, 3)}")
+    table.caption = (
+        f"the interval of {first.key} is ± {with_unit(first.before, unit, 3)} now; linearised; the best of each setting"
+    )
     return table
 
 

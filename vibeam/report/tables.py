@@ -1,6 +1,6 @@
 """Tables as wide as the terminal: text wraps, further columns go into a further table, and no number is cut.
 
-Those of few parameters are made here: identified ones, keys.
+That of keys is made here.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from io import StringIO
-from math import floor, isfinite, log10
+from math import isfinite
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, TextIO, cast
 
@@ -21,11 +21,9 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from vibeam.exchange.whole_files import naming_stdout
-from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
-    from vibeam.studies.identification.estimates import Identification
 
 LINES = (24, 16, 12)  # characters of text that stay on one line in a narrow column, if the terminal can hold them
 
@@ -211,23 +209,6 @@ def _print(console: Console, table: ReportTable) -> None:
 def plain(quantity: str) -> str:
     """Number without its unit, which the column's head has."""
     return quantity.partition(" ")[0]
-
-
-def identified(found: Identification) -> ReportTable:
-    """Table of identified parameters: value and 95 % interval, a dash where the data do not fix it."""
-    table = blank("Identified", "parameter", "value|", "95 % interval|", "±|", "unit")
-    table.caption = f"{found.method}; {found.points} points; rms residual {percent(found.residual)}"
-    for row in found.rows:
-        half = 0.5 * (row.high - row.low)
-        digits = 4 if not half > 0 else max(2, min(9, 2 + floor(log10(abs(row.value) / half))))
-        numbers = [
-            f"{row.value:.{digits}g}",
-            f"{row.low:.{digits}g} … {row.high:.{digits}g}",
-            percent(half / row.value),
-        ]
-        unit = "" if row.unit == "1" else row.unit
-        table.add_row(row.name, *(numbers if row.determined else ["not determined", "–", "–"]), unit)
-    return table
 
 
 def keys(rows: Iterable[KeyRow]) -> ReportTable:

@@ -76,7 +76,9 @@ def test_values_intervals_and_files(rig: Path) -> None:
     written = rig.parent / "fitted.toml"
     said = fit(rig, "--out", rig.parent / "found.csv", "--write", written, "--next").stdout
     assert "Estimated keys\n" in said
-    assert "8 points: 8 with harder impact." in said
+    assert said.startswith("drive.gain 0.0005158 1/V (± 0.")
+    assert "describe the 8 points (rms residual 0." in said.splitlines()[0]
+    assert said.splitlines()[0].endswith("of their uncertainty); R₁ of mode 1 is what is fitted.")
     assert "\nNext: " in said
     assert "What to measure next" in said
     rows = {row["key"]: row for row in csv.DictReader((rig.parent / "found.csv").read_text().splitlines())}
@@ -103,6 +105,7 @@ def test_what_one_point_cannot_separate(rig: Path) -> None:
     found = json.loads(fit(rig, "--json", "--out", rig.parent / "found.csv").stdout)
     assert [row["value"] for row in found["rows"]] == [None, None]
     assert [row["determined"] for row in found["rows"]] == [False, False]
+    assert found["answer"].startswith("The 1 point cannot separate drive.gain and stop.restitution within the bounds")
     (told,) = (line for line in found["sentences"] if "not separated" in line)
     assert told.startswith("drive.gain and stop.restitution are not separated by these points within the bounds")
     assert any("what they share is drive.gain/(ζ₁ − ln R₁/π) = " in line for line in found["sentences"])

@@ -1,4 +1,4 @@
-"""``vibeam identify``: of signals in files and of cases; mistakes are one message."""
+"""``vibeam fit`` of signals in files and of modal frequencies; mistakes are one message."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from vibeam.cli.main import app
 CASE = Path(__file__).parents[3] / "cases" / "synthetic" / "modes.toml"
 
 
-def identify(*words: str | Path, code: int = 0) -> Any:
-    done = CliRunner().invoke(app, ["identify", *map(str, words)])
+def fit(*words: str | Path, code: int = 0, command: str = "fit") -> Any:
+    done = CliRunner().invoke(app, [command, *map(str, words)])
     assert done.exit_code == code, done.output
     return done
 
@@ -34,14 +34,28 @@ def decay(tmp_path: Path) -> Path:
 
 
 def test_a_decay_in_a_file(decay: Path) -> None:
-    found = json.loads(identify(decay, "--of", "decay", "--x", "Zeit", "--y", "2", "--json").stdout)
+    """Found out to be one; the earlier name of the command gives the same."""
+    found = json.loads(fit(decay, "--json").stdout)
     frequency, ratio = found["rows"]
     assert frequency["value"] == pytest.approx(7.6, rel=1e-6)
     assert ratio["value"] == pytest.approx(0.017, rel=1e-5)
+    assert (found["of"], found["why"].partition(",")[0]) == ("decay", "'Zeit' is in ms")
+    assert json.loads(fit(decay, "--of", "decay", "--x", "Zeit", "--y", "2", "--json").stdout)["rows"] == found["rows"]
+    assert json.loads(fit(decay, "--json", command="identify").stdout)["rows"] == found["rows"]
     out = decay.parent / "table.csv"
-    said = identify(decay, "--of", "decay", "--x", "1", "--y", "Weg", "--out", out).output
+    said = fit(decay, "--x", "1", "--y", "Weg", "--out", out).output
     assert "the slope of the envelope alone gives a damping ratio of 0.017" in said
     assert out.read_text(encoding="utf-8").startswith("name,value,low,high,unit,determined")
+
+
+def test_the_answer_of_a_signal(decay: Path) -> None:
+    """One sentence with values, what the file was taken as and why; few lines of 100 characters."""
+    first, *lines = fit(decay).stdout.splitlines()
+    assert first.startswith("Natural frequency 7.6 Hz (± ")
+    assert "describe the 600 points of the decay (rms residual " in first
+    assert first.endswith("taken as a decay, since 'Zeit' is in ms, its values swing about a middle and die away.")
+    assert len(lines) < 12
+    assert max(map(len, lines)) <= 100
 
 
 def test_keys_of_a_case() -> None:
@@ -49,21 +63,31 @@ def test_keys_of_a_case() -> None:
     words = [
         word for key in ("beam.thickness", "mass.rotary_inertia", "mass.rigid_half_width") for word in ("--key", key)
     ]
-    rows = json.loads(identify(CASE, *words, "--json").stdout)["rows"]
+    rows = json.loads(fit(CASE, *words, "--json").stdout)["rows"]
     assert [row["value"] for row in rows] == pytest.approx([1.034e-3, 2.988e-5, 11.7e-3], rel=1e-3)
     assert all(row["low"] < row["value"] < row["high"] for row in rows)
+    assert fit(CASE, *words, "-q").stdout.startswith("beam.thickness 1.034 mm (± 0.12 %), mass.rotary_inertia ")
 
 
 def test_mistakes_are_told(decay: Path) -> None:
-    for words, said in (
-        ((decay,), "which it is, --of decay, spectrum or response"),
+    for words, *said in (
         ((decay, "--of", "deca"), "--of deca: did you mean 'decay'?"),
-        ((decay, "--of", "decay"), "there are 'Zeit [ms]', 'Weg [µm]'; name them: --x HEAD --y HEAD"),
         ((decay, "--of", "spectrum", "--x", "Zeit", "--y", "Weg"), "column 'Zeit': the unit 'ms' is not one of Hz"),
-        ((decay, "--of", "decay", "--key", "beam.length"), "are of a case (.toml)"),
-        ((CASE, "--of", "decay"), "is of a signal, and"),
-        ((CASE,), "no key to identify: name one, such as beam.thickness"),
+        ((decay, "--x", "Weg", "--y", "Zeit"), "column 'Weg': the unit 'µm' is neither one of time nor one of"),
+        ((decay, "--drive", "force"), "cannot tell what it is: 'Zeit' is in ms (of a decay), but"),
+        ((CASE, "--of", "decay", "--x", "t"), "--of is of a signal, and this is a case", "--x is of a signal, and"),
+        ((CASE,), "there is no [fit] in this case", "--key beam.thickness"),
+        ((CASE, "--measured", "mode_1"), "--measured: name the keys that they give"),
         ((CASE, "--key", "beam.thicknes"), "beam.thicknes is not in the case"),
         ((CASE.with_name("none.csv"), "--of", "decay"), "no such file"),
-    ):
-        assert said in identify(*words, code=2).output
+    ):  # fmt: skip
+        for each in said:
+            assert each in fit(*words, code=2).output
+
+
+def test_all_options_in_vain_are_told_at_once(decay: Path) -> None:
+    words = (decay, "--of", "decay", "--key", "beam.length", "--next", "--drive", "shove", "--level", "-1")
+    told = fit(*words, code=2).output.splitlines()
+    assert [line.removeprefix(f"{decay}: ").split(" ")[0] for line in told] == [
+        "--next", "--key", "--drive", "--level", "--drive", "--level",
+    ]  # fmt: skip

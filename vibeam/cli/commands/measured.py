@@ -1,52 +1,174 @@
-"""``vibeam fit`` and ``identify``: keys of a case, and linear parameters, from what was measured."""
+"""``vibeam fit``: keys of a case, and linear parameters of a signal, from what was measured."""
 
 from __future__ import annotations
 
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, output_path, run_study, table_path
+from vibeam.cli.arguments import Overrides, TableFile, load, output_path, run_study, table_path
 from vibeam.cli.errors import UsageError, of_case
-from vibeam.cli.output import print_result, print_sheet, write_table
+from vibeam.cli.output import print_sheet
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.studies.identification.estimates import Identification
 
+Measured = Annotated[
+    Path, typer.Argument(metavar="FILE", help="A case (.toml), or a measured signal.", show_default=False)
+]
+Keys = Annotated[
+    list[str] | None,
+    typer.Option("--key", help="Of a case: a key, from its modal frequencies. Repeatable.", show_default=False),
+]
+Modes = Annotated[
+    list[str] | None,
+    typer.Option("--measured", help="With --key: a [measured.NAME] to use; absent = all modes.", show_default=False),
+]
+Of = Annotated[
+    str | None,
+    typer.Option("--of", help="Of a signal: decay, spectrum or response; absent = found out.", show_default=False),
+]
+Abscissa = Annotated[
+    str | None, typer.Option("--x", metavar="HEAD", help="Its column of time or frequency.", show_default=False)
+]
+Ordinate = Annotated[str | None, typer.Option("--y", metavar="HEAD", help="Its column of values.", show_default=False)]
+Driven = Annotated[
+    str | None,
+    typer.Option("--drive", help="Of a response: base displacement, base acceleration or force.", show_default=False),
+]
+Level = Annotated[
+    float | None, typer.Option("--level", help="Of a response: amplitude of the drive, or 1.", show_default=False)
+]
+
 
 def fit(
-    case: CaseFile,
+    file: Measured,
     set_: Overrides = None,
     out: TableFile = None,
-    next_: Annotated[
-        bool, typer.Option("--next", help="Also say which frequency, level or gap to measure next.")
-    ] = False,
+    next_: Annotated[bool, typer.Option("--next", help="Of a case: also say what to measure next.")] = False,
     write: Annotated[
         Path | None,
-        typer.Option(
-            "--write", metavar="FILE", help="Also write the case with the estimated values in it.", show_default=False
-        ),
+        typer.Option("--write", metavar="FILE", help="Also write the case with the estimates.", show_default=False),
     ] = None,
+    key: Keys = None,
+    measured: Modes = None,
+    of: Of = None,
+    x: Abscissa = None,
+    y: Ordinate = None,
+    drive: Driven = None,
+    level: Level = None,
 ) -> None:
-    """Estimate keys of the case from its measured curves, as [fit] says.
+    """Estimate parameters from measurements, with intervals.
 
-    Along branches of periodic motions: values, 95 % intervals, and what the curves cannot separate.
+    Of a case the keys of [fit] from its measured responses, or those named by --key from its measured modal
+    frequencies. Of a file with a decay, a spectrum or a response natural frequency, damping and gain.
+
+    \b
+    Examples:
+      vibeam fit cases/synthetic/fit.toml --next
+      vibeam fit decay.csv --x "t [s]" --y "u [mm]"
     """
+    of_signal = {"--of": of, "--x": x, "--y": y, "--drive": drive, "--level": level}
+    of_modes = {"--key": key, "--measured": measured}
+    of_responses = {"--next": next_, "--write": write}
+    if file.suffix != ".toml":
+        of_cases = {**of_responses, **of_modes, "--set": set_}
+        _require(file, of_cases, "is of a case, which ends in .toml", _faults(of, drive, level))
+        _show(file, _of_signal(file, of, (x, y), drive, level), out)
+    elif key or measured:
+        faults = [] if key else ["--measured: name the keys that they give, --key beam.thickness"]
+        _require(file, {**of_responses, **of_signal}, "does not go with --key", faults)
+        _show(file, _of_modes(file, set_, key, measured), out)
+    else:
+        _require(file, of_signal, "is of a signal, and this is a case")
+        _of_responses(file, set_, out, next_, write)
+
+
+def identify(
+    file: Measured,
+    set_: Overrides = None,
+    key: Keys = None,
+    measured: Modes = None,
+    of: Of = None,
+    x: Abscissa = None,
+    y: Ordinate = None,
+    drive: Driven = None,
+    level: Level = None,
+    out: TableFile = None,
+) -> None:
+    """Identify linear parameters: the earlier name of fit."""
+    fit(file, set_, out, False, None, key, measured, of, x, y, drive, level)
+
+
+def _require(file: Path, options: dict[str, Any], why: str, faults: list[str] | None = None) -> None:
+    """UsageError with all options that are given in vain, and further ``faults``."""
+    given = [f"{name} {why}: leave it out" for name, value in options.items() if value not in (None, False, [])]
+    if found := [*given, *(faults or [])]:
+        raise UsageError("\n".join(f"{file}: {each}" for each in found))
+
+
+def _faults(of: str | None, drive: str | None, level: float | None) -> list[str]:
+    """Faults of the options of a signal."""
+    from vibeam.exchange.faults import suggest
+    from vibeam.studies.identification.response import DRIVES
+    from vibeam.studies.identification.signal_kind import KINDS
+
+    found = []
+    if of is not None and of not in KINDS:
+        found.append(f"--of {of}: {suggest(of, KINDS)}")
+    elif of in KINDS[:2]:
+        given = [name for name, value in (("--drive", drive), ("--level", level)) if value is not None]
+        found += [f"{name} is of a response, and --of says {of}: leave one of them out" for name in given]
+    if drive is not None and drive not in DRIVES:
+        found.append(f"--drive {drive}: {suggest(drive, DRIVES)}")
+    if level is not None and not (isfinite(level) and level > 0):
+        found.append(f"--level {level:g} must be above 0")
+    return found
+
+
+def _of_signal(
+    file: Path, of: str | None, columns: tuple[str | None, str | None], drive: str | None, level: float | None
+) -> Identification:
+    from vibeam.studies.identification.signal_kind import identify_signal
+
+    return of_case(file, lambda: identify_signal(file, of, *columns, drive=drive, level=level))
+
+
+def _of_modes(file: Path, set_: list[str] | None, keys: list[str] | None, measured: list[str] | None) -> Identification:
+    from vibeam.studies.identification.modes import identify_keys
+
+    loaded = load(file, set_)
+    return of_case(file, lambda: identify_keys(loaded, keys or [], measured or []))
+
+
+def _show(file: Path, found: Identification, out: str | None) -> None:
+    """Print an identification; its table is written where a file is asked for."""
+    from vibeam.case.plans import FigurePlan
+    from vibeam.report.fit import identification_sheet
+
+    sheet = identification_sheet(found)
+    path = None if out is None else output_path(out, f"{file.stem}_identified.csv", (".csv",), "a table")
+    print_sheet(sheet, [] if path is None else sheet.write(path, FigurePlan()))
+
+
+def _of_responses(file: Path, set_: list[str] | None, out: str | None, next_: bool, write: Path | None) -> None:
+    """Fit the keys of [fit] to the responses of a case."""
     from vibeam.exchange.whole_files import write_whole
     from vibeam.report.fit import estimated_case, sheet
     from vibeam.studies.fit.study import fit as fitted
 
-    loaded = load(case, set_)
+    loaded = load(file, set_)
     path = table_path(loaded, out, "fit")
     if write is not None:
         _require_new(loaded, write, set_)
-    study = run_study(case, loaded, lambda own, tell: fitted(own, tell, next_point=next_))
+    study = run_study(file, loaded, lambda own, tell: fitted(own, tell, next_point=next_))
     found = sheet(study)
     files = found.write(path, loaded.figure)
     if write is not None:
-        write_whole(write, run_study(case, loaded, lambda *_: estimated_case(study)).encode())
+        write_whole(write, run_study(file, loaded, lambda *_: estimated_case(study)).encode())
         files.append(write)
     print_sheet(found, files)
 
@@ -62,69 +184,3 @@ def _require_new(case: Case, write: Path, set_: list[str] | None) -> None:
         raise UsageError(f"{write}: --write names a file beside the case, {beside / write.name}: its curves lie there")
     if write.exists():
         raise UsageError(f"{write}: is there already: name another file")
-
-
-KINDS = ("decay", "spectrum", "response")
-
-
-def identify(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A case (.toml), or a measured signal (CSV, .mat …).")],
-    set_: Overrides = None,
-    key: Annotated[
-        list[str] | None, typer.Option("--key", help="Of a case: a key to identify. Repeatable.", show_default=False)
-    ] = None,
-    measured: Annotated[
-        list[str] | None,
-        typer.Option("--measured", help="Of a case: a [measured.NAME] to use; absent = all modes.", show_default=False),
-    ] = None,
-    of: Annotated[
-        str | None, typer.Option("--of", help="Of a signal: decay, spectrum or response.", show_default=False)
-    ] = None,
-    x: Annotated[
-        str | None, typer.Option("--x", help="Its column of time or frequency; absent = the usual.", show_default=False)
-    ] = None,
-    y: Annotated[
-        str | None, typer.Option("--y", help="Its column of values; absent = the usual.", show_default=False)
-    ] = None,
-    drive: Annotated[
-        str, typer.Option("--drive", help="Of a response: base displacement, base acceleration or force.")
-    ] = "base displacement",
-    level: Annotated[float, typer.Option("--level", help="Of a response: amplitude of the drive.")] = 1.0,
-    out: TableFile = None,
-) -> None:
-    """Identify linear parameters, with 95 % intervals.
-
-    Of a measured signal: natural frequency, damping ratio, gain. Of a case: keys from its measured modal frequencies.
-    """
-    if file.suffix == ".toml":
-        from vibeam.studies.identification.modes import identify_keys
-
-        if of is not None:
-            raise UsageError(f"--of {of}: is of a signal, and {file} is a case: name keys, --key beam.thickness")
-        loaded = load(file, set_)
-        found = of_case(file, lambda: identify_keys(loaded, key or [], measured or []))
-    else:
-        found = _of_signal(file, of, (x, y), drive, level, bool(key or measured or set_))
-    path = None if out is None else output_path(out, f"{file.stem}_identified.csv", (".csv",), "a table")
-    write_table(found.rows, path)
-    print_result(found, lambda tables: [tables.identified(found)], [*found.directions, *found.notes])
-
-
-def _of_signal(
-    file: Path, of: str | None, columns: tuple[str | None, str | None], drive: str, level: float, of_case_too: bool
-) -> Identification:
-    from vibeam.exchange.faults import suggest
-    from vibeam.studies.identification.estimates import read_signal
-    from vibeam.studies.identification.response import identify_decay, identify_response, identify_spectrum
-
-    if of_case_too:
-        raise UsageError(f"{file}: --key, --measured and --set are of a case (.toml)")
-    if of not in KINDS:
-        said = "missing: which it is, --of decay" if of is None else f"--of {of}: {suggest(of, KINDS)}"
-        raise UsageError(f"{file}: {said}, spectrum or response" if of is None else said)
-    at, value, uncertainty = read_signal(file, "time" if of == "decay" else "frequency", *columns)
-    if of == "decay":
-        return of_case(file, lambda: identify_decay(at, value))
-    if of == "spectrum":
-        return of_case(file, lambda: identify_spectrum(at, value, uncertainty=uncertainty))
-    return of_case(file, lambda: identify_response(at, value, drive=drive, level=level, uncertainty=uncertainty))

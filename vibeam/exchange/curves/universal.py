@@ -12,13 +12,20 @@ from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn
 from vibeam.exchange.files import FormatError
 from vibeam.exchange.uff import SI, data_sets
 
-FREQUENCY = 18  # specific data type of an abscissa in Hz
+ABSCISSAE = {17: "time", 18: "frequency"}  # specific data types
+FUNCTIONS = {
+    2: "power spectrum", 3: "power spectrum", 4: "frequency response", 5: "transmissibility", 9: "power density",
+    10: "power density", 12: "spectrum",
+}  # fmt: skip
 UNITS = {8: "m", 11: "m/s", 12: "m/s^2"}  # specific data types of an ordinate
 AXES = {1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 
 def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
-    """Frequency and modulus of one data set 58, the one that ``wanted["value"]`` numbers where there are several."""
+    """Frequency and modulus of one data set 58, the one that ``wanted["value"]`` numbers where there are several.
+
+    Time and value where ``wanted["frequency"]`` may be called time.
+    """
     sets = data_sets(path, "export the curve as CSV")
     units = [each for each in sets if each["type"] == 164]
     if units and units[0]["units_code"] != SI:
@@ -26,7 +33,8 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     curves = [each for each in sets if each["type"] == 58]
     one = curves[_chosen(curves, wanted["value"])]
     frequency, ordinate = np.asarray(one["x"], dtype=float), np.asarray(one["data"])
-    if one.get("abscissa_spec_data_type") != FREQUENCY:
+    over = ABSCISSAE.get(int(one.get("abscissa_spec_data_type") or 0), "")
+    if over not in ("frequency", *(["time"] if "time" in wanted["frequency"].names else [])):
         raise FormatError("its data set 58 is not over frequency: export a frequency response or an order")
     if not len(frequency) == len(ordinate) == int(one.get("num_pts") or len(ordinate)) > 0:
         told = f"{len(frequency)} frequencies and {len(ordinate)} values for {one.get('num_pts')} points"
@@ -34,9 +42,10 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     values = np.abs(ordinate) if np.iscomplexobj(ordinate) else np.asarray(ordinate, dtype=float)
     if not (np.isfinite(frequency).all() and np.isfinite(values).all()):
         raise FormatError("its data set 58 has entries that are no numbers: blanks are missing between numbers?")
+    head = f"{FUNCTIONS.get(int(one.get('func_type') or 0), '')} {_called(one)}".strip()
     columns = {
-        "frequency": CurveColumn("abscissa", "Hz", frequency),
-        "value": CurveColumn(_called(one), _unit(one), values),
+        "frequency": CurveColumn(over, "s" if over == "time" else "Hz", frequency),
+        "value": CurveColumn(head, _unit(one), values),
     }
     return Columns(columns, tuple(range(1, len(frequency) + 1)))
 

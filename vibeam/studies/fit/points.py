@@ -63,7 +63,8 @@ def points_of(case: Case) -> tuple[list[Points], list[str]]:
     """Points of the references that a case is fitted to, and notes on those left out; ValueError for unusable ones."""
     if case.fit is None:
         raise ValueError(
-            'there is no [fit] in this case: say keys = { "stop.restitution" = [0.5, 0.9], … } and references'
+            'there is no [fit] in this case: say keys = { "stop.restitution" = [0.5, 0.9], … } and references; '
+            "keys from measured modal frequencies: --key beam.thickness"
         )
     if not case.fit.references:
         raise ValueError("there is no [reference.NAME] to fit to")

@@ -16,7 +16,7 @@ from vibeam.studies.fit.judgement import WIDEST, Judgement, alternatives, patter
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.profile import LEVEL, NextPoint, Profile, contour_of, next_points, profile
 from vibeam.studies.fit.profile import in_words as advice_in_words
-from vibeam.studies.fit.words import on_directions, on_misfit, on_ridges, ridges
+from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges, ridges
 from vibeam.system.progress import telling
 from vibeam_models.arrays import Array, ValueRecord
 
@@ -72,7 +72,7 @@ class FittedPoint:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FitStudy(ValueRecord):
-    """Fit of a case: rows, points, sentences; ``pair`` of the least known keys.
+    """Fit of a case: rows, points, sentences, of these the ``facts``; ``pair`` of the least known keys.
 
     ``covariance`` (P, P): linearised, SI. ``best`` (P,): the minimum itself, whether determined or not. ``next``: what
     to measure next, where it was asked for. ``judgement``: whether the model describes the points.
@@ -82,6 +82,7 @@ class FitStudy(ValueRecord):
     rows: tuple[FitRow, ...]
     points: tuple[FittedPoint, ...]
     sentences: tuple[str, ...]
+    facts: tuple[str, ...]
     misfit: float
     best: Array
     covariance: Array
@@ -134,7 +135,8 @@ def _study(case: Case, tell: Progress, next_point: bool) -> FitStudy:
         unit = next((row.unit for row in rows if advised and row.key == advised[0].key), "")
         sentences.append(advice_in_words(advised, unit))
     return FitStudy(
-        case, rows, tuple(_points(problem, minimum, judgement)), tuple(sentences), minimum.misfit,
+        case, rows, tuple(_points(problem, minimum, judgement)), tuple(sentences),
+        tuple(facts(problem, minimum, judgement)), minimum.misfit,
         problem.values(minimum.x), minimum.covariance * np.outer(problem.width, problem.width),
         _pair(problem, minimum), advised, judgement,
         problem=problem, minimum=minimum, profiles=tuple(profiles),

@@ -38,11 +38,19 @@ SLOW = 0.12  # the same of the slow flow's quotient, which averaging makes out t
 DRIVES = ("drive.gain", "drive.voltage", "drive.amplitude")
 
 
+def facts(problem: Problem, minimum: Minimum, judgement: Judgement) -> list[str]:
+    """The misfit where it can be judged, and the number of points on each motion."""
+    found = [_verdict(minimum, judgement)] if minimum.freedom > 0 else []
+    counts = [f"{n} with {MOTIONS[k]}" for k, n in enumerate(np.bincount(minimum.chosen, minlength=3)[:3]) if n]
+    counts += [f"{n} left out" for n in [int(np.sum(~minimum.used))] if n]
+    return [*found, f"{_points(problem.count)}: {', '.join(counts)}."]
+
+
 def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterator[str]:
-    """Sentences on the model: does it describe the points, if not what is known of the cause; points on no motion."""
+    """Sentences on the model: if it does not describe the points what is known of the cause; points on no motion."""
     free = minimum.freedom
-    if free > 0:
-        yield _verdict(problem, minimum, judgement)
+    *verdict, counts = facts(problem, minimum, judgement)
+    yield from verdict
     yield from _on_outliers(problem, judgement)
     if not judgement.described:
         yield from _on_cause(problem, judgement)
@@ -51,9 +59,7 @@ def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Itera
         yield from _on_patterns(judgement)
     if free < 0:
         yield f"{_points(free + len(problem.keys))} cannot fix {len(problem.keys)} keys."
-    counts = [f"{n} with {MOTIONS[k]}" for k, n in enumerate(np.bincount(minimum.chosen, minlength=3)[:3]) if n]
-    counts += [f"{n} left out" for n in [int(np.sum(~minimum.used))] if n]
-    yield f"{_points(problem.count)}: {', '.join(counts)}."
+    yield counts
     yield from _on_others(problem, minimum)
     lost = minimum.used & ~minimum.actual
     if lost.any():
@@ -61,7 +67,7 @@ def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Itera
         yield f"At {_where(problem, lost)} {told}through the stop, or is not stable)."
 
 
-def _verdict(problem: Problem, minimum: Minimum, judgement: Judgement) -> str:
+def _verdict(minimum: Minimum, judgement: Judgement) -> str:
     free, share = minimum.freedom, probability(minimum.misfit, minimum.freedom)
     told = f"χ² = {minimum.misfit:.4g} for {free} degrees of freedom, p {_probability(share)}"
     if not judgement.described:

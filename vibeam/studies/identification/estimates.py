@@ -1,4 +1,4 @@
-"""Estimates by least squares: values with 95 % intervals, directions that the data do not fix; measured signals.
+"""Estimates by least squares: values with 95 % intervals, directions that the data do not fix.
 
 With the Jacobian J of the data (in standard deviations) by the logarithms of the parameters, J = U diag(s) Vᵀ: along
 v_k the parameters are known to a factor exp(± t/s_k). A direction with a factor beyond 2 is not determined. It is taken
@@ -14,15 +14,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf, log, nan
-from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import WantedColumn
-from vibeam.exchange.curves.read import read_columns
-from vibeam.exchange.curves.record import factor
-from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError
 from vibeam_models.arrays import Array
 
 UNKNOWN = log(2.0)  # half-width of an interval in the logarithm from which on a direction is not determined
@@ -52,6 +46,7 @@ class Identification:
     """Result of an identification: ``rows`` of estimates; ``residual``: rms over the largest value of the data.
 
     ``directions``: what the data do not fix. ``method``: what was fitted to what. ``notes``: what limits the numbers.
+    Of a file ``of``: ``"decay"``, ``"spectrum"`` or ``"response"``, and ``why`` it is taken as one.
     """
 
     rows: tuple[Estimate, ...]
@@ -60,6 +55,8 @@ class Identification:
     residual: float
     directions: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    of: str = ""
+    why: str = ""
 
     def __getitem__(self, name: str) -> Estimate:
         for row in self.rows:
@@ -183,44 +180,3 @@ def by_logarithms(model: Callable[[Array], Array], values: Array) -> Array:
 
 
 STEP = 1e-5
-
-
-USUAL = {"time": ("time", "t"), "frequency": ("frequency", "freq", "f")}
-VALUES = ("displacement", "amplitude", "magnitude", "value", "x", "a")
-UNITS = {"time": "s", "frequency": "Hz"}
-
-
-def read_signal(
-    path: Path, over: str, x: str | None = None, y: str | None = None
-) -> tuple[Array, Array, Array | None]:  # fmt: skip
-    """Times in s or frequencies in Hz (n,), values as they stand, uncertainties where the file has them.
-
-    ``x``, ``y``: heads of the columns, or their numbers from 1. CaseError with the place and the cure.
-    """
-    wanted = {
-        "frequency": WantedColumn((_head(x),) if x else USUAL[over]),
-        "value": WantedColumn((_head(y),) if y else VALUES),
-        "uncertainty": WantedColumn(("uncertainty", "u"), needed=False),
-    }
-    try:
-        found = read_columns(path, wanted).columns
-        at = found["frequency"]
-        scaled = at.values * factor(at.unit, UNITS[over])
-    except FormatError as wrong:
-        raise CaseError([fault_in(path, wrong.line, _told(wrong.message))]) from None
-    except ValueError as wrong:
-        raise CaseError([fault_in(path, None, f"column {at.head!r}: {wrong}")]) from None
-    value = found["value"].values
-    known = np.isfinite(scaled) & np.isfinite(value)
-    uncertainty = found["uncertainty"].values[known] if "uncertainty" in found else None
-    return scaled[known], value[known], uncertainty
-
-
-def _head(text: str) -> str | int:
-    return int(text) if text.isdigit() else text
-
-
-def _told(message: str) -> str:
-    return message.partition("; say which in the case")[0] + (
-        "; name them: --x HEAD --y HEAD" * ("say which" in message)
-    )

@@ -117,6 +117,8 @@ def _checked(
         raise ValueError("every frequency and amplitude must be a finite number, not below 0")
     if not a.max() > 0 or np.ptp(f) == 0:
         raise ValueError("there is no response in it: all amplitudes are 0, or all frequencies the same")
+    if f[np.argmax(a)] == 0:
+        raise ValueError("the largest value is at 0 Hz: there is no peak in it")
     order = np.argsort(f)
     if uncertainty is None:
         return f[order], a[order], None
