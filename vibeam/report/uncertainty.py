@@ -16,14 +16,19 @@ from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, un
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank, plain
 from vibeam.studies.identification.modes import unit_of
+from vibeam.studies.uncertainty.mean_of_peak import PILOT
+from vibeam.studies.uncertainty.statistics import LEVELS
 from vibeam.system.number_text import in_prefix, percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from vibeam.studies.uncertainty.statistics import Distribution
+    from vibeam.studies.uncertainty.statistics import Distribution, ErrorRow
     from vibeam.studies.uncertainty.study import UncertaintyStudy
+
+
+ROUGH = 0.5  # width of the interval of a share, from which on it is told
 
 
 def units_in(study: UncertaintyStudy) -> DisplayUnits:
@@ -33,42 +38,41 @@ def units_in(study: UncertaintyStudy) -> DisplayUnits:
 
 
 def sheet(study: UncertaintyStudy) -> StudySheet:
-    """Sheet of a study: tables, sentences, bands as CSV, their figure."""
-    said = list(sentences(study))
+    """Sheet of a study: spread of the peak and its main source, tables, remarks, bands as CSV, their figure."""
+    said, uncertain, further = answer(study), list(notes(study)), list(details(study))
     data = {
         "inputs": study.uncertain, "samples": study.samples, "seed": study.seed, "frequency": study.frequency,
         "fidelities": study.rows, "sensitivity": study.over_frequency, "sensitivity_of_peak": study.of_peak,
-        "mean_peak": study.mean_peak, "errors": study.errors, "sentences": said,
+        "mean_peak": study.mean_peak, "errors": study.errors, "sentences": [said, *uncertain, *further],
     }  # fmt: skip
+    more = [each for each in (changes(study), errors(study)) if each is not None]
     return StudySheet(
-        "", tables(study), said, data=data, rows=list(rows(study)), draw=lambda: bands(study, units_in(study)),
-        coarse=True,
+        said, [inputs(study), fidelities(study)], uncertain, further, more, data, list(rows(study)),
+        lambda: bands(study, units_in(study)), coarse=True,
     )  # fmt: skip
-
-
-def tables(study: UncertaintyStudy) -> list[ReportTable]:
-    """All tables of the study."""
-    found = (inputs(study), fidelities(study), changes(study), errors(study))
-    return [each for each in found if each is not None]
 
 
 def inputs(study: UncertaintyStudy) -> ReportTable:
     """Table of the uncertain inputs, with their shares in the variance of the finest fidelity's peak."""
-    table = blank("Uncertain inputs", "key", "distribution", "mean|", "std. deviation|", "unit", "first order|")
-    table.add("total|", "95 % of the total|")
+    table = blank("Uncertain inputs", "key", "distribution")
+    table.add("mean|", detail=True)
+    table.add("std. deviation|", "unit")
+    table.add("first order|", detail=True)
+    table.add("total|", "95 % of it|")
     table.caption = (
-        "first order: share of the variance of the finest fidelity's peak that this input gives alone,\n"
-        "total: with all that it gives together with others (Sobol' indices; scatter of samples may pass 0 and 1)"
+        "total: share of the variance of the finest's peak, with all that the input gives together with others\n"
+        "(Sobol' indices; scatter of samples may pass 0 and 1); first order, with -v: what it gives alone"
     )
     found = study.of_peak
     for place, each in enumerate(study.uncertain):
         unit, factor = _unit(study, each)
         kind = "normal" if each.kind == "normal" else f"uniform, {each.first * factor:.6g} … {each.second * factor:.6g}"
-        numbers = (found.first[place, 0], found.total[place, 0])
-        between = f"{found.low[place, 0]:.2f} … {found.high[place, 0]:.2f}" if isfinite(numbers[1]) else "–"
-        cells = (f"{value:.2f}" if isfinite(value) else "–" for value in numbers)
+        first, total, low, high = (
+            f"{part[place, 0]:.2f}" if isfinite(part[place, 0]) else "–"
+            for part in (found.first, found.total, found.low, found.high)
+        )
         mean, deviation = f"{each.middle * factor:.6g}", f"{each.deviation * factor:.3g}"
-        table.add_row(each.key, kind, mean, deviation, unit, *cells, between)
+        table.add_row(each.key, kind, mean, deviation, unit, first, total, f"{low} … {high}" if total != "–" else "–")
     return table
 
 
@@ -84,7 +88,8 @@ def fidelities(study: UncertaintyStudy) -> ReportTable:
     units = units_in(study)
     length, hertz = (f" ({unit})" if unit else "" for unit in (units.length, units.frequency))
     table = blank("What the inputs make of the sweep", "fidelity", f"peak{length}|", "mean|", "5 % … 95 %|")
-    table.add(f"at{hertz}|", "5 % … 95 %|", f"period 1 ends{hertz}|", "5 % … 95 %|", "samples|", "failed|", "CPU each|")
+    table.add(f"at{hertz}|", "5 % … 95 %|")
+    table.add(f"period 1 ends{hertz}|", "5 % … 95 %|", "samples|", "failed|", "CPU each|", detail=True)
     table.caption = (
         "first number of each: at the case's own values; period 1 ends: in the way of the sweep, from the peak"
     )
@@ -146,11 +151,51 @@ def errors(study: UncertaintyStudy) -> ReportTable:
     return table
 
 
-def sentences(study: UncertaintyStudy) -> Iterator[str]:
-    """Sentences: what the inputs do, what a cheaper estimate of the mean costs, what is told apart."""
-    yield from _wide(study)
-    yield from _mean(study)
-    yield from _told_apart(study)
+def answer(study: UncertaintyStudy) -> str:
+    """Spread of the finest fidelity's peak, its main source, and the error of the coarsest reduction beside it."""
+    peak, units = study.finest.peak, units_in(study)
+    low, high = (units.lengths(peak.quantiles[place]) for place in (0, -1))
+    told = f"The peak of {study.finest.fidelity} is {units.lengths(peak.nominal)}, 90 % between {low} and {high}"
+    if (main := _main(study)) is not None:
+        place, share, rough = main
+        told += f"; {'most' if rough else percent(min(share, 1.0))} of its variance comes from "
+        told += study.uncertain[place].key
+    coarse = max(_reductions(study), key=lambda row: abs(row.form), default=None)
+    if coarse is not None:
+        size = percent(abs(coarse.form / peak.nominal))
+        told += f"; the model error of {coarse.fidelity} is {size}, {_beside(study, coarse)}"
+    return f"{told}."
+
+
+def _main(study: UncertaintyStudy) -> tuple[int, float, bool] | None:
+    """Place and share of the input with the largest total index, whether that is known roughly; None: none known."""
+    found = study.of_peak
+    if not np.isfinite(found.total[:, 0]).any():
+        return None
+    place = int(np.nanargmax(found.total[:, 0]))
+    return place, float(found.total[place, 0]), bool(found.high[place, 0] - found.low[place, 0] > ROUGH)
+
+
+def _reductions(study: UncertaintyStudy) -> list[ErrorRow]:
+    """Rows of the fidelities below the finest whose difference to it can be set against the spread."""
+    spread = study.finest.peak.deviation
+    return [row for row in study.errors[:-1] if isfinite(row.form) and spread > 0]
+
+
+def _beside(study: UncertaintyStudy, row: ErrorRow) -> str:
+    return f"{abs(row.form) / study.finest.peak.deviation:.2g} standard deviations of the inputs"
+
+
+def notes(study: UncertaintyStudy) -> Iterator[str]:
+    """Remarks: which models a measurement tells apart, what is known roughly, what validates nothing, what failed."""
+    for row in _reductions(study):
+        off = f"{row.fidelity} is off the finest by {_beside(study, row)}: "
+        close = "a measurement on this rig would not tell the two apart by the peak."
+        yield off + ("the form of the model shows." if abs(row.form) > 2 * study.finest.peak.deviation else close)
+    if (main := _main(study)) is not None and main[2]:
+        low, high = (part[main[0], 0] for part in (study.of_peak.low, study.of_peak.high))
+        told = f"{study.uncertain[main[0]].key}'s share is between {low:.2f} and {high:.2f} by {study.samples} samples"
+        yield f"{told}: --samples {2 * study.samples} says it better."
     for row in (each for each in study.errors if each.chose):
         yield f"The measured peak chose {', '.join(row.chose)} of {row.fidelity}: it validates nothing there."
     failed = [f"{row.failed} of {row.fidelity}" for row in study.rows if row.failed]
@@ -158,20 +203,8 @@ def sentences(study: UncertaintyStudy) -> Iterator[str]:
         yield f"Samples with a point that failed: {', '.join(failed)}; bands and indices leave these out."
 
 
-def _wide(study: UncertaintyStudy) -> Iterator[str]:
-    peak, units = study.finest.peak, units_in(study)
-    totals = [(study.of_peak.total[place, 0], each.key) for place, each in enumerate(study.uncertain)]
-    known = [each for each in totals if isfinite(each[0])]
-    yield (
-        f"The inputs spread the peak of {study.finest.fidelity} by {percent(peak.deviation / peak.mean)} "
-        f"(standard deviation): {units.lengths(peak.quantiles[0])} to {units.lengths(peak.quantiles[-1])} in 90 %."
-    )
-    if known:
-        share, key = max(known)
-        yield f"Most of it comes from {key} ({percent(min(share, 1.0))} of the variance)."
-
-
-def _mean(study: UncertaintyStudy) -> Iterator[str]:
+def details(study: UncertaintyStudy) -> Iterator[str]:
+    """Mean of the peak, and what a cheaper estimate of it costs."""
     found, units = study.mean_peak, units_in(study)
     if found is None:
         yield "No cheaper model is close enough to save runs of the finest in the mean of its peak."
@@ -180,13 +213,13 @@ def _mean(study: UncertaintyStudy) -> Iterator[str]:
     correlation = ", ".join(f"{found.correlations[name]:.4f}" for name in found.chosen.names[1:])
     alone, several = found.alone, found.several
     yield (
-        f"Mean of its peak: {units.lengths(alone.mean)} ± {units.lengths(1.96 * alone.error)} by "
-        f"{study.finest.samples} runs of it alone ({alone.seconds:.3g} s of CPU time); "
+        f"Mean of the peak: {units.lengths(alone.mean)} ± {units.lengths(1.96 * alone.error)} by "
+        f"{study.finest.samples} runs of {study.finest.fidelity} alone ({alone.seconds:.3g} s of CPU time); "
         f"{units.lengths(several.mean)} ± {units.lengths(1.96 * several.error)} by {runs} "
         f"({several.seconds:.3g} s; multi-fidelity Monte Carlo, correlation {correlation})."
     )
     yield (
-        f"At equal variance that costs {_ratio(found.saving)} (predicted from {_pilot()} pilot runs: "
+        f"At equal variance that costs {_ratio(found.saving)} (predicted from {PILOT} pilot runs: "
         f"{_ratio(found.chosen.gain)}); the pilot's runs are not counted."
     )
 
@@ -195,27 +228,8 @@ def _ratio(saving: float) -> str:
     return f"{saving:.3g} times less" if saving >= 1 else f"{1 / saving:.3g} times more"
 
 
-def _pilot() -> int:
-    from vibeam.studies.uncertainty.mean_of_peak import PILOT
-
-    return PILOT
-
-
-def _told_apart(study: UncertaintyStudy) -> Iterator[str]:
-    spread = study.finest.peak.deviation
-    for row in study.errors[:-1]:
-        size = abs(row.form)
-        if not (isfinite(size) and spread > 0):
-            continue
-        off = f"{row.fidelity} is off the finest by {size / spread:.2g} standard deviations of the inputs: "
-        close = "a measurement on this rig would not tell the two apart by the peak."
-        yield off + ("the form of the model shows." if size > 2 * spread else close)
-
-
 def rows(study: UncertaintyStudy) -> Iterator[dict[str, Any]]:
     """Rows of every fidelity and frequency; indices in those of the finest; missing values are empty."""
-    from vibeam.studies.uncertainty.statistics import LEVELS
-
     for row in study.rows:
         for place, frequency in enumerate(study.frequency):
             found = {"fidelity": row.fidelity, "frequency": float(frequency), "nominal": row.nominal[place]}

@@ -61,63 +61,65 @@ class Profile:
 
 def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> Profile:
     """Profile of key ``k``; ``scale``: factor on all uncertainties."""
-    rows = [np.append(minimum.x, 0.0)]
-    ends, opened = [], []
-    for side in (-1.0, 1.0):
-        end, is_open = _end(problem, minimum, k, side, rows, scale)
-        ends.append(end)
-        opened.append(is_open)
-    path = np.array(sorted(rows, key=lambda row: float(row[k])))
-    return Profile(ends[0], ends[1], (opened[0], opened[1]), path)
+    away = minimum.covariance[:, k] / np.sqrt(minimum.covariance[k, k])
+    search = Crossing(scale * float(np.sqrt(LEVEL)), NEAR, TRIES)
+    (low, low_open, before), (high, high_open, after) = (
+        search.along(problem, minimum, side * away, [k]) for side in (-1.0, 1.0)
+    )
+    path = np.array(sorted([np.append(minimum.x, 0.0), *before, *after], key=lambda row: float(row[k])))
+    return Profile(float(low[k]), float(high[k]), (low_open, high_open), path)
 
 
-def _end(
-    problem: Problem, minimum: Minimum, k: int, side: float, rows: list[Array], scale: float
-) -> tuple[float, bool]:
-    """End of the interval on one side, and whether it is the bound."""
-    spread, target = minimum.covariance, scale * float(np.sqrt(LEVEL))
-    along = spread[:, k] / spread[k, k]
-    bound, inside, outside = (1.0 if side > 0 else 0.0), (float(minimum.x[k]), 0.0, minimum.x), None
-    at = inside[0] + side * target * float(np.sqrt(spread[k, k]))
-    for _ in range(TRIES):
-        at = min(max(at, 0.0), 1.0)
-        start = np.clip(inside[2] + along * (at - inside[0]), 0.0, 1.0)
-        x, misfit = minimise(problem, start, minimum.chosen, {k: at}, tolerance=ENOUGH)
-        height = float(np.sqrt(max(misfit - minimum.misfit, 0.0)))
-        if height <= 4 * target:
-            rows.append(np.append(x, misfit - minimum.misfit))
-        if abs(height - target) < NEAR * target:
-            return at, _at_bounds(x, k)
-        if height < target:
-            if at == bound:
-                return bound, True
-            inside = (at, height, x)
-        else:
-            outside = (at, height)
-        at = _next(inside, outside, bound, target, float(minimum.x[k]))
-    return at, _at_bounds(inside[2], k)
+@dataclass(frozen=True)
+class Crossing:
+    """Search, in some ``tries``, for where the root of the misfit's rise is ``target``, to a share ``near``."""
 
+    target: float
+    near: float
+    tries: int
 
-def _at_bounds(x: Array, k: int) -> bool:
-    """Test whether another key is at its bound, so that it is that bound which ends the interval."""
-    return bool(np.any(np.delete(np.minimum(x, 1 - x), k) < BOUND))
+    def along(
+        self, problem: Problem, minimum: Minimum, away: Array, held: list[int]
+    ) -> tuple[Array, bool, list[Array]]:
+        """Shares (P,) at the crossing, whether a bound comes first, and rows of the path: shares, rise of the misfit.
 
+        From the minimum on in the direction ``away`` (P,) that raises the linearised root as fast as the distance, the
+        keys ``held`` on that line, the others at their best.
+        """
+        ray, middle, rows = away[held], minimum.x[held], list[Array]()
+        with np.errstate(divide="ignore"):
+            room = np.where(ray > 0, (1 - middle) / ray, np.where(ray < 0, -middle / ray, np.inf))
+        most, distance = float(room.min()), self.target
+        inside: tuple[float, float, Array] = (0.0, 0.0, minimum.x)
+        outside: tuple[float, float] | None = None
+        for _ in range(self.tries):
+            distance = min(distance, most)
+            x = np.clip(inside[2] + (distance - inside[0]) * away, 0.0, 1.0)
+            fixed = dict(zip(held, np.clip(middle + distance * ray, 0.0, 1.0).tolist(), strict=True))
+            x, misfit = minimise(problem, x, minimum.chosen, fixed, tolerance=ENOUGH)
+            height = float(np.sqrt(max(misfit - minimum.misfit, 0.0)))
+            if height <= 4 * self.target:
+                rows.append(np.append(x, misfit - minimum.misfit))
+            if abs(height - self.target) < self.near * self.target:
+                break
+            if height < self.target and distance == most:
+                return x, True, rows
+            inside, outside = ((distance, height, x), outside) if height < self.target else (inside, (distance, height))
+            distance = self._next(inside[:2], outside, most, NEARLY / float(np.abs(ray).max()))
+        return x, bool(np.any(np.delete(np.minimum(x, 1 - x), held) < BOUND)), rows
 
-def _next(
-    inside: tuple[float, float, Array], outside: tuple[float, float] | None, bound: float, target: float, origin: float
-) -> float:
-    """Next value: by the secant between inside and outside, or from the minimum on and a little beyond, to the bound.
-
-    A bound that is nearly reached is tried itself.
-    """
-    if outside is None:
-        stretch = min(1.1 * target / max(inside[1], 1e-3 * target), STRETCH)
-        further = origin + stretch * (inside[0] - origin)
-        return bound if (further - bound) * (bound - origin) > 0 or abs(further - bound) < NEARLY else further
-    if outside[1] > 1e3 * target:
-        return (inside[0] + outside[0]) / 2
-    share = (target - inside[1]) / (outside[1] - inside[1])
-    return inside[0] + (share if 0.1 < share < 0.9 else 0.5) * (outside[0] - inside[0])
+    def _next(
+        self, inside: tuple[float, float], outside: tuple[float, float] | None, most: float, nearly: float
+    ) -> float:
+        """Next distance: by the secant between inside and outside, or from the minimum on and a little beyond, to the
+        bound, which is tried itself where it is ``nearly`` reached."""
+        if outside is None:
+            further = inside[0] * min(1.1 * self.target / max(inside[1], 1e-3 * self.target), STRETCH)
+            return most if further > most - nearly else further
+        if outside[1] > 1e3 * self.target:
+            return (inside[0] + outside[0]) / 2
+        share = (self.target - inside[1]) / (outside[1] - inside[1])
+        return inside[0] + (share if 0.1 < share < 0.9 else 0.5) * (outside[0] - inside[0])
 
 
 def misfit_at(problem: Problem, minimum: Minimum, k: int, share: float) -> float:
@@ -135,46 +137,13 @@ NEAR_OF_TWO = 0.05
 
 def contour_of(problem: Problem, minimum: Minimum, pair: tuple[int, int]) -> Array:
     """Closed contour (rays + 1, 2) in SI, cut off at the bounds; rays are even in the linearised ellipse."""
-    at = list(pair)
-    shape = np.linalg.cholesky(minimum.covariance[np.ix_(at, at)])
+    at, spread = list(pair), minimum.covariance
+    shape = np.linalg.cholesky(spread[np.ix_(at, at)])
+    along = spread[:, at] @ np.linalg.inv(spread[np.ix_(at, at)]) @ shape  # the other keys' best, linearised
     angles = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
-    spread = minimum.covariance
-    along = spread[:, at] @ np.linalg.inv(spread[np.ix_(at, at)])  # the other keys' best, linearised
-    found = [_radius(problem, minimum, at, shape @ [np.cos(each), np.sin(each)], along) for each in angles]
-    shares = np.array([*found, found[0]])
-    return np.asarray(problem.low[at] + shares * problem.width[at])
-
-
-def _radius(problem: Problem, minimum: Minimum, at: list[int], ray: Array, along: Array) -> Array:
-    """Shares of the pair where a ray from the minimum crosses the contour, or leaves the bounds."""
-    middle, target = minimum.x[at], float(np.sqrt(LEVEL_OF_TWO))
-    with np.errstate(divide="ignore"):
-        room = np.where(ray > 0, (1 - middle) / ray, np.where(ray < 0, -middle / ray, np.inf))
-    most = float(room.min())
-    inside, outside, radius = (0.0, 0.0), (most, np.inf), min(target, most)
-    for _ in range(TRIES_OF_TWO):
-        pair = np.clip(middle + radius * ray, 0.0, 1.0)
-        fixed = dict(zip(at, pair.tolist(), strict=True))
-        start = np.clip(minimum.x + along @ (pair - middle), 0.0, 1.0)
-        _, misfit = minimise(problem, start, minimum.chosen, fixed, tolerance=ENOUGH)
-        height = float(np.sqrt(max(misfit - minimum.misfit, 0.0)))
-        if abs(height - target) < NEAR_OF_TWO * target or (height < target and radius == most):
-            break
-        if height < target:
-            inside = (radius, height)
-        else:
-            outside = (radius, height)
-        radius = _between(inside, outside, target, most)
-    return np.asarray(np.clip(middle + radius * ray, 0.0, 1.0))
-
-
-def _between(inside: tuple[float, float], outside: tuple[float, float], target: float, most: float) -> float:
-    if not np.isfinite(outside[1]):
-        return min(most, inside[0] * min(target / max(inside[1], 0.2 * target), 3.0))
-    if outside[1] > 1e3 * target:
-        return (inside[0] + outside[0]) / 2
-    share = (target - inside[1]) / (outside[1] - inside[1])
-    return inside[0] + min(max(share, 0.1), 0.9) * (outside[0] - inside[0])
+    search = Crossing(float(np.sqrt(LEVEL_OF_TWO)), NEAR_OF_TWO, TRIES_OF_TWO)
+    found = [search.along(problem, minimum, along @ [np.cos(each), np.sin(each)], at)[0][at] for each in angles]
+    return np.asarray(problem.low[at] + np.array([*found, found[0]]) * problem.width[at])
 
 
 LEVELS = ("voltage", "amplitude", "velocity", "acceleration", "force")

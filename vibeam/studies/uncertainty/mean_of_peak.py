@@ -172,7 +172,6 @@ def _means(
 
 Progress = Callable[[str], None]
 PILOT = 32  # samples from which correlations are taken
-POINTS = 60  # frequencies of a closed form at least, of a sweep that has as many
 MOST = 20_000  # runs of any model
 TIMED = 12  # further samples from which costs are taken
 
@@ -267,8 +266,7 @@ def _models(sampler: Sampler, found: Mapping[str, Responses], finest: str, seed:
     }
     coarse = replace(sampler, coarse=Coarse())
     models |= {f"{name}, coarse sweep": timed(coarse, name) for name in found if name != finest}
-    every = max(len(sampler.case.sweep.frequency) // POINTS, 1)
-    closed = ClosedFormPeaks(sampler.case, sampler.keys, every)
+    closed = ClosedFormPeaks(sampler.case, sampler.keys)
     models |= {f"{name}, closed form": timed(closed, name) for name in found if known(sampler.case, name)}
     cheapest = closed if known(sampler.case, finest) else sampler
     drawn = inputs_of(sampler.case.uncertain, rng.random((runs(len(sampler.keys)), len(sampler.keys))))

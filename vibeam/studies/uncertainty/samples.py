@@ -1,8 +1,8 @@
 """Samples of the uncertain inputs, and the response of a fidelity to each of them: by a sweep, or by a surrogate.
 
 As control variates they may be off by any amount (jumps, folds), if only they follow the peak of the sweep. The closed
-form is the largest motion with one impact a period, or none: which of the motions a sweep would be on, and whether they
-are stable or strike in between, is not asked. The surface is fitted by least squares to runs of its own, so that it is
+form is the largest stable motion with one impact a period, or none: which of the motions a sweep would be on is not
+asked. The surface is fitted by least squares to runs of its own, so that it is
 independent of those that an estimate is made of.
 """
 
@@ -17,10 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system
-from vibeam.periodic.modal_sums import fault
-from vibeam.periodic.orbit_derivatives import struck
-from vibeam.periodic.output_signals import SampledOutput, without_contact
-from vibeam.periodic.tangents import ModalData, Tangents, derivatives_fault
+from vibeam.runs.closed_motions import closed_curve, unsuited, without_closed_forms
 from vibeam.runs.parallel import heartbeat, run_parallel
 from vibeam.runs.sweep import sweep
 from vibeam.system.response import FrequencyResponse, complete
@@ -69,16 +66,10 @@ class Responses:
     seconds: Array
 
     @classmethod
-    def of_amplitude(
-        cls, fidelity: str, inputs: Array, frequency: Array, amplitude: Array, seconds: Array
-    ) -> Responses:
-        """Responses known by their amplitudes (m, points) at frequencies (points,) Hz alone."""
-        filled = np.where(np.isfinite(amplitude), amplitude, -np.inf)
-        top, some = np.argmax(filled, axis=1), np.isfinite(amplitude).any(axis=1)
-        peak = np.where(some, filled[np.arange(len(filled)), top], np.nan)
-        at = np.where(some, frequency[top], np.nan)
+    def of_peaks(cls, fidelity: str, inputs: Array, peak: Array, seconds: Array) -> Responses:
+        """Responses known by their peaks (m,) alone."""
         unknown = np.full(len(inputs), np.nan)
-        return cls(fidelity, inputs, amplitude, peak, at, unknown, unknown, unknown, seconds)
+        return cls(fidelity, inputs, peak[:, None], peak, unknown, unknown, unknown, unknown, seconds)
 
     @property
     def failed(self) -> int:
@@ -178,59 +169,31 @@ def _first(response: FrequencyResponse, before: Any, after: Any) -> float:
     return float(response.frequency[found[0] + 1]) if len(found) else float("nan")
 
 
-SAMPLES = 64  # a drive period
-
-
 @dataclass(frozen=True)
 class ClosedFormPeaks:
-    """Closed-form peaks of a case at other values of its uncertain inputs, at every ``every``-th of its frequencies."""
+    """Closed-form peaks of a case at other values of its uncertain inputs, over the frequencies of its sweep."""
 
     case: Case
     keys: tuple[str, ...]
-    every: int = 1
 
     def __call__(self, fidelity: str, inputs: Array) -> Responses:
-        """Responses to inputs (m, d); NaN where a system has no closed form."""
-        model = self.case.model(fidelity)
-        omega = np.sort(2 * np.pi * self.case.sweep.frequency)[:: self.every]
-        amplitude, seconds = np.full((len(inputs), len(omega)), np.nan), np.zeros(len(inputs))
+        """Responses to inputs (m, d): their peaks alone; NaN where a system has no closed form."""
+        model, omega = self.case.model(fidelity), np.sort(2 * np.pi * self.case.sweep.frequency)
+        peak, seconds = np.empty(len(inputs)), np.empty(len(inputs))
         for number, values in enumerate(inputs):
             begin = thread_time()
-            data = self._data(model.at(dict(zip(self.keys, values, strict=True))), omega)
-            if data is not None:
-                amplitude[number] = largest(data, omega)
+            scene = model.at(dict(zip(self.keys, values, strict=True))).scene()
+            base = np.broadcast_to(np.asarray(drive_amplitude(scene, omega), dtype=float), omega.shape)
+            peak[number] = closed_curve(system(scene, model.fidelity), omega, base, self.case.sweep.output).peak
             seconds[number] = thread_time() - begin
-        return Responses.of_amplitude(fidelity, inputs, omega / (2 * np.pi), amplitude, seconds)
-
-    def _data(self, model: Model, omega: Array) -> ModalData | None:
-        """Modal data of a sample's system; None where it has no closed form."""
-        scene = model.scene()
-        made = system(scene, model.fidelity)
-        if derivatives_fault(made):
-            return None
-        drive = np.broadcast_to(np.asarray(drive_amplitude(scene, omega), dtype=float), omega.shape)
-        return ModalData.of(made, self.case.sweep.output, drive)
+        return Responses.of_peaks(fidelity, inputs, peak, seconds)
 
 
 def known(case: Case, fidelity: str) -> bool:
     """Test whether a fidelity's drive, gap and output have closed forms."""
-    scene = case.scene_of(fidelity)
-    stop = scene.stop
-    moving = stop is not None and (stop.drift is not None or stop.wear is not None)
-    made = case.system(fidelity)
-    return not (scene.harmonics or moving or fault(made)) and made.derivative(case.sweep.output) is None
-
-
-def largest(data: ModalData, omega: Array) -> Array:
-    """Largest amplitude (points,) of the motions at drives ``omega``, from samples; NaN where there is none."""
-    still = Tangents.unpacked(np.zeros((0, len(data.packed()))), len(data.omega))
-    found = struck(data, still, omega, np.ones(len(omega)), 0)
-    signal = SampledOutput(data, still, data.row, still.row, omega, 1, found, None)
-    swing = np.ptp(signal.samples(np.linspace(0.0, 1.0, SAMPLES + 1)), axis=1) / 2
-    free = without_contact(data, still, omega, "amplitude")
-    both = (np.where(found.beyond == 0, swing, -np.inf), np.where(free.beyond == 0, free.value, -np.inf))
-    top = np.maximum(*both)
-    return np.where(np.isfinite(top), top, np.nan)
+    made, omega = case.system(fidelity), 2 * np.pi * case.sweep.frequency
+    refused = without_closed_forms(case.scene_of(fidelity), omega) or unsuited(made)
+    return not refused and made.derivative(case.sweep.output) is None
 
 
 RUNS = 3  # a coefficient
@@ -265,7 +228,7 @@ class Surface:
         begin = thread_time()
         peak = terms((inputs - self.middle) / self.scale) @ self.coefficients
         each = np.full(len(inputs), (thread_time() - begin) / max(len(inputs), 1))
-        return Responses.of_amplitude(fidelity, inputs, np.full(1, np.nan), peak[:, None], each)
+        return Responses.of_peaks(fidelity, inputs, peak, each)
 
 
 def runs(inputs: int) -> int:
