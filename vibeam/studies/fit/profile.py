@@ -62,7 +62,7 @@ class Profile:
 def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> Profile:
     """Profile of key ``k``; ``scale``: factor on all uncertainties."""
     away = minimum.covariance[:, k] / np.sqrt(minimum.covariance[k, k])
-    search = Crossing(scale * float(np.sqrt(LEVEL)), NEAR, TRIES)
+    search = ProfileSearch(scale * float(np.sqrt(LEVEL)), NEAR, TRIES)
     (low, low_open, before), (high, high_open, after) = (
         search.along(problem, minimum, side * away, [k]) for side in (-1.0, 1.0)
     )
@@ -71,7 +71,7 @@ def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> P
 
 
 @dataclass(frozen=True)
-class Crossing:
+class ProfileSearch:
     """Search, in some ``tries``, for where the root of the misfit's rise is ``target``, to a share ``near``."""
 
     target: float
@@ -141,7 +141,7 @@ def contour_of(problem: Problem, minimum: Minimum, pair: tuple[int, int]) -> Arr
     shape = np.linalg.cholesky(spread[np.ix_(at, at)])
     along = spread[:, at] @ np.linalg.inv(spread[np.ix_(at, at)]) @ shape  # the other keys' best, linearised
     angles = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
-    search = Crossing(float(np.sqrt(LEVEL_OF_TWO)), NEAR_OF_TWO, TRIES_OF_TWO)
+    search = ProfileSearch(float(np.sqrt(LEVEL_OF_TWO)), NEAR_OF_TWO, TRIES_OF_TWO)
     found = [search.along(problem, minimum, along @ [np.cos(each), np.sin(each)], at)[0][at] for each in angles]
     return np.asarray(problem.low[at] + np.array([*found, found[0]]) * problem.width[at])
 
