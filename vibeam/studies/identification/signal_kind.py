@@ -73,7 +73,7 @@ def _methods(signal: Signal, drive: str | None, level: float | None) -> Mapping[
 
 
 def _of_drive(kind: str, signal: Signal, drive: str | None, level: float | None) -> Iterator[str]:
-    """What is assumed of the drive of a response, and what the other one would give."""
+    """Note on the drive that is assumed of a response, and what the other one would give."""
     if kind != "response" or drive is not None:
         return
     at, value, uncertainty = signal.at, signal.value, signal.uncertainty
