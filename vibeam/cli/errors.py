@@ -114,6 +114,6 @@ def _stop(message: str, code: int, fault: BaseException | None = None) -> None:
     if verbosity().json:
         from vibeam.cli.output import print_json
 
-        faults = getattr(fault, "faults", ())
+        faults = [vars(each) for each in getattr(fault, "faults", ())]
         print_json({"error": message, "exit_code": code, "faults": faults})
     raise typer.Exit(code) from None
