@@ -23,7 +23,7 @@ from vibeam.cli.verbosity import with_verbosity
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "How much model": (runs.run, maps.map),
     "Measurements": (runs.check, measured.fit, measured.identify, studies.uncertainty),
-    "From geometry": (modes.derive, modes.modes),
+    "From geometry": (studies.derive, modes.modes),
     "Results": (runs.report, studies.study),
     "Case files": (case_files.new, case_files.keys, case_files.doctor),
 }

@@ -74,8 +74,12 @@ def run_declared(study: StudyDeclaration, case: Case, out: str | None) -> None:
     with Bar(study.name) as bar:
         record = of_case(case.path, lambda: study.of(case, stderr().print, bar))
     sheet = study.shown(record, case)
-    files = [_page(study, sheet, case, path)] if path.suffix == ".html" else sheet.write(path, case.figure)
-    print_sheet(sheet, files, first)
+    print_sheet(sheet, _files(study, sheet, case, path) if out or sheet.draw or sheet.page else [], first)
+
+
+def _files(study: StudyDeclaration, sheet: StudySheet, case: Case, path: Path) -> list[Path]:
+    """Files of a study: its page, or table and figures."""
+    return [_page(study, sheet, case, path)] if path.suffix == ".html" else sheet.write(path, case.figure)
 
 
 def _page(study: StudyDeclaration, sheet: StudySheet, case: Case, path: Path) -> Path:

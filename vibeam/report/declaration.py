@@ -69,20 +69,31 @@ class StudyDeclaration:
 
 def _own(name: str, home: str, sheet: str, meaning: str, *examples: str) -> StudyDeclaration:
     plan = STUDY_PLANS[name].load() if name in STUDY_PLANS else None
-    return StudyDeclaration(
-        name, f"vibeam.studies.{home}:{name}", meaning, sheet=f"vibeam.report.{sheet}", asks=plan,
-        examples=(f"vibeam study {name} mine.toml", *examples),
-    )  # fmt: skip
+    run, shown = f"vibeam.studies.{home}:{name}", f"vibeam.report.{sheet}:sheet"
+    return StudyDeclaration(name, run, meaning, sheet=shown, asks=plan, examples=examples)
 
 
 STUDIES: Registry[StudyDeclaration] = Registry(
     "study",
-    _own("cost", "cost.study", "cost:sheet", "error against CPU time of every solver"),
-    _own("influence", "influence.study", "influence:sheet", "what each effect changes, and its cost"),
-    _own("limit", "limit.study", "limit:sheet", "limit of infinitely many modes"),
-    _own("uncertainty", "uncertainty.study", "uncertainty:sheet", "bands and sensitivity by what is uncertain"),
-    _own("reduce", "reduce.study", "reduce:sheet", "what a reduction loses with n coordinates"),
-)
+    _own(
+        "uncertainty", "uncertainty.study", "uncertainty", "carry uncertain inputs through the sweep",
+        "vibeam uncertainty mine.toml --set 'uncertain.\"stop.restitution\"=\"0.7 ± 0.03\"'",
+        "vibeam uncertainty mine.toml --samples 256 --out uncertainty.html",
+    ),
+    _own(
+        "derive", "derive", "derive", "SDOF parameters from geometry, beside finite elements",
+        "vibeam derive mine.toml", "vibeam derive mine.toml --set mass.mass='0.5 kg' --json",
+    ),
+    _own("cost", "cost.study", "cost", "error against CPU time of every solver", "vibeam study cost mine.toml"),
+    _own(
+        "influence", "influence.study", "influence", "what each effect changes and costs",
+        "vibeam study influence mine.toml",
+    ),
+    _own("limit", "limit.study", "limit", "limit of infinitely many modes", "vibeam study limit mine.toml"),
+    _own(
+        "reduce", "reduce.study", "reduce", "what a reduction loses with n coordinates", "vibeam study reduce mine.toml"
+    ),
+)  # fmt: skip
 
 
 def register_study(declaration: StudyDeclaration) -> None:

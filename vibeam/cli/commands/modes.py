@@ -1,4 +1,4 @@
-"""``vibeam modes`` and ``derive``: modes of the beam, and the single degree of freedom that stands for it."""
+"""``vibeam modes``: modal table, mode shapes and matrices of the structure."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, output_path, table_path
+from vibeam.cli.arguments import CaseFile, Overrides, load, output_path
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet
 from vibeam.cli.streams import say
@@ -20,7 +20,9 @@ def modes(
     set_: Overrides = None,
     out: Annotated[
         str | None,
-        typer.Option("--out", metavar="FILE", help="The mode shapes: .vtu, or .pvd with a step for each; or a folder."),
+        typer.Option(
+            "--out", "-o", metavar="FILE", help="Mode shapes: .vtu, or .pvd with a step for each; or a folder."
+        ),
     ] = None,
     matrices: Annotated[
         str | None,
@@ -30,9 +32,14 @@ def modes(
     ] = None,
     count: Annotated[int, typer.Option("--count", min=1, help="How many modes.")] = 10,
 ) -> None:
-    """Tabulate the modes of the finite-element beam, or of given matrices or modes.
+    """Modal table; mode shapes and matrices as files.
 
-    Each stands with the restitution of mode 1 in a model that is cut off after it.
+    Each mode stands with the restitution that mode 1 has in a model that is cut off after it.
+
+    \b
+    Examples:
+      vibeam modes mine.toml --count 4
+      vibeam modes mine.toml --out shapes.pvd --matrices mine.npz
     """
     from vibeam.report.modes import sheet
     from vibeam.studies.modes import mode_table, write_shapes
@@ -59,17 +66,3 @@ def export(case: Case, out: str) -> None:
 
     path = output_path(out, f"{case.path.stem}.npz", WRITTEN, "a file of matrices")
     say(f"wrote {path}; to read it as a case:\n{of_case(case.path, lambda: export_matrices(case, path))}")
-
-
-def derive(case: CaseFile, set_: Overrides = None, out: TableFile = None) -> None:
-    """Derive the SDOF parameters from geometry.
-
-    Each stands beside its finite-element value.
-    """
-    from vibeam.report.derive import sheet
-    from vibeam.studies.derive import derive as derived
-
-    loaded = load(case, set_)
-    path = None if out is None else table_path(loaded, out, "derive")
-    found = sheet(of_case(case, lambda: derived(loaded)), loaded)
-    print_sheet(found, [] if path is None else found.write(path, loaded.figure))

@@ -16,6 +16,7 @@ from vibeam.cli.verbosity import with_verbosity
 from vibeam.report.declaration import STUDIES
 
 uncertainty = study_command(STUDIES["uncertainty"])
+derive = study_command(STUDIES["derive"])
 
 
 def of_declared(command: Callable[..., None]) -> Any:
