@@ -77,7 +77,7 @@ STUDIES: Registry[StudyDeclaration] = Registry(
     "study",
     _own(
         "uncertainty", "uncertainty.study", "uncertainty", "carry uncertain inputs through the sweep",
-        "vibeam uncertainty mine.toml --set 'uncertain.\"stop.restitution\"=\"0.7 ± 0.03\"'",
+        "vibeam uncertainty mine.toml --set 'uncertain.\"stop.restitution\"=\"± 0.03\"'",
         "vibeam uncertainty mine.toml --samples 256 --out uncertainty.html",
     ),
     _own(
