@@ -133,12 +133,17 @@ def is_ours(path: Path) -> bool:
 
 
 def finished(place: Place, keys: Mapping[str, str]) -> bool:
-    """Test whether the file of a map is there with all its points; StoreError for a damaged or another one."""
+    """Test whether the file of a map is there with all its points; errors as ``stored_keys``."""
+    return stored_keys(place) == dict(keys)
+
+
+def stored_keys(place: Place) -> dict[str, str] | None:
+    """Keys of the grids of the map in the file; None without one. StoreError where it is damaged or no map's."""
     import h5py
 
     path = place.path
     if not place.target.exists():
-        return False
+        return None
     try:
         with place.target.open("rb") as file:
             begin = file.read(len(SIGNATURE))
@@ -147,12 +152,12 @@ def finished(place: Place, keys: Mapping[str, str]) -> bool:
         if not is_sealed(place.target):
             raise StoreError(f"{path}: {UNSEALED}: {ANEW}")
         with h5py.File(place.target, "r") as file:
-            found = file.attrs["keys"]
+            found: dict[str, str] = json.loads(file.attrs.get("keys", "null"))
     except OSError as fault:
         raise unopened(path, fault) from None
-    if json.loads(found) != dict(keys):
-        raise StoreError(f"{path}: holds another map, or this one before its case changed: {ANEW}")
-    return True
+    if found is None:
+        raise StoreError(f"{path}: is no file of a map: choose another --out, or delete it")
+    return found
 
 
 def read_map(path: Path, grids: Mapping[str, Grid], most: int = SHOWN) -> dict[str, GridResponse]:

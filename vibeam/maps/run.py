@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import warnings
+from collections.abc import Callable, Mapping
 from math import prod
 from pathlib import Path
 from threading import Lock
@@ -14,11 +15,11 @@ from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block
 from vibeam.maps.cluster import Cluster, evaluate_here
 from vibeam.maps.evaluate import grids_of, key_of, lines_of_block, plan_of
-from vibeam.maps.gathered import finished, gather, is_ours, read_map
+from vibeam.maps.gathered import finished, gather, is_ours, read_map, stored_keys
 from vibeam.maps.job import MapJob, manifest_of, name_of, points_of, write_block
 from vibeam.maps.result import MapResult
 from vibeam.runs.parallel import run_parallel
-from vibeam.store.blocks import discard
+from vibeam.store.blocks import discard, known_manifest
 from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
 from vibeam.store.place import Place, locked, place_of
 from vibeam.system.progress import telling
@@ -45,6 +46,7 @@ def run_map(
     progress: Progress | bool | None = None,
     partial: Callable[[MapResult], None] | None = None,
     cluster: Cluster | None = None,
+    tell: Callable[[str], None] | None = None,
 ) -> MapResult:
     """Compute the map ``name`` of a case, or one by a plan, into the file ``out`` (HDF5), or go on with what is there.
 
@@ -52,6 +54,7 @@ def run_map(
     blocks in flight, one for each of the ``workers`` (threads; None: one a core). ``fresh``: keep nothing.
     ``progress``: True shows a bar; a function is called with the points done and their total. ``partial``: is called
     with what is known every few seconds. Both are called from any thread.
+    A map of the case before an edit is kept aside, ``OUT.1.h5``; ``tell`` gets one line on that, else it is a warning.
     ``cluster``: other processes that compute the blocks (``vibeam.maps.cluster.connected``); this one writes.
 
     KeyError for an unknown map, CaseError for values that the case may not have, ValueError for a case that a grid
@@ -64,6 +67,8 @@ def run_map(
         place.tidy(kin=place.target.stem)  # pictures of the map
         if fresh:
             _remove(place)
+        else:
+            _set_aside(place, keys, tell or _warn)
         found = total = sum(grid.lines * prod(grid.shape) for grid in grids.values())
         if not finished(place, keys):
             sizes = {fidelity: lines_of_block(case, grid) for fidelity, grid in grids.items()}
@@ -88,6 +93,21 @@ def stored_map(case: Case, name: str, path: Path) -> MapResult | None:
         return None
     points = sum(grid.lines * prod(grid.shape) for grid in grids.values())
     return MapResult(case, plan, read_map(place.target, grids), points, points, points, path)
+
+
+def _set_aside(place: Place, keys: Mapping[str, str], tell: Callable[[str], None]) -> None:
+    """Give the map of the case as it was, finished or under way, a further name."""
+    if stored_keys(place) not in (None, keys):
+        aside = place.aside()
+        place.target.unlink(missing_ok=True)
+        tell(f"{place.path}: holds the map of the case as it was; it is kept aside as {aside.name}")
+    begun = known_manifest(place.folder)
+    if begun is not None and begun.keys != keys:
+        tell(f"{place.folder}: holds blocks of the case as it was; kept aside as {place.aside_blocks().name}")
+
+
+def _warn(line: str) -> None:
+    warnings.warn(line, stacklevel=3)
 
 
 def _remove(place: Place) -> None:

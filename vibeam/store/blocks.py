@@ -69,6 +69,13 @@ class Manifest:
     code: str
 
 
+def known_manifest(folder: Path) -> Manifest | None:
+    """The manifest in ``folder``; None where there is none, or a damaged one. OSError where it cannot be read."""
+    file = folder / MANIFEST
+    content = read_sealed(file) if file.exists() else None
+    return None if content is None else Manifest(**json.loads(content))
+
+
 def manifest(folder: Path, wanted: Manifest) -> Manifest:
     """The manifest in ``folder``, ``wanted`` where there is none or a damaged one: blocks say what they are of.
 
@@ -77,13 +84,12 @@ def manifest(folder: Path, wanted: Manifest) -> Manifest:
     file = folder / MANIFEST
     try:
         folder.mkdir(exist_ok=True)
-        content = read_sealed(file) if file.exists() else None
-        if content is None:
+        found = known_manifest(folder)
+        if found is None:
             write_sealed(file, json.dumps(asdict(wanted), indent=1).encode())
             return wanted
     except OSError as fault:
         raise unwritable(folder, fault, ELSEWHERE) from None
-    found = Manifest(**json.loads(content))
     if found.keys != wanted.keys:
         raise StoreError(f"{folder}: holds blocks of another map, or of this one before its case changed: {ANEW}")
     if found.code != wanted.code:

@@ -61,6 +61,15 @@ class Place:
         except OSError as fault:
             raise unwritable(self.path, fault, ELSEWHERE) from None
 
+    def aside_blocks(self) -> Path:
+        """Give the folder of blocks the name ``OUT.1.h5.parts``, or the next free one; return it."""
+        further = next(_parts(each) for each in self._numbered() if not each.exists())
+        try:
+            os.rename(self.folder, further)
+        except OSError as fault:
+            raise unwritable(self.path, fault, ELSEWHERE) from None
+        return further
+
     def _numbered(self) -> Iterator[Path]:
         names = (self.target.with_name(f"{self.target.stem}.{each}{self.target.suffix}") for each in count(1))
         return (each for each in names if not _parts(each).exists())

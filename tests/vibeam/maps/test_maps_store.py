@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import resource
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -202,17 +203,22 @@ def test_fresh_deletes_no_file_of_another_kind(tmp_path: Path) -> None:
     assert other.read_text(encoding="utf-8") == "a year's notes"
 
 
-def test_another_map_is_refused_and_fresh_starts_over(tmp_path: Path) -> None:
-    vibeam.run_map(case(), "m", tmp_path / "m.h5")
-    with pytest.raises(vibeam.StoreError, match="--fresh"):
-        vibeam.run_map(case(settle=31), "m", tmp_path / "m.h5")
-    assert vibeam.run_map(case(settle=31), "m", tmp_path / "m.h5", fresh=True).found == 0
+def test_the_map_of_the_case_as_it_was_is_kept_aside_and_fresh_starts_over(tmp_path: Path) -> None:
+    path, told = tmp_path / "m.h5", list[str]()
+    vibeam.run_map(case(), "m", path)
+    before = path.read_bytes()
+    assert vibeam.run_map(case(settle=31), "m", path, tell=told.append).found == 0
+    assert (tmp_path / "m.1.h5").read_bytes() == before
+    assert told == [f"{path}: holds the map of the case as it was; it is kept aside as m.1.h5"]
+    assert vibeam.run_map(case(), "m", tmp_path / "m.1.h5").found == 90
+    assert vibeam.run_map(case(settle=32), "m", path, fresh=True).found == 0
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["m.1.h5", "m.h5"]
     (tmp_path / "other.h5").write_text("something")
     with pytest.raises(vibeam.StoreError, match="is no file of a map"):
         vibeam.run_map(case(), "m", tmp_path / "other.h5")
 
 
-def test_blocks_of_another_map_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_blocks_of_the_case_as_it_was_are_kept_aside(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def stop(*given: Any) -> None:
         raise KeyboardInterrupt
 
@@ -220,8 +226,10 @@ def test_blocks_of_another_map_are_refused(tmp_path: Path, monkeypatch: pytest.M
         patch.setattr(running, "gather", stop)
         with pytest.raises(KeyboardInterrupt):
             vibeam.run_map(case(), "m", tmp_path / "m.h5")
-    with pytest.raises(vibeam.StoreError, match="blocks of another map"):
-        vibeam.run_map(case(hold=9), "m", tmp_path / "m.h5")
+    shutil.copytree(tmp_path / "m.h5.parts", tmp_path / "again.h5.parts")
+    with pytest.warns(UserWarning, match=r"kept aside as again\.1\.h5\.parts"):
+        vibeam.run_map(case(hold=9), "m", tmp_path / "again.h5")
+    assert vibeam.run_map(case(), "m", tmp_path / "again.1.h5").found == 90
     with monkeypatch.context() as patch:
         patch.setattr("vibeam.maps.job.digest_of_code", lambda: "other")
         with pytest.raises(vibeam.StoreError, match="another version of vibeam"):

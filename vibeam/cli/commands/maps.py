@@ -137,12 +137,13 @@ def _path(case: Case, out: str | None, name: str, count: int) -> Path:
 
 
 def _computed(case: Case, plan: MapPlan, path: Path, fresh: bool, where: str | None) -> MapResult:
-    from vibeam.cli.progress import Bar
+    from vibeam.cli.progress import Bar, stderr
     from vibeam.maps.run import run_map
 
-    swept = plan.picture not in ("stability", "verdict")
+    shown = None if plan.picture in ("stability", "verdict") else _sketch
     with _workers(where) as cluster, Bar(f"map {plan.name}") as bar:
-        return run_map(case, plan, path, fresh=fresh, progress=bar, partial=_sketch if swept else None, cluster=cluster)
+        told = stderr().print
+        return run_map(case, plan, path, fresh=fresh, progress=bar, partial=shown, cluster=cluster, tell=told)
 
 
 @contextmanager
