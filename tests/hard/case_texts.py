@@ -7,8 +7,8 @@ from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
-from vibeam.casefile.documentation import template
 from vibeam.casefile.rigs import RIGS
+from vibeam.casefile.template import template
 
 CASES = Path(__file__).parents[2] / "cases"
 

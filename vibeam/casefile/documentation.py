@@ -1,11 +1,11 @@
-"""Reference of the keys of a case file, read off its declaration: tables for readers, a JSON schema, the template."""
+"""Reference of the keys of a case file, read off its declaration: tables for readers, a JSON schema."""
 
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from textwrap import wrap
 from typing import Any
 
 from pydantic import BaseModel
@@ -14,27 +14,27 @@ from pydantic.json_schema import models_json_schema
 
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.rigs import RIGS, Rig
+from vibeam.casefile.synonyms import suggest_key
 from vibeam.casefile.tables.cases import case_table
 from vibeam.casefile.tables.table import NOTES
 from vibeam.casefile.toml_writing import to_toml
-from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
-from vibeam.exchange.faults import as_shown_in_message, suggest, suggestion
+from vibeam.casefile.validation import entry_of, fields_of, is_repeated, table_of
+from vibeam.exchange.faults import as_shown_in_message, suggestion
 
 _WITH = re.compile(r" with \[\w+\]$")  # what marks a table in the reference that is another beside [sdof], say
 
-SEVERAL = (
-    "[[",
-    "[fidelity.",
-    "[reference.",
-    "[expect.",
-    "[measured.",
-    "[show.",
-    "[output.",
-    "[map.",
-)  # headings of tables of which there are several
-
 NAMED = ("fidelity", "reference", "expect", "measured", "show", "output", "map")  # tables by name
+
+SEVERAL = ("[[", *(f"[{name}." for name in NAMED))  # headings of tables of which there are several
+
+
+@dataclass(frozen=True)
+class TableRow:
+    """One table of a case: its heading, the number of its keys, what it is."""
+
+    table: str
+    keys: int
+    meaning: str
 
 
 @dataclass(frozen=True)
@@ -63,15 +63,42 @@ def _marked(row: KeyRow, kind: str) -> KeyRow:
     return replace(row, table=f"{row.table} with [{kind}]")
 
 
+def tables_of() -> list[TableRow]:
+    """The tables of a case, each with its meaning in a few words; those of commands together, at the end."""
+    counts = Counter(_place(row.table)[:1] for row in reference_table())
+    meanings = {"": "title, source, units, accuracy; what is uncertain"}
+    declared = {name: field for kind in KINDS.values() for name, field in fields_of(kind.declaration()).items()}
+    for name, table in ((name, table_of(field)) for name, field in declared.items()):
+        words = " ".join((table.__doc__ or "").split()).removeprefix("Effect: ").rstrip(".") if table else ""
+        sentence = re.split("[;.] |, one table| in place", words[:1].lower() + words[1:])[0]
+        few = sentence if len(sentence) < 54 else re.split(": |, | through | by its voltage", sentence)[0]
+        meanings |= {name: few.rstrip(",")} if table else {}
+    plans = [name for name, meaning in meanings.items() if meaning.startswith("plan of vibeam")]
+    rows = [
+        TableRow(_header("", name, declared[name]) if name else "", counts[(name,) if name else ()], meaning)
+        for name, meaning in meanings.items()
+        if name not in plans
+    ]
+    commands = f"plans of vibeam {', '.join(plans)}"
+    return [*rows, TableRow("[COMMAND]", sum(counts[(name,)] for name in plans), commands)]
+
+
+def paths() -> list[str]:
+    """Every table and key by its dotted name, several tables of a kind without their own names."""
+    found = [(*_place(row.table), row.key) for row in reference_table()]
+    return sorted({".".join(path[:depth]) for path in found for depth in range(1, len(path) + 1)})
+
+
 def rows_of(name: str) -> list[KeyRow]:
     """The keys of one table (``"stop"``), or one key (``"stop.gap"``), as ``reference_table`` has them.
 
-    The name or index of one of several tables may be said or left away: ``"fidelity.beam.modes"``. ValueError, with
-    what was meant, for a name that is none.
+    A key without its table (``"gap"``) is found in every one. The name or index of one of several tables may be said
+    or left away: ``"fidelity.beam.modes"``. ValueError, with what was meant, for a name that is none.
     """
     rows = {row: (*_place(row.table), row.key) for row in reference_table()}
     wanted = _without_name(tuple(name.strip("[] ").split(".")), rows)
     found = [row for row, path in rows.items() if path[: len(wanted)] == wanted]
+    found = found or [row for row, path in rows.items() if path[-1:] == wanted]
     if not found:
         raise ValueError(f"unknown key {as_shown_in_message(name)}; {_meant(wanted, set(rows.values()))}")
     return found
@@ -96,7 +123,7 @@ def _meant(wanted: tuple[str, ...], paths: Collection[tuple[str, ...]]) -> str:
     while any(path[: depth + 1] == wanted[: depth + 1] for path in paths):
         depth += 1
     known = sorted({path[depth] for path in paths if path[:depth] == wanted[:depth] and len(path) > depth})
-    return suggest(wanted[depth], known) if known else f"{'.'.join(wanted[:depth])} holds a value, no keys"
+    return suggest_key(wanted[depth], known) if known else f"{'.'.join(wanted[:depth])} holds a value, no keys"
 
 
 def _rows(model: type[BaseModel], table: str) -> Iterator[KeyRow]:
@@ -122,21 +149,14 @@ def _row(table: str, name: str, field: FieldInfo) -> KeyRow:
     entry = entry_of(field)
     kind = entry.describe() if entry else ""
     kind = f"table | {kind}" if table_of(field) else kind
-    return KeyRow(table, name, kind, _default(entry, field), field.is_required(), field.description or "")
+    return KeyRow(table, name, kind, default_of(entry, field), field.is_required(), field.description or "")
 
 
-def _default(entry: Entry | None, field: FieldInfo) -> str:
+def default_of(entry: Entry | None, field: FieldInfo) -> str:
     """The default as a case writes it; empty where there is none, or an empty one."""
     if entry is None or field.is_required() or field.default is None or field.default in ("", (), {}):
         return ""
     return to_toml(entry.canonical(field.default))
-
-
-def meaning_of(field: FieldInfo) -> str:
-    """Meaning of a key and, in brackets, what it may hold."""
-    entry = entry_of(field)
-    kind = entry.describe() if entry and not table_of(field) else ""
-    return f"{field.description} [{kind}]" if kind and kind != "text" else field.description or ""
 
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -188,76 +208,3 @@ def _single(schema: dict[str, Any]) -> dict[str, Any]:
         return schema
     rest = {key: value for key, value in schema.items() if key != "anyOf"}
     return rest | (kept[0] if len(kept) == 1 else {"anyOf": kept})
-
-
-COLUMN = 44  # where the comments begin
-WIDTH = 120
-
-HEAD = """\
-# A case of vibeam: every key with what it means and, in brackets, what it may hold. Quantities are text with a unit, or
-# numbers in the units that the case names. What a case can do without is a comment here: take the "# " before the key
-# (and its table) away to use it. "effect:" marks what adds to the plain model. One key alone: vibeam keys stop.gap
-"""
-
-
-def template(rig: str = "cantilever") -> str:
-    """A complete case to start from, of one of ``RIGS``, with every key explained; optional parts are comments."""
-    return HEAD + "\n".join(_Template(RIGS[rig]).lines()) + "\n"
-
-
-class _Template:
-    def __init__(self, rig: Rig) -> None:
-        self.rig = rig
-
-    def lines(self) -> Iterator[str]:
-        fields = fields_of(KINDS[self.rig.kind].declaration())
-        yield from (self._line("", name, field) for name, field in fields.items() if entry_of(field))
-        for name, field in fields.items():
-            table = table_of(field)
-            if table:
-                yield from self._section(name, table, field)
-
-    def _section(self, name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[str]:
-        """A table, or one for each name that the template shows; commented out if the case does without."""
-        extra: Any = field.json_schema_extra or {}
-        written = field.is_required() or extra.get("written", False) or name in self.rig.shown
-        aside = "" if written and name not in self.rig.aside else "# "
-        yield ""
-        yield from wrap(" ".join((table.__doc__ or "").split()), WIDTH, initial_indent="# ", subsequent_indent="# ")
-        if name in self.rig.named:
-            explained: set[str] = set()
-            for title, values in self.rig.named[name].items():
-                yield f"{aside}[{name}.{title}]"
-                yield from self._named(table, values, aside, explained)
-        else:
-            yield f"{aside}[[{name}]]" if is_repeated(field) else f"{aside}[{name}]"
-            yield from (self._line(f"{name}.", inner, key, aside) for inner, key in fields_of(table).items())
-
-    def _named(self, table: type[BaseModel], values: Any, aside: str, explained: set[str]) -> Iterator[str]:
-        """One of several tables: the first explains every key, those after it show what they have."""
-        first = not explained
-        for name, field in fields_of(table).items():
-            if name in values:
-                meaning = "" if name in explained else meaning_of(field)
-                yield _commented(f"{aside}{name} = {to_toml(values[name])}", meaning)
-            elif first:
-                yield self._line("", name, field, aside or ("# " if values else ""))
-            explained.add(name)
-
-    def _line(self, above: str, name: str, field: FieldInfo, aside: str = "") -> str:
-        extra: Any = field.json_schema_extra or {}
-        own = self.rig.examples.get(above + name)
-        written = own is not None or (extra.get("written", True) and above + name not in self.rig.aside)
-        example = example_of(field) if own is None else to_toml(own)
-        text = _commented(f"{aside or ('' if written else '# ')}{name} = {example}", meaning_of(field))
-        inner = table_of(field)
-        within = [f"#   {key}: {meaning_of(each)}" for key, each in fields_of(inner).items()] if inner else []
-        return "\n".join([*within, text])
-
-
-def _commented(text: str, meaning: str) -> str:
-    """The key with its meaning behind it, or above it where both do not fit a line."""
-    line = f"{text.ljust(COLUMN - 2)}  # {meaning}" if meaning else text
-    if len(line) <= WIDTH:
-        return line
-    return "\n".join([*wrap(meaning, WIDTH, initial_indent="# ", subsequent_indent="# "), text])

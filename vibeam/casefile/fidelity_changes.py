@@ -17,6 +17,7 @@ from vibeam.casefile.field_tables import flat
 from vibeam.casefile.fields import Entry, OneOrSeveral, Several
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.quantities import UnitSystem
+from vibeam.casefile.synonyms import suggest_key
 from vibeam.casefile.toml import key_parts
 from vibeam.casefile.validation import (
     SHARED,
@@ -29,7 +30,7 @@ from vibeam.casefile.validation import (
     table_of,
     units_of,
 )
-from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
+from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
 
 OWN = ("set", "without")
 Validate = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
@@ -157,7 +158,7 @@ def field_at(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | 
     if first in keys_of(model) and first not in known:
         return None, f"{first} is shared by all fidelities: a fidelity changes {', '.join(known)} alone"
     if first not in known:
-        return None, f"unknown key {as_shown_in_message(key)}; {suggest(first, known)}"
+        return None, f"unknown key {as_shown_in_message(key)}; {suggest_key(first, known)}"
     return _within(fields_of(model)[first], rest, key)
 
 
@@ -180,7 +181,7 @@ def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | No
     if table is None:
         return None, f"{as_shown_in_message(key)} goes beyond a value"
     if rest[0] not in keys_of(table):
-        return None, f"unknown key {as_shown_in_message(key)}; {suggest(rest[0], keys_of(table))}"
+        return None, f"unknown key {as_shown_in_message(key)}; {suggest_key(rest[0], keys_of(table))}"
     return _within(fields_of(table)[rest[0]], rest[1:], key)
 
 

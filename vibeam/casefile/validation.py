@@ -13,11 +13,12 @@ from vibeam.casefile.field_tables import TableOr
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.kinds import KINDS, kind_of
 from vibeam.casefile.quantities import SI, UNIT_SYSTEMS, UnitSystem
+from vibeam.casefile.synonyms import meant, suggest_key
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.effects import EffectTable
-from vibeam.casefile.tables.table import CALLED, note
+from vibeam.casefile.tables.table import note
 from vibeam.casefile.toml_writing import name_of, to_fill_in, to_toml
-from vibeam.exchange.faults import KNOWN, Complaint, KeyPath, as_shown_in_message, suggest, suggestion
+from vibeam.exchange.faults import KNOWN, Complaint, KeyPath, as_shown_in_message, suggestion
 from vibeam_models.effects import tables as effect_tables
 
 
@@ -41,10 +42,10 @@ def complaints(error: ValidationError, model: type[BaseModel]) -> tuple[list[Com
     """Complaints about single keys, and the keys meant by misspelt ones, which are then not missing as well."""
     faults = error.errors(include_url=False, include_context=False)
     unknown = [fault["loc"] for fault in faults if fault["type"] == "extra_forbidden"]
-    meant = {(*loc[:-1], near) for loc in unknown if (near := _near(model, loc))}
-    wrong = [fault for fault in faults if fault["type"] != "missing" or fault["loc"] not in meant]
+    replaced = {(*loc[:-1], near) for loc in unknown for near in _near(model, loc)}
+    wrong = [fault for fault in faults if fault["type"] != "missing" or fault["loc"] not in replaced]
     listed: dict[str, KeyPath] = {}
-    return [(fault["loc"], _once(_message(fault, model), fault["loc"], listed)) for fault in wrong], meant
+    return [(fault["loc"], _once(_message(fault, model), fault["loc"], listed)) for fault in wrong], replaced
 
 
 def _once(message: str, loc: KeyPath, listed: dict[str, KeyPath]) -> str:
@@ -54,14 +55,11 @@ def _once(message: str, loc: KeyPath, listed: dict[str, KeyPath]) -> str:
     return message if first == loc else f"{said}known here: see {first[-1]}"
 
 
-def _near(model: type[BaseModel], loc: KeyPath) -> str | None:
-    return suggestion(str(loc[-1]), keys_of(model_at(model, loc[:-1]))) if not _called(model, loc) else None
-
-
-def _called(model: type[BaseModel], loc: KeyPath) -> list[str]:
-    """The keys of a table that others call what is at ``loc``."""
-    known = keys_of(model_at(model, loc[:-1]))
-    return [key for key in CALLED.get(str(loc[-1]).lower(), ()) if key in known]
+def _near(model: type[BaseModel], loc: KeyPath) -> list[str]:
+    """Keys that may be meant by what is at ``loc``."""
+    name, known = str(loc[-1]), keys_of(model_at(model, loc[:-1]))
+    spelt = suggestion(name, known)
+    return meant(name, known) or ([spelt] if spelt else [])
 
 
 def _message(fault: Any, model: type[BaseModel]) -> str:
@@ -83,9 +81,7 @@ def _unknown(loc: KeyPath, model: type[BaseModel]) -> str:
         return f"[{name}] and [{own}] do not go together: keep [{own}], or the beam's tables"
     if len(loc) == 1 and own and name in KINDS:
         return f"[{name}] and [{own}] do not go together: keep one of the two"
-    if meant := _called(model, loc):
-        return f"unknown key; did you mean {' and '.join(map(repr, meant))}?"
-    return f"unknown key; {suggest(name, keys_of(model_at(model, loc[:-1])))}"
+    return f"unknown key; {suggest_key(name, keys_of(model_at(model, loc[:-1])))}"
 
 
 def _missing(loc: KeyPath, model: type[BaseModel]) -> str:

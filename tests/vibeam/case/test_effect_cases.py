@@ -16,8 +16,8 @@ import pytest
 import vibeam
 from tests.vibeam.casefile.test_case_faults import RIG as TEXT
 from vibeam.case.fidelity import Fidelity, system
-from vibeam.casefile.documentation import template
 from vibeam.casefile.read import parse
+from vibeam.casefile.template import template
 from vibeam.exchange.faults import CaseError
 from vibeam.runs.run import run
 from vibeam.runs.sweep import march

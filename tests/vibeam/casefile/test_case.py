@@ -12,10 +12,11 @@ import pytest
 from stand_in import one_mode
 
 import vibeam
-from vibeam.casefile.documentation import reference_table, template
+from vibeam.casefile.documentation import reference_table
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.read import parse
 from vibeam.casefile.rigs import RIGS
+from vibeam.casefile.template import template
 from vibeam.casefile.validation import entry_of, fields_of, table_of
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam, Damping

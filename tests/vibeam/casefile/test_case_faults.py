@@ -12,9 +12,11 @@ from hypothesis import strategies as st
 from stand_in import one_mode
 
 import vibeam
-from vibeam.casefile.documentation import template
+from vibeam.casefile.documentation import paths
 from vibeam.casefile.read import parse
 from vibeam.casefile.rigs import RIGS
+from vibeam.casefile.synonyms import SYNONYMS
+from vibeam.casefile.template import template
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import CaseError, Fault, printable
 from vibeam.solvers import SOLVERS as DECLARED
@@ -418,6 +420,36 @@ def test_a_key_by_the_name_that_others_give_it():
     ]
     assert said.count("known here: length, shape") == 1
     assert said.splitlines()[4].endswith("beam.ppp: unknown key; known here: see qqq")
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("beam.height", "beam.height: unknown key; did you mean 'thickness'?"),
+        ("beam.E", "beam.E: unknown key; did you mean 'youngs_modulus'?"),
+        ("stop.e", "stop.e: unknown key; did you mean 'restitution'?"),
+        ("stop.clearance", "stop.clearance: unknown key; did you mean 'gap'?"),
+        ("excitation.amplitude", "excitation: unknown key; did you mean 'drive'?"),
+        ("boundary", "boundary: unknown key; did you mean 'beam.ends'?"),
+    ],
+)
+def test_a_synonym_is_known_in_an_override(key, message):
+    with pytest.raises(CaseError) as caught:
+        parse(RIG, set={key: 1})
+    assert f"--set {message}" in str(caught.value).splitlines()
+
+
+def test_every_synonym_means_a_key_and_is_none() -> None:
+    known = set(paths())
+    for name, places in SYNONYMS.items():
+        assert known.issuperset(places), name
+        assert name == name.lower()
+
+
+def test_a_key_that_a_synonym_stands_for_is_not_missing_as_well() -> None:
+    assert faults_of(RIG.replace("density =", "rho =")).splitlines() == [
+        "mine.toml:7: beam.rho: unknown key; did you mean 'density'?"
+    ]
 
 
 def test_of_very_many_faults_the_first_are_told_and_the_rest_counted():

@@ -11,7 +11,8 @@ from typing import Any
 
 from jsonschema import Draft202012Validator
 
-from vibeam.casefile.documentation import case_schema, reference_table, template
+from vibeam.casefile.documentation import case_schema, reference_table
+from vibeam.casefile.template import template
 
 CASES = sorted((Path(__file__).parents[3] / "cases").rglob("*.toml"))
 SCHEMA = case_schema()

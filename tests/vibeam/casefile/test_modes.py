@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.casefile.rigs import FRAME_FILES
+from vibeam.casefile.rigs import RIGS
 from vibeam.exchange.faults import CaseError
 
 MODES = """\
@@ -84,8 +84,8 @@ def test_the_static_mode_of_three_modes_by_hand(tmp_path: Path) -> None:
 
 
 def test_the_printed_modes_of_matrices_are_these_matrices(tmp_path: Path) -> None:
-    for name, text in FRAME_FILES.items():
-        (tmp_path / name).write_text(text)
+    for name, text in RIGS["matrices"].files.items():
+        (tmp_path / name.removeprefix("frame_")).write_text(text)
     rest = MODES.partition("[stop]")[2].replace("modes = 2", "modes = 1")
     matrices = 'mass = "M.mtx"\nstiffness = "K.mtx"\ndamping_ratio = 0.01\ncontact = 2\nsensor = 1\nbase = "all"\n'
     frame = case(tmp_path, f'units = "SI"\n[matrices]\n{matrices}[stop]{rest}')

@@ -367,8 +367,17 @@ def test_modes_writes_the_matrices_and_the_table_that_reads_them(command: Comman
     assert command("derive", "case.toml", expect=2).stderr.startswith("case.toml: nothing to derive: this case gives")
 
 
+def test_keys_fits_a_screen(command: Command) -> None:
+    lines = command("keys").stdout.splitlines()
+    assert len(lines) <= 40
+    assert max(map(len, lines)) <= 100
+    assert f" {len(json.loads(command('keys', '--json').stdout)['rows'])} keys. " in lines[0]
+    assert any(line.startswith("[stop] ") for line in lines)
+    assert command("keys", "-v").stdout == command("keys", "--all").stdout
+
+
 def test_keys_lists_every_key(command: Command) -> None:
-    assert "youngs_modulus" in command("keys").stdout
+    assert "youngs_modulus" in command("keys", "--all").stdout
     rows = json.loads(command("keys", "--json").stdout)["rows"]
     assert {"table", "key", "unit", "default", "meaning"} <= set(rows[0])
     assert all(isinstance(row["default"], str) for row in rows)
@@ -385,6 +394,7 @@ def test_keys_lists_every_key(command: Command) -> None:
         ("fidelity.beam.modes", {"modes"}),
         ("fidelity.modes", {"modes"}),
         ("added_mass.0.mass", {"mass"}),
+        ("ends", {"ends"}),
         ("added_mass", {"mass", "position", "rotary_inertia", "rigid_half_width", "on"}),
         ("title", {"title"}),
         ("sdof", {"natural_frequency", "damping_ratio"}),
@@ -398,6 +408,9 @@ def test_keys_of_one_table_or_one_name(command: Command, name: str, keys: set[st
     ("name", "message"),
     [
         ("stpo", "unknown key 'stpo'; did you mean 'stop'?"),
+        ("excitation", "unknown key 'excitation'; did you mean 'drive'?"),
+        ("clearance", "unknown key 'clearance'; did you mean 'stop.gap'?"),
+        ("fidelity.beam.method", "unknown key 'fidelity.beam.method'; did you mean 'reduction' and 'solver'?"),
         ("stop.gpa", "unknown key 'stop.gpa'; did you mean 'gap'?"),
         ("stop.gap.x", "unknown key 'stop.gap.x'; stop.gap holds a value, no keys"),
         ("fidelity.modse", "unknown key 'fidelity.modse'; did you mean 'modes'?"),

@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.casefile.documentation import template
 from vibeam.casefile.read import parse
+from vibeam.casefile.template import template
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
 from vibeam.report.maps.stability import sheet

@@ -8,23 +8,61 @@ from typing import Annotated
 
 import typer
 
+from vibeam.cli import completion
 from vibeam.cli.arguments import TableFile, output_path
 from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_json, print_result, write_table
 from vibeam.cli.streams import MISSED, put, put_json, say
 from vibeam.cli.verbosity import verbosity
+from vibeam.exchange.faults import suggest, suggestion
+
+KeyName = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="NAME", help="A table, stop, or a key, stop.gap or gap; absent = the list of tables.",
+        show_default=False, autocompletion=completion.keys,
+    ),
+]  # fmt: skip
+
+NewFile = Annotated[
+    str | None,
+    typer.Argument(
+        metavar="FILE", help="The case file to write, or its folder; absent = case.toml, or EXAMPLE.toml.",
+        show_default=False, autocompletion=completion.case_files,
+    ),
+]  # fmt: skip
+
+RigName = Annotated[
+    str | None,
+    typer.Option(
+        "--rig", metavar="NAME", show_default=False, autocompletion=completion.rigs,
+        help="What the case is of: cantilever (the default), tube, two-beams, matrices or modes.",
+    ),
+]  # fmt: skip
+
+ExampleName = Annotated[
+    str | None,
+    typer.Option(
+        "--from", metavar="EXAMPLE", show_default=False, autocompletion=completion.examples,
+        help="Write an example with the files that it names; list says which there are.",
+    ),
+]  # fmt: skip
 
 
 def keys(
-    name: Annotated[
-        str | None,
-        typer.Argument(metavar="NAME", help="A table, stop, or a key, stop.gap; absent = all.", show_default=False),
-    ] = None,
+    name: KeyName = None,
+    every: Annotated[bool, typer.Option("--all", help="Every key of every table.")] = False,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of case files, for editors.")] = False,
     out: TableFile = None,
 ) -> None:
-    """Every key of a case file: what it means, its unit, its default."""
-    from vibeam.casefile.documentation import reference_table, rows_of
+    """Explain the tables and keys of a case file.
+
+    \b
+    Examples:
+    vibeam keys stop
+    vibeam keys sweep.frequency
+    """
+    from vibeam.casefile.documentation import reference_table, rows_of, tables_of
     from vibeam.report import output
 
     if schema:
@@ -37,38 +75,77 @@ def keys(
     except ValueError as unknown:
         raise UsageError(str(unknown)) from None
     write_table(rows, None if out is None else output_path(out, "keys.csv", (".csv",), "a table"))
-    print_result(rows, lambda tables: [tables.keys(rows)])
+    if name or every or verbosity().json or verbosity().verbose:
+        print_result(rows, lambda tables: [tables.keys(rows)])
+    else:
+        head = f"A case file has {len(rows)} keys. Those of one table: vibeam keys stop; of all: vibeam keys --all"
+        print_result(rows, lambda tables: [tables.rows_of("Tables of a case file", tables_of())], head=[head])
 
 
 def new(
-    path: Annotated[str, typer.Argument(metavar="FILE", help="The case file to write, or its folder.")] = "case.toml",
+    path: NewFile = None,
     out: Annotated[
-        str | None, typer.Option("--out", metavar="FILE", help="The same, as an option.", show_default=False)
+        str | None, typer.Option("--out", "-o", metavar="FILE", help="The same, as an option.", show_default=False)
     ] = None,
-    rig: Annotated[
-        str,
-        typer.Option(
-            "--rig", metavar="NAME", help="What the case is of: cantilever, tube, two-beams, matrices or modes."
-        ),
-    ] = "cantilever",
+    rig: RigName = None,
+    short: Annotated[bool, typer.Option("--short", help="Some 25 lines: what a first run needs.")] = False,
+    example: ExampleName = None,
 ) -> None:
-    """Write a case to start from, every key explained; never over a file that is there."""
-    from vibeam.casefile.documentation import template
-    from vibeam.casefile.rigs import RIGS
-    from vibeam.exchange.faults import suggest
+    """Write a case to start from, each key explained.
 
-    if rig not in RIGS:
-        raise UsageError(f"--rig {rig}: no such rig; {suggest(rig, RIGS)}")
-    target = output_path(out or path, "case.toml", (".toml",), "a case file")
-    texts = {target.with_name(name): text for name, text in RIGS[rig].files.items()} | {target: template(rig)}
+    Never over a file that is there.
+
+    \b
+    Examples:
+    vibeam new mine.toml --rig tube --short
+    vibeam new --from relay
+    """
+    if example and (rig or short):
+        raise UsageError("--from writes an example as it is: leave --rig and --short away")
+    if example == "list":
+        _list_examples()
+        return
+    text, beside = _of_example(example) if example else _of_rig(rig or "cantilever", short)
+    name = f"{example or 'case'}.toml"
+    target = output_path(out or path or name, name, (".toml",), "a case file")
+    texts = {target.with_name(other): content for other, content in beside.items()} | {target: text}
     for file in texts:
         if file.exists():
             raise UsageError(f"{file}: is there already: name another file, or folder")
-    for file, text in texts.items():
-        _write(file, text)
-    beside = f" and {', '.join(RIGS[rig].files)} beside it" if RIGS[rig].files else ""
-    (say if verbosity().json else put)(f"wrote {target}{beside}: edit it, then: vibeam run {target}")
+    for file, content in texts.items():
+        _write(file, content)
+    also = f" and {', '.join(beside)} beside it" if beside else ""
+    (say if verbosity().json else put)(f"wrote {target}{also}: edit it, then: vibeam run {target}")
     print_result({"written": target})
+
+
+def _of_rig(rig: str, brief: bool) -> tuple[str, dict[str, str]]:
+    """Text of a rig's case, and those of the files beside it by name."""
+    from vibeam.casefile.rigs import RIGS
+    from vibeam.casefile.template import short, template
+
+    if rig not in RIGS:
+        raise UsageError(f"--rig {rig}: no such rig; {suggest(rig, RIGS)}")
+    return (short if brief else template)(rig), dict(RIGS[rig].files)
+
+
+def _of_example(name: str) -> tuple[str, dict[str, str]]:
+    """As ``_of_rig``, of an example."""
+    from vibeam.casefile.examples import PLACES, meanings, texts
+
+    if name not in PLACES:
+        near = suggestion(name, PLACES)
+        lines = [f"  {each:16}{meaning}" for each, meaning in meanings().items()]
+        meant = f"did you mean {near}? " if near else ""
+        raise UsageError("\n".join([f"--from {name}: no such example; {meant}there are", *lines]))
+    return texts(name)
+
+
+def _list_examples() -> None:
+    from vibeam.casefile.examples import meanings
+
+    lines = [f"{each:16}{meaning}" for each, meaning in meanings().items()]
+    print_result({"examples": meanings()}, head=lines)
 
 
 def _write(file: Path, text: str) -> None:
@@ -80,9 +157,14 @@ def _write(file: Path, text: str) -> None:
 
 
 def doctor() -> None:
-    """Examine the installation: versions, machine, kernels, folders, and known motions.
+    """Examine the installation, and compute known motions.
 
-    Exit code 1 where there is a fault.
+    Versions, machine, kernels and folders. Exit code 1 where there is a fault.
+
+    \b
+    Examples:
+    vibeam doctor
+    vibeam doctor --json
     """
     from vibeam.studies.doctor import Severity, examine, verdict
 

@@ -1,0 +1,45 @@
+"""Synonyms: keys and tables of a case by what others call them, and what is suggested for an unknown key."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from vibeam.exchange.faults import suggest, suggestion
+
+#: what others call it, in small letters: the keys and tables of a case that it may be
+SYNONYMS = {
+    "section": ("beam.shape",), "profile": ("beam.shape",), "cross_section": ("beam.shape",),
+    "material": ("beam.youngs_modulus", "beam.density"), "modulus": ("beam.youngs_modulus",),
+    "e": ("beam.youngs_modulus", "stop.restitution"), "elastic_modulus": ("beam.youngs_modulus",),
+    "rho": ("beam.density",), "nu": ("beam.poissons_ratio",), "zeta": ("beam.damping_ratio",),
+    "l": ("beam.length",), "span": ("beam.length",), "b": ("beam.width",), "breadth": ("beam.width",),
+    "h": ("beam.thickness",), "t": ("beam.thickness",), "height": ("beam.thickness",), "depth": ("beam.thickness",),
+    "a": ("beam.area",), "i": ("beam.second_moment",), "radius": ("beam.diameter",),
+    "d": ("beam.diameter", "beam.outer_diameter"), "wall_thickness": ("beam.wall",),
+    "boundary": ("beam.ends",), "boundary_conditions": ("beam.ends",), "bc": ("beam.ends",), "supports": ("beam.ends",),
+    "mesh": ("beam.elements",), "fluid": ("beam.added_mass_per_length",), "second_beam": ("opposite",),
+    "m": ("mass.mass",), "inertia": ("mass.rotary_inertia", "beam.second_moment"), "tip_mass": ("mass",),
+    "payload": ("mass",), "x": ("mass.position", "stop.position"), "location": ("mass.position", "stop.position"),
+    "clearance": ("stop.gap",), "distance": ("stop.gap",), "cor": ("stop.restitution",), "r": ("stop.restitution",),
+    "contact": ("stop",), "impact": ("stop",), "obstacle": ("stop",), "stopper": ("stop",), "wall": ("stop",),
+    "contact_law": ("stop.law",), "impact_law": ("stop.law",), "k": ("stop.stiffness",), "c": ("stop.damping",),
+    "probe": ("sensor",), "excitation": ("drive",), "forcing": ("drive",), "load": ("drive",), "base": ("drive",),
+    "f": ("drive.force",), "frequencies": ("sweep.frequency",), "freq": ("sweep.frequency",),
+    "omega": ("sweep.frequency",), "transient": ("sweep.settle",), "periods": ("sweep.hold",),
+    "method": ("fidelity.reduction", "fidelity.solver"), "model": ("fidelity.reduction",), "models": ("fidelity",),
+    "n": ("fidelity.modes",), "order": ("fidelity.modes",), "plot": ("show",), "plots": ("show",),
+}  # fmt: skip
+
+
+def meant(name: str, known: Collection[str]) -> list[str]:
+    """Keys among those ``known`` in one place that others call so."""
+    keys = (place.rpartition(".")[2] for place in SYNONYMS.get(name.lower(), ()))
+    return list(dict.fromkeys(key for key in keys if key in known))
+
+
+def suggest_key(name: str, known: Collection[str]) -> str:
+    """As ``suggest``, of an unknown key: what others call so here, what is spelt so, what others call so elsewhere."""
+    keys = meant(name, known)
+    if not keys and not suggestion(name, known):
+        keys = list(SYNONYMS.get(name.lower(), ()))
+    return f"did you mean {' and '.join(map(repr, keys))}?" if keys else suggest(name, known)
