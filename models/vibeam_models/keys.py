@@ -11,8 +11,8 @@ class Key:
     """One key: its SI ``unit`` (empty: a number, ``words``, ``flag`` or ``text``), bounds, meaning, example as written.
 
     ``whole``: a whole number, from ``least`` to ``most``. ``several``: a list, ``alone``: or one of it; ``ascending``:
-    each number above the one before. ``written``: whether the template shows
-    it, else as a comment. ``missing``: what the message of a missing key says of it, its ``meaning`` where empty.
+    each number above the one before. ``missing``: what the message of a missing key says of it, its ``meaning`` where
+    empty.
     ``effect``: it is an effect by itself; ``of``: the key of the same table without which it means nothing.
     ``plain``: (meaning, example, ``missing``) where the case is nondimensional; None: the same without the unit.
     """
@@ -30,7 +30,6 @@ class Key:
     several: bool = False
     alone: bool = False
     ascending: bool = False
-    written: bool = True
     missing: str = ""
     effect: bool = False
     of: str = ""

@@ -34,7 +34,6 @@ class Stop:
         "gap to a second stop on the other side; absent = none",
         "1 mm",
         None,
-        written=False,
         effect=True,
         plain=("gap to a second stop on the other side; absent = none", 0.01, ""),
     )
@@ -46,7 +45,6 @@ class Stop:
         above=0,
         several=True,
         ascending=True,
-        written=False,
         effect=True,
         plain=("drive frequencies between which the gap drifts; absent = it stays", ["1.5 rad/s", "2.5 rad/s"], ""),
     )
@@ -56,7 +54,6 @@ class Stop:
         ["0 mm", "0.02 mm"],
         None,
         several=True,
-        written=False,
         of="drift_frequency",
         plain=("what is added to the gap at these frequencies, linear between them", [0.0, 1e-4], ""),
     )
@@ -66,7 +63,6 @@ class Stop:
         "0.1 nm",
         None,
         least=0,
-        written=False,
         effect=True,
         plain=("what each impact adds to the gap, from point to point; absent = none", 1e-8, ""),
     )

@@ -116,7 +116,7 @@ class MapPlan:
     picture: str = declare.word(
         tuple(PICTURES), "; ".join(f"{name}: {meaning}" for name, meaning in PICTURES.items()), "period", "period"
     )
-    fidelities: tuple[str, ...] = declare.text("whose; absent = all", ["sdof"], None, written=False)
+    fidelities: tuple[str, ...] = declare.text("whose; absent = all", ["sdof"], None)
     direction: Literal["up", "down", "both", "apart"] = declare.word(
         RUNS,
         "which way the last axis is swept, the state carried; apart = every point from its own start; absent = the "
@@ -125,25 +125,23 @@ class MapPlan:
         None,
     )
     frequency: float | None = declare.quantity(
-        "Hz", "of the drive, where sweep.frequency is no axis", "15.3 Hz", None, above=0, written=False
+        "Hz", "of the drive, where sweep.frequency is no axis", "15.3 Hz", None, above=0
     )
     settle: int = declare.count(0, MOST_POINTS, "drive periods left out; absent = the sweep's", 350, None)
     hold: int = declare.count(1, MOST_POINTS, "drive periods read; absent = the sweep's", 50, None)
-    output: str = declare.text("the output that is read; absent = the sweep's", "contact", None, written=False)
+    output: str = declare.text("the output that is read; absent = the sweep's", "contact", None)
     quantities: tuple[str, ...] = declare.word(
         READ,
         "what is stored; absent = amplitude and period, and what the picture needs",
         ["amplitude", "period"],
         None,
         several=True,
-        written=False,
     )
     quantity: str = declare.word(
         READ,
         'what picture = "values" shows, or "verdict" compares (amplitude or reach); absent = amplitude',
         "impact_velocity",
         None,
-        written=False,
     )
     accuracy: float = declare.quantity(
         "",
@@ -152,7 +150,6 @@ class MapPlan:
         None,
         above=0,
         most=0.999,
-        written=False,
     )
     verify: int = declare.count(
         0,
@@ -160,7 +157,6 @@ class MapPlan:
         'at how many places, drawn at random, the map of picture = "verdict" is flown anew; absent = 24',
         24,
         None,
-        written=False,
     )
     periods: int = declare.count(
         1,
@@ -168,7 +164,6 @@ class MapPlan:
         'drive periods from impact to impact, of picture = "stability"; absent = 1',
         1,
         None,
-        written=False,
     )
     strobes: int = declare.count(
         1,
@@ -176,26 +171,21 @@ class MapPlan:
         f"values at the end of a period that are stored; absent = {STROBES} of a bifurcation diagram, else none",
         64,
         None,
-        written=False,
     )
-    starts: int | None = declare.count(
-        1, 100_000, "random starts of every point: what coexists is counted", 50, None, written=False
-    )
-    seed: int = declare.count(0, 2**31 - 1, "of the random starts", 1, 1, written=False)
+    starts: int | None = declare.count(1, 100_000, "random starts of every point: what coexists is counted", 50, None)
+    seed: int = declare.count(0, 2**31 - 1, "of the random starts", 1, 1)
     spread: float | None = declare.quantity(
         "m",
         "how far from 0 the contact starts at random, its velocity within Ω times that",
         "1 mm",
         None,
         above=0,
-        written=False,
     )
     boundaries: bool = declare.declared(
         declare.Key(
             "whether exact boundaries of motions with one impact a period are laid over, where there are any",
             False,
             flag=True,
-            written=False,
         ),
         True,
     )

@@ -50,7 +50,6 @@ class ResultNumber:
         "the [show.NAME] that the quantity is read off, its mean unless number chooses one",
         "ringing",
         None,
-        written=False,
     )
     number: float | None = declare.quantity(
         "",
@@ -58,7 +57,6 @@ class ResultNumber:
         2,
         None,
         least=0,
-        written=False,
     )
     against: str | None = declare.text(
         "another fidelity: the value is then the relative difference to it", "beam", None
@@ -87,7 +85,6 @@ class Expectation(ResultNumber):
         "who derived the value; absent = it is an earlier result of the model, a regression value",
         "closed form, Babitsky 1998",
         "",
-        written=False,
     )
 
 
@@ -176,12 +173,12 @@ class FigurePlan:
     """Plan of the figure files: endings, ``width`` in m (None: by the number of panels), whether with a title."""
 
     format: tuple[str, ...] = declare.word(
-        FORMATS, "file format, or several", ["png", "svg"], ("png", "svg"), several=True, alone=True, written=False
+        FORMATS, "file format, or several", ["png", "svg"], ("png", "svg"), several=True, alone=True
     )
     width: float | None = declare.quantity(
-        "m", "of each figure; absent = by its number of panels", "140 mm", None, least=0.04, most=1.0, written=False
+        "m", "of each figure; absent = by its number of panels", "140 mm", None, least=0.04, most=1.0
     )
-    title: bool = declare.declared(declare.Key("whether it has a title", False, flag=True, written=False), True)
+    title: bool = declare.declared(declare.Key("whether it has a title", False, flag=True), True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -207,14 +204,13 @@ class ShowPlan:
     quantity: str | None = declare.text(
         "of a curve one of the response's, of boundaries one of the last two", "reach", None
     )
-    output: str = declare.text("the output that is shown; absent = the sweep's output", "contact", None, written=False)
+    output: str = declare.text("the output that is shown; absent = the sweep's output", "contact", None)
     near: float | None = declare.quantity(
         "Hz",
         "of ringing: where it is looked for; modes below two thirds of it are taken off",
         "101 Hz",
         None,
         above=0,
-        written=False,
     )
     own: Mapping[str, Any] = field(default_factory=dict, hash=False)
     format: tuple[str, ...] = ()

@@ -22,17 +22,12 @@ class CostPlan:
         above=0,
         several=True,
         ascending=True,
-        written=False,
     )
     settle: int | None = declare.count(
-        0, MOST_POINTS, "drive periods left out; absent = the sweep's, 100 at most", 100, None, written=False
+        0, MOST_POINTS, "drive periods left out; absent = the sweep's, 100 at most", 100, None
     )
-    hold: int | None = declare.count(
-        1, MOST_POINTS, "drive periods read; absent = the sweep's, 10 at most", 10, None, written=False
-    )
-    solvers: tuple[str, ...] | None = declare.text(
-        "those compared; absent = all", ["flight", "orbit", "direct"], None, written=False
-    )
+    hold: int | None = declare.count(1, MOST_POINTS, "drive periods read; absent = the sweep's, 10 at most", 10, None)
+    solvers: tuple[str, ...] | None = declare.text("those compared; absent = all", ["flight", "orbit", "direct"], None)
     modes: tuple[int, ...] | None = declare.count(
         1,
         2 * MOST_ELEMENTS,
@@ -40,13 +35,11 @@ class CostPlan:
         [1, 2, 4, 8],
         None,
         several=True,
-        written=False,
     )
     reference: str | None = declare.text(
         "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity",
         "exact",
         None,
-        written=False,
     )
     repeats: int = declare.count(1, 1000, "how often a run is timed, where that is short", 3, 3)
     budget: float = declare.quantity("s", "CPU time of the runs compared", "60 s", 60.0, above=0)
@@ -56,11 +49,9 @@ class CostPlan:
 class InfluencePlan:
     """Plan of ``vibeam influence``: frequencies in Hz; None: the defaults."""
 
-    fidelity: str | None = declare.text(
-        "whose effects are taken away; absent = the one with most modes", "beam", None, written=False
-    )
+    fidelity: str | None = declare.text("whose effects are taken away; absent = the one with most modes", "beam", None)
     quantities: tuple[str, ...] = declare.word(
-        OF_INFLUENCE, "what must stay as it is", ["peak", "peak_frequency"], OF_INFLUENCE, several=True, written=False
+        OF_INFLUENCE, "what must stay as it is", ["peak", "peak_frequency"], OF_INFLUENCE, several=True
     )
     frequency: float | None = declare.quantity(
         "Hz",
@@ -68,7 +59,6 @@ class InfluencePlan:
         "15.3 Hz",
         None,
         above=0,
-        written=False,
     )
     tolerance: float = declare.quantity(
         "", "relative, of the peak, the ringing and its frequency", "1 %", 0.01, above=0
@@ -84,12 +74,8 @@ class InfluencePlan:
         31,
         31,
     )
-    settle: int | None = declare.count(
-        0, MOST_POINTS, "drive periods left out; absent = the sweep's", 300, None, written=False
-    )
-    hold: int | None = declare.count(
-        1, MOST_POINTS, "drive periods read; absent = the sweep's", 50, None, written=False
-    )
+    settle: int | None = declare.count(0, MOST_POINTS, "drive periods left out; absent = the sweep's", 300, None)
+    hold: int | None = declare.count(1, MOST_POINTS, "drive periods read; absent = the sweep's", 50, None)
     repeats: int = declare.count(1, 1000, "how often a sweep is timed", 3, 3)
 
 
@@ -135,14 +121,13 @@ class FitPlan:
         {"drive.gain": ["3e-4", "9e-4"], "stop.restitution": [0.5, 0.95]},
     )
     references: tuple[str, ...] = declare.text(
-        "the [reference.NAME] that it is estimated from; absent = all", ["laser"], None, several=True, written=False
+        "the [reference.NAME] that it is estimated from; absent = all", ["laser"], None, several=True
     )
     unstable: tuple[str, ...] = declare.text(
         "those of them measured by control-based continuation: their points may lie on unstable branches",
         ["controlled"],
         None,
         several=True,
-        written=False,
     )
 
 

@@ -66,14 +66,13 @@ FIGURES = Registry(
         exact=True,
         derivatives=True,
         keys={
-            "highest": Key("of harmonics: the last order; absent = 8", 8, least=1, most=100, whole=True, written=False),
+            "highest": Key("of harmonics: the last order; absent = 8", 8, least=1, most=100, whole=True),
             "subdivision": Key(
                 "of harmonics: 2 shows orders ½, 1, 1½ …; absent = 1, whole orders",
                 2,
                 least=1,
                 most=64,
                 whole=True,
-                written=False,
             ),
         },
     ),
@@ -128,7 +127,6 @@ FIGURES = Registry(
                 "2 mm",
                 "m",
                 above=0,
-                written=False,
             )
         },
     ),
@@ -156,7 +154,6 @@ FIGURES = Registry(
                 several=True,
                 alone=True,
                 ascending=True,
-                written=False,
             )
         },
     ),
@@ -171,15 +168,12 @@ FIGURES = Registry(
         derivatives=True,
         one_harmonic=True,
         keys={
-            "rate": Key(
-                "of chirp: by how much the drive frequency changes a second", "0.1 Hz/s", "Hz/s", above=0, written=False
-            ),
+            "rate": Key("of chirp: by how much the drive frequency changes a second", "0.1 Hz/s", "Hz/s", above=0),
             "direction": Key(
                 "of chirp: which way, absent = both, up and then down; of animation: on which branch of the sweep, "
                 "absent = that reached from rest",
                 "up",
                 words=("up", "down", "both"),
-                written=False,
             ),
         },
     ),
@@ -199,7 +193,6 @@ FIGURES = Registry(
                 least=4,
                 most=1000,
                 whole=True,
-                written=False,
             ),
             "format": Key(
                 "of animation: gif, mp4 (needs ffmpeg), pvd (VTU files for ParaView), or several; absent = gif",
@@ -207,7 +200,6 @@ FIGURES = Registry(
                 words=("gif", "mp4", "pvd"),
                 several=True,
                 alone=True,
-                written=False,
             ),
         },
     ),

@@ -79,7 +79,7 @@ class Rectangle(Shape):
 class Round(Shape):
     """A full circle."""
 
-    diameter: float = quantity("m", "of a round section", "10 mm", above=0, written=False)
+    diameter: float = quantity("m", "of a round section", "10 mm", above=0)
 
     name: ClassVar[str] = "round"
     along: ClassVar[str] = "diameter"
@@ -101,8 +101,8 @@ class Round(Shape):
 class Tube(Shape):
     """A ring."""
 
-    outer_diameter: float = quantity("m", "of a tube", "15.875 mm", above=0, written=False)
-    wall: float = quantity("m", "of the wall of a tube or a hollow rectangle", "1.2 mm", above=0, written=False)
+    outer_diameter: float = quantity("m", "of a tube", "15.875 mm", above=0)
+    wall: float = quantity("m", "of the wall of a tube or a hollow rectangle", "1.2 mm", above=0)
 
     name: ClassVar[str] = "tube"
     along: ClassVar[str] = "outer_diameter"
@@ -139,7 +139,7 @@ class HollowRectangle(Shape):
 
     width: float = quantity("m", "width of the section", "20 mm", above=0)
     thickness: float = quantity("m", "thickness of the section, in the direction of motion", "1.034 mm", above=0)
-    wall: float = quantity("m", "of the wall of a tube or a hollow rectangle", "1.2 mm", above=0, written=False)
+    wall: float = quantity("m", "of the wall of a tube or a hollow rectangle", "1.2 mm", above=0)
 
     name: ClassVar[str] = "hollow rectangle"
     along: ClassVar[str] = "thickness"
@@ -172,8 +172,8 @@ class ISection(Shape):
 
     width: float = quantity("m", "width of the section", "20 mm", above=0)
     thickness: float = quantity("m", "thickness of the section, in the direction of motion", "1.034 mm", above=0)
-    web: float = quantity("m", "thickness of the web of an I", "5 mm", above=0, written=False)
-    flange: float = quantity("m", "thickness of each flange of an I", "8 mm", above=0, written=False)
+    web: float = quantity("m", "thickness of the web of an I", "5 mm", above=0)
+    flange: float = quantity("m", "thickness of each flange of an I", "8 mm", above=0)
 
     name: ClassVar[str] = "I"
     along: ClassVar[str] = "thickness"
@@ -207,11 +207,11 @@ class ISection(Shape):
 class General(Shape):
     """Any section by its area and second moment."""
 
-    area: float = quantity("m^2", "of a general section", "20 mm^2", above=0, written=False)
+    area: float = quantity("m^2", "of a general section", "20 mm^2", above=0)
     second_moment: float = quantity(
-        "m^4", "of area of a general section, about the axis across the motion", "1.8 mm^4", above=0, written=False
+        "m^4", "of area of a general section, about the axis across the motion", "1.8 mm^4", above=0
     )
-    shear_area: float | None = quantity("m^2", "κA of a general section", "16 mm^2", None, above=0, written=False)
+    shear_area: float | None = quantity("m^2", "κA of a general section", "16 mm^2", None, above=0)
 
     name: ClassVar[str] = "general"
 

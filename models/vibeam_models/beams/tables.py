@@ -15,7 +15,7 @@ def dimension(kind: str, name: str, end: str = "") -> Any:
     """One dimension of a shape, the beam's own where it is absent; ``end``: that at the stretch's end."""
     key = keys_of(SHAPES[kind])[name]
     meaning = f"{name} at the end of the stretch, to which it tapers; absent = as at its start" if end else key.meaning
-    return declared(replace(key, meaning=meaning, written=False), None)
+    return declared(replace(key, meaning=meaning), None)
 
 
 def shape_of(table: Any, own: Shape) -> Shape:

@@ -16,15 +16,12 @@ EFFECTS: Registry[Home] = Registry(
             "how the ends are held, at x = 0 and at the full length; absent = clamped-free",
             "clamped-pinned",
             words=PAIRS,
-            written=False,
         ),
     ),
     Home(
         "beam.added_mass_per_length",
         "vibeam_models.effects.sections:AddedMassPerLength",
-        key=Key(
-            "carried all along without stiffening: a fluid, a cladding", "0.2 kg/m", "kg/m", above=0, written=False
-        ),
+        key=Key("carried all along without stiffening: a fluid, a cladding", "0.2 kg/m", "kg/m", above=0),
     ),
     Home(
         "beam.theory",
@@ -33,7 +30,6 @@ EFFECTS: Registry[Home] = Registry(
             "shear deformation and rotary inertia of the section; absent = Euler-Bernoulli",
             "timoshenko",
             words=("timoshenko",),
-            written=False,
         ),
     ),
     Home("section", "vibeam_models.effects.sections:Section", repeated=True),
@@ -60,7 +56,7 @@ EFFECTS: Registry[Home] = Registry(
     Home(
         "beam.massless",
         "vibeam_models.effects.masses:MasslessBeam",
-        key=Key("the beam's own mass is neglected, as in the paper's m ≫ ρAL", True, flag=True, written=False),
+        key=Key("the beam's own mass is neglected, as in the paper's m ≫ ρAL", True, flag=True),
     ),
     Home("platform", "vibeam_models.effects.platform:Platform", on="base"),
     Home("shaker", "vibeam_models.effects.platform:Shaker", on="base"),

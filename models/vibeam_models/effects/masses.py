@@ -33,10 +33,10 @@ class AddedMass(OnEitherBeam):
     mass: float = quantity("kg", "added mass", "2.4 g", above=0)
     position: float = quantity("m", "distance from x = 0, in (0, length]", "90 mm", above=0)
     rotary_inertia: float | None = quantity(
-        "kg m^2", "about the axis of bending; absent = a point mass", "1e-7 kg m^2", None, above=0, written=False
+        "kg m^2", "about the axis of bending; absent = a point mass", "1e-7 kg m^2", None, above=0
     )
     rigid_half_width: float | None = quantity(
-        "m", "the beam is rigid this far on either side of it; absent = nowhere", "5 mm", None, above=0, written=False
+        "m", "the beam is rigid this far on either side of it; absent = nowhere", "5 mm", None, above=0
     )
 
     name: ClassVar[str] = "added_mass"

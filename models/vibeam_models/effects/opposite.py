@@ -29,10 +29,8 @@ class Opposite(Effect):
     """
 
     position: float = quantity("m", "where it is met, from its own x = 0", "380 mm", above=0)
-    arm: float = quantity(
-        "m", "the contact stands this far beyond that place, on what turns with it", "57 mm", 0.0, written=False
-    )
-    length: float | None = quantity("m", "length, from x = 0 to its tip", "392.5 mm", None, above=0, written=False)
+    arm: float = quantity("m", "the contact stands this far beyond that place, on what turns with it", "57 mm", 0.0)
+    length: float | None = quantity("m", "length, from x = 0 to its tip", "392.5 mm", None, above=0)
     shape: str | None = word(tuple(SHAPES), "of its section", "tube", None)
     width: float | None = dimension("rectangle", "width")
     thickness: float | None = dimension("rectangle", "thickness")
@@ -44,8 +42,8 @@ class Opposite(Effect):
     area: float | None = dimension("general", "area")
     second_moment: float | None = dimension("general", "second_moment")
     shear_area: float | None = dimension("general", "shear_area")
-    youngs_modulus: float | None = quantity("Pa", "modulus of elasticity", "210 GPa", None, above=0, written=False)
-    density: float | None = quantity("kg/m^3", "mass per volume", "7850 kg/m^3", None, above=0, written=False)
+    youngs_modulus: float | None = quantity("Pa", "modulus of elasticity", "210 GPa", None, above=0)
+    density: float | None = quantity("kg/m^3", "mass per volume", "7850 kg/m^3", None, above=0)
     ends: str | None = word(PAIRS, "how its ends are held; absent = clamped-free", "clamped-free", None)
 
     name: ClassVar[str] = "opposite"

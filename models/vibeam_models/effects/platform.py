@@ -34,9 +34,7 @@ class Platform(Effect):
 
     mass: float = quantity("kg", "of the platform without the beam", "5 kg", above=0)
     frequency: float | None = quantity("Hz", "natural, of the platform without the beam", "3.25 Hz", None, above=0)
-    stiffness: float | None = quantity(
-        "N/m", "of its springs, instead of its frequency", "2000 N/m", None, above=0, written=False
-    )
+    stiffness: float | None = quantity("N/m", "of its springs, instead of its frequency", "2000 N/m", None, above=0)
     damping_ratio: float = quantity("", "of the platform without the beam", 0.05, least=0)
     coupling: Literal["one-way", "two-way"] = word(
         ("one-way", "two-way"),

@@ -38,10 +38,10 @@ class Section(OnEitherBeam):
     end_diameter: float | None = dimension("round", "diameter", "end")
     end_outer_diameter: float | None = dimension("tube", "outer_diameter", "end")
     end_wall: float | None = dimension("tube", "wall", "end")
-    youngs_modulus: float | None = quantity("Pa", "modulus of elasticity", "70 GPa", None, above=0, written=False)
-    density: float | None = quantity("kg/m^3", "mass per volume", "2700 kg/m^3", None, above=0, written=False)
+    youngs_modulus: float | None = quantity("Pa", "modulus of elasticity", "70 GPa", None, above=0)
+    density: float | None = quantity("kg/m^3", "mass per volume", "2700 kg/m^3", None, above=0)
     added_mass_per_length: float | None = quantity(
-        "kg/m", "carried along without stiffening: a fluid, a cladding", "0.1 kg/m", None, least=0, written=False
+        "kg/m", "carried along without stiffening: a fluid, a cladding", "0.1 kg/m", None, least=0
     )
 
     name: ClassVar[str] = "section"
@@ -86,10 +86,8 @@ class BondedPlate(OnEitherBeam):
     width: float = quantity("m", "width of the plate", "20 mm", above=0)
     thickness: float = quantity("m", "thickness of the plate", "1 mm", above=0)
     mass: float | None = quantity("kg", "of the plate, or of both; or say its density", "40 g", None, above=0)
-    density: float | None = quantity("kg/m^3", "instead of its mass", "7850 kg/m^3", None, above=0, written=False)
-    youngs_modulus: float | None = quantity(
-        "Pa", "modulus of elasticity; absent = the beam's", "70 GPa", None, above=0, written=False
-    )
+    density: float | None = quantity("kg/m^3", "instead of its mass", "7850 kg/m^3", None, above=0)
+    youngs_modulus: float | None = quantity("Pa", "modulus of elasticity; absent = the beam's", "70 GPa", None, above=0)
     sides: Literal["one", "both"] = word(("one", "both"), "where it is", "one", "one")
     stiffens: bool = declared(
         Key("it bends with the beam as one section; false: it only weighs", True, flag=True), True

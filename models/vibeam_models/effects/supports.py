@@ -40,10 +40,10 @@ class FurtherSupport(OnEitherBeam):
 
     position: float = quantity("m", "distance from x = 0", "90 mm", least=0)
     stiffness: float | None = quantity(
-        "N/m", "force per deflection; absent = it does not yield", "2000 N/m", None, least=0, written=False
+        "N/m", "force per deflection; absent = it does not yield", "2000 N/m", None, least=0
     )
     rotational_stiffness: float | None = quantity(
-        "N m/rad", "moment per rotation; absent = it turns freely", "5 N m/rad", None, least=0, written=False
+        "N m/rad", "moment per rotation; absent = it turns freely", "5 N m/rad", None, least=0
     )
 
     name: ClassVar[str] = "support"

@@ -32,9 +32,7 @@ class Torsion(Effect):
     poissons_ratio: float | None = quantity(
         "", "of the beam, gives its shear modulus; or say that", 0.3, None, least=0, most=1
     )
-    shear_modulus: float | None = quantity(
-        "Pa", "of the beam, instead of Poisson's ratio", "80 GPa", None, above=0, written=False
-    )
+    shear_modulus: float | None = quantity("Pa", "of the beam, instead of Poisson's ratio", "80 GPa", None, above=0)
 
     name: ClassVar[str] = "torsion"
     inertias: ClassVar[int] = 1

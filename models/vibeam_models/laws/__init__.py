@@ -43,7 +43,6 @@ HERTZ_STIFFNESS = Key(
     "of laws hertz and hunt-crossley: force over penetration^exponent, in N/m^exponent",
     1e9,
     above=0,
-    written=False,
     missing="N/m^exponent",
     plain=(
         "of hertz and hunt-crossley, force over mass and penetration^exponent",
@@ -57,7 +56,6 @@ EXPONENT = Key(
     "restitution the b of R = 1 - (1 - R0) (v/v0)^b, absent = 0.2",
     1.5,
     above=0,
-    written=False,
     plain=(
         "of the penetration, absent = 1.5; of the velocity in R = R0 (v/v0)^-n, absent = 0.25, or in "
         "R = 1 - (1 - R0) (v/v0)^b, absent = 0.2",
@@ -71,7 +69,6 @@ VELOCITY = Key(
     "0.1 m/s",
     "m/s",
     above=0,
-    written=False,
     missing="at which the restitution holds",
     plain=(
         "at which the restitution holds, for hunt-crossley, velocity and viscous restitution",

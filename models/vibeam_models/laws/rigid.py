@@ -73,7 +73,6 @@ class Tabled(ContactLaw):
         above=0,
         several=True,
         ascending=True,
-        written=False,
         missing="of the table",
         plain=("of a table of restitutions, instead of restitution and velocity", [0.002, 0.02], "of the table"),
     )
@@ -85,7 +84,6 @@ class Tabled(ContactLaw):
         least=0,
         most=1,
         several=True,
-        written=False,
         plain=("at the speeds", [0.8, 0.6], ""),
     )
 

@@ -20,7 +20,6 @@ class Linear(ContactLaw):
         "of law linear: force over penetration",
         "1e6 N/m",
         above=0,
-        written=False,
         missing="force over penetration",
         plain=("of a linear stop: force over mass and penetration", 400, "force over mass and penetration"),
     )
@@ -31,7 +30,6 @@ class Linear(ContactLaw):
         "10 N s/m",
         None,
         least=0,
-        written=False,
         plain=("of a linear stop, force over mass and velocity; absent = what gives the restitution", 2.5, ""),
     )
     restitution: float | None = declared(RESTITUTION, None)
@@ -59,10 +57,10 @@ class Linear(ContactLaw):
 class LeafSpring(ContactLaw):
     """The linear stop of stiffness 3EI/l³ = E b t³/4l³, static: its own modes must lie far above the drive."""
 
-    leaf_length: float = quantity("m", "of law leaf spring: free length", "57 mm", above=0, written=False)
-    leaf_width: float = quantity("m", "of law leaf spring", "40 mm", above=0, written=False)
-    leaf_thickness: float = quantity("m", "of law leaf spring, along the motion", "1 mm", above=0, written=False)
-    leaf_modulus: float = quantity("Pa", "of law leaf spring: modulus of elasticity", "210 GPa", above=0, written=False)
+    leaf_length: float = quantity("m", "of law leaf spring: free length", "57 mm", above=0)
+    leaf_width: float = quantity("m", "of law leaf spring", "40 mm", above=0)
+    leaf_thickness: float = quantity("m", "of law leaf spring, along the motion", "1 mm", above=0)
+    leaf_modulus: float = quantity("Pa", "of law leaf spring: modulus of elasticity", "210 GPa", above=0)
     damping: float | None = declared(Linear.__dataclass_fields__["damping"].metadata["key"], None)
     restitution: float | None = declared(RESTITUTION, None)
 

@@ -41,7 +41,7 @@ class Fading(StopLaw):
 class Untabled(ContactLaw):
     """R = e^{−v/v₀}, as it is."""
 
-    fading_speed: float = quantity("m/s", "v0 of the fading law", "0.5 m/s", above=0, written=False)
+    fading_speed: float = quantity("m/s", "v0 of the fading law", "0.5 m/s", above=0)
     name: ClassVar[str] = "fading"
 
     def contact(self, mobility):
@@ -52,7 +52,7 @@ class Untabled(ContactLaw):
 class Exponential(ContactLaw):
     """R = e^{−v/v₀}, as a table, which the kernels know."""
 
-    decay: float = quantity("m/s", "v0 of the exponential law", "0.5 m/s", above=0, written=False)
+    decay: float = quantity("m/s", "v0 of the exponential law", "0.5 m/s", above=0)
     name: ClassVar[str] = "exponential"
 
     def contact(self, mobility):
@@ -63,7 +63,7 @@ class Exponential(ContactLaw):
 class Brief(ContactLaw):
     """A linear stop that a free mass 1/S leaves after a given time."""
 
-    contact_time: float = quantity("s", "half a period of mass and stop", "1 ms", above=0, written=False)
+    contact_time: float = quantity("s", "half a period of mass and stop", "1 ms", above=0)
     restitution: float = declared(RESTITUTION)
     name: ClassVar[str] = "brief"
     compliant: ClassVar[bool] = True
@@ -91,7 +91,7 @@ def test_laws_of_ones_own_run_from_a_case_file(tmp_path: Path) -> None:
         assert parse(case.text).key == case.key
         brief = parse(RIG.replace("STOP", 'law = "brief"\ncontact_time = "2 ms"\nrestitution = 0.7')).system("two")
         assert brief.law.duration(1 / float(brief.contact @ brief.contact)) == pytest.approx(2e-3, rel=0.1)
-        told = CliRunner().invoke(app, ["keys"], env={"COLUMNS": "250"}).output
+        told = CliRunner().invoke(app, ["keys", "stop"], env={"COLUMNS": "250"}).output
         assert "decay" in told
         assert '"exponential"' in told
     with pytest.raises(CaseError, match="is not one of"):

@@ -77,33 +77,29 @@ class AnyCase(Table):
         "dimension needs its unit, 0 alone does not",
         "SI",
         None,
-        written=False,
         **ASIDE,
     )
     accuracy: Annotated[float | None, Within] = key(
         "relative error allowed, against the full model: vibeam run then takes the cheapest fidelity within it",
         "1 %",
         None,
-        written=False,
         **ASIDE,
     )
     accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
         "the quantities that this holds for; absent = the amplitude alone",
         ["amplitude", "reach"],
         None,
-        written=False,
         **ASIDE,
     )
 
 
 Parts = dict[str, tuple[Any, Any]]  # keys of a case: annotation and ``key`` of each
-LATER: Any = {"written": False, **ASIDE}
 
 
 def _measured(measurement: Any, sweep: Any, fidelity: Any) -> Parts:
     """The tables of what is run on a rig, and how it is seen."""
     return {
-        "measurement": (measurement | None, key("the measuring chain", None, None, written=False, numbers=False)),
+        "measurement": (measurement | None, key("the measuring chain", None, None, numbers=False)),
         "sweep": (sweep, key("the sweep of every fidelity", physics=False)),
         "fidelity": (dict[str, fidelity], key("models of the rig", physics=False)),
     }
@@ -118,19 +114,19 @@ def _asked(show: Any, map_: Any) -> Parts:
     inputs = {"mass.mass": "± 2 g", "stop.restitution": "0.6 … 0.8"}
     fit = "what vibeam fit estimates, and from what"
     return {
-        "reference": (dict[str, ReferenceTable], key("curves to check against", None, {}, **LATER)),
-        "expect": (dict[str, ExpectTable], key("numbers to check against", None, {}, **LATER)),
-        "measured": (dict[str, MeasuredTable], key("numbers that were measured", None, {}, **LATER)),
+        "reference": (dict[str, ReferenceTable], key("curves to check against", None, {}, **ASIDE)),
+        "expect": (dict[str, ExpectTable], key("numbers to check against", None, {}, **ASIDE)),
+        "measured": (dict[str, MeasuredTable], key("numbers that were measured", None, {}, **ASIDE)),
         "chosen_by": (
             Annotated[Any, settings("[names]")],
-            key(chosen, {"platform.mass": ["decay", "peak"]}, None, **LATER),
+            key(chosen, {"platform.mass": ["decay", "peak"]}, None, **ASIDE),
         ),
-        "show": (dict[str, show], key("further figures", None, {}, **LATER)),
-        "map": (dict[str, map_], key("maps over keys of the case", None, {}, **LATER)),
-        "uncertain": (Annotated[Any, settings()], key(uncertain, inputs, None, **LATER)),
-        "figure": (FigureTable, key("how figures are written", None, FigureTable(), **LATER)),
-        "cost": (CostTable, key("what vibeam cost does", None, CostTable(), **LATER)),
-        "fit": (FitTable | None, key(fit, None, None, **LATER)),
+        "show": (dict[str, show], key("further figures", None, {}, **ASIDE)),
+        "map": (dict[str, map_], key("maps over keys of the case", None, {}, **ASIDE)),
+        "uncertain": (Annotated[Any, settings()], key(uncertain, inputs, None, **ASIDE)),
+        "figure": (FigureTable, key("how figures are written", None, FigureTable(), **ASIDE)),
+        "cost": (CostTable, key("what vibeam cost does", None, CostTable(), **ASIDE)),
+        "fit": (FitTable | None, key(fit, None, None, **ASIDE)),
     } | {name: _study(name, home) for name, home in STUDY_PLANS.items()}
 
 
@@ -139,17 +135,17 @@ def _study(name: str, home: Home) -> tuple[Any, Any]:
     keys = plan_keys(home.load())
     made = table(f"{name.capitalize()}Table", f"Plan of vibeam {name}.", keys)
     if any(field.is_required() for _, field in keys.values()):
-        return made | None, key(f"what vibeam {name} does", None, None, **LATER)
-    return made, key(f"what vibeam {name} does", None, made(), **LATER)
+        return made | None, key(f"what vibeam {name} does", None, None, **ASIDE)
+    return made, key(f"what vibeam {name} does", None, made(), **ASIDE)
 
 
 def _influence() -> Parts:
-    return {"influence": (InfluenceTable, key("what vibeam influence does", None, InfluenceTable(), **LATER))}
+    return {"influence": (InfluenceTable, key("what vibeam influence does", None, InfluenceTable(), **ASIDE))}
 
 
 def _beam() -> type[AnyCase]:
     mass = with_effects("mass", MassTable) | None, key("attached to the beam; absent = a bare beam", None, None)
-    outputs = dict[str, OutputTable] | None, key("further outputs", None, None, written=False)
+    outputs = dict[str, OutputTable] | None, key("further outputs", None, None)
     show = show_table("ShowTable", tuple(FIGURES))
     return _case(
         "beam",

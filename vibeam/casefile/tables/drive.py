@@ -236,35 +236,33 @@ class DriveTable(Table):
         "γ of eq. 46: base amplitude over mode shape at the mass, length and voltage", "5.16e-4 1/V", None
     )
     amplitude: Annotated[Any, OneOrSeveral(Quantity(units.LENGTH, NOT_NEGATIVE))] = key(
-        "of the base, instead of voltage and gain", "0.05 mm", None, written=False
+        "of the base, instead of voltage and gain", "0.05 mm", None
     )
     velocity: Annotated[Any, OneOrSeveral(Quantity(units.SPEED, NOT_NEGATIVE))] = key(
-        "of the base, its amplitude, instead", "5 mm/s", None, written=False
+        "of the base, its amplitude, instead", "5 mm/s", None
     )
     acceleration: Annotated[Any, OneOrSeveral(Quantity(units.ACCELERATION, NOT_NEGATIVE))] = key(
-        "of the base, its amplitude, instead; g is 9.80665 m/s^2", "0.05 g", None, written=False
+        "of the base, its amplitude, instead; g is 9.80665 m/s^2", "0.05 g", None
     )
     force: Annotated[Any, OneOrSeveral(Quantity(units.FORCE, NOT_NEGATIVE))] = key(
-        "on the beam where at says, or on the platform, instead of all of these", "5 N", None, written=False
+        "on the beam where at says, or on the platform, instead of all of these", "5 N", None
     )
     moment: Annotated[Any, OneOrSeveral(Quantity(units.MOMENT, NOT_NEGATIVE))] = key(
-        "on the beam where at says, instead of all of these", "0.1 N m", None, written=False
+        "on the beam where at says, instead of all of these", "0.1 N m", None
     )
     at: Annotated[float | None, Place] = key(
         "where the force or the moment acts on the beam, whose base is then at rest; from x = 0, in (0, length]",
         "120 mm",
         None,
-        written=False,
     )
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
         "of a drive that is a list: one frequency for each of its numbers, linear between, none outside",
         ["14 Hz", "17 Hz"],
         None,
-        written=False,
     )
-    harmonic: Annotated[tuple[int, ...] | None, Orders] = key(ORDERS, [2, 3], None, written=False)
-    harmonic_share: Annotated[tuple[float, ...] | None, Shares] = key(SHARES, ["5 %", "2 %"], None, written=False)
-    harmonic_phase: Annotated[tuple[float, ...] | None, Phases] = key(PHASES, ["30 deg", "0 deg"], None, written=False)
+    harmonic: Annotated[tuple[int, ...] | None, Orders] = key(ORDERS, [2, 3], None)
+    harmonic_share: Annotated[tuple[float, ...] | None, Shares] = key(SHARES, ["5 %", "2 %"], None)
+    harmonic_phase: Annotated[tuple[float, ...] | None, Phases] = key(PHASES, ["30 deg", "0 deg"], None)
 
 
 class SdofDriveTable(Table):
@@ -273,16 +271,15 @@ class SdofDriveTable(Table):
     """
 
     amplitude: Annotated[Any, OneOrSeveral(Ratio)] = key("of the base B, in the unit of the motion", 0.5e-3, None)
-    velocity: Annotated[Any, OneOrSeveral(Ratio)] = key("ΩB, instead: the same at every Ω", 1e-3, None, written=False)
+    velocity: Annotated[Any, OneOrSeveral(Ratio)] = key("ΩB, instead: the same at every Ω", 1e-3, None)
     acceleration: Annotated[Any, OneOrSeveral(Ratio)] = key(
-        "Ω²B, instead: a force over the mass that is the same at every Ω", 2e-3, None, written=False
+        "Ω²B, instead: a force over the mass that is the same at every Ω", 2e-3, None
     )
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
         "of a drive that is a list: one frequency for each of its numbers, linear between, none outside",
         ["1.5 rad/s", "2.5 rad/s"],
         None,
-        written=False,
     )
-    harmonic: Annotated[tuple[int, ...] | None, Orders] = key(ORDERS, [2, 3], None, written=False)
-    harmonic_share: Annotated[tuple[float, ...] | None, Shares] = key(SHARES, ["5 %", "2 %"], None, written=False)
-    harmonic_phase: Annotated[tuple[float, ...] | None, Phases] = key(PHASES, ["30 deg", "0 deg"], None, written=False)
+    harmonic: Annotated[tuple[int, ...] | None, Orders] = key(ORDERS, [2, 3], None)
+    harmonic_share: Annotated[tuple[float, ...] | None, Shares] = key(SHARES, ["5 %", "2 %"], None)
+    harmonic_phase: Annotated[tuple[float, ...] | None, Phases] = key(PHASES, ["30 deg", "0 deg"], None)

@@ -61,8 +61,7 @@ def effect_tables(on: str) -> dict[str, Any]:
 
 def _optional(home: Home) -> tuple[Any, Any]:
     kind = tuple[Any, ...] if home.repeated else Any
-    extra: Any = {"written": False, "effect": True}
-    return Annotated[kind, EffectTable(home)], Field(() if home.repeated else None, json_schema_extra=extra)
+    return Annotated[kind, EffectTable(home)], Field(() if home.repeated else None, json_schema_extra={"effect": True})
 
 
 def with_effects(name: str, model: type[Table]) -> Any:

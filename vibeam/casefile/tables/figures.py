@@ -160,10 +160,10 @@ class MeasurementTable(Table):
         "of the filter: gain 1/√2, or of an elliptic one where it leaves the ripple", "500 Hz", None
     )
     ripple: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "dB, of an elliptic filter's pass band; absent = 0.1", 0.1, None, written=False
+        "dB, of an elliptic filter's pass band; absent = 0.1", 0.1, None
     )
     attenuation: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "dB, of an elliptic filter's stop band; absent = 60", 60, None, written=False
+        "dB, of an elliptic filter's stop band; absent = 60", 60, None
     )
     quantisation: Annotated[float | None, Length] = key("step of the converter; absent = none", "1 µm", None)
     noise: Annotated[float | None, Length] = key("rms, white, on the samples; absent = none", "1 µm", None)

@@ -166,7 +166,7 @@ class MatricesTable(Table):
     )
     stiffness: Annotated[dict[str, str], MATRIX_FILE] = key("file of K", "K.mtx")
     damping_matrix: Annotated[dict[str, str] | None, MATRIX_FILE] = key(
-        "file of C, instead of damping ratios", "C.mtx", None, written=False
+        "file of C, instead of damping ratios", "C.mtx", None
     )
     damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
         "of the first mode; for rayleigh a list of two, of modes 1 and 2; left away where damping is a list", 0.01, None
@@ -182,15 +182,15 @@ class MatricesTable(Table):
     )
     contact: Annotated[Any, row()] = key("what meets the stop, positive toward it", 2)
     sensor: Annotated[Any, row()] = key("the sensor of the displacement; absent = the contact", 1, None)
-    outputs: Annotated[dict[str, Any], ROWS] = key("further outputs, each a row", {"foot": 1}, {}, written=False)
+    outputs: Annotated[dict[str, Any], ROWS] = key("further outputs, each a row", {"foot": 1}, {})
     base: Annotated[Any, row(("all", "x", "y", "z"))] = key(
         "what each coordinate reads when the base moves by 1 unit of length, r of the load −M r; all = 1 in each",
         "all",
         None,
     )
-    force: Annotated[Any, row()] = key("where drive.force acts, instead of a moving base", 2, None, written=False)
+    force: Annotated[Any, row()] = key("where drive.force acts, instead of a moving base", 2, None)
     moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key(
-        "that a platform carries; absent = rᵀM r", "3 kg", None, written=False
+        "that a platform carries; absent = rᵀM r", "3 kg", None
     )
 
 
@@ -210,9 +210,7 @@ class ModesTable(Table):
     file of modes (data set 55; needs pip install 'vibeam[lab]'), a node and its direction.
     """
 
-    file: Annotated[str | None, TEXT] = key(
-        "universal file with the modes; absent = they stand here", "rig.uff", None, written=False
-    )
+    file: Annotated[str | None, TEXT] = key("universal file with the modes; absent = they stand here", "rig.uff", None)
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
         "natural frequencies; absent = the file's", ["5.2754 Hz", "12.398 Hz"], None
     )
@@ -223,21 +221,18 @@ class ModesTable(Table):
         "of each mode, or one of all, in the scale of the shapes; absent = 1 kg, or the file's",
         "1 kg",
         None,
-        written=False,
     )
     contact: Annotated[Any, SHAPE] = key("shapes where it meets the stop, positive toward it, kg^-½", [0.6755, 0.4586])
     sensor: Annotated[Any, SHAPE] = key("shapes at the sensor; absent = at the contact", [0.3972, -0.585], None)
-    outputs: Annotated[dict[str, Any], SHAPES] = key(
-        "further outputs, each shapes", {"foot": [0.3972, -0.585]}, {}, written=False
-    )
+    outputs: Annotated[dict[str, Any], SHAPES] = key("further outputs, each shapes", {"foot": [0.3972, -0.585]}, {})
     base: Annotated[Any, SHAPE] = key(
         "what a moving base does to each mode, its participation φᵀM r, kg^½ (vibeam modes calls it load)",
         [1.8077, -0.482],
         None,
     )
     force: Annotated[Any, SHAPE] = key(
-        "shapes where drive.force acts, instead of a moving base", [0.6755, 0.4586], None, written=False
+        "shapes where drive.force acts, instead of a moving base", [0.6755, 0.4586], None
     )
     moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key(
-        "that a platform with two-way coupling carries", "3.5 kg", None, written=False
+        "that a platform with two-way coupling carries", "3.5 kg", None
     )

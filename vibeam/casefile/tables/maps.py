@@ -46,7 +46,7 @@ class AxisTable(Table):
     to: Annotated[Any, LEVEL] = key("last value, itself included", "0.1 mm", None)
     points: Annotated[int | None, Count(1, MOST_POINTS)] = key("how many, evenly spaced", 61, None)
     values: Annotated[tuple[Any, ...] | None, LEVELS] = key(
-        "the values themselves, in place of from, to and points", ["-0.1 mm", "0 mm", "0.1 mm"], None, written=False
+        "the values themselves, in place of from, to and points", ["-0.1 mm", "0 mm", "0.1 mm"], None
     )
 
 
@@ -64,7 +64,7 @@ MEANING = (
     "A map over any keys of the case, one table each, [map] where there is one: what vibeam map computes and draws."
 )
 MapTable: Any = _map_table("MapTable")
-_SPREAD = key(keys_of(MapPlan)["spread"].meaning, 0.01, None, written=False)
+_SPREAD = key(keys_of(MapPlan)["spread"].meaning, 0.01, None)
 SdofMapTable: Any = _map_table("SdofMapTable", spread=(Annotated[Any, Quantity(units.RATIO, POSITIVE)], _SPREAD))
 
 

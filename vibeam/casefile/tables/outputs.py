@@ -42,10 +42,9 @@ class OutputTable(Table):
         "half the section's height",
         "0.517 mm",
         None,
-        written=False,
     )
     absolute: Annotated[bool | None, FLAG] = key(
-        "of an acceleration: with the base's added, as an accelerometer reads; absent = true", True, None, written=False
+        "of an acceleration: with the base's added, as an accelerometer reads; absent = true", True, None
     )
 
 

@@ -95,36 +95,32 @@ class ReferenceTable(Table):
         "largest relative difference; may be absent where measured = true: then without a verdict", "0.0001 %", None
     )
     direction: Annotated[str | None, Word(DIRECTIONS)] = key(
-        "the branches compared; absent = all that are swept", "both", None, written=False
+        "the branches compared; absent = all that are swept", "both", None
     )
     columns: Annotated[dict[str, Any] | None, HEADS] = key(
         "heads of the file's columns, or their numbers from 1; variables, datasets, number of the data set 58",
-        {"frequency": "f [Hz]", "amplitude": "x [mm]", "uncertainty": "u [mm]"}, None, written=False,
+        {"frequency": "f [Hz]", "amplitude": "x [mm]", "uncertainty": "u [mm]"}, None,
     )  # fmt: skip
     units: Annotated[dict[str, str] | None, COLUMN_UNITS] = key(
-        "units of columns whose heads do not say them; absent = SI", {"amplitude": "mm"}, None, written=False
+        "units of columns whose heads do not say them; absent = SI", {"amplitude": "mm"}, None
     )
     separator: Annotated[str | None, Word(tuple(SIGNS))] = key(
-        "between the cells of a line of text; absent = found out", "semicolon", None, written=False
+        "between the cells of a line of text; absent = found out", "semicolon", None
     )
-    decimal: Annotated[str | None, Word((".", ","))] = key(
-        "decimal sign in text; absent = found out", ",", None, written=False
-    )
+    decimal: Annotated[str | None, Word((".", ","))] = key("decimal sign in text; absent = found out", ",", None)
     scale: Annotated[tuple[float, str] | None, SCALE] = key(
-        "factor of the values, with a unit where it is a sensor's", "2 mm/V", None, written=False
+        "factor of the values, with a unit where it is a sensor's", "2 mm/V", None
     )
-    offset: Annotated[Amount | None, AmountEntry(ANY)] = key(
-        "added to the values after scale", "0.05 mm", None, written=False
-    )
+    offset: Annotated[Amount | None, AmountEntry(ANY)] = key("added to the values after scale", "0.05 mm", None)
     window: Annotated[tuple[float, ...] | None, Several(Frequency, limit=2, ascending=True)] = key(
-        "lowest and highest frequency compared; absent = all", ["14 Hz", "17 Hz"], None, written=False
+        "lowest and highest frequency compared; absent = all", ["14 Hz", "17 Hz"], None
     )
     uncertainty: Annotated[Amount | None, AmountEntry(POSITIVE)] = key(
         "standard uncertainty of every value, in its unit or as a percentage of it, where no column gives it", "2 %",
-        None, written=False,
+        None,
     )  # fmt: skip
-    measured: Annotated[bool, FLAG] = key("whether the curve was measured", True, False, written=False)
-    source: Annotated[str, TEXT] = key("where the curve comes from", "Fig. 31(b)", "", written=False)
+    measured: Annotated[bool, FLAG] = key("whether the curve was measured", True, False)
+    source: Annotated[str, TEXT] = key("where the curve comes from", "Fig. 31(b)", "")
 
 
 def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:

@@ -128,7 +128,7 @@ class _AtRest(Table):
         "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "first mode", "contact"
     )
     position: Annotated[float | None, Place] = key(
-        "of the contact, from x = 0; absent = at the mass, if there is one", "132 mm", None, written=False, effect=True
+        "of the contact, from x = 0; absent = at the mass, if there is one", "132 mm", None, effect=True
     )
 
 
@@ -151,7 +151,7 @@ def sdof_stop_table() -> type[Table]:
 @lru_cache(maxsize=8)
 def _stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
     meaning = "what the stop does; absent = restitution, the same at every velocity"
-    law = key(meaning, "linear", None, written=False, effect=True, plain=(meaning, "linear"))
+    law = key(meaning, "linear", None, effect=True, plain=(meaning, "linear"))
     keys = {"law": (Annotated[Any, Word(tuple(LAWS))], law)}
     keys |= {name: declared_key(each, None, "law") for name, each in law_keys().items() if name != "restitution"}
     doc = "The stop: what it is depends on its law; keys of other laws are refused."

@@ -112,41 +112,37 @@ class _Reduction(Table):
         "of craig_bampton: contact, masses, outputs by name; absent = contact, masses, sensor",
         ["contact", "sensor"],
         None,
-        written=False,
     )
     frequency: Annotated[float | None, Quantity(FREQUENCY, NOT_NEGATIVE)] = key(
         "of krylov: about which transfer functions are matched, absent = 0; of pod: of the drive that is flown",
         "15 Hz",
         None,
-        written=False,
     )
     periods: Annotated[int | None, Count(1, MOST_POINTS)] = key(
-        "of pod: drive periods that are flown from rest, absent = 50", 50, None, written=False
+        "of pod: drive periods that are flown from rest, absent = 50", 50, None
     )
     inner_product: Annotated[str | None, Word(("mass", "energy"))] = key(
-        "of pod: by which it measures, absent = mass", "mass", None, written=False
+        "of pod: by which it measures, absent = mass", "mass", None
     )
 
 
 class _Solution(Table):
     solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
     options: Annotated[dict[str, str | float], OPTIONS] = key(
-        "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}, written=False
+        "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}
     )
     set: Annotated[dict[str, Any] | None, settings()] = key(
         "physics that is this fidelity's own: dotted keys and their values",
         {"stop.restitution": 0.6},
         None,
-        written=False,
     )
     without: Annotated[tuple[str, ...] | None, names("dotted keys")] = key(
         "optional keys, or whole optional tables, of the physics that it leaves out",
         ["mass.rotary_inertia"],
         None,
-        written=False,
     )
     label: Annotated[str | None, TEXT] = key(
-        "its name in figures; absent = the name of its table", "8 modes", None, written=False, numbers=False
+        "its name in figures; absent = the name of its table", "8 modes", None, numbers=False
     )
 
 

@@ -24,7 +24,7 @@ T = TypeVar("T")
 Plain = tuple[str, Any]  # meaning and example of a key where the case is nondimensional
 
 
-NOTES = ("written", "effect", "of", "plain", "physics", "numbers")  # what ``key`` says beyond pydantic's field
+NOTES = ("effect", "of", "plain", "physics", "numbers")  # what ``key`` says beyond pydantic's field
 
 
 def key(
@@ -32,19 +32,18 @@ def key(
     example: Any = None,
     default: Any = ...,
     *,
-    written: bool = True,
     effect: bool = False,
     of: str = "",
     plain: Plain | None = None,
     physics: bool = True,
     numbers: bool = True,
 ) -> Any:
-    """A key: what it means, an example for the template (there as a comment unless ``written``), its default.
+    """A key: what it means, an example for the template, its default.
 
     ``effect``: it declares an optional effect; ``of``: the effect in the same table without which it means nothing.
     ``physics``: part of the rig, which a fidelity may change; ``numbers``: part of what the sweeps compute.
     """
-    extra: Any = dict(zip(NOTES, (written, effect, of, plain, physics, numbers), strict=True))
+    extra: Any = dict(zip(NOTES, (effect, of, plain, physics, numbers), strict=True))
     examples = None if example is None else [example]
     return Field(default, description=_said(meaning, effect), examples=examples, json_schema_extra=extra)
 
@@ -94,9 +93,7 @@ def declared_entry(declared: Key) -> Entry:
 def declared_key(declared: Key, default: Any = ..., of: str = "", effect: bool = False) -> tuple[Any, Any]:
     """The annotation and the ``key`` of a declaration's key."""
     entry, plain = declared_entry(declared), plainly(declared)[:2]
-    notes: Any = {
-        "written": declared.written, "effect": effect or declared.effect, "of": of or declared.of, "plain": plain,
-    }  # fmt: skip
+    notes: Any = {"effect": effect or declared.effect, "of": of or declared.of, "plain": plain}
     field = key(declared.meaning, declared.example, default, **notes)
     return Annotated[Any, entry], field
 
@@ -107,7 +104,7 @@ def plan_keys(kind: type[Any], **entries: Entry) -> dict[str, tuple[Any, Any]]:
     return {
         name: (
             Annotated[Any, entries.get(name) or declared_entry(each)],
-            key(each.meaning, each.example, defaults.get(name, ...), written=each.written),
+            key(each.meaning, each.example, defaults.get(name, ...)),
         )
         for name, each in keys_of(kind).items()
     }
@@ -134,7 +131,7 @@ def nondimensional(model: type[Table], name: str, meaning: str) -> Any:
 def _plain(field: FieldInfo) -> tuple[Any, Any]:
     entry = next(part for part in field.metadata if isinstance(part, Entry))
     (meaning, example), default = note(field, "plain"), ... if field.is_required() else field.default
-    notes = {each: note(field, each) for each in ("written", "effect", "of")}
+    notes = {each: note(field, each) for each in ("effect", "of")}
     return Annotated[Any, entry.nondimensional()], key(meaning, example, default, **notes)
 
 
@@ -197,18 +194,6 @@ def digest(*content: Any) -> str:
 
 
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
-
-#: keys by what others call them, in small letters; of a table the keys that it has
-CALLED = {
-    "section": ("shape",), "profile": ("shape",), "cross_section": ("shape",),
-    "material": ("youngs_modulus", "density"), "e": ("youngs_modulus", "restitution"), "modulus": ("youngs_modulus",),
-    "rho": ("density",), "nu": ("poissons_ratio",), "zeta": ("damping_ratio",), "l": ("length",), "span": ("length",),
-    "b": ("width",), "breadth": ("width",), "h": ("thickness",), "t": ("thickness",), "height": ("thickness",),
-    "depth": ("thickness",), "boundary": ("ends",), "boundary_conditions": ("ends",), "supports": ("ends",),
-    "mesh": ("elements",), "clearance": ("gap",), "cor": ("restitution",), "k": ("stiffness",), "c": ("damping",),
-    "x": ("position",), "location": ("position",), "m": ("mass",), "transient": ("settle",), "periods": ("hold",),
-    "method": ("reduction", "solver"), "model": ("reduction",), "n": ("modes",),
-}  # fmt: skip
 
 
 def name_checks(case: SimpleNamespace) -> Iterator[Complaint]:
