@@ -16,5 +16,7 @@ hand_in(
         "plot": "vibeam.report.figures:plot",
         "load": "vibeam.casefile.read:load",
         "bar": "vibeam.cli.progress:Bar",
+        "html": "vibeam.report.views:html",
+        "rows": "vibeam.report.views:rows",
     }
 )

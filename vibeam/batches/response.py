@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.labelled import LabelledData, LabelledPart
 from vibeam.system.quantities import Ended
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
@@ -17,7 +18,7 @@ from vibeam_models.arrays import Array, Flags, Index, ValueRecord
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BatchResponse(ValueRecord):
+class BatchResponse(ValueRecord, LabelledData):
     """Steady points of ``vibeam.batch``, each array of the batch's shape, and one axis more where it says so.
 
     SI units; every quantity is that of ``FrequencyResponse``. A failed point is NaN, its reason in ``ended``, its
@@ -46,6 +47,13 @@ class BatchResponse(ValueRecord):
     def shape(self) -> tuple[int, ...]:
         """Shape of the batch."""
         return self.ended.shape
+
+    def _parts(self) -> list[LabelledPart]:
+        grid = self.shape or (1,)
+        axes = {f"axis_{number}": range(size) for number, size in enumerate(grid, 1)}
+        whole = {each.name: getattr(self, each.name) for each in fields(self)}
+        values = {name: each.reshape((*grid, *each.shape[len(self.shape) :])) for name, each in whole.items()}
+        return [LabelledPart({}, axes, values)]
 
     def __repr__(self) -> str:
         failed = int(np.count_nonzero(self.ended != Ended.COMPLETE.code))

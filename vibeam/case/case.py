@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from vibeam.case.plans import AccuracyPlan, FigurePlan, Reference, SweepPlan
 from vibeam.case.study_plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.exchange.faults import CaseError, Complaint, Fault
+from vibeam.system.labelled import Viewed
 from vibeam.system.public_names import handed_in
 from vibeam.system.quantities import PLAIN, OutputUnits
 from vibeam_models.outputs import DISPLACEMENT, OutputQuantity
@@ -53,7 +54,7 @@ class Keys(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class Case(Viewed):
     """Scene, fidelities, sweep, references and measured numbers of a case; equal where all that they say is.
 
     ``text`` is the case as TOML, SI units and overrides included: it loads as the same case. ``numbers`` is the part of
@@ -103,6 +104,11 @@ class Case:
     def _said(self) -> list[object]:
         """All but the file and where its keys stand, which has no part in equality."""
         return [value for name, value in vars(self).items() if name not in ("path", "keys", "locate")]
+
+    @property
+    def about(self) -> dict[str, str]:
+        """Title, source and key, as attributes of data made of the case."""
+        return {"title": self.title, "source": self.source, "case_key": self.key}
 
     @classmethod
     def of(cls, tables: Mapping[str, Any], set: Mapping[str, Any] | None = None) -> Case:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from html import escape
 from textwrap import wrap
 from time import monotonic
@@ -38,7 +37,7 @@ def tell_overview(overview: Overview) -> None:
 class Bar:
     """Context whose value is called with the points done and their total; the first call sets the stored ones.
 
-    It is called with a line of text where that is all that is known.
+    A line of text is printed.
     """
 
     def __init__(self, doing: str = "sweeping", console: Console | None = None) -> None:
@@ -57,7 +56,7 @@ class Bar:
     def __call__(self, done: int | str, total: int | None = None) -> None:
         """Show ``done`` of ``total`` points, or a line; callable from any thread."""
         if isinstance(done, str):
-            self._line(done)
+            self._console.print(done)
             return
         if not self._began:
             self._began = True
@@ -66,29 +65,16 @@ class Bar:
             self._progress.update(self._progress.task_ids[0], completed=done, total=total)
 
     def _begin(self, done: int, total: int | None) -> None:
-        if self._progress is not None:  # the wheel beside lines
-            self._progress.stop()
         if done == total:
             self._console.print(f"all {total} points are there already")
             return
         if done:
             self._console.print(f"continuing: {done} of {total} points are there")
-        self._show(_bar)
-
-    def _show(self, made: Callable[[Console, str], Progress]) -> None:
         if self._console.is_jupyter:
             self._progress = _NotebookBar(self._doing)
         elif self._console.is_terminal:
-            self._progress = made(self._console, self._doing)
+            self._progress = _bar(self._console, self._doing)
             self._progress.start()
-
-    def _line(self, text: str) -> None:
-        if self._progress is None and not self._began:
-            self._show(_wheel)
-        if self._progress is None or (self._began and not self._console.is_jupyter):
-            self._console.print(text)
-        else:
-            self._progress.update(self._progress.task_ids[0], description=text)
 
 
 class _NotebookBar:
@@ -102,30 +88,16 @@ class _NotebookBar:
         self._html, self._doing, self._next = display.HTML, doing, 0.0
         self._place = display.display(self._html(""), display_id=True)
 
-    def update(self, task: int, completed: int = 0, total: int | None = None, description: str = "") -> None:
+    def update(self, task: int, completed: int, total: int) -> None:
         """Show it, a few times a second at most."""
         if monotonic() >= self._next or completed == total:
             self._next = monotonic() + BETWEEN
-            known = f' value="{completed}" max="{total}"' if total else ""
-            text = escape(f"{self._doing}: {description or f'{completed} of {total} points'}")
-            self._place.update(self._html(f"<progress{known}></progress> {text}"))
+            text = f"{escape(self._doing)}: {completed} of {total} points"
+            self._place.update(self._html(f'<progress value="{completed}" max="{total}"></progress> {text}'))
 
     def stop(self) -> None:
         """Take it away."""
         self._place.update(self._html(""))
-
-
-def _wheel(console: Console, doing: str) -> Progress:
-    from rich import progress
-
-    columns = (
-        progress.SpinnerColumn(),
-        progress.TextColumn(f"{doing}: {{task.description}}"),
-        progress.TimeElapsedColumn(),
-    )
-    found = progress.Progress(*columns, console=console, transient=True)
-    found.add_task("", total=None)
-    return found
 
 
 def _bar(console: Console, doing: str) -> Progress:

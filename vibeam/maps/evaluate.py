@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from hashlib import sha256
 from math import prod
@@ -12,13 +13,15 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.case.grid_keys import FREQUENCY, SHARE, STARTS, MapPlan, axis_faults
+from vibeam.case.case import units_of_output
+from vibeam.case.grid_keys import DISPLACEMENT, FREQUENCY, SHARE, STARTS, VELOCITY, MapPlan, axis_faults
 from vibeam.case.source import of_source
 from vibeam.exchange.faults import CaseError, Fault
 from vibeam.maps.block import QUANTITIES, SWEPT, Block, Grid, Motions, Way, evaluate_block
 from vibeam.maps.models import fidelities_of
 from vibeam.maps.points import Axis, Starts, shape_of
 from vibeam.store.blocks import Values
+from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
 from vibeam_models.arguments import floats
 from vibeam_models.arrays import ValueRecord
 
@@ -32,17 +35,33 @@ AT_ONCE = 20_000  # points in memory beside the result
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GridResponse(ValueRecord):
+class GridResponse(ValueRecord, LabelledData):
     """Quantities over a grid: ``values`` by name, (ways, axis 1, axis 2, …) each, SI units.
 
     A point that failed is NaN, its reason in ``ended``. ``strobes`` have one dimension more: output at the end of the
     last periods, the latest last; random starts come before that. ``ways``: ("apart",) where nothing is carried.
+    ``names``: units of the output and of the axes, title and key of the case.
     """
 
     fidelity: str
     axes: Mapping[str, NDArray[np.float64]]
     ways: tuple[str, ...]
     values: Mapping[str, NDArray[Any]]
+    names: DataNames = field(default=DataNames(), repr=False)
+
+    def of_case(self, case: Case, output: str) -> GridResponse:
+        """The same with the units of an output and of the axes of a case, its title and its key."""
+        units = {key: _unit(case, key) for key in self.axes}
+        return replace(self, names=DataNames(units_of_output(case, output), units, case.about))
+
+    def _parts(self) -> list[LabelledPart]:
+        starts = min((each.shape for each in self.values.values()), key=len)[1 + len(self.axes) :]
+        axes = {"direction": list(self.ways), **self.axes} | ({"start": range(starts[0])} if starts else {})
+        return [LabelledPart({"fidelity": self.fidelity}, axes, self.values)]
+
+    @property
+    def _names(self) -> DataNames:
+        return self.names
 
     def __getitem__(self, quantity: str) -> NDArray[Any]:
         """One quantity over the axes (of several ways, with these first)."""
@@ -54,6 +73,13 @@ class GridResponse(ValueRecord):
         if way not in self.ways:
             raise KeyError(f"no way {way!r}: there are {', '.join(self.ways)}")
         return {name: values[self.ways.index(way)] for name, values in self.values.items()}
+
+
+def _unit(case: Case, key: str) -> str:
+    known = {FREQUENCY: "Hz", DISPLACEMENT: "m", VELOCITY: "m s-1"}
+    with suppress(ValueError):  # numbers of a fidelity's table have none
+        return known.get(key) or case.keys.unit(key) or "1"
+    return "1"
 
 
 @of_source
@@ -96,7 +122,8 @@ def evaluate(
         for first in range(0, grid.lines, size)
     ]
     known = {axis.key: np.array(axis.values) for axis in grid.axes}
-    return GridResponse(fidelity, known, grid.ways or ("apart",), over_axes(grid, parts))
+    found = GridResponse(fidelity, known, grid.ways or ("apart",), over_axes(grid, parts))
+    return found.of_case(case, grid.output)
 
 
 def over_axes(grid: Grid, parts: Sequence[Values]) -> Values:

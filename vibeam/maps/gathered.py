@@ -22,7 +22,7 @@ from vibeam.store.errors import ANEW, StoreError, unopened
 from vibeam.store.hdf5 import SIGNATURE, SparseImage, scale, without_values
 from vibeam.store.place import Place
 from vibeam.store.provenance import write_provenance
-from vibeam.system.quantities import LAYOUT, DatasetQuantity, unit_of
+from vibeam.system.quantities import FURTHER, LAYOUT, DatasetQuantity, unit_of
 
 if TYPE_CHECKING:
     import h5py
@@ -33,17 +33,6 @@ if TYPE_CHECKING:
 FORMAT = "vibeam map 1"
 UNSEALED = "its digest does not fit (it is damaged, was changed since, or is no map of this version)"
 SHOWN = 4_000_000  # points of a quantity that are read back at most: for pictures
-
-OWN: Mapping[str, DatasetQuantity] = {
-    "energy": DatasetQuantity("time-mean energy of all modes", "E"),
-    "lyapunov": DatasetQuantity("largest Lyapunov exponent", "1/s"),  # type: ignore[arg-type]
-    "error": DatasetQuantity("standard error of the mean of motions that do not repeat", "q"),
-    "kind": DatasetQuantity("period, or -1 no contact, 0 long or quasiperiodic, -2 chaos, -3 failed", "1"),
-    "exponent": DatasetQuantity("largest Lyapunov exponent of motions that do not repeat", "1/s"),  # type: ignore[arg-type]
-    "admissible": DatasetQuantity("1: clear of the stop between impacts, proved", "1"),
-    "stable": DatasetQuantity("1: clear, and all multipliers within the unit circle", "1"),
-    "strobes": DatasetQuantity("output at the end of the last drive periods", "q"),
-}
 
 
 @dataclass(frozen=True)
@@ -97,7 +86,7 @@ def _laid_out(group: h5py.Group, case: Case, plan: MapPlan, source: Source) -> d
     rooms = {}
     for name, shape in source.shapes().items():
         data, start = without_values(group, name, shape, dtype := np.dtype(DTYPES.get(name, "f8")))
-        _label(data, scales, LAYOUT.get(name, OWN.get(name)), units)
+        _label(data, scales, LAYOUT.get(name, FURTHER.get(name)), units)
         rooms[name] = start, dtype
     return rooms
 

@@ -12,6 +12,7 @@ import numpy as np
 from vibeam.case.grid_keys import MapPlan
 from vibeam.maps.evaluate import GridResponse
 from vibeam.observe.periodicity import Class, classes
+from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
 from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MapResult(ValueRecord):
+class MapResult(ValueRecord, LabelledData):
     """A map: quantities of each fidelity (of very many points every so many along the last two axes).
 
     ``points`` in all, of which ``found`` were in the file; ``done`` of them are computed. ``path``: its file.
@@ -35,6 +36,13 @@ class MapResult(ValueRecord):
 
     def __getitem__(self, fidelity: str) -> GridResponse:
         return self.responses[fidelity]
+
+    def _parts(self) -> list[LabelledPart]:
+        return [part for each in self.responses.values() for part in each._parts()]
+
+    @property
+    def _names(self) -> DataNames:
+        return next(iter(self.responses.values())).of_case(self.case, self.plan.output).names
 
 
 @dataclass(frozen=True)

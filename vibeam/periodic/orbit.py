@@ -16,6 +16,7 @@ from vibeam.periodic.multipliers import multipliers
 from vibeam.periodic.orbit_curve import checked
 from vibeam.periodic.trains import carried, phasors, state_after
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.labelled import Viewed
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arrays import Array, Complex, ValueRecord
@@ -67,7 +68,7 @@ class AdmissibilityCheck:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Orbit(ValueRecord):
+class Orbit(ValueRecord, Viewed):
     """Motion with one impact every ``periods`` drive periods. SI units.
 
     ``admissible``: it stays clear of the stop between its impacts, proved by the flight solver's root bounds; one that

@@ -11,13 +11,12 @@ from vibeam.case.held import held_of
 from vibeam.exchange.faults import suggest
 from vibeam.runs.comparison.differences import both_peaks
 from vibeam.runs.systems import Overview, overview_of
+from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
 from vibeam.system.public_names import handed_in
 from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from pandas import DataFrame
-    from xarray import Dataset
 
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
@@ -44,7 +43,7 @@ def output_units(case: Case) -> OutputUnits:
     return units_of_output(case, case.sweep.output)
 
 
-class Result(Mapping[str, Branches]):
+class Result(Mapping[str, Branches], LabelledData):
     """Result of a run: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
     ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: the fidelity chosen for the case's
@@ -120,30 +119,16 @@ class Result(Mapping[str, Branches]):
         lines = [f"Result of {self.case.title!r}{where}", *(f"  {name}: {self[name]!r}" for name in self)]
         return "\n".join(lines)
 
-    def to_xarray(self) -> Dataset:
-        """Data set along ``fidelity``, ``direction`` and ``frequency`` (Hz); needs xarray.
-
-        NaN where a fidelity has fewer modes or was not swept that way; units are attributes.
-        """
-        from vibeam.system.labelled import dataset, joined
-
-        units = output_units(self.case)
-        parts = {
-            name: {direction: dataset(one, units) for direction, one in branches.items()}
+    def _parts(self) -> Sequence[LabelledPart]:
+        return [
+            LabelledPart({"fidelity": name, "direction": direction}, {"frequency": one.frequency}, one.quantities)
             for name, branches in self.items()
-        }
-        return joined({name: joined(parts, "direction") for name, parts in parts.items()}, "fidelity")
-
-    def to_dataframe(self) -> DataFrame:
-        """Table of one row a point, with columns ``fidelity`` and ``direction``; needs pandas."""
-        from vibeam.system.labelled import frame
-
-        rows = [
-            ({"fidelity": name, "direction": direction}, response)
-            for name, branches in self.items()
-            for direction, response in branches.items()
+            for direction, one in branches.items()
         ]
-        return frame(rows, output_units(self.case))
+
+    @property
+    def _names(self) -> DataNames:
+        return DataNames(output_units(self.case), about=self.case.about)
 
     def plot(self, *paths: str | Path) -> Figure:
         """Figure of ``vibeam run``; written to ``paths`` (.png, .svg, .pdf) where given."""

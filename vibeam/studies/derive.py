@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.source import of_source
+from vibeam.system.labelled import ViewedTable
+from vibeam_models.arrays import ValueRecord
 from vibeam_models.base import Base
 from vibeam_models.scene import AnyScene, Mass, Scene
 
@@ -35,8 +37,8 @@ class DerivedParameter:
         return 0.0 if self.value == self.reference else self.value / self.reference - 1
 
 
-@dataclass(frozen=True)
-class DerivedTable:
+@dataclass(frozen=True, eq=False, repr=False)
+class DerivedTable(ValueRecord, ViewedTable):
     """Rows of the table, by order or by name; ``notes``: the rows left out, and why."""
 
     rows: tuple[DerivedParameter, ...]
@@ -53,10 +55,6 @@ class DerivedTable:
             if row.name == name:
                 return row
         raise KeyError(f"no row {name!r}: there are {', '.join(row.name for row in self.rows)}")
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain numbers and strings for ``json.dumps``."""
-        return {"rows": [{**asdict(row), "error": row.error} for row in self.rows]}
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from vibeam.case.beam_field import BeamField, Fields, fields, with_points
 from vibeam.case.source import of_source
 from vibeam.exchange.matrices.declaration import Arrays, write_arrays
 from vibeam.exchange.vtu import Step, VtuPiece, centre_line, write_series, write_vtu
+from vibeam.system.labelled import ViewedTable
 from vibeam_models.arguments import whole
 from vibeam_models.arrays import Array, ValueRecord
 from vibeam_models.beam import structure_of
@@ -47,7 +48,7 @@ class ModeRow:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ModeTable(ValueRecord):
+class ModeTable(ValueRecord, ViewedTable):
     """First modes of a beam, and their shapes: deflections (points, modes) at ``positions`` (points,) in m.
 
     Of a given structure no places are known: ``positions`` and ``shapes`` are empty.

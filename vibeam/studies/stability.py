@@ -23,6 +23,7 @@ from vibeam.runs.comparison.differences import listed
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.summary import ill_posed
 from vibeam.solvers.averaging import slow_flow
+from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array, Flags, ValueRecord
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ class ModelMap:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Stability(ValueRecord):
+class Stability(ValueRecord, ViewedTable):
     """Stability maps of a case's models, and the boundaries along the case's own line."""
 
     result: MapResult

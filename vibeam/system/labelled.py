@@ -1,38 +1,105 @@
-"""Responses for other packages: xarray data sets and pandas tables with units."""
+"""Records for notebooks and other packages: views, xarray data sets and pandas tables with units, title, versions."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from vibeam.system.quantities import LAYOUT, METRES, VELOCITIES_KEPT, Ended, OutputUnits, unit_of
-from vibeam_models.arrays import Array, Index
+from vibeam.system.public_names import handed_in
+from vibeam.system.quantities import FURTHER, LAYOUT, METRES, Ended, OutputUnits, unit_of
 from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
+NOTHING: Mapping[str, str] = {}
+DIMENSIONS = {  # of a quantity beyond the axes
+    "strobes": "strobe", "mode_energy": "mode", "impact_velocities": "impact", "state": "coordinate",
+}  # fmt: skip
 
-class Values(Protocol):
-    """Response of one branch: an array of each quantity over frequency."""
+
+class LabelledPart(NamedTuple):
+    """Quantities by name over axes by name, in the order of their dimensions; labels, such as fidelity, direction."""
+
+    labels: Mapping[str, str]
+    axes: Mapping[str, Any]
+    values: Mapping[str, NDArray[Any]]
+
+
+class DataNames(NamedTuple):
+    """Units of the output and of the axes; what the data are of: title, source and key of a case."""
+
+    units: OutputUnits = METRES
+    axes: Mapping[str, str] = {"frequency": "Hz"}
+    about: Mapping[str, str] = NOTHING
+
+
+class Viewed:
+    """Record with a view: its answer, tables and figure, as its command shows them (``vibeam.report.views``)."""
+
+    def _repr_html_(self) -> str:
+        """View as HTML, which a notebook shows in place of the repr."""
+        made: str = handed_in("html")(self)
+        return made
+
+
+class LabelledData(Viewed):
+    """Record of quantities over axes, as data for xarray and pandas, which are installed where this is wanted."""
+
+    def _parts(self) -> Sequence[LabelledPart]:
+        raise NotImplementedError
 
     @property
-    def mode_energy(self) -> Array:
-        """Modal energies (points, n)."""
-        ...
+    def _names(self) -> DataNames:
+        return DataNames()
 
-    @property
-    def ended(self) -> Index:
-        """Code of the reason why each point ended, (points,)."""
-        ...
+    def to_xarray(self) -> Dataset:
+        """Data set over fidelity and direction, where it has several, and its axes; needs xarray.
 
-    def __len__(self) -> int: ...
+        NaN where one has no such frequency or mode. Attributes: long name and unit of each variable (a response alone
+        has those of a displacement); title, source and key of the case, where it is of one, and versions. ValueError
+        where two points of one branch have the same frequency and another branch has other frequencies.
+        """
+        parts = self._parts()
+        made = {tuple(part.labels.values()): _dataset(part, self._names) for part in parts}
+        for dimension in reversed(list(parts[0].labels)):
+            groups: dict[tuple[str, ...], dict[str, Dataset]] = {}
+            for labels, each in made.items():
+                groups.setdefault(labels[:-1], {})[labels[-1]] = each
+            made = {labels: _joined(group, dimension) for labels, group in groups.items()}
+        return made[()]
+
+    def to_dataframe(self) -> DataFrame:
+        """Table of one row a point: labels, axes, every quantity (``mode_energy_1`` …) as columns; needs pandas.
+
+        ``ended`` is the name of an ``Ended``; ``attrs["units"]`` has the unit of each column, ``attrs`` what else is
+        an attribute of ``to_xarray``.
+        """
+        pandas, names = optional("pandas", "to_dataframe"), self._names
+        made: DataFrame = pandas.concat([pandas.DataFrame(_columns(part)) for part in self._parts()], ignore_index=True)
+        found = {name: _attributes(name, names.units).get("units") for name in made.columns if name != "ended"}
+        units = {name: unit for name, unit in (found | dict(names.axes)).items() if unit and name in made.columns}
+        made.attrs = {"units": units, **_about(names.about, "pandas")}
+        return made
 
 
-Branch = tuple[dict[str, str], Values]  # labels of a branch, such as fidelity and direction, and its response
+class ViewedTable(Viewed):
+    """Record with a view whose rows are a table."""
+
+    def to_dataframe(self) -> DataFrame:
+        """Convert to a table, one row each as in the CSV file of its command; needs pandas.
+
+        ``attrs["units"]``: units of the columns, where a column has one of its own.
+        """
+        rows, units, about = handed_in("rows")(self)
+        made: DataFrame = optional("pandas", "to_dataframe").DataFrame(rows)
+        made.attrs = {"units": dict(units), **_about(about, "pandas")}
+        return made
 
 
 def optional(name: str, what: str) -> Any:
@@ -43,33 +110,26 @@ def optional(name: str, what: str) -> Any:
         raise ImportError(f"{what} needs the package {name}: pip install {name}", name=name) from missing
 
 
-def dataset(response: Values, units: OutputUnits = METRES) -> Dataset:
-    """Data set of a response over ``frequency`` (Hz), with dimensions ``mode`` and ``impact``, units as attributes.
-
-    ``units``: of the output.
-    """
-    xarray = optional("xarray", "to_xarray")
-    sizes = {"mode": response.mode_energy.shape[1], "impact": VELOCITIES_KEPT}
-    coordinates: dict[str, Any] = {name: np.arange(1, size + 1) for name, size in sizes.items()}
-    variables: dict[str, Any] = {}
-    for name, quantity in LAYOUT.items():
-        attributes: dict[str, Any] = {"long_name": quantity.long_name, "units": unit_of(quantity, units)}
-        if name == "ended":
-            attributes |= {"flag_values": [kind.code for kind in Ended], "flag_meanings": " ".join(Ended.__members__)}
-        dimensions = ("frequency",) if quantity.dimension is None else ("frequency", quantity.dimension)
-        variables[name] = dimensions, getattr(response, name), attributes
-    coordinates["frequency"] = variables.pop("frequency")
-    made: Dataset = xarray.Dataset(variables, coordinates)
+def _dataset(part: LabelledPart, names: DataNames) -> Dataset:
+    coordinates: dict[str, Any] = {
+        name: (name, np.asarray(each), {"long_name": name, "units": names.axes[name]} if name in names.axes else {})
+        for name, each in part.axes.items()
+    }
+    variables = {}
+    for name, each in part.values.items():
+        own = [DIMENSIONS.get(name, f"of {name}")] * (each.ndim - len(part.axes))
+        variables[name] = (*part.axes, *own), each, _attributes(name, names.units)
+        for numbered in {"mode", "impact"}.intersection(own):
+            number = np.arange(1, each.shape[-1] + 1)
+            coordinates[numbered] = numbered, number, {"long_name": f"number of the {numbered}", "units": "1"}
+    made: Dataset = optional("xarray", "to_xarray").Dataset(variables, coordinates, _about(names.about, "xarray"))
     return made
 
 
-def joined(parts: Mapping[str, Dataset], dimension: str) -> Dataset:
-    """Concatenate data sets along a new ``dimension``; NaN where one has no such frequency or mode.
-
-    ValueError where two points of one branch have the same frequency and another branch has other frequencies.
-    """
+def _joined(parts: Mapping[str, Dataset], dimension: str) -> Dataset:
+    """Concatenate data sets along a new ``dimension``."""
     xarray = optional("xarray", "to_xarray")
-    labels = xarray.DataArray(list(parts), dims=dimension, name=dimension)
+    labels = xarray.DataArray(list(parts), dims=dimension, name=dimension, attrs={"long_name": dimension})
     made: Dataset = xarray.concat(
         list(parts.values()), labels, data_vars="all", coords="minimal", compat="override", join="outer",
         combine_attrs="override",
@@ -77,28 +137,33 @@ def joined(parts: Mapping[str, Dataset], dimension: str) -> Dataset:
     return made
 
 
-def frame(branches: Sequence[Branch], units: OutputUnits = METRES) -> DataFrame:
-    """Table with one row a point: labels, frequency in Hz, every quantity, ``mode_energy_1`` … as columns of their own.
-
-    ``ended`` is the name of an ``Ended``; ``frame.attrs["units"]`` has the unit of each column.
-    """
-    pandas = optional("pandas", "to_dataframe")
-    made: DataFrame = pandas.concat([pandas.DataFrame(_columns(*branch)) for branch in branches], ignore_index=True)
-    labels = set().union(*(labels for labels, _ in branches))
-    made.attrs["units"] = {name: _unit(name, units) for name in made.columns if name not in labels}
-    return made
-
-
-def _columns(labels: dict[str, str], response: Values) -> dict[str, Any]:
-    columns: dict[str, Any] = {name: [label] * len(response) for name, label in labels.items()}
-    for name, quantity in LAYOUT.items():
-        values = getattr(response, name)
-        if quantity.dimension is None:
-            columns[name] = values
+def _columns(part: LabelledPart) -> dict[str, Any]:
+    places = np.meshgrid(*(np.asarray(each) for each in part.axes.values()), indexing="ij")
+    size = places[0].size
+    columns: dict[str, Any] = {name: [label] * size for name, label in part.labels.items()}
+    columns |= {name: place.ravel() for name, place in zip(part.axes, places, strict=True)}
+    for name, each in part.values.items():
+        rows = each.reshape(size, -1).T
+        if name == "ended":
+            columns[name] = [Ended.of_code(int(code)).name for code in rows[0]]
+        elif each.ndim == len(part.axes):
+            columns[name] = rows[0]
         else:
-            columns |= {f"{name}_{number}": column for number, column in enumerate(values.T, 1)}
-    return columns | {"ended": [Ended.of_code(int(code)).name for code in response.ended]}
+            columns |= {f"{name}_{number}": row for number, row in enumerate(rows, 1)}
+    return columns
 
 
-def _unit(column: str, units: OutputUnits) -> str:
-    return unit_of(LAYOUT[column if column in LAYOUT else column.rpartition("_")[0]], units)
+def _attributes(column: str, units: OutputUnits) -> dict[str, Any]:
+    """Long name and unit of a quantity, or of one of its columns; nothing where it is none."""
+    name = column if column in LAYOUT or column in FURTHER else column.rpartition("_")[0]
+    quantity = LAYOUT.get(name) or FURTHER.get(name)
+    if quantity is None:
+        return {}
+    flags = {"flag_values": [kind.code for kind in Ended], "flag_meanings": " ".join(Ended.__members__)}
+    return {"long_name": quantity.long_name, "units": unit_of(quantity, units), **(flags if name == "ended" else {})}
+
+
+def _about(about: Mapping[str, str], package: str) -> dict[str, str]:
+    """Attributes of the whole: what it is of, and the versions of the program and of the ``package`` that made it."""
+    packages = {name: str(vars(sys.modules[name])["__version__"]) for name in ("vibeam", "numpy", package)}
+    return {**about, **{f"{name}_version": version for name, version in packages.items()}}

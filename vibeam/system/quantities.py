@@ -11,7 +11,7 @@ VELOCITIES_KEPT = 16  # last impact velocities stored for each point
 
 #: q: unit of the output; q/s: of its rate; c and c/s: of the contact's displacement and velocity; E: of energy;
 #: anything else is the unit itself
-Unit = Literal["q", "q/s", "c", "c/s", "E", "Hz", "s", "1"]
+Unit = Literal["q", "q/s", "c", "c/s", "E", "Hz", "s", "s-1", "1"]
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,20 @@ LAYOUT: Mapping[str, DatasetQuantity] = {
     "impacts": DatasetQuantity("impacts computed, settling included", "1"),
     "evaluations": DatasetQuantity("evaluations of the contact displacement", "1"),
     "cpu_seconds": DatasetQuantity("CPU time of the point", "s"),
+}
+
+
+#: of maps and batches, beyond those of a response
+FURTHER: Mapping[str, DatasetQuantity] = {
+    "energy": DatasetQuantity("time-mean energy of all modes", "E"),
+    "lyapunov": DatasetQuantity("largest Lyapunov exponent", "s-1"),
+    "lyapunov_error": DatasetQuantity("standard error of the largest Lyapunov exponent", "s-1"),
+    "strobes": DatasetQuantity("output at the end of the last drive periods", "q"),
+    "error": DatasetQuantity("standard error of the mean of motions that do not repeat", "q"),
+    "kind": DatasetQuantity("period, or -1 no contact, 0 long or quasiperiodic, -2 chaos, -3 failed", "1"),
+    "exponent": DatasetQuantity("largest Lyapunov exponent of motions that do not repeat", "s-1"),
+    "admissible": DatasetQuantity("1: clear of the stop between impacts, proved", "1"),
+    "stable": DatasetQuantity("1: clear, and all multipliers within the unit circle", "1"),
 }
 
 

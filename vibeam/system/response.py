@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from vibeam.system.curves import Difference as Difference
 from vibeam.system.curves import Peak as Peak
+from vibeam.system.labelled import LabelledData, LabelledPart
 from vibeam.system.public_names import handed_in
 from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
 from vibeam.system.quantities import Ended as Ended
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from matplotlib.figure import Figure
-    from pandas import DataFrame
-    from xarray import Dataset
 
     from vibeam.system.curves import MotionCurves
 
@@ -32,7 +31,7 @@ SINGLE = (  # one number a point, NaN where unknown
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FrequencyResponse(ValueRecord):
+class FrequencyResponse(ValueRecord, LabelledData):
     """One branch of a frequency-response curve: one entry a point, in the order in which it was swept.
 
     SI units. A failed point is NaN with its reason in ``ended``. Shapes: (points,) but for ``impact_velocities``
@@ -104,20 +103,13 @@ class FrequencyResponse(ValueRecord):
         parts = [size, _span(self.frequency, "Hz"), modes]
         return f"FrequencyResponse({', '.join(parts)}{f', {failed} not complete' if failed else ''})"
 
-    def to_xarray(self) -> Dataset:
-        """Convert to a data set over ``frequency`` (Hz), units as attributes (``system.labelled``); needs xarray.
+    def _parts(self) -> Sequence[LabelledPart]:
+        return [LabelledPart({}, {"frequency": self.frequency}, self.quantities)]
 
-        By itself a response does not know which output it is of: that of a displacement. A ``Result`` knows its unit.
-        """
-        from vibeam.system.labelled import dataset
-
-        return dataset(self)
-
-    def to_dataframe(self) -> DataFrame:
-        """Convert to a table of one row a point, units in ``attrs["units"]``; needs pandas."""
-        from vibeam.system.labelled import frame
-
-        return frame([({}, self)])
+    @property
+    def quantities(self) -> dict[str, Array]:
+        """All but the frequency by name."""
+        return {each.name: getattr(self, each.name) for each in fields(self) if each.name != "frequency"}
 
     def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
         """Plot one quantity over frequency and write the figure to ``paths``; see ``vibeam.plot``."""
@@ -143,7 +135,7 @@ def _span(values: Array, unit: str) -> str:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Branches(ValueRecord):
+class Branches(ValueRecord, LabelledData):
     """Branches of a sweep; None where a direction was not asked for.
 
     ``curves``: all motions of the solver's kind, beyond the stable ones it sweeps, where the solver knows them.
@@ -158,17 +150,11 @@ class Branches(ValueRecord):
         parts += [] if self.curves is None else [f"curves={self.curves!r}"]
         return f"Branches({', '.join(parts)})"
 
-    def to_xarray(self) -> Dataset:
-        """Convert as a response, with dimension ``direction``; needs xarray."""
-        from vibeam.system.labelled import dataset, joined
-
-        return joined({direction: dataset(response) for direction, response in self.items()}, "direction")
-
-    def to_dataframe(self) -> DataFrame:
-        """Convert as a response, with a column ``direction``; needs pandas."""
-        from vibeam.system.labelled import frame
-
-        return frame([({"direction": direction}, response) for direction, response in self.items()])
+    def _parts(self) -> Sequence[LabelledPart]:
+        return [
+            LabelledPart({"direction": direction}, {"frequency": response.frequency}, response.quantities)
+            for direction, response in self.items()
+        ]
 
     def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
         """Plot as a response, the downward sweep lighter."""

@@ -34,6 +34,7 @@ from vibeam.studies.fidelity_map.judgement import (
     motions,
     relative,
 )
+from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ class PlacePoint:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FidelityMap(ComparedModels):
+class FidelityMap(ComparedModels, ViewedTable):
     """Fidelity map of a case: ``models`` by their modes, cheapest first, the finest last; arrays (rows, columns).
 
     ``label``: index of the cheapest model that suffices; ``differences``: of each model in kind (``judgement``);

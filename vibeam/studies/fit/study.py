@@ -17,6 +17,7 @@ from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.profile import LEVEL, NextPoint, Profile, contour_of, next_points, profile
 from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges, ridges
+from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 from vibeam_models.arrays import Array, ValueRecord
 
@@ -71,7 +72,7 @@ class FittedPoint:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FitStudy(ValueRecord):
+class FitStudy(ValueRecord, ViewedTable):
     """Fit of a case: rows, points, sentences, of these the ``facts``; ``pair`` of the least known keys.
 
     ``covariance`` (P, P): linearised, SI. ``best`` (P,): the minimum itself, whether determined or not. ``next``: what

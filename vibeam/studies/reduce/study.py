@@ -16,6 +16,7 @@ from vibeam.studies.reduce.losses import Losses, Question
 from vibeam.studies.reduce.response import Claim, FullResponse
 from vibeam.studies.reduce.transfer import ContactPulse, ModalForm, TransferErrors, TransferStudy
 from vibeam.studies.reduce.transfer import contact_time as time_in_contact
+from vibeam.system.labelled import ViewedTable
 from vibeam_models.arguments import whole
 from vibeam_models.arrays import ValueRecord
 from vibeam_models.beam import structure_of
@@ -55,7 +56,7 @@ class Recommendation:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ReductionStudy(ValueRecord):
+class ReductionStudy(ValueRecord, ViewedTable):
     """Losses of every basis at n = 1, 2 …, and the n that is enough ``within`` an accuracy, as the ``claim`` says.
 
     ``band`` Hz, and how many natural modes are ``in_band``; ``contact_time`` s, NaN where none is known. ``curves``:

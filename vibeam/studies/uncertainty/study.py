@@ -14,6 +14,7 @@ from vibeam.runs.result import finest_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, ErrorRow, Indices, error_rows, indices, saltelli
+from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 from vibeam_models.arrays import Array, ValueRecord
 
@@ -49,7 +50,7 @@ class FidelityUncertainty:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class UncertaintyStudy(ValueRecord):
+class UncertaintyStudy(ValueRecord, ViewedTable):
     """``rows`` of the fidelities with the same physics, the finest last; indices of its amplitude and its peak."""
 
     case: Case

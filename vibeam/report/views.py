@@ -1,0 +1,192 @@
+"""Views of records in a notebook: the sheet of each kind as a piece of HTML, and its rows for a table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from re import sub
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.exchange.faults import CaseError
+from vibeam.exchange.files import dotted
+from vibeam.report.output import StudySheet
+from vibeam.report.output import plain as plain_of
+from vibeam.report.tables import ARROWS, blank
+from vibeam_models.arguments import counted
+from vibeam_models.registry import loaded
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.case.case import Case
+    from vibeam.maps.evaluate import GridResponse
+    from vibeam.periodic.orbit import Orbit
+    from vibeam.runs.result import Result
+    from vibeam.studies.derive import DerivedTable
+    from vibeam.studies.modes import ModeTable
+    from vibeam.system.response import Branches, FrequencyResponse
+
+SMALL = (4.6, 2.8)  # inches of a figure
+POINTS = 400  # of an orbit that is drawn
+
+
+def html(record: Any) -> str:
+    """View of a record as a piece of HTML that asks nothing of any network; its texts are escaped."""
+    from vibeam.report.page.parts import rendered
+
+    words = sub(r"(?<!^)([A-Z])", r" \1", type(record).__name__).capitalize()
+    heading = getattr(getattr(record, "case", record), "title", "") or words
+    return rendered("notebook.html", (), heading=heading, sheet=sheet_of(record), scene=_scene(record))
+
+
+def rows(record: Any) -> tuple[list[dict[str, Any]], Mapping[str, str], Mapping[str, str]]:
+    """Rows of a record's sheet, nested values by names with a dot, the units of their columns, what they are of."""
+    found = [dict(dotted(row if isinstance(row, Mapping) else plain_of(row))) for row in sheet_of(record).rows]
+    units = UNITS.get(type(record).__name__, lambda record: {})(record)
+    return found, units, getattr(getattr(record, "case", None), "about", {})
+
+
+def sheet_of(record: Any) -> StudySheet:
+    """Sheet of a record."""
+    made: StudySheet = loaded(SHEETS[type(record).__name__])(record)
+    return made
+
+
+def _case(case: Case) -> StudySheet:
+    """Rig and sweep in a sentence; the fidelities."""
+    from vibeam.runs.systems import Systems, overview_of, properties_of
+
+    try:
+        models = {name: properties_of(case, name, system) for name, system in Systems(case).items()}
+        answer, notes = str(overview := overview_of(case, models)), list(overview.warnings())
+    except CaseError as faults:
+        return StudySheet("This case cannot be run", notes=str(faults).splitlines())
+    table = blank("Fidelities", "fidelity", "reduction", "modes|", "R|", "R₁|", "solver")
+    for name, each in case.fidelities.items():
+        model = models[name]
+        coefficients = (f"{value:.4g}" for value in (model.restitution, model.first_mode_restitution))
+        table.add_row(name, each.reduction, str(model.modes), *coefficients, each.solver)
+    return StudySheet(answer, [table], notes)
+
+
+def _scene(record: Any) -> str:
+    """Rig of a case as the content of a data URL, its style within; empty of another record."""
+    if type(record).__name__ != "Case":
+        return ""
+    from base64 import b64encode
+    from importlib.resources import files
+
+    from vibeam.report.page.drawing import drawing
+
+    style = (files("vibeam.report.page") / "page.css").read_text(encoding="utf-8")
+    head, bracket, rest = drawing(record.scene).partition(">")
+    content = f"{head}{bracket}<style>{style}</style>{rest}" if rest else ""
+    return content and f"image/svg+xml;base64,{b64encode(content.encode()).decode()}"
+
+
+def _result(result: Result) -> StudySheet:
+    from vibeam.report.figures import plot
+    from vibeam.report.run_report import run_report
+
+    return replace(run_report(result), draw=lambda: plot(result))
+
+
+def _response(response: FrequencyResponse | Branches) -> StudySheet:
+    from vibeam.report.figures import plot
+
+    peak = response.peak
+    where = f"{peak.frequency:.5g} Hz{ARROWS.get(peak.direction, '')}"
+    answer = f"Highest amplitude {peak.amplitude:.4g} at {where}" if peak.point >= 0 else "No point is complete"
+    return StudySheet(answer, draw=lambda: plot(response))
+
+
+def _modes(table: ModeTable) -> StudySheet:
+    from vibeam.report.modes import sheet
+
+    shapes = {f"{row.frequency:.4g} Hz": shape for row, shape in zip(table.rows[:4], table.shapes.T, strict=False)}
+    lines = {name: shape / np.abs(shape).max() for name, shape in shapes.items()}
+    drawn = partial(_lines, "position (m)", "deflection", table.positions, lines) if lines else None
+    return replace(sheet(table), rows=table.rows, draw=drawn)
+
+
+def _derived(table: DerivedTable) -> StudySheet:
+    from vibeam.report.derive import derivation
+
+    return StudySheet("", [derivation(table)], table.notes, rows=table.rows)
+
+
+def _orbit(orbit: Orbit) -> StudySheet:
+    from vibeam.periodic.trains import carried
+
+    kind = (
+        f"{'Stable' if orbit.stable else 'Unstable'} motion with one impact in {counted(orbit.periods, 'drive period')}"
+    )
+    clear = "." if orbit.admissible else ", which passes through the stop between: no motion."
+    table = blank("Orbit", "impact at phase (rad)|", "velocity before (m/s)|", "reach (m)|", "largest multiplier|")
+    numbers = orbit.phase, orbit.velocity, orbit.reach, abs(orbit.multipliers[0])
+    table.add_row(*(f"{value:.5g}" for value in numbers))
+    times = np.linspace(orbit.time, orbit.time + orbit.span, POINTS)
+    place = carried(orbit.system, orbit.drive, orbit.state, orbit.time, times)[0] @ orbit.system.contact
+    lines = {"contact": place, "stop": np.full(POINTS, orbit.system.gap)}
+    drawn = partial(_lines, "time (drive periods)", "displacement (m)", orbit.drive.omega * times / (2 * np.pi), lines)
+    return StudySheet(kind + clear, [table], draw=drawn)
+
+
+def _map(found: Any) -> StudySheet:
+    """Sheet of a map; the picture of a plain one without what is known in closed form, which may take long."""
+    from vibeam.report.maps.page import map_figure, rows_of_csv, sheet_of
+
+    plain = type(found).__name__ == "MapResult"
+    drawn = replace(found, plan=replace(found.plan, boundaries=False)) if plain else found
+    return replace(sheet_of([found], {}), rows=rows_of_csv(found), draw=lambda: map_figure(drawn))
+
+
+def _grid(response: GridResponse) -> StudySheet:
+    """First quantity over the last two axes, at the first value of others, or over the one."""
+    name, values = next((name, each[-1]) for name, each in response.values.items())
+    *above, (across, x) = response.axes.items()
+    while values.ndim > min(2, len(response.axes)):
+        values = values[0]
+    over = " and ".join(f"{len(each)} values of {key}" for key, each in response.axes.items())
+    draw = partial(_lines, across, name, x, {response.ways[-1]: values})
+    if above:
+        draw = partial(_plane, across, above[-1][0], x, above[-1][1], values)
+    return StudySheet(f"{name} of {response.fidelity}, swept {response.ways[-1]}, over {over}", draw=draw)
+
+
+def _lines(across: str, upward: str, x: Any, lines: Mapping[str, Any]) -> Figure:
+    figure, axes = _small(across, upward)
+    for name, y in lines.items():
+        axes.plot(x, y, ".-" if len(y) < POINTS // 4 else "-", label=name)
+    axes.legend(frameon=False)
+    return figure
+
+
+def _plane(across: str, upward: str, x: Any, y: Any, values: Any) -> Figure:
+    figure, axes = _small(across, upward)
+    figure.colorbar(axes.pcolormesh(x, y, values, shading="nearest"))
+    return figure
+
+
+def _small(across: str, upward: str) -> tuple[Figure, Any]:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SMALL, layout="constrained")
+    axes = figure.subplots()
+    axes.set(xlabel=across, ylabel=upward)
+    return figure, axes
+
+
+SHEETS: dict[str, Callable[[Any], StudySheet] | str] = {
+    "Case": _case, "Result": _result, "FrequencyResponse": _response, "Branches": _response, "ModeTable": _modes,
+    "DerivedTable": _derived, "Orbit": _orbit, "MapResult": _map, "GridResponse": _grid,
+    **{f"{name}Study": f"vibeam.report.{name.lower()}:sheet" for name in ("Fit", "Uncertainty")},
+    "ReductionStudy": "vibeam.report.reduce:sheet", "Stability": _map, "FidelityMap": _map,
+}  # fmt: skip
+ROOT_MASS = dict.fromkeys(("contact", "sensor"), "kg^-½")
+UNITS: dict[str, Callable[[Any], Mapping[str, str]]] = {
+    "ModeTable": lambda table: {"frequency": "Hz", **ROOT_MASS, "load": table.load_unit},
+}  # fmt: skip
