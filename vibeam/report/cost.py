@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 WITHIN = 0.01  # accuracy by which the answer calls a run enough
 MOST_ROWS, MOST_NOTES = 15, 5
+UNSETTLED = 1e-3  # error of an exact flight from which on it has not settled
 ROUND_OFF, EXACT = 1e-12, 1e-5  # errors that are no larger are none, or nearly none
 
 
@@ -57,14 +58,21 @@ def answer(study: CostStudy, case: Case, within: float = WITHIN) -> str:
     time = f"{exact / len(study.frequency) * factor:.2g} {unit} a frequency"
     rest = [_cheaper(study, case, within, exact), _other_solvers(study, exact)]
     said = "; ".join(filter(None, rest)) if study.rows else "no run had time"
-    return f"With {study.comparison.what} held, exact flight of {study.finest} takes {time}; {said}."
+    points = min((row.total.amplitude.points for row in study.rows if row.total.amplitude.points), default=0)
+    some = f", at the frequencies where motions repeat (at least {points} of {len(study.frequency)})"
+    where = some * (0 < points < len(study.frequency))
+    return f"With {study.comparison.what} held, exact flight of {study.finest} takes {time}; {said}{where}."
 
 
 def _exact(study: CostStudy) -> float:
     """CPU seconds of the finest fidelity's exact flight, of as many periods as the other runs where it ran so."""
-    flown = (row.work for row in study.rows if (row.fidelity, row.solver) == (study.finest, "flight"))
-    whole = (split.cpu for split in study.splits if split.fidelity == study.finest)
-    return next((work.cpu_min for work in flown if work), None) or next(whole)
+    flown, whole = _flown(study), (split.cpu for split in study.splits if split.fidelity == study.finest)
+    return flown.work.cpu_min if flown is not None and flown.work else next(whole)
+
+
+def _flown(study: CostStudy) -> RunRow | None:
+    """Row of the finest fidelity's flight."""
+    return next((row for row in study.rows if (row.fidelity, row.solver) == (study.finest, "flight")), None)
 
 
 def _seconds(row: RunRow) -> float:
@@ -92,11 +100,9 @@ def _cheaper(study: CostStudy, case: Case, within: float, exact: float) -> str:
 
 
 def _off(row: RunRow) -> str:
-    of = row.total.amplitude
-    where = "" if of.points == of.total else f" (at the {of.points} of {of.total} frequencies where motions repeat)"
     if _worst(row) > EXACT:
-        return f"{percent(_worst(row))} off{where}"
-    return f"exact{f' to {share(_worst(row))}' * (_worst(row) > ROUND_OFF)}{where}"
+        return f"{percent(_worst(row))} off"
+    return f"exact{f' to {share(_worst(row))}' * (_worst(row) > ROUND_OFF)}"
 
 
 def _ratio(value: float) -> str:
@@ -212,6 +218,10 @@ def uncertain(study: CostStudy, case: Case) -> Iterator[str]:
     if failed:
         first = f"{failed[0].fidelity} by {failed[0].label}: {failed[0].why}"
         yield f"{len(failed)} of {len(study.rows)} runs gave no error ({first}); -v says of each why."
+    flown = _flown(study)
+    if flown is not None and abs(flown.numerical.amplitude.worst) > UNSETTLED:
+        off = percent(abs(flown.numerical.amplitude.worst))
+        yield f"Exact flight is {off} off after {study.settle} periods: --set cost.settle=… settles longer."
     yield from doubts(study.comparison)
     if not isfinite(study.bound.value):
         why = study.bound.note.partition("; ")[0]

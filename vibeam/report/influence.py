@@ -71,7 +71,7 @@ def answer(study: InfluenceStudy) -> str:
         kept = f"every quantity stays within {share(study.enough.worst)} of its tolerance"
         losses.append(f"without {listed(others)} {kept if study.enough.worst > DUST else 'nothing changes'}")
     needs = f"{_needed([row.effect for row in needed], len(study.rows))}: {', '.join(losses)}."
-    return f"With {study.comparison.what} held, the scene needs {'at most ' * (study.left_out > 0)}{needs}"
+    return f"With {study.comparison.what} held, the scene {'may need' if study.left_out else 'needs'} {needs}"
 
 
 def _needed(names: Sequence[str], count: int) -> str:
@@ -119,9 +119,10 @@ def taken_away(study: InfluenceStudy) -> ReportTable:
 
 
 def _add_quantities(table: ReportTable, study: InfluenceStudy, variants: Sequence[Variant]) -> None:
-    """Add a column for each quantity, as a detail where none of the models changes it."""
+    """Add a column for each quantity, as a detail where none of the models has a change of it."""
     for index, quantity in enumerate(study.quantities):
-        moved = any(each.why or each.changes[index].share for each in variants)
+        changes = [each.changes[index] for each in variants]
+        moved = any(isfinite(each.amount) and each.share > DUST for each in changes)
         table.add(f"{SHORT[quantity.name]}|", detail=not moved)
 
 
@@ -155,9 +156,11 @@ def _amount(quantity: Interest, each: Change) -> str:
     """Change as text: signed, in percent or in its unit; a dash without a value."""
     if not isfinite(each.amount):
         return "–"
-    if quantity.how == "relative":
-        return signed(each.amount)
-    return "0" if each.amount == 0 else f"{each.amount:+.2g} {SHOWN[quantity.unit][0]}".strip()
+    if each.share <= DUST:
+        return "0"
+    return (
+        signed(each.amount) if quantity.how == "relative" else f"{each.amount:+.2g} {SHOWN[quantity.unit][0]}".strip()
+    )
 
 
 def _added(row: EffectRow) -> tuple[str, str, str]:
@@ -173,7 +176,7 @@ def _milliseconds(seconds: float, sign: str = "") -> str:
 def share(value: float) -> str:
     """Ratio of a change to its tolerance, as text."""
     if value > MOST:
-        return "∞" if isinf(value) else f"> {MOST:g}"
+        return "∞*" if isinf(value) else f"> {MOST:g}"
     return f"{value:.3g}" if value >= LEAST else f"{value:.0e}" if value > DUST else "0"
 
 
@@ -184,7 +187,7 @@ def uncertain(study: InfluenceStudy, case: Case) -> Iterator[str]:
             f"{study.left_out} sweeps of sets of effects did not fit into {study.budget:g} s of CPU time: "
             f"vibeam verdict {quote(str(case.path))} --only effects makes all of them."
         )
-    if not study.exact:
+    elif not study.exact:
         yield "Effects were left out one after another: try a smaller set by [fidelity.NAME] without = […]."
     yield from doubts(study.comparison)
 
@@ -229,42 +232,42 @@ def _modes(whole: Variant, variant: Variant) -> Iterator[str]:
 def _remarks(study: InfluenceStudy) -> Iterator[str]:
     """Explanation of each mark in the tables, once, with the models that have it."""
     labels = {quantity.name: _label(quantity) for quantity in study.quantities}
-    models = [("all effects", study.whole), ("none", study.bare)]
-    models += [(f"without {row.effect}", row.without) for row in study.rows]
-    models += [(f"{row.effect} alone", row.alone) for row in study.rows]
+    models = [(effect, model, each) for effect, model, each in _models(study) if model != "needed"]
     found: dict[str, list[str]] = {}
-    for name, variant in models:
-        notes = [variant.why] if variant.why else []
-        for each in variant.changes if not variant.why else ():
-            why = each.why.partition("all effects: ")[0].rstrip("; ")
-            notes += [f"{labels[each.quantity]}: {why}"] if why else []
+    for effect, model, variant in models:
+        reasons = [
+            (labels[each.quantity], each.why.partition("all effects: ")[0].rstrip("; ")) for each in variant.changes
+        ]
+        notes = [variant.why] if variant.why else [f"{label}: {why}" for label, why in reasons if why]
+        name = {"without": f"without {effect}", "alone": f"{effect} alone", "all": "all effects"}.get(model, model)
         for text in notes:
             found.setdefault(text, []).append(name)
     for text, names in found.items():
         yield f"* {text} ({'every model' if len(names) == len(models) else ', '.join(names)})"
 
 
+def _models(study: InfluenceStudy) -> Iterator[tuple[str, str, Variant]]:
+    """Models shown, each with the effect that is taken away or left, and what it is."""
+    yield from (("", "all", study.whole), ("", "none", study.bare), ("", "needed", study.enough))
+    for row in study.rows:
+        yield from ((row.effect, "without", row.without), (row.effect, "alone", row.alone))
+
+
 def lines(study: InfluenceStudy) -> Iterator[dict[str, Any]]:
     """Rows of every model and quantity; missing values are empty, with their reason."""
-    yield from _lines(study, "", "all", study.whole)
-    yield from _lines(study, "", "none", study.bare)
-    yield from _lines(study, "", "needed", study.enough)
-    for row in study.rows:
-        yield from _lines(study, row.effect, "without", row.without)
-        yield from _lines(study, row.effect, "alone", row.alone)
-
-
-def _lines(study: InfluenceStudy, effect: str, model: str, variant: Variant) -> Iterator[dict[str, Any]]:
-    for quantity, each in zip(study.quantities, variant.changes, strict=True):
-        numbers = {"value": each.value, "change": each.amount, "share_of_tolerance": each.share}
-        yield {
-            "effect": effect, "model": model, "effects": " ".join(variant.kept),
-            "coordinates": "" if variant.why else variant.coordinates, "modes": "" if variant.why else variant.modes,
-            "cpu_seconds": variant.cpu if isfinite(variant.cpu) else "",
-            "quantity": quantity.name, "unit": quantity.unit, "how": quantity.how, "tolerance": quantity.tolerance,
-            **{name: "" if np.isnan(number) else number for name, number in numbers.items()},
-            "why": variant.why or each.why,
-        }  # fmt: skip
+    for effect, model, variant in _models(study):
+        for quantity, each in zip(study.quantities, variant.changes, strict=True):
+            numbers = {"value": each.value, "change": each.amount, "share_of_tolerance": each.share}
+            yield {
+                "effect": effect, "model": model, "effects": " ".join(variant.kept),
+                "coordinates": "" if variant.why else variant.coordinates,
+                "modes": "" if variant.why else variant.modes,
+                "cpu_seconds": variant.cpu if isfinite(variant.cpu) else "",
+                "quantity": quantity.name, "unit": quantity.unit, "how": quantity.how,
+                "tolerance": quantity.tolerance,
+                **{name: "" if np.isnan(number) else number for name, number in numbers.items()},
+                "why": variant.why or each.why,
+            }  # fmt: skip
 
 
 def bars(study: InfluenceStudy, plan: FigurePlan = USUAL) -> Figure:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -46,26 +45,22 @@ def series_of(solver: str, size: float) -> list[Series]:
     """Series of settings of one solver for contact motions of about ``size`` m; a single point is a series of one."""
     declared = SOLVERS[solver].settings
     found: list[Series] = [(Setting(solver, method=name, options=values),) for name, values in declared.options.items()]
-    found += [
-        tuple(_tolerance(solver, method, size, declared.limit, index) for index in range(len(RTOLS)))
-        for method in declared.methods
-    ]
-    found += [_steps(solver)] if declared.steps else []
+    for method in declared.methods:
+        given = [
+            {"method": method, "rtol": rtol, "atol": ATOL * rtol * size, "limit": declared.limit} for rtol in RTOLS
+        ]
+        growth = [(looser / rtol) ** (1 / ORDERS[method]) for looser, rtol in _in_turn(RTOLS)]
+        names = [f"rtol {rtol:.0e}" for rtol in RTOLS]
+        found.append(tuple(Setting(solver, method, *each) for each in zip(names, given, growth, strict=True)))
+    if declared.steps:
+        turns = _in_turn(STEPS)
+        found.append(tuple(Setting(solver, "", f"{n} steps", {"steps": n}, n / before) for before, n in turns))
     return found or [(Setting(solver),)]
 
 
-def _tolerance(solver: str, method: str, size: float, limit: int, index: int) -> Setting:
-    rtol, looser = RTOLS[index], RTOLS[max(index - 1, 0)]
-    options = {"method": method, "rtol": rtol, "atol": ATOL * rtol * size, "limit": limit}
-    return Setting(solver, method, f"rtol {rtol:.0e}", options, (looser / rtol) ** (1 / ORDERS[method]))
-
-
-def _steps(solver: str) -> Series:
-    grown = [1.0, *(fine / coarse for coarse, fine in pairwise(STEPS))]
-    return tuple(
-        Setting(solver, "", f"{count} steps", {"steps": count}, growth)
-        for count, growth in zip(STEPS, grown, strict=True)
-    )
+def _in_turn(values: Sequence[float]) -> list[tuple[float, float]]:
+    """Each value with the one before it, the first with itself."""
+    return list(zip([values[0], *values], values, strict=False))
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -13,10 +13,11 @@ import numpy as np
 from vibeam.case.case import require_one_harmonic
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.case.source import of_source
-from vibeam.flight.engine.threads import Clock, OutOfTime
+from vibeam.flight.engine.threads import Clock, OutOfTime, ending_at
 from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import compared_model, held_comparison
 from vibeam.solvers import SOLVERS, solver
+from vibeam.solvers.steady import warm_up_once
 from vibeam.studies.cost.measure import Measurement, Plan, Setting, measure, series_of
 from vibeam.studies.cost.models import CUT_SOLVERS, CostModel, built, finest, models
 from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_schedule
@@ -30,8 +31,8 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
-PROBE = 2  # drive periods of the warm-up, from which the cost of a first setting is estimated
-SHARE = 0.01  # share of the budget for repeats of a run
+PROBE = 2  # drive periods from which the cost of a first setting is estimated
+SHARE = 0.01  # share of the budget for repeats of a run, and for a warm-up
 STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the fastest mode
 FLIGHTS = 4  # of each model, all exact: as long as the other runs, settled, and two for the parts of its error
 Tell = Callable[[str], None]
@@ -129,21 +130,15 @@ class _CostRuns:
         self.began = self.ready = clock()
 
     def warm(self) -> None:
-        """Warm up flight, which all runs need, and all solvers."""
-        for model in self.models:
-            self._warm(FLIGHT, [model])
-        smallest_first = sorted(self.models, key=lambda model: model.system.size)
-        for name in self.asked.solvers or SOLVERS:
-            for series in series_of(name, 1.0):
-                self._warm(series[0], smallest_first)
-
-    def _warm(self, setting: Setting, models: Sequence[CostModel]) -> None:
-        """Short run on the first model that the solver can take, as long as a share of the budget."""
-        plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
-        for model in models:
-            with suppress(ValueError, OutOfTime):
-                measure(model.system, setting, plan, self.clock, self.clock() + SHARE * self.budget)
-                return
+        """Warm up flight, which all runs need, and all solvers, each on the smallest models that it takes."""
+        plan = self.planning.first
+        solvers = [series[0] for name in self.asked.solvers or SOLVERS for series in series_of(name, 1.0)]
+        for model in sorted(self.models, key=lambda model: model.system.size):
+            for each in (FLIGHT, *solvers):
+                deadline = self.clock() + SHARE * self.budget
+                with suppress(ValueError, OutOfTime), ending_at(self.clock, deadline):
+                    place = float(plan.omega[0]), float(plan.amplitude[0])
+                    warm_up_once(each.solver, model.system, *place, plan.output, each.options)
 
     def study(self) -> CostStudy:
         """Run in order: exact motions, their bound, the parts of modelling, then the settings."""
@@ -233,7 +228,7 @@ class _CostRuns:
         return schedules
 
     def _estimate(self, model: CostModel, setting: Setting) -> float:
-        """Estimated seconds of a run: known for flight, extrapolated from two periods, its warm-up, for others.
+        """Estimated seconds of a run: known for flight, extrapolated from two periods for others.
 
         Infinite where these take so long that all cannot fit into the budget.
         """

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.case import Case
 from vibeam.case.fidelity import gap_drift
 from vibeam.flight.trajectory import Trajectory, simulate
 from vibeam.observe.restitution import extrapolated_restitution
@@ -129,14 +128,14 @@ class EffectModel:
     values: Mapping[str, ValueRead] = field(default_factory=dict)
     coordinates: int = 0
     frequencies: tuple[float, ...] = ()
-    case: Case | None = None
-    system: ImpactSystem | None = None
+    curve: Curve | None = None
     why: str = ""
 
     @property
-    def modes(self) -> int:
-        """Number of swept modes."""
-        return len(self.frequencies)
+    def swept(self) -> Curve:
+        """Sweep of a model that can be built."""
+        assert self.curve is not None
+        return self.curve
 
     def value(self, quantity: str) -> ValueRead:
         """Value of a quantity."""
@@ -151,9 +150,8 @@ def model(subsets: Subsets, kept: Collection[str], wanted: Collection[str], freq
         curve = swept(case, subsets.fidelity, case.system(subsets.fidelity))
     except ValueError as refusal:
         return EffectModel(names, why=_reason(refusal))
-    system = curve.system
-    modes = tuple(np.sort(system.omega / (2 * np.pi)).tolist())
-    return EffectModel(names, _values(curve, wanted, frequency), _coordinates(case.scene), modes, case, system)
+    modes = tuple(np.sort(curve.system.omega / (2 * np.pi)).tolist())
+    return EffectModel(names, _values(curve, wanted, frequency), _coordinates(case.scene), modes, curve)
 
 
 def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> dict[str, ValueRead]:

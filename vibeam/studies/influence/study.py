@@ -182,7 +182,7 @@ class _EffectSweeps:
         needed, exact = smallest(self.sets.effects, lambda kept: self._variant(kept).worst, all_sets)
         self._time()
         rows = sorted((self._row(name, needed) for name in self.sets.effects), key=lambda row: -row.influence)
-        plan = self._case(self.all).sweep
+        plan = self.sets.whole.sweep
         return InfluenceStudy(
             title=self.case.title,
             fidelity=self.sets.fidelity,
@@ -214,9 +214,8 @@ class _EffectSweeps:
         )
 
     def _compared_model(self, name: str, each: EffectModel) -> ComparedModel:
-        assert each.case is not None
-        assert each.system is not None
-        return replace(compared_model(each.case, self.sets.fidelity, each.system), name=name)
+        curve = each.swept
+        return replace(compared_model(curve.case, self.sets.fidelity, curve.system), name=name)
 
     def _model(self, kept: frozenset[str]) -> EffectModel:
         if kept not in self.models:
@@ -237,11 +236,6 @@ class _EffectSweeps:
         self.done += 1
         self.progress(self.done, self.total)
 
-    def _case(self, kept: frozenset[str]) -> Case:
-        found = self._model(kept).case
-        assert found is not None
-        return found
-
     def _time(self) -> None:
         """Sweep the compared models once more, in turns, so that a slow moment of the machine affects all of them.
 
@@ -253,15 +247,9 @@ class _EffectSweeps:
                 self.left_out += len(timed)
                 continue
             for kept in timed:
-                self.cpu.setdefault(kept, []).append(self._swept(kept))
+                curve = self._model(kept).swept
+                self.cpu.setdefault(kept, []).append(swept(curve.case, self.sets.fidelity, curve.system).cpu)
                 self._count()
-
-    def _swept(self, kept: frozenset[str]) -> float:
-        """CPU seconds of one sweep."""
-        found = self._model(kept)
-        assert found.case is not None
-        assert found.system is not None
-        return swept(found.case, self.sets.fidelity, found.system).cpu
 
     def _variant(self, kept: frozenset[str]) -> Variant:
         found, whole = self._model(kept), self._model(self.all)
