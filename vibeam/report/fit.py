@@ -14,7 +14,8 @@ from vibeam.case.held import PLACES, held_of
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.studies.fit.judgement import Judgement
-from vibeam.studies.fit.study import FitRow, FitStudy, FittedPoint
+from vibeam.studies.fit.profile import FitRow
+from vibeam.studies.fit.study import FitStudy, FittedPoint
 from vibeam.studies.identification.estimates import Identification
 from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import percent, shown_in, with_unit
@@ -88,7 +89,7 @@ def identification_sheet(found: Identification) -> StudySheet:
     return StudySheet(
         f"{fault}{told} describe the {found.points} {of} (rms residual {percent(found.residual)}){because}.",
         [_identified(found)], [*found.directions, *found.notes],
-        data={each.name: getattr(found, each.name) for each in fields(found)}, rows=found.rows,
+        data={each.name: held for each in fields(found) if (held := getattr(found, each.name)) != ""}, rows=found.rows,
     )  # fmt: skip
 
 
@@ -219,13 +220,14 @@ def fit_figure(study: FitStudy) -> Figure:
 
 def _scale(study: FitStudy, name: str) -> tuple[float, str]:
     """Factor and label of a reference's quantity."""
+    from vibeam.figures.units import units_of
+
     quantity = study.case.references[name].quantity
     largest = max(abs(each.measured) for each in study.points if each.reference == name)
-    if study.case.scene.given_mode is not None:
-        return 1.0, quantity.replace("_", " ")
-    unit = "m/s" if quantity == "impact_velocity" else "m"
-    factor, prefix = (1.0, "") if largest >= 0.5 else (1e3, "m") if largest >= 0.5e-3 / 10 else (1e6, "µ")
-    return factor, f"{quantity.replace('_', ' ')} in {prefix}{unit}"
+    units = units_of(study.case, largest, largest)
+    fast = quantity == "impact_velocity"
+    unit, factor = (units.speed, units.speed_factor) if fast else (units.length, units.length_factor)
+    return factor, quantity.replace("_", " ") + (f" in {unit}" if unit else "")
 
 
 def _response(study: FitStudy, name: str, axes: Axes) -> dict[str, Any]:
@@ -250,15 +252,15 @@ def _response(study: FitStudy, name: str, axes: Axes) -> dict[str, Any]:
         frequency, [factor * each.measured for each in points], [2 * factor * each.uncertainty for each in points],
         fmt="o", color="black", markersize=2.6, elinewidth=0.6, zorder=3,
     )  # fmt: skip
-    for label, lost in (
+    for called, lost in (
         ("nearest motion is none of the model", [each for each in points if not each.actual and not each.left_out]),
         ("left out", [each for each in points if each.left_out]),
     ):
         if not lost:
             continue
-        (handles[label],) = axes.plot(
+        (handles[called],) = axes.plot(
             [each.frequency for each in lost], [factor * each.measured for each in lost], "o", markersize=6,
-            markerfacecolor="none", markeredgecolor="#D55E00" if label != "left out" else "0.5", linestyle="none",
+            markerfacecolor="none", markeredgecolor="#D55E00" if called != "left out" else "0.5", linestyle="none",
         )  # fmt: skip
     axes.set_ylabel(label)
     return handles

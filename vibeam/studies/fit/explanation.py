@@ -36,9 +36,6 @@ from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
     from vibeam.batches.response import BatchResponse
-    from vibeam.studies.fit.points import Points
-    from vibeam.studies.fit.problem import Problem
-    from vibeam_models.arrays import Index
 
 SETTLE, HOLD = 300, 32  # drive periods
 UNTOLD = 9.0  # least squared residual of a motion that does not repeat, whose value is that of no one record

@@ -59,6 +59,30 @@ class Profile:
         return self.high - self.low
 
 
+@dataclass(frozen=True)
+class FitRow:
+    """Estimated key in SI: ``value``, 95 % interval, linearised ``standard_error``; ``start``: the case's own.
+
+    ``low_open``, ``high_open``: a bound of [fit], the key's or another's, ends the interval; where both are, the data
+    do not determine the key and ``value`` is NaN. An interval that is withheld is NaN (``FitStudy.judgement``).
+    """
+
+    key: str
+    value: float
+    low: float
+    high: float
+    unit: str
+    standard_error: float
+    start: float
+    low_open: bool
+    high_open: bool
+
+    @property
+    def determined(self) -> bool:
+        """Test whether the data fix the key."""
+        return bool(np.isfinite(self.value))
+
+
 def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> Profile:
     """Profile of key ``k``; ``scale``: factor on all uncertainties."""
     away = minimum.covariance[:, k] / np.sqrt(minimum.covariance[k, k])

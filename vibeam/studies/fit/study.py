@@ -14,7 +14,7 @@ from vibeam.case.source import of_source
 from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
 from vibeam.studies.fit.judgement import WIDEST, Judgement, alternatives, patterns, unit_factor, without_outliers
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
-from vibeam.studies.fit.profile import LEVEL, NextPoint, Profile, contour_of, next_points, profile
+from vibeam.studies.fit.profile import LEVEL, FitRow, NextPoint, Profile, contour_of, next_points, profile
 from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges, ridges
 from vibeam.system.labelled import ViewedTable
@@ -25,30 +25,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class FitRow:
-    """Estimated key in SI: ``value``, 95 % interval, linearised ``standard_error``; ``start``: the case's own.
-
-    ``low_open``, ``high_open``: a bound of [fit], the key's or another's, ends the interval; where both are, the data
-    do not determine the key and ``value`` is NaN. An interval that is withheld is NaN (``FitStudy.judgement``).
-    """
-
-    key: str
-    value: float
-    low: float
-    high: float
-    unit: str
-    standard_error: float
-    start: float
-    low_open: bool
-    high_open: bool
-
-    @property
-    def determined(self) -> bool:
-        """Test whether the data fix the key."""
-        return bool(np.isfinite(self.value))
 
 
 @dataclass(frozen=True)
@@ -131,7 +107,7 @@ def _study(case: Case, tell: Progress, next_point: bool) -> FitStudy:
     rows = tuple(_rows(problem, minimum, profiles, judgement))
     sentences = [*on_misfit(problem, minimum, judgement), *problem.notes]
     if judgement.described or judgement.scale > 1:
-        sentences += [*on_directions(problem, minimum), *on_ridges(problem, minimum, profiles)]
+        sentences += [*on_directions(problem, minimum), *on_ridges(problem, minimum, profiles, rows)]
     if next_point:
         unit = next((row.unit for row in rows if advised and row.key == advised[0].key), "")
         sentences.append(advice_in_words(advised, unit))

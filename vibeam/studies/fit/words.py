@@ -20,7 +20,7 @@ from vibeam.observe.restitution import first_mode_restitution
 from vibeam.studies.fit.estimate import Minimum, probability
 from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
 from vibeam.studies.fit.problem import MOTIONS, Problem
-from vibeam.studies.fit.profile import LEVEL, Profile
+from vibeam.studies.fit.profile import LEVEL, FitRow, Profile
 from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
@@ -187,7 +187,9 @@ def on_directions(problem: Problem, minimum: Minimum) -> Iterator[str]:
                 yield f"{names} are not separated by these points within the bounds: only a relation between them is."
 
 
-def on_ridges(problem: Problem, minimum: Minimum, profiles: Sequence[Profile]) -> Iterator[str]:
+def on_ridges(
+    problem: Problem, minimum: Minimum, profiles: Sequence[Profile], rows: Sequence[FitRow]
+) -> Iterator[str]:  # fmt: skip
     """Invariants along the ridges of strongly correlated keys."""
     for k, j in ridges(problem, minimum):
         path = profiles[k].path
@@ -199,8 +201,7 @@ def on_ridges(problem: Problem, minimum: Minimum, profiles: Sequence[Profile]) -
         ends = [_pair(problem, values[at], k, j) for at in (0, -1)]
         head = f"{one} and {other} make up for each other, from ({ends[0]}) to ({ends[1]})"
         kept = _constant(problem, values, k, j)
-        alone = f"{one} alone is free between {_end(problem, profiles[k], k)}"
-        alone += f", {other} between {_end(problem, profiles[j], j)}"
+        alone = f"{one} alone is free between {_ends(rows[k])}, {other} between {_ends(rows[j])}"
         yield f"{head}; {kept}; {alone}." if kept else f"{head}; {alone}."
 
 
@@ -217,14 +218,10 @@ def ridges(problem: Problem, minimum: Minimum) -> list[tuple[int, int]]:
     return found
 
 
-def _end(problem: Problem, found: Profile, k: int) -> str:
-    key = problem.keys[k]
-    ends = [key.low + share * (key.high - key.low) for share in (found.low, found.high)]
-    told = [
-        with_unit(end, unit_of(key.key)) + (" (its bound)" if is_open else "")
-        for end, is_open in zip(ends, found.open, strict=True)
-    ]
-    return " and ".join(told)
+def _ends(row: FitRow) -> str:
+    """Ends of an interval, those marked that a bound makes."""
+    pairs = ((row.low, row.low_open), (row.high, row.high_open))
+    return " and ".join(with_unit(end, row.unit) + " (its bound)" * is_open for end, is_open in pairs)
 
 
 def _pair(problem: Problem, values: Array, k: int, j: int) -> str:

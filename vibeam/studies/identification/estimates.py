@@ -168,15 +168,7 @@ def estimates(names: Sequence[str], values: Sequence[float], half: Array, units:
     )
 
 
-def by_logarithms(model: Callable[[Array], Array], values: Array) -> Array:
+def by_logarithms(model: Callable[[Array], Array], values: Array, step: float = 1e-5) -> Array:
     """Jacobian (n, p) of a model by the logarithms of positive parameters, by central differences."""
-    columns = []
-    for index in range(len(values)):
-        up, down = values.copy(), values.copy()
-        up[index] *= np.exp(STEP)
-        down[index] *= np.exp(-STEP)
-        columns.append((model(up) - model(down)) / (2 * STEP))
-    return np.stack(columns, axis=1)
-
-
-STEP = 1e-5
+    away = np.exp(step * np.eye(len(values)))
+    return np.stack([(model(values * each) - model(values / each)) / (2 * step) for each in away], axis=1)

@@ -11,14 +11,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.case.source import of_source
 from vibeam.exchange.faults import suggest
 from vibeam.runs.result import Result
-from vibeam.studies.identification.estimates import Identification, estimates, spread_of
+from vibeam.studies.identification.estimates import Identification, by_logarithms, estimates, spread_of
 from vibeam.studies.regression.readings import read
 from vibeam_models.arrays import Array
 
@@ -45,28 +45,28 @@ def identify_keys(case: Case, keys: Sequence[str], measured: Sequence[str] = ())
     used = _used(case, measured)
     value, scatter = np.array([each.value for each in used]), np.array([each.scatter for each in used], dtype=float)
 
-    def deviations(logarithms: Array) -> Array:
-        settings = dict(zip(keys, (start * np.exp(logarithms)).tolist(), strict=True))
+    def deviations(values: Array) -> Array:
         try:
-            return np.asarray((_frequencies(case, settings, used) - value) / scatter)
+            return np.asarray(
+                (_frequencies(case, dict(zip(keys, values.tolist(), strict=True)), used) - value) / scatter
+            )
         except ValueError:  # no such case: the search turns back there
             return np.full(len(used), np.inf)
 
+    def slopes(values: Array) -> Array:
+        return by_logarithms(deviations, values, STEP)
+
     _frequencies(case, {}, used)  # a fault of the case itself is told
     found = least_squares(
-        deviations, np.zeros(len(keys)), jac=lambda at: _jacobian(deviations, at), bounds=(-FURTHEST, FURTHEST),
-        xtol=1e-10, ftol=1e-12, gtol=1e-10,
+        lambda at: deviations(start * np.exp(at)), np.zeros(len(keys)), jac=lambda at: slopes(start * np.exp(at)),
+        bounds=(-FURTHEST, FURTHEST), xtol=1e-10, ftol=1e-12, gtol=1e-10,
     )  # fmt: skip
-    spread = spread_of(_jacobian(deviations, found.x), None, keys)
-    rows = estimates(keys, (start * np.exp(found.x)).tolist(), spread.half, [unit_of(key) for key in keys])
+    best = start * np.exp(found.x)
+    spread = spread_of(slopes(best), None, keys)
+    rows = estimates(keys, best.tolist(), spread.half, [unit_of(key) for key in keys])
     left = float(np.sqrt(np.mean((found.fun * scatter / value) ** 2)))
     method = f"{len(used)} measured modal frequencies, least squares"
     return Identification(rows, method, len(used), left, spread.directions, tuple(_notes(used, found.fun, spread.half)))
-
-
-def _jacobian(function: Any, at: Array) -> Array:
-    steps = STEP * np.eye(len(at))
-    return np.stack([(function(at + step) - function(at - step)) / (2 * STEP) for step in steps], axis=1)
 
 
 def _frequencies(case: Case, settings: dict[str, float], used: Sequence[MeasuredNumber]) -> Array:

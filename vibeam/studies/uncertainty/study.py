@@ -134,19 +134,11 @@ def _row(nominal: Responses, found: Responses, count: int) -> FidelityUncertaint
     known = np.isfinite(amplitude).sum(axis=0) > 1
     bands[:, known] = np.nanquantile(amplitude[:, known], LEVELS, axis=0)
 
-    def spread(of: str) -> Distribution:
-        return Distribution.of(float(getattr(nominal, of)[0]), getattr(found, of)[:count])
-
+    spreads = {
+        of: Distribution.of(float(getattr(nominal, of)[0]), getattr(found, of)[:count])
+        for of in ("peak", "peak_frequency", "jump", "begin", "doubling")
+    }
+    seconds = float(np.mean(found.seconds))
     return FidelityUncertainty(
-        found.fidelity,
-        nominal.amplitude[0],
-        bands,
-        spread("peak"),
-        spread("peak_frequency"),
-        spread("jump"),
-        spread("begin"),
-        spread("doubling"),
-        count,
-        found.failed,
-        float(np.mean(found.seconds)),
+        found.fidelity, nominal.amplitude[0], bands, **spreads, samples=count, failed=found.failed, seconds=seconds
     )
