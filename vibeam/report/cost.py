@@ -15,7 +15,7 @@ from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.report.work_precision import work_precision
 from vibeam.runs.comparison.differences import doubts, listed, settled
-from vibeam.system.number_text import in_prefix, percent, signed
+from vibeam.system.number_text import in_prefix, percent, signed, without_round_off
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -201,7 +201,10 @@ def parts(study: CostStudy) -> ReportTable:
 
 
 def _numbers(part: Part) -> tuple[str, ...]:
-    return signed(part.mean), share(part.rms), signed(part.lowest), signed(part.highest), signed(part.peak)
+    mean, low, high, top = (
+        signed(without_round_off(each, 1.0)) for each in (part.mean, part.lowest, part.highest, part.peak)
+    )
+    return mean, share(part.rms), low, high, top
 
 
 def _by_solver(study: CostStudy, split: Split) -> str:

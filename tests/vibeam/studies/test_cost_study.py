@@ -383,9 +383,7 @@ def test_a_budget_for_all_of_it_is_kept_or_refused_beforehand() -> None:
     assert study.budget == 1000
     assert study.cpu <= 1000 + study.rows[-1].work.cpu_min * 3
     assert (done[0], done[-1]) == ((0, 7), (7, 7))
-    with pytest.raises(
-        ValueError, match=r"the exact motions of 1 models alone take about \d+ s .* and 1 s are allowed"
-    ):
+    with pytest.raises(ValueError, match=r"the exact motions of 1 model alone take about \d+ s .* and 1 s are allowed"):
         cost(case, clock=Clock(), budget=1.0)
 
 

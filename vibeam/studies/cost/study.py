@@ -170,13 +170,14 @@ class _CostRuns:
 
     def _predict(self, seconds: float) -> None:
         """Say how long the study may take; ``seconds``: of one flight of the finest model, as long as the runs."""
-        exact = FLIGHTS * len(self.models) * seconds
+        exact, count = FLIGHTS * len(self.models) * seconds, len(self.models)
+        models = f"{count} model{'s' * (count > 1)}"
         if self.all_in and exact > self.budget:
             raise ValueError(
-                f"the exact motions of {len(self.models)} models alone take about {exact:.2g} s of CPU time, and "
-                f"{self.budget:g} s are allowed: allow more, or ask for fewer frequencies (cost.frequency)"
+                f"the exact motions of {models} alone take about {exact:.2g} s of CPU time, and {self.budget:g} s are "
+                "allowed: allow more, or ask for fewer frequencies (cost.frequency)"
             )
-        self.tell(f"{self.total} runs of {len(self.models)} models, in {self.budget:g} s of CPU time")
+        self.tell(f"{self.total} runs of {models}, in {self.budget:g} s of CPU time")
 
     def _count(self, runs: int = 1) -> None:
         self.done += runs
