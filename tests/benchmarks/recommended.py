@@ -2,7 +2,7 @@
 
     python tests/benchmarks/recommended.py           # writes results/recommended.json
 
-``vibeam reduce`` recommends n for 5 %; here each is swept up beside the full model by ``vibeam run``, over its case's
+``vibeam.reduce`` recommends n for 5 %; here each is swept up beside the full model by ``vibeam run``, over its case's
 frequencies in 31 points. Errors are of the amplitude, where both repeat with the same period; of motions that do not
 repeat the mean over these points is compared. Of a case without a recommendation the reason is kept. Nothing is timed.
 """
@@ -18,7 +18,7 @@ import numpy as np
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.studies.reduce.study import ReductionStudy
+from vibeam.studies.modes_needed.reduction import ReductionStudy
 from vibeam.system.response import FrequencyResponse
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -34,7 +34,7 @@ def flown(path: Path, held: str | None = None, points: int = 31, within: float =
     """One row a basis that has a recommended n: what was predicted, and how far the flown amplitudes are off."""
     choice: Row = SWEEP | ({} if held is None else {"stop.restitution_of": held})
     choice |= grid(vibeam.load(path), points)
-    study = vibeam.reduce(vibeam.load(path, set=choice), within=within)
+    study = vibeam.reduce(vibeam.load(path, set=choice), accuracy=within)
     found = {each.basis: each for each in study.recommended if each.modes is not None}
     if not found:
         return [{"case": path.stem, "held": held, "basis": None, "refused": study.claim.refused or "above the last n"}]

@@ -3,7 +3,7 @@
     python tests/benchmarks/recommended_beams.py [--beams 200] [--stop NAME …]   # writes results/recommended_beams.json
 
 Length, section, material, damping, ends, mass, places of stop and sensor, gap, restitution, drive and sweep are
-drawn. ``vibeam reduce`` recommends for 5 %; each basis with its n and all modes are then swept by ``vibeam run``. A
+drawn. ``vibeam.reduce`` recommends for 5 %; each basis with its n and all modes are then swept by ``vibeam run``. A
 point counts where both motions repeat with the same period, or both stay clear of the stop; a recommendation that is
 off by more than 5 % at one of these is missed.
 """
@@ -23,7 +23,7 @@ import vibeam
 from tests.benchmarks.recommended import alone, fidelities
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
-from vibeam.studies.reduce.study import ReductionStudy
+from vibeam.studies.modes_needed.reduction import ReductionStudy
 from vibeam.system.response import join, periodic
 
 TARGET = Path(__file__).with_name("results") / "recommended_beams.json"
@@ -127,7 +127,7 @@ def trial(kind: str, beams: int) -> Row:
     while done < beams:
         begun, seed = time.process_time(), seed + 1
         try:
-            study = vibeam.reduce(drawn(kind, seed), within=WITHIN)
+            study = vibeam.reduce(drawn(kind, seed), accuracy=WITHIN)
         except ValueError as fault:
             refused[f"not built: {fault}"[:60]] += 1
             continue

@@ -30,8 +30,8 @@ GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
 
 #: what commands of earlier versions are now, and their options that have another name
 EARLIER: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
-    "reduce": (("study", "reduce"), {}),
-    "limit": (("study", "limit"), {}),
+    "reduce": (("study", "modes_needed"), {"--within": "--accuracy", "--basis": "--bases"}),
+    "limit": (("study", "modes_needed"), {}),
     "influence": (("study", "influence"), {}),
     "cost": (("study", "cost"), {}),
     "record": (("check", "--record"), {}),

@@ -13,6 +13,7 @@ from vibeam.case.grid_keys import FREQUENCY
 from vibeam.flight.trajectory import simulate
 from vibeam.maps.points import Axis, GridPoints, grid_points
 from vibeam.observe.harmonics import spectrum_of
+from vibeam.system.curves import evenly
 from vibeam.system.quantities import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
@@ -40,7 +41,7 @@ def spectra_along(result: MapResult, fidelity: str, way: int) -> list[LineSpectr
     (axis,) = result.plan.axes
     response = result[fidelity]
     count = len(axis.values)
-    chosen = np.unique(np.linspace(0, count - 1, min(count, LINES)).round().astype(int))
+    chosen = evenly(0, count - 1, LINES)
     line = (Axis(axis.key, axis.values),)
     given = None if axis.key == FREQUENCY else result.plan.frequency
     points = grid_points(result.case.model(fidelity), line, given, np.zeros(1, int))

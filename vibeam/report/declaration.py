@@ -67,10 +67,10 @@ class StudyDeclaration:
         return StudySheet(answer, [rows_of(self.meaning, rows)], notes, data={"rows": rows}, rows=rows, draw=draw)
 
 
-def _own(name: str, home: str, sheet: str, meaning: str, *examples: str) -> StudyDeclaration:
+def _own(name: str, home: str, sheet: str, meaning: str, *examples: str, first: str | None = None) -> StudyDeclaration:
     plan = STUDY_PLANS[name].load() if name in STUDY_PLANS else None
     run, shown = f"vibeam.studies.{home}:{name}", f"vibeam.report.{sheet}:sheet"
-    return StudyDeclaration(name, run, meaning, sheet=shown, asks=plan, examples=examples)
+    return StudyDeclaration(name, run, meaning, sheet=shown, asks=plan, first=first, examples=examples)
 
 
 STUDIES: Registry[StudyDeclaration] = Registry(
@@ -89,9 +89,10 @@ STUDIES: Registry[StudyDeclaration] = Registry(
         "influence", "influence.study", "influence", "what each effect changes and costs",
         "vibeam study influence mine.toml",
     ),
-    _own("limit", "limit.study", "limit", "limit of infinitely many modes", "vibeam study limit mine.toml"),
     _own(
-        "reduce", "reduce.study", "reduce", "what a reduction loses with n coordinates", "vibeam study reduce mine.toml"
+        "modes_needed", "modes_needed.study", "modes_needed", "number of modes that is enough",
+        "vibeam study modes_needed mine.toml", "vibeam study modes_needed mine.toml --accuracy '1 %'",
+        first="vibeam.report.modes_needed:first_answer",
     ),
 )  # fmt: skip
 

@@ -184,7 +184,8 @@ SHEETS: dict[str, Callable[[Any], StudySheet] | str] = {
     "Case": _case, "Result": _result, "FrequencyResponse": _response, "Branches": _response, "ModeTable": _modes,
     "DerivedTable": _derived, "Orbit": _orbit, "MapResult": _map, "GridResponse": _grid,
     **{f"{name}Study": f"vibeam.report.{name.lower()}:sheet" for name in ("Fit", "Uncertainty")},
-    "ReductionStudy": "vibeam.report.reduce:sheet", "Stability": _map, "FidelityMap": _map,
+    "ReductionStudy": "vibeam.report.reductions:sheet", "ModesNeeded": "vibeam.report.modes_needed:sheet",
+    "Stability": _map, "FidelityMap": _map,
 }  # fmt: skip
 ROOT_MASS = dict.fromkeys(("contact", "sensor"), "kg^-½")
 UNITS: dict[str, Callable[[Any], Mapping[str, str]]] = {

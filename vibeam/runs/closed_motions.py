@@ -17,6 +17,7 @@ from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.modal_sums import fault
 from vibeam.periodic.predicted_response import PredictedResponse, predicted, predicted_free
 from vibeam.periodic.train_sums import Trains
+from vibeam.system.curves import evenly
 from vibeam_models.arrays import Array, Index
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ class ClosedCurve:
 
 def closed_curve(system: ImpactSystem, omega: Array, base: Array, output: str) -> ClosedCurve:
     """Closed-form motions of a plain system over ``omega`` (rad/s, ascending), under base motion ``base`` (m)."""
-    which = _spread(0, len(omega) - 1)
+    which = evenly(0, len(omega) - 1, POINTS)
     found = closed_amplitudes(system, omega[which], base[which], output)
     if not np.isfinite(found).any():
         return ClosedCurve(which, found, np.nan)
@@ -94,11 +95,7 @@ def closed_curve(system: ImpactSystem, omega: Array, base: Array, output: str) -
     while len(near) < high - low + 1:  # the neighbours of the highest, until they are next to it on the grid
         top = int(np.nanargmax(values))
         low, high = int(near[max(top - 1, 0)]), int(near[min(top + 1, len(near) - 1)])
-        near = _spread(low, high)
+        near = evenly(low, high, POINTS)
         values = closed_amplitudes(system, omega[near], base[near], output, (kind,))[:, kind]
         height = max(height, float(np.nanmax(values)))
     return ClosedCurve(which, found, height)
-
-
-def _spread(low: int, high: int) -> Index:
-    return np.unique(np.linspace(low, high, min(POINTS, high - low + 1)).round().astype(int))

@@ -10,10 +10,11 @@ from vibeam.studies.identification.response import identify_decay as identify_de
 from vibeam.studies.identification.response import identify_response as identify_response
 from vibeam.studies.identification.response import identify_spectrum as identify_spectrum
 from vibeam.studies.influence.study import influence as influence
-from vibeam.studies.limit.study import limit as limit
 from vibeam.studies.modes import export_matrices as export_matrices
 from vibeam.studies.modes import modes as modes
-from vibeam.studies.reduce.study import reduce as reduce
+from vibeam.studies.modes_needed.limit import limit as limit
+from vibeam.studies.modes_needed.reduction import reduce as reduce
+from vibeam.studies.modes_needed.study import modes_needed as modes_needed
 from vibeam.studies.regression.check import check as check
 from vibeam.studies.regression.check import compare_measured as compare_measured
 from vibeam.studies.stability import stability as stability

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
-from vibeam_models.arrays import Array, Flags, ValueRecord
+from vibeam_models.arrays import Array, Flags, Index, ValueRecord
 
 BRANCHES = 2  # two roots of the quadratic for motions with one impact a span
+
+
+def evenly(first: int, last: int, most: int) -> Index:
+    """Whole numbers from ``first`` to ``last``, both among them, at most ``most`` and evenly spread."""
+    return np.unique(np.linspace(first, last, min(most, last - first + 1)).round().astype(int))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -74,7 +80,7 @@ class Difference:
     total: int = 0
 
     @classmethod
-    def of(cls, relative: Array, total: int, peak: float = NAN) -> Difference:
+    def of(cls, relative: Array, total: int, peak: float = NAN) -> Self:
         """Difference whose values at the points compared are ``relative``."""
         if not len(relative):
             return cls(peak, total=total)

@@ -318,16 +318,43 @@ def test_all_shares_make_one_in_the_whole_beam(command: Command) -> None:
     assert first[-1]["contact_restitution"] > first[0]["contact_restitution"]
 
 
-def test_reduce_prints_its_tables_and_writes_them(command: Command, tmp_path: Path) -> None:
-    plain = ("--set", "beam.elements=8", "--set", 'figure.format=["svg"]')
-    words = ("reduce", RIG, *plain)
-    done = command(*words, "--out", "found/")
-    names = {f"{RIG.stem}_reduce{ending}" for ending in (".csv", ".svg")}
+def test_modes_needed_answers_first_and_writes_its_losses(command: Command, tmp_path: Path) -> None:
+    plain = ("--set", "beam.elements=8", "--set", 'figure.format=["svg"]', "--most", 4, "--modes", 8)
+    words = ("reduce", RIG, *plain, "--basis", "modal", "--basis", "krylov", "--within", "5 %", "--out", "found/")
+    done = command(*words)
+    names = {f"{RIG.stem}_modes_needed{ending}" for ending in (".csv", ".svg")}
     assert {path.name for path in (tmp_path / "found").iterdir()} == names
     assert "vibeam reduce is now: " in done.stderr
-    assert len(done.stdout.splitlines()) <= 40
-    rows = (tmp_path / "found" / f"{RIG.stem}_reduce.csv").read_text("utf-8").splitlines()
+    lines = done.stdout.splitlines()
+    assert len(lines) <= 40
+    assert lines[0].startswith("More than") or " suffice" in lines[0]
+    rows = (tmp_path / "found" / f"{RIG.stem}_modes_needed.csv").read_text("utf-8").splitlines()
     assert rows[0].startswith("basis,modes,loss,decided_by,frequency,")
+    assert len(rows) == 1 + 2 * 4
+    data = json.loads(
+        command(*words, "--json", "--band", "0 Hz", "--band", "0.2 kHz", "--contact-time", "0.5 ms").stdout
+    )
+    assert (data["band"], data["contact_time"], data["limits"][0]["counts"]) == ([0.0, 200.0], 5e-4, [1, 2, 4, 8])
+    analysis = data["analysis"]["modal"]["contact"]
+    assert list(analysis) == ["1", "2", "3", "4"]
+    assert max(analysis["2"]["errors"]) == analysis["2"]["max_error"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--accuracy", "3 Hz"), "is a frequency, not a plain number"),
+        (("--band", "9 Hz", "--band", "8 Hz"), "the list must ascend"),
+        (("--bases", "modl"), "basis: no modl: there are modal"),
+        (("--modes", "12"), "modes: 12 must be a power of two"),
+        (("--speed", "0 m/s"), "must be > 0"),
+    ],
+)
+def test_modes_needed_refuses_what_it_cannot_answer(
+    command: Command, tmp_path: Path, words: tuple[str, ...], said: str
+) -> None:
+    assert said in command("study", "modes_needed", RIG, *words, expect=2).stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_new_writes_a_sound_case_once(command: Command, tmp_path: Path) -> None:

@@ -21,14 +21,12 @@ from vibeam.observe.branches import MotionClass, jumps, pieces
 from vibeam.report import tables as table
 from vibeam.report.checks import checks
 from vibeam.report.derive import derivation
-from vibeam.report.limit import sentences as limit_sentences
 from vibeam.report.modes import modal
 from vibeam.report.output import to_json, write_csv
 from vibeam.report.run_report import details, fidelities
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
 from vibeam.studies.derive import DerivedParameter
-from vibeam.studies.limit.study import LimitRow
 from vibeam.studies.modes import ModeRow, ModeTable
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.number_text import percent, signed
@@ -229,12 +227,3 @@ def test_seven_impacts_tell_no_cost_of_an_impact_and_a_family_has_no_finest() ->
     family = fidelities([replace(each, distance=None) for each in shared])
     assert cells(family, "off at peak") == ["", ""]
     assert "off: from the finest" not in str(family.caption)
-
-
-def test_a_limit_that_is_hardly_known_is_said_in_words() -> None:
-    nothing = ("R = 0.5", "amplitude", "m", 15.0, np.nan, (1, 2), (1e-4, 2e-4), np.nan)
-    rows = [LimitRow(*nothing, 2e-4, share * 2e-4, False, 0, 0, "") for share in (0.01, 0.553)]
-    known, loose = limit_sentences(rows)
-    assert known.startswith("the other limits are known to 1 %")
-    assert "the limit of amplitude is hardly known, it may be off by 55.3 %" in loose
-    assert next(limit_sentences(rows[:1])).startswith("limits are known to 1 %")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,29 +10,28 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
-from typer.testing import CliRunner
 
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
-from vibeam.cli.main import app
-from vibeam.studies.limit.sequences import (
+from vibeam.studies.modes_needed.limit import (
     BARE,
     DIVERGES,
     MOVING_LAW,
+    NO_MOTION,
     ROUND_OFF,
-    ModeSequence,
+    LimitRow,
+    limit,
     models,
     observed_limit,
-    with_law,
 )
-from vibeam.studies.limit.study import LimitRow, _row, limit
-from vibeam_models.laws.yielding import Elastic, Linear
 
 CASES = Path(__file__).parents[3] / "cases"
 NEUTRAL = CASES / "dtu_neutral.toml"
 COUNTS = (1, 2, 4, 8, 16, 32)
 DOUBLED = [2**k for k in range(8)]
 STIFFNESS = 1e6
+LINEAR = {"gap": "0 mm", "law": "linear", "stiffness": f"{STIFFNESS} N/m", "damping": "0 N s/m"}
+HERTZ = {"gap": "0 mm", "law": "hertz", "hertz_stiffness": 2.04e10}
 
 
 @pytest.mark.parametrize("rate", [0.5, 1.0, 2.0, 3.3])
@@ -69,8 +67,8 @@ def of(rows: list[LimitRow], held: str, quantity: str) -> LimitRow:
 
 @pytest.fixture(scope="module")
 def rows() -> list[LimitRow]:
-    laws = (Linear(STIFFNESS, damping=0.0), Elastic(2.04e10))
-    return limit(vibeam.load(NEUTRAL), COUNTS, 15.2, 0.05, laws)
+    cases = [vibeam.load(NEUTRAL, set={} if stop is None else {"stop": stop}) for stop in (None, LINEAR, HERTZ)]
+    return [row for case in cases for row in limit(case, modes=32, frequency="15.2 Hz", speed=0.05)]
 
 
 def test_with_r_of_the_contact_held_the_mobility_of_the_rigid_mass_is_the_limit(rows: list[LimitRow]) -> None:
@@ -117,7 +115,7 @@ def first_mode_after(model: Any, stiffness: float, speed: float) -> float:
 
 def test_one_collision_with_a_linear_stop_is_that_of_modes_and_spring(rows: list[LimitRow]) -> None:
     found = of(rows, 'law "linear"', "R₁ of mode 1")
-    scene = with_law(vibeam.load(NEUTRAL).scene, Linear(STIFFNESS, damping=0.0))
+    scene = vibeam.load(NEUTRAL, set={"stop": LINEAR}).scene
     for count in (2, 8):
         (model,) = models(scene, [count])
         truth = first_mode_after(replace(model, law=None, restitution=1.0), STIFFNESS, 0.05)
@@ -139,47 +137,30 @@ def test_a_contact_without_mass_has_no_limit_and_says_why(tmp_path: Path) -> Non
     text = (CASES / "rigs" / "elastic_stop.toml").read_text("utf-8").split("[expect")[0]
     bare = tmp_path / "bare.toml"
     bare.write_text(text.replace('law = "linear"\nstiffness = "20 N/mm"\n', ""), "utf-8")
-    rows = limit(vibeam.load(bare), COUNTS)
+    rows = limit(vibeam.load(bare), modes=32)
     own = {row.quantity: row.why for row in rows if row.held.startswith("R = ")}
     assert own.pop("R₁ of mode 1") == BARE
-    lost = "no stable motion with one impact a drive period at this frequency in 4 modes, 8 modes, 16 modes, 32 modes"
+    lost = NO_MOTION.format("4 modes, 8 modes, 16 modes, 32 modes")
     assert set(own.values()) == {f"{BARE}; {lost}"}
     assert all(np.isnan(row.limit) and row.enough == 0 for row in rows if row.held.startswith("R = "))
     refused = next(row for row in rows if row.held.startswith("R₁"))
     assert "outside [0, 1]" in refused.why
-    own = limit(vibeam.load(CASES / "rigs" / "elastic_stop.toml"), COUNTS)
+    own = limit(vibeam.load(CASES / "rigs" / "elastic_stop.toml"), modes=32)
     assert {row.why for row in own} == {MOVING_LAW}
     damped = bare.with_name("damped.toml")
     damped.write_text(text.replace("restitution = 0.8", 'damping = "1 N s/m"'), "utf-8")
-    found = of(limit(vibeam.load(damped), (*COUNTS, 64)), 'law "linear"', "contact time")
+    found = of(limit(vibeam.load(damped)), 'law "linear"', "contact time")
     assert np.isfinite(found.limit)
 
 
 def test_a_motion_that_ends_with_more_modes_is_said_beside_what_else_is_wrong() -> None:
-    lost = ModeSequence("amplitude", "m", (1e-4, 9e-5, float("nan")), "the contact has no mass")
-    why = _row("R = 0.5", (8, 16, 32), lost).why
-    assert (
-        why == "the contact has no mass; no stable motion with one impact a drive period at this frequency in 32 modes"
-    )
-
-
-def run(*words: str) -> Any:
-    return CliRunner().invoke(app, ["study", "limit", *words])
-
-
-def test_the_command_prints_rows_and_refusals(tmp_path: Path) -> None:
-    file = tmp_path / "it.csv"
-    done = run(str(NEUTRAL), "--json", "--out", str(file))
-    assert done.exit_code == 0, done.output
-    found = json.loads(done.stdout)["limits"]
-    assert [row["counts"] for row in found] == [[1, 2, 4, 8, 16, 32, 64]] * 6
-    assert file.read_text("utf-8").startswith("held,quantity,unit")
-    shown = run(str(NEUTRAL), "--out", str(file))
-    assert "limits are known to" in shown.stdout
+    values = (1e-4, 9e-5, float("nan"))
+    row = LimitRow("R = 0.5", "amplitude", "m", (8, 16, 32), values, why="the contact has no mass")
+    assert row.observed().why == f"the contact has no mass; {NO_MOTION.format('32 modes')}"
 
 
 def test_one_degree_of_freedom_has_no_more_modes() -> None:
     with pytest.raises(ValueError, match="no more modes"):
         limit(vibeam.load(CASES / "sdof_nominal.toml"))
-    with pytest.raises(ValueError, match="twice the one before"):
-        limit(vibeam.load(NEUTRAL), (1, 2, 3))
+    with pytest.raises(ValueError, match="modes: 12 must be a power of two"):
+        limit(vibeam.load(NEUTRAL), modes=12)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from hashlib import sha256
 from math import inf
 from types import SimpleNamespace
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar, cast
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 from pydantic.fields import FieldInfo
@@ -113,6 +114,22 @@ def plan_keys(kind: type[Any], **entries: Entry) -> dict[str, tuple[Any, Any]]:
 def plan_of(plan: type[T], table: Any, /, **own: Any) -> T:
     """The plan that a table says; ``own``: its fields that are no keys, or are not as the table has them."""
     return plan(**{name: getattr(table, name) for name in keys_of(plan)} | own)
+
+
+def plan_with(plan: T, settings: Mapping[str, Any]) -> T:
+    """The plan with ``settings``, as a case file has them or in SI, None: its own; ValueError names all faults."""
+    keys, faults, found = keys_of(type(plan)), list[str](), dict[str, Any]()
+    for name, value in settings.items():
+        try:
+            if name not in keys:
+                raise ValueError(f"no such setting; {suggest(name, keys)}")
+            if value is not None:
+                found[name] = declared_entry(keys[name]).parse(list(value) if isinstance(value, tuple) else value)
+        except ValueError as error:
+            faults.append(f"{name}: {error}")
+    if faults:
+        raise ValueError("; ".join(faults))
+    return cast("T", replace(cast(Any, plan), **found))
 
 
 def plainly(declared: Key) -> tuple[str, Any, str]:

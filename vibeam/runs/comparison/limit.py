@@ -65,8 +65,7 @@ def limit(scene: RigScene, modes: int) -> Limit:
     count = min(max(LEAST, 2 * modes), MOST)
     if not isinstance(scene, Scene):
         return _of_matrices(scene, count)
-    elements = max(scene.beam.elements, RESOLVED * count)
-    elements += elements % 2
+    elements = resolving(scene, count).beam.elements
     fine, coarse = (_all_modes(scene, each) for each in (elements, elements // 2))
     own, half = (each.mobility for each in (fine, coarse))
     inertia, kept = 2 / own - 1 / half, _lowest(fine, count)
@@ -74,6 +73,12 @@ def limit(scene: RigScene, modes: int) -> Limit:
     if share < LEAST_SHARE:
         raise ValueError(FAR.format(modes=kept.size, share=max(share, 0.0)))
     return Limit(kept, elements, 1 / inertia)
+
+
+def resolving(scene: Scene, modes: int) -> Scene:
+    """The scene on an even number of elements that resolve so many modes."""
+    elements = max(scene.beam.elements, RESOLVED * modes)
+    return replace(scene, beam=replace(scene.beam, elements=elements + elements % 2))
 
 
 def _of_matrices(scene: RigScene, count: int) -> Limit:

@@ -14,6 +14,7 @@ import numpy as np
 from vibeam.studies.cost.measure import Plan, Series, Setting, measure
 from vibeam.studies.cost.models import CostModel
 from vibeam.studies.cost.reference import FLIGHT, curve
+from vibeam.system.curves import evenly
 from vibeam.system.impact_system import Drive
 from vibeam_models.arrays import Array
 
@@ -78,7 +79,7 @@ def frequencies(case: Case) -> Array:
         grid = np.array(sorted(f for f in curve(case) if grid[0] <= f <= grid[-1]))
         if not len(grid):
             raise ValueError(f"cost.reference: {asked.reference!r} has no point within the sweep")
-    return np.asarray(grid[np.unique(np.linspace(0, len(grid) - 1, POINTS).round().astype(int))])
+    return np.asarray(grid[evenly(0, len(grid) - 1, POINTS)])
 
 
 OVER = "over the whole budget"

@@ -25,6 +25,7 @@ from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.surface import Forward
 from vibeam.studies.identification.modes import unit_of
+from vibeam.system.curves import evenly
 from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
 
@@ -199,7 +200,7 @@ def next_points(case: Case, problem: Problem, minimum: Minimum) -> tuple[NextPoi
     target = int(np.argmax(np.diag(spread)))
     group = problem.groups[0]
     grid = case.sweep.frequency
-    frequency = grid[np.unique(np.linspace(0, len(grid) - 1, min(len(grid), MOST)).round().astype(int))]
+    frequency = grid[evenly(0, len(grid) - 1, MOST)]
     found: list[NextPoint] = []
     for settings, forward in _variants(problem, minimum, group):
         found += _candidates(problem, minimum, (group, frequency), (settings, forward), (spread, target))

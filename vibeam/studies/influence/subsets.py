@@ -17,6 +17,7 @@ from vibeam.case.case import Case
 from vibeam.casefile.read import case_of
 from vibeam.casefile.tables.table import content, note
 from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
+from vibeam.system.curves import evenly
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
 
@@ -144,7 +145,7 @@ def subsets(case: Case) -> Subsets:
 def _reduced(case: Case) -> dict[str, Any]:
     """Sweep reduced to fewer of its frequencies, with the periods of [influence]."""
     plan, grid = case.influence, np.sort(case.sweep.frequency)
-    chosen = np.unique(np.linspace(0, len(grid) - 1, min(plan.points, len(grid))).round().astype(int))
+    chosen = evenly(0, len(grid) - 1, plan.points)
     given = {"settle": plan.settle, "hold": plan.hold}
     periods = {name: value for name, value in given.items() if value is not None}
     return {"frequency": tuple(grid[chosen].tolist())} | periods

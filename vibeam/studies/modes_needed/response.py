@@ -10,17 +10,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.fidelity import gap_drift, gap_wear, system_of, with_first_mode_restitution
+from vibeam.case.fidelity import gap_drift, gap_wear, system_of
 from vibeam.case.reduced_structure import static_at_contact
-from vibeam.observe.restitution import first_mode_restitution
 from vibeam.runs.closed_motions import FREE, KINDS, closed_amplitudes, unsuited, without_closed_forms
 from vibeam.runs.estimate.of_case import LARGEST
 from vibeam.runs.sweep import march
-from vibeam.studies.reduce.losses import ALIKE, UNKNOWN, Amplitudes, ResponseError, response_error
+from vibeam.studies.modes_needed.losses import ALIKE, UNKNOWN, Amplitudes, ResponseError, response_error
+from vibeam.system.curves import evenly
 from vibeam.system.response import periodic
 from vibeam_models.arrays import Array, Index
 
@@ -85,7 +86,7 @@ class FullResponse:
         """Error with each of the ``structures`` of a basis, the smaller first; flown until two in turn are within."""
         models = [self._tried(small) for small in structures]
         found = [UNKNOWN if model is None else self._error(model) for model in models]
-        off = [i for i, each in enumerate(found) if each.known and not each.within(accuracy)]
+        off = [i for i, each in enumerate(found) if each.total and not each.within(accuracy)]
         before = False
         for i in range(max(off, default=-1) + 1, len(models)):
             model = models[i]
@@ -97,25 +98,18 @@ class FullResponse:
             before = found[i].within(accuracy)
         return found
 
-    def with_first_mode_held(self, structures: Sequence[Structure | None]) -> list[ResponseError]:
-        """Errors in closed form with R₁ of all modes held, in place of R at the contact of a rigid stop."""
-        made = [self._tried(small) for small in structures]
-        models = [None if model is None or unsuited(model) else self._seeing_all(model) for model in made]
-        return [UNKNOWN if model is None else self._error(model) for model in models]
+    def in_closed_form(self, structures: Sequence[Structure | None]) -> list[ResponseError]:
+        """Error with each of the ``structures`` at the motions that are known in closed form."""
+        return [UNKNOWN if model is None else self._error(model) for model in map(self._tried, structures)]
 
-    def _seeing_all(self, model: ImpactSystem) -> ImpactSystem | None:
-        """Model with the R₁ of all modes; None where no restitution of the contact gives that."""
-        try:
-            return with_first_mode_restitution(model, self.first_mode)
-        except ValueError:
-            return None
-
-    @property
-    def first_mode(self) -> float:
-        """R₁, what mode 1 sees of a rigid stop in the model of all modes."""
-        return first_mode_restitution(self.full)
+    def holding(self, restitution_of: str, coefficient: float) -> FullResponse:
+        """The same with another coefficient held, ``"contact"``'s or that of the ``"first mode"``."""
+        scene: Any = self.case.scene
+        stop = replace(scene.stop, restitution=coefficient, restitution_of=restitution_of)
+        return replace(self, case=replace(self.case, scene=replace(scene, stop=stop)))
 
     def _tried(self, small: Structure | None) -> ImpactSystem | None:
+        """Impact system; None where there is none."""
         try:
             return None if small is None else self.system(small)
         except ValueError:  # a restitution of mode 1 that no contact gives, a contact without mass
@@ -133,17 +127,24 @@ class FullResponse:
             return UNKNOWN
         given_up = any(found.done < len(found.values) for found, _ in pairs)
         complete = whole is not None or (self.share == 1 and suited)
-        return replace(response_error(pairs), complete=complete, given_up=given_up)
+        found = response_error(pairs)
+        return replace(found, complete=complete, given_up=given_up, peak=nan if given_up else found.peak)
+
+    @cached_property
+    def known(self) -> Claim:
+        """Claim by the closed forms alone."""
+        known, struck = self.closed.points, np.isfinite(self.closed.values[:, :FREE]).any(axis=1)
+        refused = SEVERAL_CONTACTS if self.full.further is not None else ""
+        why, counts = self.no_closed_forms, (len(known), int(known.sum()), int(struck.sum()))
+        return Claim(self.full.size, *counts, why_flown=why, refused=refused)
 
     @property
     def claim(self) -> Claim:
-        """Claim by what is known of all modes."""
-        known, struck = self.closed.points, np.isfinite(self.closed.values[:, :FREE]).any(axis=1)
-        found = Claim(self.full.size, len(known), int(known.sum()), int(struck.sum()), why_flown=self.no_closed_forms)
+        """Claim by what is known of all modes, flown where the closed forms do not tell all."""
         if "_sweep" not in self.__dict__ and self.share == 1:
-            return found
+            return self.known
         sweep, refused = self._sweep
-        return replace(found, flown=len(sweep.which), repeating=int(sweep.points.sum()), refused=refused)
+        return replace(self.known, flown=len(sweep.which), repeating=int(sweep.points.sum()), refused=refused)
 
     @cached_property
     def full(self) -> ImpactSystem:
@@ -193,9 +194,8 @@ class FullResponse:
 
     def _thinned(self, most: int) -> Index:
         """Points of the sweep in the order flown, ``most`` frequencies evenly spread."""
-        plan, last = self.case.sweep, len(self._omega) - 1
-        up = np.unique(np.linspace(0, last, min(most, last + 1)).round().astype(int))
-        return np.concatenate({"up": (up,), "down": (up[::-1],), "both": (up, up[::-1])}[plan.direction])
+        up = evenly(0, len(self._omega) - 1, most)
+        return np.concatenate({"up": (up,), "down": (up[::-1],), "both": (up, up[::-1])}[self.case.sweep.direction])
 
     @cached_property
     def _static(self) -> float:
@@ -237,4 +237,4 @@ def _near(whole: Amplitudes, accuracy: float, found: Amplitudes) -> bool:
     """Test whether a model can still be within the accuracy of the sweep of all modes."""
     ours, theirs = (replace(part, values=part.values[: found.done]) for part in (found, whole))
     error, missable = response_error([(ours, theirs)]), (1 - ALIKE) * int(whole.points.sum())
-    return not error.worst > accuracy and error.known - error.alike <= missable
+    return not abs(error.worst) > accuracy and error.total - error.points <= missable

@@ -8,7 +8,8 @@ from math import nan
 
 import numpy as np
 
-from vibeam.studies.reduce.transfer import ContactPulse, ModalForm, TransferErrors, TransferStudy
+from vibeam.studies.modes_needed.transfer import ContactPulse, ModalForm, TransferErrors, TransferStudy
+from vibeam.system.curves import Difference
 from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_reductions.projection import Reduction
@@ -17,25 +18,21 @@ ALIKE = 0.9  # share of the full model's motions that a model within the accurac
 
 
 @dataclass(frozen=True)
-class ResponseError:
-    """Error in amplitude over a sweep, as a share of that of all modes, where both make the same motion.
+class ResponseError(Difference):
+    """Difference in amplitude over a sweep from that of all modes, at the ``points`` where both make the same motion.
 
-    ``worst``, at ``mu`` Hz, and ``rms``, NaN where not known; of ``known`` motions of all modes, ``alike`` are made.
-    ``complete``: these are all that are looked at, and not only those known in closed form; ``given_up``: the flight
-    ended where the model was seen to be off by more than the accuracy.
+    ``worst`` at ``mu`` Hz; ``total`` motions of all modes are known. ``complete``: these are all that are looked at,
+    and not only those known in closed form; ``given_up``: the flight ended where the model was seen to be off by more
+    than the accuracy, and its peak is not known.
     """
 
-    worst: float = nan
     mu: float = nan
-    rms: float = nan
-    alike: int = 0
-    known: int = 0
     complete: bool = False
     given_up: bool = False
 
     def within(self, accuracy: float) -> bool:
         """Test whether no motion is off by more, and next to none is another one."""
-        return self.worst <= accuracy and self.alike >= ALIKE * self.known
+        return abs(self.worst) <= accuracy and self.points >= ALIKE * self.total
 
 
 UNKNOWN = ResponseError()
@@ -70,13 +67,12 @@ def response_error(pairs: Sequence[tuple[Amplitudes, Amplitudes]]) -> ResponseEr
     whole = np.concatenate([full.values.ravel() for _, full in pairs])
     known = np.isfinite(whole) & (whole != 0)
     alike = np.flatnonzero(known & np.isfinite(ours))
-    counted = ResponseError(alike=len(alike), known=int(known.sum()))
-    if not len(alike):
-        return counted
-    off = np.abs(ours[alike] / whole[alike] - 1)
-    top = int(np.argmax(off))
-    rms = float(np.sqrt(np.mean(off**2)))
-    return replace(counted, worst=float(off[top]), mu=float(mu[alike[top]]), rms=rms)
+    off = ours[alike] / whole[alike] - 1
+    found = ResponseError.of(off, int(known.sum()))
+    if not len(off):
+        return found
+    peak = float(np.nanmax(ours) / np.nanmax(whole)) - 1
+    return replace(found, peak=peak, mu=float(mu[alike[np.argmax(np.abs(off))]]))
 
 
 @dataclass(frozen=True)
@@ -92,8 +88,7 @@ class Losses:
       another law;
     - ``restitution``: change of 1 − R₁, the share of its speed that mode 1 loses at an impact, relative to that of the
       full model; 0 where the case holds R₁, NaN as before;
-    - ``contact``, ``sensor``: largest errors of the transfer functions from the drive, at ``…_mu`` Hz, and their
-      ``…_estimate``, a bound from the reduced solution;
+    - ``contact``, ``sensor``: largest errors of the transfer functions from the drive, at ``…_mu`` Hz;
     - ``impact``: of the contact's displacement in a half-sine pulse as long as the contact; where no contact time is
       known, ``mobility``, to which it goes as that time goes to 0;
     - ``loss``: the largest of frequency, static stiffness, restitution, contact, sensor, impact; ``decided_by``: which.
@@ -116,10 +111,8 @@ class Losses:
     restitution: float = nan
     contact: float = nan
     contact_mu: float = nan
-    contact_estimate: float = nan
     sensor: float = nan
     sensor_mu: float = nan
-    sensor_estimate: float = nan
     impact: float = nan
     why: str = ""
     response: ResponseError = UNKNOWN
@@ -141,7 +134,7 @@ class Question:
         full, small = self.transfer.full, ModalForm.of(made.structure)
         off, mac = frequency_errors(full, small), assurance(full, made, small)
         band = np.append(off, np.ones(max(self.in_band - len(off), 0)))[: max(self.in_band, 1)]
-        curves = {place: self.transfer.errors_of(made, small, place) for place in ("contact", "sensor")}
+        curves = {place: self.transfer.errors_of(small, place) for place in ("contact", "sensor")}
         mobility = 1 - made.mobility_kept if np.isfinite(made.mobility_kept) else nan
         seen = self._restitutions(small)
         parts: dict[str, float] = {
@@ -164,9 +157,7 @@ class Question:
             mac=float(mac[: max(min(self.in_band, len(mac)), 1)].min()),
             mobility=mobility,
             contact_mu=curves["contact"].max_error_mu,
-            contact_estimate=curves["contact"].max_estimate,
             sensor_mu=curves["sensor"].max_error_mu,
-            sensor_estimate=curves["sensor"].max_estimate,
             **{**parts, **seen},  # type: ignore[arg-type]
         ), curves
 

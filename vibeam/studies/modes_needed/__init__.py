@@ -1,0 +1,1 @@
+"""Number of modes that a case needs: what reductions lose, and what converges with more and more modes."""
