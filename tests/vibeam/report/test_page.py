@@ -359,7 +359,7 @@ def test_what_was_measured_and_the_figures_and_maps_of_the_case_are_on_the_page(
     assert 'alt="Map plane' not in before
     run_map(case, "plane", tmp_path / "case_plane.h5")
     after = page(found)
-    assert 'alt="Map plane"' in after
+    assert 'alt="Map plane, without its exact lines"' in after
     curve = re.search(r'data-name="ends" data-csv="([^"]+)"', after)[1].splitlines()
     assert curve[0] == "panel,curve,x,y"
     assert len(curve) > 10
@@ -432,7 +432,7 @@ def test_points_that_were_not_run_and_references_that_are_not_there_are_said(tmp
     assert 0 < found.missing < found.result.total
     text = page(found)
     assert f"{found.missing} of 14 points were not run yet" in text
-    assert "Not checked against lab" in text
+    assert "lab: no such file beside the results" in text
 
 
 def test_what_is_no_result_is_refused_in_one_line(tmp_path, results):

@@ -65,9 +65,9 @@ def write_map(found: Any, *paths: Path, exact: bool = True) -> list[str]:
     return notes
 
 
-def map_figure(found: Any) -> Figure:
-    """The figure of a map, which is as of ``study_of``."""
-    return _figure(found, found.plan.boundaries, [])
+def map_figure(found: Any, exact: bool = True) -> Figure:
+    """The figure of a map, which is as of ``study_of``; ``exact``: with closed forms, which may take seconds."""
+    return _figure(found, exact and found.plan.boundaries, [])
 
 
 def _figure(found: Any, exact: bool, notes: list[str]) -> Figure:

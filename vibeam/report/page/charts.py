@@ -114,13 +114,20 @@ def chart_data(stored: StoredResult) -> dict[str, Any]:
 
 
 def motion_frequencies(result: Result) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Frequencies (Hz) of the motions on the page: evenly among the points, as many as there is room for, and peaks."""
-    branches = sum(len(list(each.items())) for each in result.values())
-    room = int(np.clip(MOTIONS_BYTES // (MOTION_BYTES * max(branches, 1)), FEWEST, MOST))
-    grid = np.unique(np.concatenate([each.frequency for several in result.values() for _, each in several.items()]))
-    chosen = grid[np.unique(np.linspace(0, len(grid) - 1, room).astype(int))]
-    peaks = [each.peak.frequency for several in result.values() for _, each in several.items()]
-    return np.unique(np.append(chosen, [peak for peak in peaks if np.isfinite(peak)]))
+    """Frequencies (Hz) of the motions on the page: peaks, and evenly among the points as far as there is room."""
+    branches = [response for each in result.values() for _, response in each.items()]
+    room = int(np.clip(MOTIONS_BYTES // (MOTION_BYTES * max(len(branches), 1)), FEWEST, MOST))
+    peaks = _evenly(
+        np.unique([each.peak.frequency for each in branches if np.isfinite(each.peak.frequency)]), room // 2
+    )
+    grid = np.unique(np.concatenate([each.frequency for each in branches]))
+    return np.unique(np.append(peaks, _evenly(grid, room - len(peaks))))
+
+
+def _evenly(values: Array, most: int) -> Array:
+    """At most so many of the values, evenly by their places."""
+    chosen: Array = values[np.unique(np.linspace(0, len(values) - 1, min(most, len(values))).astype(int))]
+    return chosen
 
 
 def _fidelities(result: Result) -> list[dict[str, Any]]:

@@ -31,7 +31,7 @@ const dashOf = (each) => fidelity[each.fidelity].dash;
 const labelOf = (each) => fidelity[each.fidelity].label;
 const dashes = (each) => ({ fill: "none", stroke: colour(each), "stroke-dasharray": dashOf(each).join(" ") });
 const entry = (each) => ({ label: labelOf(each), stroke: () => colour(each), value: (plot, value) => short(value) });
-const charts = { history: [], portrait: [], spectrum: [] };
+const charts = { history: [], portrait: [], spectrum: [], beam: data.motions.some((each) => each.beam) };
 
 function drawHistory() {
   const host = byId("history"), out = data.output;
@@ -144,7 +144,7 @@ function offerAll() {
   const moving = table(["time (drive periods)", withUnit(output.name, output.unit), withUnit("velocity", speed.unit)], (each) => each.time.map((time, index) => [time, each.x[index] * output.factor, each.v[index] * speed.factor]));
   const spectrum = table(["multiple of the drive frequency", withUnit("amplitude", output.unit)], (each) => each.spectrum.map((value, index) => [multiple(each, index), 10 ** value * output.factor]));
   const beam = table(["time (drive periods)", "place (m)", "deflection (m)"], (each) => (each.beam ? Array.from({ length: data.frames }, (_, frame) => shapeAt(each, frame).map((value, index) => [(frame * each.window) / data.frames, fidelity[each.fidelity].places[index], value])).flat() : []));
-  offer(byId("beam"), "beam", { csv: beam, svg: () => { drawBeam(); return alone(byId("beam")); } });
+  if (charts.beam) offer(byId("beam"), "beam", { csv: beam, svg: () => { drawBeam(); return alone(byId("beam")); } });
   offer(byId("history"), "displacement over time", { csv: moving, svg: () => svgOf(charts.history, at()) });
   offer(byId("portrait"), "phase portrait", { csv: moving, svg: () => svgOf(charts.portrait, at()) });
   offer(byId("spectrum"), "spectrum", { csv: spectrum, svg: () => svgOf(charts.spectrum, at()) });
@@ -158,6 +158,7 @@ if (kept.length) {
   byId("pick").addEventListener("input", () => pick(+byId("pick").value));
   byId("play").addEventListener("click", play);
   for (const what of ["picked", "hidden", "theme"]) on(what, draw);
+  if (!charts.beam) byId("beam").parentElement.hidden = true;
   draw();
   offerAll();
 } else byId("motion").hidden = true;

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from vibeam.report.checks import check_report
 from vibeam.report.output import StudySheet
 from vibeam.report.page.charts import as_json, chart_data
 from vibeam.report.page.drawing import drawing, mode_shapes
@@ -29,7 +31,8 @@ def page(stored: StoredResult) -> str:
     from vibeam.figures.response_curve import frc
 
     result = stored.result
-    pictures, absent = _pictures(result)
+    response = picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result))
+    pictures, absent = _pictures(result, PICTURES_BYTES - len(response.data))
     return rendered(
         "results.html",
         ("state", "saving", *VIEWS, "start"),
@@ -42,7 +45,7 @@ def page(stored: StoredResult) -> str:
         overview=result.overview,
         no_beam=result.case.scene.no_beam,
         checks=_checks(result, stored.left_out),
-        response=picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result)),
+        response=response,
         pictures=pictures,
         absent=absent,
         provenance=sorted(stored.provenance.items()),
@@ -55,26 +58,21 @@ def study_page(title: str, overview: str, sheets: Sequence[tuple[str, StudySheet
     return rendered("study.html", ("state", "saving", "start"), title=title, overview=overview, sheets=sheets)
 
 
-def _checks(result: Result, left_out: tuple[str, ...]) -> StudySheet:
+def _checks(result: Result, left_out: Sequence[str]) -> StudySheet:
     """References, regression values and measured numbers of the case, where each fidelity was run by itself."""
-    case = result.case
-    lost = f"Not checked against {', '.join(left_out)}: no such files beside the results; name the case with --case."
-    if not (case.references or case.expectations or case.measured):
-        return StudySheet(lost if left_out else "The case names no reference to check against and no measured number.")
-    if result.accuracy is not None:
-        return StudySheet("Checked by vibeam check, which runs each fidelity by itself.")
     from vibeam.exchange.faults import CaseError
     from vibeam.figures.units import units_of
-    from vibeam.report.checks import verdicts
     from vibeam.studies.regression.check import check, compare_measured
 
+    case = result.case
+    lost = [f"{name}: no such file beside the results: name the case with --case to check it" for name in left_out]
+    if result.accuracy is not None:
+        return StudySheet("Checked by vibeam check, which runs each fidelity by itself.", notes=lost)
     try:
-        rows, measured = check(case, result), compare_measured(case, result)
+        found = check_report(check(case, result), compare_measured(case, result), units_of(case))
     except CaseError as fault:
-        return StudySheet(f"Not checked: {fault}")
-    passed, missed = (sum(row.passed is verdict for row in rows) for verdict in (True, False))
-    answer = f"{passed} passed, {missed} missed." if rows else ""
-    return StudySheet(answer, verdicts(rows, measured, units_of(case)), [lost] if left_out else [])
+        return StudySheet(f"Not checked: {fault}", notes=lost)
+    return replace(found, notes=[*lost, *found.notes])
 
 
 def _drawings(result: Result) -> list[Picture]:
@@ -86,9 +84,9 @@ def _drawings(result: Result) -> list[Picture]:
     return [Picture("Side view", "Side view to scale; what has no known shape is a box.", drawing(scene)), shapes]
 
 
-def _pictures(result: Result) -> tuple[list[Picture], list[str]]:
-    """Further figures and maps of the case as far as there is room; which are not shown, and why."""
-    shown, absent, room = [], [], PICTURES_BYTES
+def _pictures(result: Result, room: int) -> tuple[list[Picture], list[str]]:
+    """Further figures and maps of the case as far as ``room`` (bytes) goes; which are not shown, and why."""
+    shown, absent = [], []
     for name, words, make in _figures(result):
         if make is None:
             absent.append(f"{words}, which vibeam map puts beside the results")
@@ -113,4 +111,5 @@ def _figures(result: Result) -> Iterator[tuple[str, str, Callable[[], Figure] | 
     for name in result.case.maps:
         files = [path.with_name(f"{stem}_{name}.h5") for stem in (path.stem, result.case.path.stem)]
         found = next(filter(None, (stored_map(result.case, name, file) for file in files)), None)
-        yield name, f"Map {name}", None if found is None else partial(map_figure, found)
+        plain = ", without its exact lines" if found and found.plan.boundaries else ""
+        yield name, f"Map {name}{plain}", None if found is None else partial(map_figure, found, exact=False)

@@ -32,7 +32,7 @@ def texts(table: ReportTable) -> dict[str, Any]:
 
 
 DOTS = 110  # dots an inch of a picture of dots
-LINES_BYTES = 120_000  # largest picture of lines: a larger one is shown in dots
+LINES_BYTES = 80_000  # picture of lines that is kept whatever its size in dots
 NUMBERS_BYTES = 60_000  # largest text of a picture's numbers that the page holds
 
 
@@ -55,7 +55,7 @@ class Picture:
 
 
 def picture(name: str, words: str, make: Callable[[], Figure]) -> Picture:
-    """Picture of a figure: as SVG, as PNG where that is too large."""
+    """Picture of a figure: as SVG, as PNG where that is large and a PNG is smaller."""
     import matplotlib as mpl
 
     from vibeam.figures.files import METADATA
@@ -64,11 +64,11 @@ def picture(name: str, words: str, make: Callable[[], Figure]) -> Picture:
     with mpl.rc_context(PAGE):
         figure = composed(make)
         figure.set_layout_engine(None)  # the layout is found: keep it for both formats
-        kind, content = "image/svg+xml", BytesIO()
-        figure.savefig(content, format="svg", metadata=METADATA[".svg"])
-        if content.tell() > LINES_BYTES:
-            kind, content = "image/png", BytesIO()
-            figure.savefig(content, format="png", dpi=DOTS)
+        lines, dots = BytesIO(), BytesIO()
+        figure.savefig(lines, format="svg", metadata=METADATA[".svg"])
+        if lines.tell() > LINES_BYTES:
+            figure.savefig(dots, format="png", dpi=DOTS)
+    kind, content = ("image/png", dots) if 0 < dots.tell() < lines.tell() else ("image/svg+xml", lines)
     return Picture(name, words, f"{kind};base64,{b64encode(content.getvalue()).decode()}", numbers_of(figure))
 
 
