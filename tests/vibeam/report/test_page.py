@@ -3,6 +3,7 @@
 import base64
 import csv
 import json
+import os
 import re
 from html.parser import HTMLParser
 from itertools import pairwise
@@ -348,14 +349,10 @@ def test_what_was_measured_and_the_figures_and_maps_of_the_case_are_on_the_page(
     marks = {each["name"]: each for each in charts.chart_data(found)["references"]}
     assert (marks["lab"]["frequency"], marks["lab"]["value"], marks["lab"]["single"]) == ([30.0], [1e-5], False)
     assert (marks["top"]["frequency"], marks["top"]["value"], marks["top"]["bar"]) == ([50.0], [2e-4], [1e-5])
-    assert (marks["one"]["quantity"], marks["one"]["frequency"], marks["one"]["value"]) == (
-        "impact_velocity",
-        [40.0],
-        [3e-3],
-    )
+    assert [marks["one"][each] for each in ("quantity", "frequency", "value")] == ["impact_velocity", [40.0], [3e-3]]
     assert "where" not in marks
     before = page(found)
-    assert "Not shown: Map plane, which vibeam map puts beside" in before
+    assert "Not shown: Map plane, which vibeam map draws beside" in before
     assert 'alt="Map plane' not in before
     run_map(case, "plane", tmp_path / "case_plane.h5")
     after = page(found)
@@ -363,6 +360,11 @@ def test_what_was_measured_and_the_figures_and_maps_of_the_case_are_on_the_page(
     curve = re.search(r'data-name="ends" data-csv="([^"]+)"', after)[1].splitlines()
     assert curve[0] == "panel,curve,x,y"
     assert len(curve) > 10
+    drawn = tmp_path / "case_plane.svg"
+    drawn.write_text("<svg xmlns='http://www.w3.org/2000/svg'/>", encoding="utf-8")
+    assert base64.b64encode(drawn.read_bytes()).decode() in page(found)
+    os.utime(drawn, (0, 0))
+    assert base64.b64encode(drawn.read_bytes()).decode() not in page(found)
     run_map(
         vibeam.load(tmp_path / "case.toml", {"drive.amplitude": "0.03 mm"}),
         "plane",

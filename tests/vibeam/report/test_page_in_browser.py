@@ -207,7 +207,7 @@ def test_every_view_is_saved_as_numbers_and_pictures_on_white_paper(browser, fil
     rows = list(csv.reader(saved(found, "CSV of frequency response").decode("utf-8-sig").splitlines()))
     assert rows[0][:3] == ["fidelity", "sweep", "frequency (Hz)"]
     assert [float(row[2]) for row in rows[1:8]] == list(range(30, 61, 5))
-    assert saved(found, "CSV of Response").decode("utf-8-sig").startswith("fidelity,modes,")
+    assert saved(found, "CSV of Fidelities").decode("utf-8-sig").startswith("fidelity,modes,")
     assert found.said == []
     assert found.foreign == []
     found.page.close()

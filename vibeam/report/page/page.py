@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from vibeam.report.checks import check_report
 from vibeam.report.output import StudySheet
 from vibeam.report.page.charts import as_json, chart_data
 from vibeam.report.page.drawing import drawing, mode_shapes
-from vibeam.report.page.parts import Picture, picture, rendered
+from vibeam.report.page.parts import KINDS, Picture, embedded, picture, rendered
 from vibeam.report.run_report import run_report
 from vibeam.system.response import modes_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from vibeam.runs.result import Result
     from vibeam.runs.stored_result import StoredResult
 
 
 VIEWS = ("numbers", "chart", "result", "response", "motion", "participation")
-PICTURES_BYTES = 420_000  # of all static pictures together
+PICTURES_BYTES, MAP_BYTES = 420_000, 160_000  # of all static pictures together, of one that a map has beside it
+PLANES = ("stability", "verdict")  # pictures of maps that a study makes
 
 
 def page(stored: StoredResult) -> str:
@@ -86,30 +86,38 @@ def _drawings(result: Result) -> list[Picture]:
 
 def _pictures(result: Result, room: int) -> tuple[list[Picture], list[str]]:
     """Further figures and maps of the case as far as ``room`` (bytes) goes; which are not shown, and why."""
+    from vibeam.report.figures import figure
+
     shown, absent = [], []
-    for name, words, make in _figures(result):
-        if make is None:
-            absent.append(f"{words}, which vibeam map puts beside the results")
-        elif len((made := picture(name, words, make)).data) > room:
-            absent.append(f"{words}, too large for this page")
+    plans = [(name, plan) for name, plan in result.case.shows.items() if name in result.shown]
+    made = (picture(name, f"Figure {name}: {plan.kind}", partial(figure, result, plan)) for name, plan in plans)
+    for each in chain(made, (_map(result, name) or name for name in result.case.maps)):
+        if isinstance(each, str):
+            absent.append(f"Map {each}, which vibeam map draws beside the results")
+        elif len(each.data) > room:
+            absent.append(f"{each.words}, too large for this page")
         else:
-            shown.append(made)
-            room -= len(made.data)
+            shown.append(each)
+            room -= len(each.data)
     return shown, absent
 
 
-def _figures(result: Result) -> Iterator[tuple[str, str, Callable[[], Figure] | None]]:
-    """Name, words and drawing of each figure and map of the case; None of a map that is not beside the results."""
+def _map(result: Result, name: str) -> Picture | None:
+    """Picture of a map beside the results: its own where that is no older than the map, else drawn from its motions."""
     from vibeam.maps.run import stored_map
-    from vibeam.report.figures import figure
     from vibeam.report.maps.page import map_figure
 
-    for name, plan in result.case.shows.items():
-        if name in result.shown:
-            yield name, f"Figure {name}: {plan.kind}", partial(figure, result, plan)
     path = result.path or result.case.path
-    for name in result.case.maps:
-        files = [path.with_name(f"{stem}_{name}.h5") for stem in (path.stem, result.case.path.stem)]
-        found = next(filter(None, (stored_map(result.case, name, file) for file in files)), None)
-        plain = ", without its exact lines" if found and found.plan.boundaries else ""
-        yield name, f"Map {name}{plain}", None if found is None else partial(map_figure, found, exact=False)
+    files = [path.with_name(f"{stem}_{name}.h5") for stem in (path.stem, result.case.path.stem)]
+    found = next(filter(None, (stored_map(result.case, name, file) for file in files)), None)
+    if found is None:
+        return None
+    stats = {file: file.stat() for kind in KINDS if (file := found.path.with_suffix(kind)).is_file()}
+    sizes = {file: each.st_size for file, each in stats.items() if each.st_mtime >= found.path.stat().st_mtime}
+    if sizes and min(sizes.values()) < MAP_BYTES:
+        smallest = min(sizes, key=lambda file: sizes[file])
+        return Picture(name, f"Map {name}", embedded(KINDS[smallest.suffix], smallest.read_bytes()))
+    if found.plan.picture in PLANES:  # more than a picture: they would be studied anew
+        return None
+    words = f"Map {name}" + ", without its exact lines" * found.plan.boundaries
+    return picture(name, words, partial(map_figure, found, exact=False))

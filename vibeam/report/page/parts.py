@@ -33,6 +33,7 @@ def texts(table: ReportTable) -> dict[str, Any]:
 
 DOTS = 110  # dots an inch of a picture of dots
 LINES_BYTES = 80_000  # picture of lines that is kept whatever its size in dots
+KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
 NUMBERS_BYTES = 60_000  # largest text of a picture's numbers that the page holds
 
 
@@ -68,8 +69,13 @@ def picture(name: str, words: str, make: Callable[[], Figure]) -> Picture:
         figure.savefig(lines, format="svg", metadata=METADATA[".svg"])
         if lines.tell() > LINES_BYTES:
             figure.savefig(dots, format="png", dpi=DOTS)
-    kind, content = ("image/png", dots) if 0 < dots.tell() < lines.tell() else ("image/svg+xml", lines)
-    return Picture(name, words, f"{kind};base64,{b64encode(content.getvalue()).decode()}", numbers_of(figure))
+    kind, content = (".png", dots) if 0 < dots.tell() < lines.tell() else (".svg", lines)
+    return Picture(name, words, embedded(KINDS[kind], content.getvalue()), numbers_of(figure))
+
+
+def embedded(kind: str, content: bytes) -> str:
+    """A file of some kind (MIME) as the content of a data URL."""
+    return f"{kind};base64,{b64encode(content).decode()}"
 
 
 def numbers_of(figure: Figure) -> str:
