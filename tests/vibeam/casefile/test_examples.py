@@ -48,6 +48,17 @@ def test_an_example_is_written_with_its_files_and_runs(name: str, tmp_path: Path
     runs(tmp_path / f"{name}.toml")
 
 
+def test_examples_share_a_folder_but_not_their_files(tmp_path: Path) -> None:
+    for name in ("dtu", "modes"):
+        new(f"{tmp_path}/", "--from", name)
+    for file in tmp_path.glob("modes.toml"):
+        file.unlink()
+    (tmp_path / "dtu_neutral_two_modes.csv").write_text("mine")
+    assert "two_modes.csv: is there already" in new(f"{tmp_path}/", "--from", "modes", expect=2)
+    assert not (tmp_path / "modes.toml").exists()
+    assert (tmp_path / "dtu_neutral_two_modes.csv").read_text() == "mine"
+
+
 def test_a_name_that_is_none_lists_the_examples(tmp_path: Path) -> None:
     wrong, listed = new("--from", "tub", expect=2), new("--from", "list")
     assert wrong.startswith("--from tub: no such example; did you mean tube? there are\n")

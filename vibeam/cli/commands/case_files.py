@@ -109,6 +109,7 @@ def new(
     name = f"{example or 'case'}.toml"
     target = output_path(out or path or name, name, (".toml",), "a case file")
     texts = {target.with_name(other): content for other, content in beside.items()} | {target: text}
+    texts = {file: content for file, content in texts.items() if file == target or not _holds(file, content)}
     for file in texts:
         if file.exists():
             raise UsageError(f"{file}: is there already: name another file, or folder")
@@ -146,6 +147,11 @@ def _list_examples() -> None:
 
     lines = [f"{each:16}{meaning}" for each, meaning in meanings().items()]
     print_result({"examples": meanings()}, head=lines)
+
+
+def _holds(file: Path, content: str) -> bool:
+    """Test whether a file is there as it would be written."""
+    return file.is_file() and file.read_bytes() == content.encode()
 
 
 def _write(file: Path, text: str) -> None:
