@@ -9,6 +9,7 @@ import numpy as np
 from vibeam.case.grid_keys import DISPLACEMENT, FREQUENCY, GAP, LEVELS, RESTITUTION, SHARE, VELOCITY, AxisPlan
 from vibeam.casefile import quantities as units
 from vibeam.casefile.quantities import UnitError, to_si
+from vibeam.exchange.faults import CaseError
 from vibeam.periodic.modal_sums import sums
 from vibeam_models.arrays import Array
 
@@ -153,6 +154,10 @@ def _usual(case: Case, key: str, fidelity: str) -> tuple[float, float]:
     omega = np.asarray(2 * np.pi * np.linspace(grid.min(), grid.max(), 101))
     free = _swing(case, fidelity, omega)
     half = max(WIDE * free / _at_contact(case), 2 * abs(own))
+    try:
+        case.model(fidelity).at({GAP: -half}).checked()
+    except CaseError:  # nothing would fit between two stops
+        return 0.0, half
     return -half, half
 
 

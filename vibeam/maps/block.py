@@ -25,7 +25,7 @@ from vibeam.maps.points import (
 )
 from vibeam.periodic.orbit_map import orbit_points
 from vibeam.store.blocks import Values
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Flags
 
 if TYPE_CHECKING:
     from vibeam.batches.response import BatchResponse
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 Way = Literal["up", "down", "harder", "softer"]  # of a sweep; motions with one impact, by which of the two it is
-Motions = Literal["flown", "judged", "orbits"]
+Source = Literal["flown", "judged", "orbits"]
 CODES = ("period", "ended", "resting", "kind", "admissible", "stable")
 DTYPES: Mapping[str, type] = dict.fromkeys(CODES, np.int16)
 SWEPT = ("period", "ended", "state", "resting", "cpu_seconds")  # read of sweeps that are judged, beside a quantity
@@ -69,7 +69,7 @@ class Grid:
     strobes: int = 0
     starts: Starts | None = None
     lanes: bool = True
-    motions: Motions = "flown"
+    motions: Source = "flown"
     periods: int = 1
 
     @property
@@ -155,13 +155,18 @@ def _back_on_stop(points: GridPoints, column: int, before: BatchResponse | None)
     """States admissible to the stops of the next column: one beyond its stop, or that rested on it, is put onto it."""
     if before is None or np.array_equal(points.gap[:, column], points.gap[:, column - 1]) or _yields(points):
         return before
-    contacts = np.array([system.contact for system in points.systems])[points.which[:, column]]
+    return replace(before, state=onto_stops(points, np.s_[:, column], before.state, before.resting))
+
+
+def onto_stops(points: GridPoints, part: Any, state: Array, resting: Flags | bool = False) -> Array:
+    """States (places, 2n) at a ``part`` of the points; those beyond their stop, or resting, are put onto it."""
+    contacts = np.array([system.contact for system in points.systems])[points.which[part]]
     n = contacts.shape[1]
-    beyond = np.sum(before.state[:, :n] * contacts, axis=1) - points.gap[:, column]
-    moved = np.where((beyond > 0) | before.resting, beyond, 0.0) / np.sum(contacts**2, axis=1)
-    state = before.state.copy()
-    state[:, :n] -= moved[:, None] * contacts
-    return replace(before, state=state)
+    beyond = np.sum(state[:, :n] * contacts, axis=1) - points.gap[part]
+    moved = state.copy()
+    shift = np.where((beyond > 0) | resting, beyond, 0.0) / np.sum(contacts**2, axis=1)
+    moved[:, :n] -= shift[:, None] * contacts
+    return moved
 
 
 def _yields(points: GridPoints) -> bool:

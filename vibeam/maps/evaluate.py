@@ -17,8 +17,8 @@ from vibeam.case.case import units_of_output
 from vibeam.case.grid_keys import DISPLACEMENT, FREQUENCY, SHARE, STARTS, VELOCITY, MapPlan, axis_faults
 from vibeam.case.source import of_source
 from vibeam.exchange.faults import CaseError, Fault
-from vibeam.maps.block import QUANTITIES, SWEPT, Block, Grid, Motions, Way, evaluate_block
-from vibeam.maps.models import fidelities_of
+from vibeam.maps.block import QUANTITIES, SWEPT, Block, Grid, Source, Way, evaluate_block
+from vibeam.maps.models import models_of
 from vibeam.maps.points import Axis, Starts, shape_of
 from vibeam.store.blocks import Values
 from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
@@ -210,7 +210,7 @@ LEAST, MOST = 256, 50_000  # points of a block
 FILES = 20_000  # blocks of a map, about: of larger maps each is longer, so that one client can hand them all out
 
 
-PICTURED: Mapping[str, Motions] = {"verdict": "judged", "stability": "orbits"}
+PICTURED: Mapping[str, Source] = {"verdict": "judged", "stability": "orbits"}
 
 
 def plan_of(case: Case, name: str | MapPlan) -> MapPlan:
@@ -236,7 +236,7 @@ def grids_of(case: Case, plan: MapPlan) -> Mapping[str, Grid]:
             direction=plan.direction, frequency=plan.frequency, settle=plan.settle, hold=plan.hold,
             output=plan.output, strobes=plan.strobes, starts=starts,
         )
-        for fidelity in fidelities_of(case, plan)
+        for fidelity in models_of(case, plan).twins
     }  # fmt: skip
     if kind == "flown":
         return grids

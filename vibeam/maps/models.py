@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -32,11 +33,6 @@ class MappedModels:
     def names(self) -> tuple[str, ...]:
         """One fidelity of each model."""
         return tuple(self.twins)
-
-
-def fidelities_of(case: Case, plan: MapPlan) -> tuple[str, ...]:
-    """Fidelities of a map, one of each model where its picture compares models; errors as in ``models_of``."""
-    return models_of(case, plan).names
 
 
 def models_of(case: Case, plan: MapPlan) -> MappedModels:
@@ -70,7 +66,9 @@ def _compared(case: Case, plan: MapPlan) -> MappedModels:
         elif fidelity.solver != "flight":
             notes.append(f'{name}: left out, for its solver is "{fidelity.solver}" and not flight')
         elif not plan.fidelities and len(fidelity.changes) > usual:
-            changed = ", ".join(fidelity.changes)
+            tables = Counter(key.partition(".")[0] for key in fidelity.changes)
+            keys = [key for key in fidelity.changes if tables[key.partition(".")[0]] == 1]
+            changed = ", ".join([*keys, *(table for table, count in tables.items() if count > 1)])
             notes.append(f"{name}: left out, for it changes the rig ({changed}): name it by --fidelity")
         else:
             found[name] = [name]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from vibeam.case.grid_keys import MapPlan
     from vibeam.maps.cluster import Cluster
     from vibeam.maps.result import MapResult
+    from vibeam.report.output import StudySheet
 
 
 def _option(name: str, said: str, **more: Any) -> Any:
@@ -83,15 +84,16 @@ def map(
     }  # fmt: skip
     given = {name: value for name, value in asked.items() if value is not None}
     plans = of_case(case, lambda: _plans(loaded, names or [], picture, given))
-    found, notes, files = [], dict[str, list[str]](), list[Path]()
+    sheets: list[tuple[str, StudySheet]] = []
+    files: list[Path] = []
     for plan in plans:
         path = _path(loaded, out, plan.name, len(plans))
-        drawn, notes[plan.name], written = of_case(case, lambda: _drawn(_computed(loaded, plan, path, fresh, cluster)))  # noqa: B023
-        found.append(drawn)
+        sheet, written = of_case(case, lambda: _drawn(_computed(loaded, plan, path, fresh, cluster)))  # noqa: B023
+        sheets.append((plan.name, sheet))
         files += written
-    from vibeam.report.maps.page import sheet_of
+    from vibeam.report.maps.page import one_sheet
 
-    print_sheet(sheet_of(found, notes), files)
+    print_sheet(one_sheet(sheets), files)
 
 
 def _counts(points: str | None, frequencies: int | None) -> tuple[int, ...] | None:
@@ -167,14 +169,14 @@ def _sketch(result: MapResult) -> None:
     write_map(result, result.path.with_suffix(".png"), exact=False)
 
 
-def _drawn(result: MapResult) -> tuple[Any, list[str], list[Path]]:
-    """The study of a map, notes on its picture, and all files, of which the picture and a table are written."""
+def _drawn(result: MapResult) -> tuple[StudySheet, list[Path]]:
+    """The sheet of a map, and all its files, of which pictures and table are written."""
     from vibeam.figures.files import paths_of
-    from vibeam.report.maps.page import rows_of_csv, study_of, write_map
+    from vibeam.report.maps.page import sheet_of, study_of, write_map
     from vibeam.report.output import write_csv
 
     found, figures = study_of(result), paths_of(result.path, result.case.figure)
-    notes, rows, table = write_map(found, *figures), rows_of_csv(found), result.path.with_suffix(".csv")
-    if rows:
-        write_csv(rows, table)
-    return found, notes, [result.path, *([table] if rows else []), *figures]
+    sheet, table = sheet_of(found, write_map(found, *figures)), result.path.with_suffix(".csv")
+    if sheet.rows:
+        write_csv(sheet.rows, table)
+    return sheet, [result.path, *([table] if sheet.rows else []), *figures]

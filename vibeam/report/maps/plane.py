@@ -174,7 +174,7 @@ class _Page:
             for part in each.parts():
                 self._line(axes, each, part, f"{each.kind.name.lower()}-{number}-{part[0]}")
         if self.inside:
-            axes.axhline(self.own, gid="own", **OWN)
+            axes.axhline(self.own, gid="own", path_effects=[HALO], **OWN)
 
     @property
     def inside(self) -> bool:

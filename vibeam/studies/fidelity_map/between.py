@@ -11,27 +11,21 @@ It is verified at places drawn at random, flown anew with more time to settle.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.batches.batch import batch
-from vibeam.batches.points import changed
-from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, SHARE
-from vibeam.maps.block import SWEPT
-from vibeam.maps.evaluate import grid_of
+from vibeam.case.grid_keys import FREQUENCY
+from vibeam.maps.block import SWEPT, onto_stops
 from vibeam.maps.irregular import NO_CONTACT, judged
-from vibeam.maps.points import Axis, GridPoints, grid_points
+from vibeam.maps.points import GridPoints, scattered
 from vibeam.periodic.modal_sums import sums
 from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.runs.parallel import run_parallel
 from vibeam.studies.fidelity_map.judgement import Codes, ComparedModels, Motions, cheapest, doubtful, motions
-from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
 
 UP, DOWN = 0, 1
 ONE = 1  # period
@@ -46,40 +40,9 @@ class _Cell:
     weights: Array
 
 
-def points_at(found: ComparedModels, model: Motions, hertz: Array, values: Array) -> GridPoints:
-    """Systems and drives at scattered places (1, places): Hz and SI values of the key."""
-    case, key, rows = found.case, found.plan.axes[-2].key, found.values
-    omega, own = 2 * np.pi * hertz[None, :], model.points
-    if key in (GAP, SHARE, *LEVELS):
-        gap = np.interp(values, rows, own.gap[:, 0])[None, :]
-        drive = np.atleast_1d(case.amplitude_of(model.name, omega[0])) * np.ones(len(hertz))
-        first = np.atleast_1d(case.amplitude_of(model.name, own.omega[0, :1]))[0]
-        share = np.interp(values, rows, own.amplitude[:, 0] / first)
-        zeros = np.zeros(omega.shape, dtype=np.int64)
-        return GridPoints(own.systems, zeros, omega, (drive * share)[None, :], gap, None, {})
-    made = [_point(case, model.name, key, float(f), float(v)) for f, v in zip(hertz, values, strict=True)]
-    rebounds = None if own.restitution is None else np.array([[each.restitution[0, 0] for each in made]])  # type: ignore[index]
-    return GridPoints(
-        tuple(each.systems[0] for each in made), np.arange(len(made))[None, :], omega,
-        np.array([[each.amplitude[0, 0] for each in made]]), np.array([[each.gap[0, 0] for each in made]]),
-        rebounds, {},
-    )  # fmt: skip
-
-
-def _point(case: Case, name: str, key: str, hertz: float, value: float) -> GridPoints:
-    grid = grid_of(
-        case, name, {key: [value], FREQUENCY: [hertz]}, quantities=("amplitude",), direction="up"
-    )  # fmt: skip
-    axes = (Axis(key, (value,)), Axis(FREQUENCY, (hertz,)))
-    return grid_points(grid.model, axes, None, np.zeros(1, dtype=np.int64))
-
-
-def system_at(points: GridPoints, place: int) -> tuple[ImpactSystem, Drive]:
-    """System and drive at one of scattered places."""
-    base = points.systems[int(points.which[0, place])]
-    rebound = base.restitution if points.restitution is None else float(points.restitution[0, place])
-    drive = Drive(float(points.omega[0, place]), float(points.amplitude[0, place]))
-    return changed(base, float(points.gap[0, place]), rebound, 1.0), drive
+def _points(found: ComparedModels, model: Motions, hertz: Array, values: Array) -> GridPoints:
+    """Systems and drives of a model at scattered places (1, places): Hz and SI values of the key."""
+    return scattered(found.case.model(model.name), {found.plan.axes[-2].key: values, FREQUENCY: hertz})
 
 
 def labels_between(found: ComparedModels, hertz: Array, values: Array) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
@@ -114,7 +77,7 @@ def _read(found: ComparedModels, model: Motions, hertz: Array, values: Array, ce
     count = len(cells)
     value, error, kind = np.zeros((2, 1, count)), np.zeros((2, 1, count)), np.zeros((2, 1, count), dtype=np.int64)
     coexist = np.ones((1, count), dtype=np.int64)
-    points = points_at(found, model, hertz, values)
+    points = _points(found, model, hertz, values)
     for place, cell in enumerate(cells):
         kinds = model.kind[:, cell.rows, cell.columns]
         mixed = bool(np.any(kinds != kinds[:, :1]))
@@ -126,9 +89,7 @@ def _read(found: ComparedModels, model: Motions, hertz: Array, values: Array, ce
         count_here = model.count[cell.rows, cell.columns]
         same = np.all(count_here == count_here[0])
         coexist[0, place] = count_here[0] if same else 1 + int(_differ(kind[:, 0, place], value[:, 0, place]))
-    return replace(
-        model, value=value, error=error, kind=kind, count=coexist, exponent=np.full(value.shape, np.nan), points=points
-    )
+    return replace(model, value=value, error=error, kind=kind, count=coexist, exponent=np.full(value.shape, np.nan))
 
 
 def _differ(kinds: Codes, values: Array) -> bool:
@@ -139,7 +100,7 @@ class _Known:
     """Motions in closed form at one place; asked for only where kinds meet."""
 
     def __init__(self, points: GridPoints, place: int, output: str, quantity: str) -> None:
-        self.system, self.drive = system_at(points, place)
+        self.system, self.drive = points.system_at(place), points.drive_at(place)
         self.output, self.quantity, self.plain = output, quantity, not self.system.beyond_plain
         self._one: list[Orbit] | None = None
 
@@ -233,13 +194,13 @@ def verified(found: ComparedModels, count: int, seed: int = SEED) -> Verificatio
 
 def _flown(found: ComparedModels, model: Motions, hertz: Array, values: Array) -> Motions:
     """Both ways from the state of the nearest place that the sweep passed before."""
-    points, plan = points_at(found, model, hertz, values), found.plan
+    points, plan = _points(found, model, hertz, values), found.plan
     rows = np.abs(found.values[:, None] - values).argmin(axis=0)
     left = np.clip(np.searchsorted(found.frequency, hertz) - 1, 0, len(found.frequency) - 2)
     systems: Any = points.systems[0] if len(points.systems) == 1 else points.system[0]  # type: ignore[index]
     responses = []
     for way, columns in enumerate((left, left + 1)):
-        state = _onto_stops(model.state[way, rows, columns], points)
+        state = onto_stops(points, 0, model.state[way, rows, columns])
         responses.append(batch(
             systems, points.omega[0], points.amplitude[0], gap=points.gap[0],
             restitution=None if points.restitution is None else points.restitution[0], state=state,
@@ -247,16 +208,5 @@ def _flown(found: ComparedModels, model: Motions, hertz: Array, values: Array) -
         ))  # fmt: skip
     swept = {name: np.stack([getattr(each, name) for each in responses])[None] for name in (plan.quantity, *SWEPT)}
     read = judged(points, swept, plan.quantity, plan.hold, plan.output)
-    return motions(
-        model.name, points, {name: np.moveaxis(each, 1, 0) for name, each in read.items()}, plan.quantity
-    )  # fmt: skip
-
-
-def _onto_stops(state: Array, points: Any) -> Array:
-    """States (places, 2n) whose contact lies beyond the stop of its place are put back onto it."""
-    contacts = np.array([system.contact for system in points.systems])[points.which[0]]
-    n = contacts.shape[1]
-    beyond = np.maximum(np.sum(state[:, :n] * contacts, axis=1) - points.gap[0], 0.0)
-    moved = state.copy()
-    moved[:, :n] -= (beyond / np.sum(contacts**2, axis=1))[:, None] * contacts
-    return moved
+    moved = {name: np.moveaxis(each, 1, 0) for name, each in read.items()}
+    return motions(model.name, model.modes, moved, plan.quantity)

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.maps.irregular import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT
-from vibeam.maps.points import GridPoints
 from vibeam_models.arrays import Array, Flags, ValueRecord
 
 if TYPE_CHECKING:
@@ -51,16 +50,15 @@ class Motions:
     count: NDArray[np.int64]
     state: Array
     resting: NDArray[np.bool_]
-    points: GridPoints
     cpu: float
 
 
-def motions(name: str, points: GridPoints, found: Values, quantity: str) -> Motions:
+def motions(name: str, modes: int, found: Values, quantity: str) -> Motions:
     """Motions of a model from arrays (ways, rows, columns, …) by name: see ``irregular.judged``."""
     value, error, kind = found[quantity], found["error"], found["kind"].astype(np.int64)
     return Motions(
-        name, points.systems[0].size, value, error, kind, found["exponent"], _coexisting(value, error, kind),
-        found["state"], found["resting"] > 0, points, float(np.mean(found["cpu_seconds"])),
+        name, modes, value, error, kind, found["exponent"], _coexisting(value, error, kind),
+        found["state"], found["resting"] > 0, float(np.mean(found["cpu_seconds"])),
     )  # fmt: skip
 
 

@@ -16,10 +16,8 @@ from vibeam.case.grid_keys import MapPlan
 from vibeam.case.source import of_source
 from vibeam.maps.axes import points_of
 from vibeam.maps.boundaries import PlaneBoundary, boundaries_of
-from vibeam.maps.evaluate import grids_of
 from vibeam.maps.models import models_of
 from vibeam.maps.plan import plan_over
-from vibeam.maps.points import grid_points
 from vibeam.maps.run import Progress, run_map
 from vibeam.runs.parallel import run_parallel
 from vibeam.studies.fidelity_map.between import LONGER, Verification, verified
@@ -189,10 +187,10 @@ def _thinned(plan: MapPlan, counts: Sequence[int]) -> MapPlan:
 def fidelity_map_of(result: MapResult, verify: int | None = None) -> FidelityMap:
     """Fidelity map of a finished map with ``picture = "verdict"``; ``verify`` None: as its plan says."""
     case, plan = result.case, result.plan
-    flown = []
-    for name, grid in grids_of(case, plan).items():
-        points = grid_points(grid.model, grid.axes, grid.frequency, np.arange(grid.lines))
-        flown.append(motions(name, points, dict(result[name].values), plan.quantity))
+    flown = [
+        motions(name, case.system(name).size, dict(each.values), plan.quantity)
+        for name, each in result.responses.items()
+    ]
     compared = ComparedModels(result, tuple(sorted(flown, key=lambda model: model.modes)))  # costs grow with modes
     models, finest = compared.models, compared.finest
     bounds = run_parallel(lambda model, _: boundaries_of(case, model.name, plan.axes)[0], flown)
