@@ -137,11 +137,11 @@ def _orbit(orbit: Orbit) -> StudySheet:
 
 def _map(found: Any) -> StudySheet:
     """Sheet of a map; the picture of a plain one without what is known in closed form, which may take long."""
-    from vibeam.report.maps.page import map_figure, rows_of_csv, sheet_of
+    from vibeam.report.maps.page import map_figure, sheet_of
 
     plain = type(found).__name__ == "MapResult"
     drawn = replace(found, plan=replace(found.plan, boundaries=False)) if plain else found
-    return replace(sheet_of([found], {}), rows=rows_of_csv(found), draw=lambda: map_figure(drawn))
+    return replace(sheet_of(found), draw=lambda: map_figure(drawn))
 
 
 def _grid(response: GridResponse) -> StudySheet:

@@ -74,10 +74,11 @@ def _caption(found: MapResult) -> str:
 
 
 def sheet_of(found: Any, notes: Sequence[str] = ()) -> StudySheet:
-    """Sheet of a map, which is as of ``study_of``; ``notes`` on its picture."""
-    if isinstance(found, MapResult):
-        return _module("swept").sheet(found, notes)  # type: ignore[no-any-return]
-    return _module(found.plan.picture).sheet(found)  # type: ignore[no-any-return]
+    """Sheet of a finished map, or of a study of one; ``notes`` on its picture."""
+    shown = study_of(found) if isinstance(found, MapResult) else found
+    if isinstance(shown, MapResult):
+        return _module("swept").sheet(shown, notes)  # type: ignore[no-any-return]
+    return _module(shown.plan.picture).sheet(shown)  # type: ignore[no-any-return]
 
 
 def one_sheet(found: Sequence[tuple[str, StudySheet]]) -> StudySheet:

@@ -7,6 +7,7 @@ from math import isfinite
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -14,7 +15,7 @@ from vibeam.case.held import held_of
 from vibeam.figures.page import plain
 from vibeam.figures.style import name_of
 from vibeam.maps.boundaries import PlaneBoundary
-from vibeam.report.maps.labels import shown_axis
+from vibeam.report.maps.labels import edges, shown_axis
 from vibeam.report.maps.plane import COLUMNS, Handles, PlanePanel, draw_planes, page_size, place_of, shade, swatch
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
@@ -29,7 +30,7 @@ FINEST = "#8FA9C8"
 NEAR, FAR, FARTHER = "#E4F1DA", "#F7E3B5", "#EBB78B"  # within the accuracy, five times it, beyond
 APART = {IN_PERIOD: "#C9B6DD", IN_NUMBER: "#8E7CC3", IN_CHAOS: "#4F4789"}
 FIVE = 5.0
-HATCH = "////"
+HATCH, CLEAR = "////", ListedColormap(["#00000000"])
 BOUNDARY = ("fidelity", "boundary", "branch", "frequency", "value", "velocity", "clear")  # fields in JSON
 
 
@@ -175,7 +176,8 @@ def _regions(found: FidelityMap, exact: bool) -> PlanePanel:
     def draw(axes: Axes, x: Array, y: Array) -> None:
         shade(axes, x, y, found.label, _colours(found))
         if apart.any():
-            axes.contourf(x, y, apart.astype(float), levels=[0.5, 1.5], colors="none", hatches=[HATCH])
+            cells = np.ma.masked_where(~apart, apart)
+            axes.pcolor(edges(x), edges(y), cells, cmap=CLEAR, hatch=HATCH, edgecolors="0.15", linewidth=0, zorder=1.5)
 
     return PlanePanel(0, 0, "cheapest model that suffices", draw, _boundaries(found, found.finest.name, exact))
 
