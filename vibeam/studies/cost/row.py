@@ -12,7 +12,7 @@ the R₁ of the finest), the reduction (the finest's, with that same R₁), the 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 from math import isfinite
 from statistics import median
@@ -20,12 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.case.fidelity import with_first_mode_restitution
 from vibeam.flight.engine.threads import Clock
 from vibeam.studies.cost.measure import Measurement, Plan, Setting
 from vibeam.studies.cost.models import CostModel, first_mode_restitution_of
 from vibeam.studies.cost.reference import RunErrors, errors
-from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse, complete, periodic
 from vibeam_models.arrays import Array
 
@@ -97,51 +95,13 @@ def part(name: str, found: LinkShare) -> Part:
     return Part(name, mean, rms, max(abs(low), abs(high)), lowest=low, highest=high, peak=found.at_peak)
 
 
-Build = Callable[[CostModel, CostModel], ImpactSystem]
-Fly = Callable[[ImpactSystem], FrequencyResponse]
-
-
-def split(
-    model: CostModel,
-    finest: CostModel,
-    exact: FrequencyResponse,
-    top: FrequencyResponse,
-    build: Build,
-    fly: Fly,
-    cpu: float,
-    file: FrequencyResponse | None = None,
-) -> Split:
-    """Split the error of ``model``. ``build(model, finest)``: its system with the finest's reduction, its own
-    effects; ``fly``: the exact response of a system; ``exact`` and ``top``: those of the two ends;
-    ``file``: the reference of the finest.
-    """
-    chain, notes = [exact], ["", "", "", ""]
-    try:
-        r1 = first_mode_restitution_of(finest.system)
-        chain.append(exact if model is finest else fly(with_first_mode_restitution(model.system, r1)))
-    except ValueError as refusal:
-        chain.append(exact)
-        notes[0] = str(refusal)
-    chain += [_reduced_alike(model, finest, top, build, fly), top, *([] if file is None else [file])]
+def split(model: CostModel, chain: Sequence[FrequencyResponse], why: str, cpu: float) -> Split:
+    """Split of the error of ``model`` over the ``chain`` of responses; ``why`` the first link has no part."""
     *steps, whole = shares(chain)
-    parts = [
-        Part(name, note=note) if note else part(name, each)
-        for name, each, note in zip(LINKS, steps, notes, strict=False)
-    ]
-    r1, total = first_mode_restitution_of(model.system), part("total", whole)
-    return Split(model.name, model.system.size, r1, total, tuple(parts), len(whole.values), cpu)
-
-
-def _reduced_alike(
-    model: CostModel, finest: CostModel, top: FrequencyResponse, build: Build, fly: Fly
-) -> FrequencyResponse:
-    alike = build(model, finest)
-    try:
-        alike = with_first_mode_restitution(alike, first_mode_restitution_of(finest.system))
-    except ValueError:
-        alike = replace(alike, restitution=finest.system.restitution)
-    rounded = replace(alike, restitution=finest.system.restitution)
-    return top if rounded == finest.system else fly(alike)
+    parts = [part(name, each) for name, each in zip(LINKS, steps, strict=False)]
+    parts[0] = Part(LINKS[0], note=why) if why else parts[0]
+    seen, total = first_mode_restitution_of(model.system), part("total", whole)
+    return Split(model.name, model.system.size, seen, total, tuple(parts), len(whole.values), cpu)
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Cost study (``vibeam cost``): accuracy against time of a case, over fidelities and solvers."""
+"""Cost study (``vibeam verdict --only solvers``): accuracy against time of a case, over fidelities and solvers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import require_one_harmonic
-from vibeam.case.fidelity import gap_drift, gap_wear
+from vibeam.case.fidelity import gap_drift, gap_wear, with_first_mode_restitution
 from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import Clock, OutOfTime, ending_at
 from vibeam.runs.comparison.differences import HeldComparison
@@ -19,12 +19,13 @@ from vibeam.runs.comparison.held_comparison import compared_model, held_comparis
 from vibeam.solvers import SOLVERS, solver
 from vibeam.solvers.steady import warm_up_once
 from vibeam.studies.cost.measure import Measurement, Plan, Setting, measure, series_of
-from vibeam.studies.cost.models import CUT_SOLVERS, CostModel, built, finest, models
+from vibeam.studies.cost.models import CUT_SOLVERS, CostModel, built, finest, first_mode_restitution_of, models
 from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_schedule
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
 from vibeam.studies.cost.row import RunRow, Split, Work, compared, front, run_row, split, timed
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.progress import telling
+from vibeam.system.response import FrequencyResponse
 from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CostStudy(ValueRecord):
-    """Result of ``vibeam cost``.
+    """Result of ``vibeam.cost``.
 
     ``finest``: the reference fidelity, its solver error ``bound``; ``comparison``: with either restitution held, and
     the finest's distance from its own limit. ``reference``: the file that replaces the finest, None without one;
@@ -153,7 +154,7 @@ class _CostRuns:
         self.truth = top if self.file is None else Measurement(self.file)
         allowed = max(self._left() / 2, 0.0) if self.all_in else self.budget
         bounded = bound(self.finest.system, top, self.planning.long, self.clock, allowed)
-        splits = tuple(self._split(model, top) for model in self.models)
+        splits = tuple(self._split(model) for model in self.models)
         schedules = self._schedules()
         self.ready = self.began if self.all_in else self.clock()
         left_out = run_schedule(schedules, self._left, self._run_setting)
@@ -202,19 +203,35 @@ class _CostRuns:
         run = lambda: measure(system, setting, plan, self.clock, deadline)  # noqa: E731
         return timed(run, self.clock, self.asked.repeats, SHARE * self.budget)
 
-    def _split(self, model: CostModel, top: Measurement) -> Split:
-        def build(one: CostModel, other: CostModel) -> ImpactSystem:
-            if one is other:
-                return other.system
-            kept = {name: getattr(other.fidelity, name) for name in ("reduction", "modes", "parameters")}
-            alike = replace(one.fidelity, **kept)
-            return built(self.case, alike, one.like)
+    def _split(self, model: CostModel) -> Split:
+        """Split of a model's error: its own motion, that with the finest's R₁, its reduction too, the finest's."""
+        own, work = self.exact[model.name]
+        chain, why, top = [own.response], "", self.exact[self.finest.name][0].response
+        try:
+            chain.append(own.response if model is self.finest else self._flown(model, self._as_finest(model.system)))
+        except ValueError as refusal:
+            chain, why = [own.response] * 2, str(refusal)
+        chain += [self._reduced_alike(model, top), top, *([] if self.file is None else [self.file])]
+        return split(model, chain, why, work.cpu_min)
 
-        def fly(system: ImpactSystem) -> Any:
-            return measure(system, FLIGHT, replace(self.planning.of(model, long=True), window=0)).response
+    def _as_finest(self, system: ImpactSystem) -> ImpactSystem:
+        """System with the R₁ of the finest model; ValueError where no R gives that."""
+        return with_first_mode_restitution(system, first_mode_restitution_of(self.finest.system))
 
-        exact, work = self.exact[model.name]
-        return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
+    def _flown(self, model: CostModel, system: ImpactSystem) -> FrequencyResponse:
+        return measure(system, FLIGHT, replace(self.planning.of(model, long=True), window=0)).response
+
+    def _reduced_alike(self, model: CostModel, top: FrequencyResponse) -> FrequencyResponse:
+        """Response with the finest's reduction and R₁, the model's own effects; ``top``, the finest's, without such."""
+        kept = {name: getattr(self.finest.fidelity, name) for name in ("reduction", "modes", "parameters")}
+        alike, own = self.finest.system, self.finest.system.restitution
+        if model is not self.finest:
+            alike = built(self.case, replace(model.fidelity, **kept), model.like)
+        try:
+            alike = self._as_finest(alike)
+        except ValueError:
+            alike = replace(alike, restitution=own)
+        return top if replace(alike, restitution=own) == self.finest.system else self._flown(model, alike)
 
     def _schedules(self) -> list[RunSchedule]:
         """Series of settings of every fidelity and solver; refusals are noted."""

@@ -1,4 +1,4 @@
-"""Influence study (``vibeam influence``): changes and cost of each effect of a case, and the effects that it needs."""
+"""Influence study (``vibeam verdict --only effects``): changes and cost of each effect, and the effects needed."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class EffectRow:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class InfluenceStudy(ValueRecord):
-    """Result of ``vibeam influence``; ``rows`` sorted by influence, the largest first.
+    """Result of ``vibeam.influence``; ``rows`` sorted by influence, the largest first.
 
     ``comparison``: of the complete model with those without one effect, with either restitution held, and its distance
     from its own limit. ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest
