@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from textwrap import shorten
 from typing import Any
 
 from pydantic import BaseModel
@@ -34,6 +35,15 @@ class TableRow:
 
     table: str
     keys: int
+    meaning: str
+
+
+@dataclass(frozen=True)
+class KeyLine:
+    """One key by its dotted name, its default, and its meaning in a few words with what it may hold."""
+
+    key: str
+    default: str
     meaning: str
 
 
@@ -81,6 +91,20 @@ def tables_of() -> list[TableRow]:
     ]
     commands = f"plans of vibeam {', '.join(plans)}"
     return [*rows, TableRow("[COMMAND]", sum(counts[(name,)] for name in plans), commands)]
+
+
+def lines_of(rows: Iterable[KeyRow]) -> list[KeyLine]:
+    """A line for each of these keys; not for those of another kind of case, of which there are some without."""
+    found = list(rows)
+    own = [row for row in found if not _WITH.search(row.table)] or found
+    return [
+        KeyLine(
+            ".".join((*_place(row.table), row.key)),
+            shorten("required" if row.required else row.default, 16, placeholder=" …"),
+            shorten(f"{row.meaning.partition('; ')[0]} [{row.unit}]", 62, placeholder=" …"),
+        )
+        for row in own
+    ]
 
 
 def paths() -> list[str]:

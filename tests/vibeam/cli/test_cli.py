@@ -401,6 +401,13 @@ def test_keys_fits_a_screen(command: Command) -> None:
     assert f" {len(json.loads(command('keys', '--json').stdout)['rows'])} keys. " in lines[0]
     assert any(line.startswith("[stop] ") for line in lines)
     assert command("keys", "-v").stdout == command("keys", "--all").stdout
+    for table in ("beam", "section", "stop", "show", "map", "fidelity", "drive"):
+        shown = command("keys", table).stdout.splitlines()
+        assert len(shown) <= 40
+        assert max(map(len, shown)) <= 100
+        for row in json.loads(command("keys", table, "--json").stdout)["rows"]:
+            assert " with [" in row["table"] or any(f".{row['key']} " in line for line in shown), row
+    assert "linear" in command("keys", "stop.law").stdout
 
 
 def test_keys_lists_every_key(command: Command) -> None:

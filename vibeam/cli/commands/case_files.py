@@ -62,7 +62,7 @@ def keys(
     vibeam keys stop
     vibeam keys sweep.frequency
     """
-    from vibeam.casefile.documentation import reference_table, rows_of, tables_of
+    from vibeam.casefile.documentation import lines_of, reference_table, rows_of, tables_of
     from vibeam.report import output
 
     if schema:
@@ -75,8 +75,11 @@ def keys(
     except ValueError as unknown:
         raise UsageError(str(unknown)) from None
     write_table(rows, None if out is None else output_path(out, "keys.csv", (".csv",), "a table"))
-    if name or every or verbosity().json or verbosity().verbose:
+    if every or verbosity().json or verbosity().verbose or len(rows) == 1:
         print_result(rows, lambda tables: [tables.keys(rows)])
+    elif name:
+        more = [f"all of it: vibeam keys {name} -v; of one key: vibeam keys {lines_of(rows)[0].key}"]
+        print_result(rows, lambda tables: [tables.rows_of(f"Keys: {name}", lines_of(rows))], more)
     else:
         head = f"A case file has {len(rows)} keys. Those of one table: vibeam keys stop; of all: vibeam keys --all"
         print_result(rows, lambda tables: [tables.rows_of("Tables of a case file", tables_of())], head=[head])
