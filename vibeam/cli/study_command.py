@@ -17,6 +17,7 @@ from vibeam_models.keys import Key, keys_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.plans import FigurePlan
     from vibeam.report.declaration import StudyDeclaration
     from vibeam.report.output import StudySheet
 
@@ -74,20 +75,19 @@ def run_declared(study: StudyDeclaration, case: Case, out: str | None) -> None:
     with Bar(study.name) as bar:
         record = of_case(case.path, lambda: study.of(case, stderr().print, bar))
     sheet = study.shown(record, case)
-    print_sheet(sheet, _files(study, sheet, case, path) if out or sheet.draw or sheet.page else [], first)
+    wanted = out or sheet.draw or sheet.page
+    print_sheet(sheet, files_of(sheet, path, case.title, study.meaning, case.figure) if wanted else [], first)
 
 
-def _files(study: StudyDeclaration, sheet: StudySheet, case: Case, path: Path) -> list[Path]:
-    """Files of a study: its page, or table and figures."""
-    return [_page(study, sheet, case, path)] if path.suffix == ".html" else sheet.write(path, case.figure)
-
-
-def _page(study: StudyDeclaration, sheet: StudySheet, case: Case, path: Path) -> Path:
+def files_of(sheet: StudySheet, path: Path, title: str, meaning: str, plan: FigurePlan) -> list[Path]:
+    """Files of a sheet, written: its page, or table and figures."""
+    if path.suffix != ".html":
+        return sheet.write(path, plan)
     from vibeam.exchange.whole_files import write_whole
     from vibeam.report.page.page import study_page
 
-    write_whole(path, study_page(case.title, sheet.answer, [(study.meaning, sheet)]).encode())
-    return path
+    write_whole(path, study_page(title, sheet.answer, [(meaning, sheet)]).encode())
+    return [path]
 
 
 def _first(study: StudyDeclaration, case: Case) -> str:

@@ -46,6 +46,8 @@ def test_a_decay_in_a_file(decay: Path) -> None:
     said = fit(decay, "--x", "1", "--y", "Weg", "--out", out).output
     assert "the slope of the envelope alone gives a damping ratio of 0.017" in said
     assert out.read_text(encoding="utf-8").startswith("name,value,low,high,unit,determined")
+    fit(decay, "--out", out.with_suffix(".html"))
+    assert "taken as a decay" in out.with_suffix(".html").read_text(encoding="utf-8")
 
 
 def test_the_answer_of_a_signal(decay: Path) -> None:

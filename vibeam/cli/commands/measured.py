@@ -11,6 +11,7 @@ import typer
 from vibeam.cli.arguments import Overrides, TableFile, load, output_path, run_study, table_path
 from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_sheet
+from vibeam.cli.study_command import files_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -145,13 +146,15 @@ def _of_modes(file: Path, set_: list[str] | None, keys: list[str] | None, measur
 
 
 def _show(file: Path, found: Identification, out: str | None) -> None:
-    """Print an identification; its table is written where a file is asked for."""
+    """Print an identification; its table or page is written where a file is asked for."""
     from vibeam.case.plans import FigurePlan
     from vibeam.report.fit import identification_sheet
 
     sheet = identification_sheet(found)
-    path = None if out is None else output_path(out, f"{file.stem}_identified.csv", (".csv",), "a table")
-    print_sheet(sheet, [] if path is None else sheet.write(path, FigurePlan()))
+    path = (
+        None if out is None else output_path(out, f"{file.stem}_identified.csv", (".csv", ".html"), "a table or page")
+    )
+    print_sheet(sheet, [] if path is None else files_of(sheet, path, file.stem, found.method, FigurePlan()))
 
 
 def _of_responses(file: Path, set_: list[str] | None, out: str | None, next_: bool, write: Path | None) -> None:
@@ -161,12 +164,12 @@ def _of_responses(file: Path, set_: list[str] | None, out: str | None, next_: bo
     from vibeam.studies.fit.study import fit as fitted
 
     loaded = load(file, set_)
-    path = table_path(loaded, out, "fit")
+    path = table_path(loaded, out, "fit", (".csv", ".html"))
     if write is not None:
         _require_new(loaded, write, set_)
     study = run_study(file, loaded, lambda own, tell: fitted(own, tell, next_point=next_))
     found = sheet(study)
-    files = found.write(path, loaded.figure)
+    files = files_of(found, path, loaded.title, "keys estimated from measured responses", loaded.figure)
     if write is not None:
         write_whole(write, run_study(file, loaded, lambda *_: estimated_case(study)).encode())
         files.append(write)
