@@ -1,14 +1,12 @@
 // Charts: uPlot has axes, zoom and legend; what is in them is drawn by one function, on the page and in a saved SVG.
 import { element, ink } from "./state.js";
-import { logTicks, short } from "./numbers.js";
+import { short } from "./numbers.js";
 
 const charts = [];
 const widthOf = (host) => Math.max(280, host.clientWidth || 280);
 addEventListener("resize", () => charts.forEach((each) => each.plot.setSize({ width: widthOf(each.host), height: each.plot.height })));
 
 export const axis = (label) => ({ label, values: (plot, splits) => splits.map((value) => (value === null ? "" : short(value, 6))), stroke: () => ink(), grid: { stroke: () => ink("line"), width: 1 }, ticks: { stroke: () => ink("line") }, size: 66 });
-export const logarithmic = (label, values, size = 60) => ({ ...axis(label), size, splits: (plot, index, low, high) => logTicks(low, high), filter: (plot, splits) => splits, values: (plot, splits) => splits.map(values) });
-
 // The plot's frame for a pen: pixels of values, ``ratio`` of them to one of the page.
 function frameOf(plot, ratio) {
   const scale = ratio / devicePixelRatio, { left, top, width, height } = plot.bbox;

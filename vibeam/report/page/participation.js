@@ -1,23 +1,25 @@
 // View: share of each mode in the energy over frequency.
 import { address, byId, colourOf, element, on } from "./state.js";
-import { chart, logarithmic, svgOf } from "./chart.js";
+import { axis, chart, svgOf } from "./chart.js";
 import { percent, short, withUnit } from "./numbers.js";
 import { csv, offer } from "./saving.js";
 import { FACTOR, data, title } from "./result.js";
 import { beside, drawPieces, frequencyAxis } from "./response.js";
 
-const LEAST = 1e-6;  // a smaller share is not drawn
+const DECADES = 6;  // that are drawn, at most
+const powers = Array.from({ length: DECADES + 1 }, (_, power) => -power);
 let shown = null;
 const chosen = () => data.curves[+byId("modal").value];
 
 function draw() {
   const curve = chosen(), order = [...curve.frequency.keys()].sort((a, b) => curve.frequency[a] - curve.frequency[b]);
-  const positive = curve.shares.map((share) => share.map((value) => (value > LEAST ? value : null)));
+  const positive = curve.shares.map((share) => share.map((value) => (value > 10 ** -DECADES ? Math.log10(value) : null)));
   const columns = [curve.frequency.map((value) => value * FACTOR), ...positive].map((column) => order.map((index) => column[index]));
-  const series = [{ label: withUnit("Frequency", data.frequency.unit), value: (plot, value) => short(value, 6) }, ...positive.map((_, mode) => ({ label: `mode ${mode + 1}`, stroke: () => colourOf(data.palette[mode]), value: (plot, value) => percent(value) }))];
+  const series = [{ label: withUnit("Frequency", data.frequency.unit), value: (plot, value) => short(value, 6) }, ...positive.map((_, mode) => ({ label: `mode ${mode + 1}`, stroke: () => colourOf(data.palette[mode]), value: (plot, value) => percent(value === null ? null : 10 ** value) }))];
   const paint = (pen, at) => positive.forEach((share, mode) => drawPieces(pen, at, { ...curve, way: "up" }, "amplitude", share, { colour: colourOf(data.palette[mode]), dash: [] }, 0));
-  const scales = { x: { time: false, range: beside }, y: { distr: 3, range: (plot, low, high) => [low / 1.5, 1.3 * high] } };
-  shown = chart(byId("shares"), { words: "Share of each mode in the energy against drive frequency", height: 280, series, columns, axes: [frequencyAxis(), logarithmic("Share of the energy", percent, 72)], scales, draw: paint });
+  const scales = { x: { time: false, range: beside }, y: { range: (plot, low) => [Math.min(low - 0.1, -1), 0.1] } };
+  const up = { ...axis("Share of the energy"), size: 72, splits: (plot, index, low) => powers.filter((each) => each >= low), values: (plot, splits) => splits.map((each) => percent(10 ** each)) };
+  shown = chart(byId("shares"), { words: "Share of each mode in the energy against drive frequency", height: 280, series, columns, axes: [frequencyAxis(), up], scales, draw: paint });
 }
 
 data.curves.forEach((curve, number) => byId("modal").append(element("option", { value: number }, title(curve))));

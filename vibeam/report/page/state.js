@@ -37,17 +37,15 @@ addEventListener("hashchange", () => {
 });
 
 // Theme: the system's, or the reader's choice. What is saved or printed is on white paper.
-const PAPER = { ink: "#1d2733", pale: "#5a6675", line: "#d5dbe2", ground: "#fff" };
 const system = matchMedia("(prefers-color-scheme: dark)"), root = document.documentElement;
-let paper = false;
-const dark = () => !paper && (root.dataset.theme ? root.dataset.theme === "dark" : system.matches);
-export const ink = (name = "ink") => (paper ? PAPER[name] : getComputedStyle(root).getPropertyValue(`--${name}`));
+const dark = () => (root.dataset.theme ? root.dataset.theme === "dark" : system.matches);
+export const ink = (name = "ink") => getComputedStyle(root).getPropertyValue(`--${name}`);
 export const colourOf = (own) => (dark() ? own.dark : own.colour);
 
 export function onPaper(make) {
   const chosen = root.dataset.theme;
-  [paper, root.dataset.theme] = [true, "light"];
-  try { return make(); } finally { paper = false; setTheme(chosen); }
+  root.dataset.theme = "light";
+  try { return make(); } finally { setTheme(chosen); }
 }
 
 function setTheme(chosen) {
