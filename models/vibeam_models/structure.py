@@ -51,6 +51,13 @@ class Structure(ValueRecord):
 
     Lists are kept as arrays of floats. ValueError names every field whose shape is wrong, that is not finite, or, of
     the matrices, not symmetric. An example with own matrices is in ``vibeam.ImpactSystem.from_structure``.
+
+    >>> import vibeam
+    >>> chain = vibeam.Structure(
+    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
+    ... )
+    >>> (chain.modes().omega ** 2).round(9).tolist()
+    [1.0, 3.0]
     """
 
     M: Array

@@ -22,6 +22,12 @@ class ReductionDeclaration:
     on by name where they are written; ``needs``: of these, the ones that must be.
     ``flown``: it is made of a flight of the full model, at "frequency" over "periods", which it gets as ``snapshots``.
     ``massless``: it leaves the contact without mass, so that the stop must be a linear spring.
+
+    >>> import vibeam
+    >>> def half(structure):
+    ...     return vibeam.modal(structure, structure.size // 2)
+    >>> vibeam.ReductionDeclaration("half", half, "half of all modes").counts  # a fidelity does not say how many
+    False
     """
 
     name: str
@@ -68,5 +74,13 @@ REDUCTIONS = Registry(
 
 
 def register_reduction(declaration: ReductionDeclaration) -> None:
-    """Let case files name a further reduction; ValueError where the name is taken."""
+    """Let case files name a further reduction; ValueError where the name is taken.
+
+    >>> import vibeam
+    >>> def half(structure):
+    ...     return vibeam.modal(structure, structure.size // 2)
+    >>> vibeam.register_reduction(vibeam.ReductionDeclaration("half", half, "half of all modes"))
+    >>> vibeam.load("cases/dtu_neutral.toml", {"fidelity.sdof.reduction": "half"}).system("sdof").size
+    32
+    """
     REDUCTIONS.add(declaration)

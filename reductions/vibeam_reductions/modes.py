@@ -16,6 +16,13 @@ def modal(structure: Structure, n: int) -> Reduction:
     """The structure in its lowest ``n`` undamped modes, mass-normalised: M = I, K = diag(ω²).
 
     ValueError unless 1 ≤ n ≤ size.
+
+    >>> import vibeam
+    >>> chain = vibeam.Structure(
+    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
+    ... )
+    >>> vibeam.modal(chain, 1).structure.K.round(9).tolist()  # ω₁² = 1
+    [[1.0]]
     """
     if not 1 <= n <= structure.size:
         raise ValueError(f"modes: {n}, this structure has 1 to {structure.size}")
@@ -61,6 +68,14 @@ def residual_flexibility(structure: Structure, n: int) -> Reduction:
     wK⁻¹wᵀ − Σc²/ω² that the modes leave out, c = wφ. It keeps its own mass ψᵀMψ (Rubin, AIAA J. 13, 1975), so that the
     mobility is finite and a coefficient of restitution has a meaning; MacNeal's form (Comput. Struct. 1, 1971), without
     it, is ``massless_boundary``. ValueError unless 1 ≤ n ≤ size, and for a free body.
+
+    >>> import vibeam
+    >>> chain = vibeam.Structure(
+    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
+    ... )
+    >>> reduced = vibeam.residual_flexibility(chain, 2)
+    >>> reduced.structure.size, round(reduced.flexibility_kept, 9)
+    (2, 1.0)
     """
     check_count(structure, n)
     return modes_and_residuals(structure, n, {"contact": structure.contact})
@@ -72,6 +87,14 @@ def static_correction(structure: Structure, n: int) -> Reduction:
     What the mode acceleration method adds to a response afterwards is here a coordinate of its own (Dickens, Nakagawa &
     Wittbrodt, Comput. Struct. 62, 1997). ValueError where n is less than the number of loads or more than the size,
     and for a free body.
+
+    >>> import vibeam
+    >>> chain = vibeam.Structure(
+    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
+    ... )
+    >>> reduced = vibeam.static_correction(chain, 2)
+    >>> reduced.structure.size, round(reduced.flexibility_kept, 9)
+    (2, 1.0)
     """
     loads = loads_of(structure, outputs=False)
     independent = {name: loads[name] for name in static_shapes_under(structure, loads).names}
@@ -87,6 +110,13 @@ def massless_boundary(structure: Structure, n: int) -> Reduction:
     the stop (MacNeal 1971; Monjaraz-Tec, Gross & Krack, Comput. Struct. 260, 2022, arXiv:2111.07693). It takes no
     coordinate and brings no high frequency. It is for a stop that yields: an impulse would move a contact without mass
     at an infinite velocity. ValueError unless 1 ≤ n ≤ size, and for a free body.
+
+    >>> import vibeam
+    >>> chain = vibeam.Structure(
+    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
+    ... )
+    >>> round(vibeam.massless_boundary(chain, 1).structure.contact_flexibility, 9)  # 2/3 − 1/2
+    0.166666667
     """
     kept = modal(structure, n)
     residual = static_shapes_under(structure, {"contact": structure.contact}, structure.modes(n))

@@ -98,6 +98,13 @@ def static_shapes(structure: Structure, n: int) -> Reduction:
 
     In this order: a force at the contact, the drive's load, the constant one, forces and moments where a mass or a
     moment of inertia is attached, forces at the outputs. ValueError where there are fewer, and for a free body.
+
+    >>> import vibeam
+    >>> chain = vibeam.Structure(
+    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
+    ... )
+    >>> vibeam.static_shapes(chain, 1).basis.round(9).tolist()  # K⁻¹ under a load at the contact
+    [[0.447213595], [0.894427191]]
     """
     found = static_shapes_under(structure, loads_of(structure))
     if not 1 <= n <= len(found):
@@ -132,6 +139,14 @@ def craig_bampton(structure: Structure, n: int, boundary: Sequence[str] = ("cont
     deflections under forces on the boundary, by which they are given here: they are K-orthogonal to the fixed-interface
     modes (AIAA J. 6, 1968). ValueError where n is below the number of boundary rows or above the size, for an unknown
     output, and for a free body.
+
+    >>> import vibeam
+    >>> chain = vibeam.Structure(
+    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
+    ... )
+    >>> reduced = vibeam.craig_bampton(chain, 2, boundary=["contact"]).structure
+    >>> (reduced.modes().omega ** 2).round(9).tolist()  # two coordinates are all
+    [1.0, 3.0]
     """
     rows = boundary_rows(structure, boundary)
     constraint = static_shapes_under(structure, rows)

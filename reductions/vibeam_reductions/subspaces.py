@@ -73,6 +73,13 @@ def krylov(structure: Structure, n: int, frequency: float = 0.0) -> Reduction:
     forces, twice for the contact to itself (Bai & Su, SIAM J. Sci. Comput. 26, 2005; the damping is small, so that the
     space is made without it). M-orthonormal. ValueError where the space has fewer directions (modes that neither
     contact nor drive sees are not in it), at a natural frequency, and for a free body about 0.
+
+    >>> import vibeam
+    >>> chain = vibeam.Structure(
+    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
+    ... )
+    >>> round(vibeam.krylov(chain, 1).flexibility_kept, 9)  # matched at rest
+    1.0
     """
     check_count(structure, n)
     omega2, solve = (2 * np.pi * frequency) ** 2, _solver(structure, frequency)

@@ -69,6 +69,12 @@ def batch(
     those of ``vibeam.sweep`` at one frequency to round-off, so that chaotic motions differ. False, and any other
     system: to the bit. A point that fails is NaN with its reason in ``ended``.
     ValueError names every argument that is wrong, KeyError an unknown output.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> found = vibeam.batch(system, omega=[[1.9], [2.0]], amplitude=[0.1, 0.2])  # no gap: motions grow with the drive
+    >>> (found.reach[:, 1] / found.reach[:, 0]).round(9).tolist()
+    [2.0, 2.0]
     """
     points = points_of(systems, omega, amplitude, gap, restitution, damping, state)
     plan = _plan(points, settle, hold, output, strobes, bool(lanes), lyapunov)

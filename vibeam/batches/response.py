@@ -23,6 +23,11 @@ class BatchResponse(ValueRecord, LabelledData):
 
     SI units; every quantity is that of ``FrequencyResponse``. A failed point is NaN, its reason in ``ended``, its
     ``state`` the equilibrium from which a sweep goes on.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, gap=9.0)
+    >>> vibeam.batch(system, omega=[0.5, 0.6], amplitude=0.1, settle=5, hold=2)
+    BatchResponse(2 points (2,), 1 mode)
     """
 
     amplitude: Array  #: ½(max − min) of the output over the hold

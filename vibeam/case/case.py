@@ -63,6 +63,15 @@ class Case(Viewed):
     that decides the numbers of each at given frequencies. ``scenes`` has the scenes of the fidelities that change the
     case's, ``chains`` their measuring chains (None: exact). ``keys``: what any key is, and the case with other values
     of them. ``asked`` has the plans of ``STUDY_PLANS`` by name. ``locate`` finds the line of a complaint.
+
+    >>> import vibeam
+    >>> case = vibeam.Case.of({
+    ...     "sdof": {"natural_frequency": "1 rad/s", "damping_ratio": 0.02}, "stop": {"gap": 0, "restitution": 0.7},
+    ...     "drive": {"amplitude": 1e-3}, "sweep": {"frequency": ["2 rad/s"], "settle": 100, "hold": 20},
+    ...     "fidelity": {"one": {}},
+    ... })
+    >>> case.system("one").omega.tolist()
+    [1.0]
     """
 
     path: Path

@@ -37,6 +37,11 @@ def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] |
     plain number of a key with a dimension has none here either, unless the case, or ``{"units": "SI"}``, says so; None
     takes a key away. Files that tables name lie in the working directory. CaseError has every fault of file and
     overrides.
+
+    >>> import vibeam
+    >>> case = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3})
+    >>> case.sweep.frequency.tolist()
+    [14.0, 15.5, 17.0]
     """
     from vibeam.casefile.toml import read_text
 

@@ -26,6 +26,21 @@ def register_effect(effect: type[Effect], repeated: bool = False) -> Registratio
 
     It is applied after the effects that are known. ``with register_effect(…):`` or ``remove`` forgets it again.
     ValueError with all that is wrong with the declaration, or for a name that is taken.
+
+    >>> from dataclasses import dataclass
+    >>> import vibeam
+    >>> from vibeam_models.keys import quantity
+    >>> from vibeam_models.scene import Effect
+    >>> @dataclass(frozen=True)
+    ... class Paint(Effect):
+    ...     "A coat of paint damps in proportion to mass; absent = none."
+    ...     rate: float = quantity("rad/s", "of the paint", "2 rad/s", above=0)
+    ...     name = "paint"
+    ...     def apply(self, structure, space, scene):
+    ...         return structure.with_(C=structure.C + self.rate * structure.M), space
+    >>> with vibeam.register_effect(Paint):
+    ...     vibeam.load("cases/dtu_neutral.toml", {"paint.rate": "2 rad/s"}).scene.effects[-1]
+    Paint(rate=2.0)
     """
     faults = list(_kind_faults(effect, Effect))
     if not faults:
@@ -48,6 +63,21 @@ def register_law(law: type[ContactLaw]) -> Registration:
     """Make a contact law known by ``law = "NAME"`` in ``[stop]``, where its fields are keys; as ``register_effect``.
 
     A key that other laws have must be declared as theirs is (``vibeam_models.laws``).
+
+    >>> from dataclasses import dataclass
+    >>> import vibeam
+    >>> from vibeam_models.laws import ContactLaw
+    >>> from vibeam_models.laws.restitution import Restitution
+    >>> @dataclass(frozen=True)
+    ... class Rubber(ContactLaw):
+    ...     "R = 0.4, whatever the velocity."
+    ...     name = "rubber"
+    ...     def contact(self, mobility):
+    ...         return Restitution(0.4)
+    >>> stop = {"stop.law": "rubber", "stop.restitution": None, "stop.restitution_of": "contact"}
+    >>> with vibeam.register_law(Rubber):
+    ...     vibeam.load("cases/dtu_neutral.toml", stop).system("beam").restitution
+    0.4
     """
     faults = list(_kind_faults(law, ContactLaw))
     if not faults:

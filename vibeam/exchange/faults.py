@@ -51,7 +51,15 @@ SHOWN = 50  # faults in the text of an error
 
 
 class CaseError(ValueError):
-    """Invalid case. ``faults`` holds every fault in line order; the text has one a line, of many the first."""
+    """Invalid case. ``faults`` holds every fault in line order; the text has one a line, of many the first.
+
+    >>> import vibeam
+    >>> try:
+    ...     vibeam.load("cases/dtu_neutral.toml", {"stop.restitution": 1.2})
+    ... except vibeam.CaseError as error:
+    ...     print(error)
+    --set stop.restitution: 1.2 is outside [0, 1]
+    """
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(sorted(dict.fromkeys(faults), key=lambda fault: fault.order))

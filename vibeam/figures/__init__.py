@@ -230,5 +230,12 @@ LIMITS = ("least_stable_reach", "largest_gap")
 
 
 def register_figure(kind: FigureKind) -> None:
-    """Register a further kind of figure for case files; ValueError where the name is taken."""
+    """Register a further kind of figure for case files; ValueError where the name is taken.
+
+    >>> import vibeam
+    >>> vibeam.register_figure(vibeam.FigureKind("mine", "mine.figure", "what it shows", takes=("frequency",)))
+    >>> case = vibeam.load("cases/dtu_neutral.toml", {"show.a.kind": "mine", "show.a.frequency": "15 Hz"})
+    >>> case.shows["a"].kind
+    'mine'
+    """
     FIGURES.add(kind)

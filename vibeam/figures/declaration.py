@@ -29,6 +29,10 @@ class FigureKind:
     case's: ``draw`` then returns its ``Moving``, and other formats than pictures are by ``write(path, plan, sheets,
     mark)``. ``of_beam``: True where it draws the beam itself. ``refuses``: True where it cannot show all systems:
     ``refusal(case, fidelity, system)`` of its module then says why, or is empty.
+
+    >>> import vibeam
+    >>> vibeam.FigureKind("mine", "mine.figure", "what it shows", needs=("frequency",)).known
+    ('frequency',)
     """
 
     name: str

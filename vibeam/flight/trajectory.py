@@ -36,7 +36,14 @@ INSTANTS = 2000
 
 
 class Outcome(Enum):
-    """State of affairs at the end of a motion."""
+    """State of affairs at the end of a motion.
+
+    >>> import vibeam
+    >>> ball = vibeam.ImpactSystem.from_modes(0.0, 0.0, 1.0, 0.0, static=1.0, restitution=0.5)  # falls onto the stop
+    >>> start = vibeam.State([-0.5], [0.0])
+    >>> vibeam.simulate(ball, vibeam.Drive(1.0, 0.0), 4.0, start).outcome.name
+    'SETTLED_ON_STOP'
+    """
 
     MOVING = "still moving, off the stop"
     RESTING = "at rest on the stop, other modes or the drive still at work"
@@ -95,6 +102,12 @@ class Trajectory(ValueRecord):
     """A motion, exact between its events: SI units, times in s; the drive's phase is 0 at time 0.
 
     ``stats``: impacts, evaluations, cpu_seconds.
+
+    >>> import vibeam
+    >>> free = vibeam.ImpactSystem.from_modes(1.0, 0.0, 1.0, 0.0, gap=9.0)  # cos t, which never reaches the stop
+    >>> path = vibeam.simulate(free, vibeam.Drive(1.0, 0.0), 3.2, vibeam.State([1.0], [0.0]))
+    >>> path, path.at([0.0, 3.141592653589793]).round(9).tolist()
+    (Trajectory(0 … 3.2 s, 1 mode, 0 impacts, 0 rests, COMPLETE), [1.0, -1.0])
     """
 
     system: ImpactSystem
@@ -285,6 +298,12 @@ def simulate(
     (of contact that is integrated, Hertz and Hunt–Crossley, it says that it proves nothing).
     ValueError for times that do not ascend, a state of the wrong shape, an unknown solver or an argument of another
     type; a start beyond the stop ends at once with Ended.PENETRATED.
+
+    >>> import vibeam
+    >>> ball = vibeam.ImpactSystem.from_modes(0.0, 0.0, 1.0, 0.0, static=1.0, restitution=0.5)  # falls onto the stop
+    >>> path = vibeam.simulate(ball, vibeam.Drive(1.0, 0.0), 2.9, vibeam.State([-0.5], [0.0]))
+    >>> path.impact_times.round(9).tolist(), path.impact_velocities.round(9).tolist()
+    ([1.0, 2.0, 2.5, 2.75, 2.875], [1.0, 0.5, 0.25, 0.125, 0.0625])
     """
     require("system", system, ImpactSystem)
     require("drive", drive, Drive)

@@ -41,6 +41,10 @@ class GridResponse(ValueRecord, LabelledData):
     A point that failed is NaN, its reason in ``ended``. ``strobes`` have one dimension more: output at the end of the
     last periods, the latest last; random starts come before that. ``ways``: ("apart",) where nothing is carried.
     ``names``: units of the output and of the axes, title and key of the case.
+
+    >>> import vibeam
+    >>> vibeam.evaluate("cases/dtu_neutral.toml", "sdof", {"sweep.frequency": [14.0, 15.0]}, direction="both").ways
+    ('up', 'down')
     """
 
     fidelity: str
@@ -111,6 +115,12 @@ def evaluate(
 
     KeyError for an unknown fidelity or quantity, CaseError for a value that the case may not have, ValueError for axes
     or a case that a grid cannot take.
+
+    >>> import vibeam
+    >>> axes = {"stop.gap": [0.0, 1e-4], "sweep.frequency": [14.0, 15.0, 16.0]}
+    >>> found = vibeam.evaluate("cases/dtu_neutral.toml", "sdof", axes)
+    >>> found["amplitude"].shape
+    (2, 3)
     """
     grid = grid_of(
         case, fidelity, axes, quantities=quantities, direction=direction, frequency=frequency, settle=settle,

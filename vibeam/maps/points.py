@@ -185,7 +185,14 @@ def _objects(systems: Sequence[ImpactSystem]) -> NDArray[np.object_]:
 @dataclass(frozen=True)
 class Starts:
     """``count`` random starts a point: displacement of the contact within ``spread`` m of 0 and short of the stop,
-    velocity within Ω times that; the same for equal seeds, whatever the blocks."""
+    velocity within Ω times that; the same for equal seeds, whatever the blocks.
+
+    >>> import vibeam
+    >>> axes, starts = {"sweep.frequency": [15.0]}, vibeam.Starts(count=4, seed=1, spread=1e-4)
+    >>> found = vibeam.evaluate("cases/dtu_neutral.toml", "sdof", axes, direction="apart", starts=starts)
+    >>> found["period"].tolist()  # all four lead to the same motion
+    [[1, 1, 1, 1]]
+    """
 
     count: int
     seed: int

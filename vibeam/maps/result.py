@@ -24,6 +24,13 @@ class MapResult(ValueRecord, LabelledData):
     """A map: quantities of each fidelity (of very many points every so many along the last two axes).
 
     ``points`` in all, of which ``found`` were in the file; ``done`` of them are computed. ``path``: its file.
+
+    >>> import vibeam
+    >>> axes = [{"key": "sweep.frequency", "values": ["14 Hz", "15 Hz"]}]
+    >>> asked = {"axes": axes, "fidelities": ["sdof"], "picture": "values", "direction": "up"}
+    >>> result = vibeam.run_map(vibeam.load("cases/dtu_neutral.toml", {"map.line": asked}), "line", "line.h5")
+    >>> result.done, list(result.responses)
+    (2, ['sdof'])
     """
 
     case: Case

@@ -59,6 +59,13 @@ def run_map(
 
     KeyError for an unknown map, CaseError for values that the case may not have, ValueError for a case that a grid
     cannot take, StoreError where files are another's or the disk fails.
+
+    >>> import vibeam
+    >>> axes = {"stop.gap": ["0 mm", "0.1 mm"], "sweep.frequency": ["14 Hz", "15 Hz"]}
+    >>> asked = {"axes": [{"key": key, "values": each} for key, each in axes.items()], "fidelities": ["sdof"]}
+    >>> result = vibeam.run_map(vibeam.load("cases/dtu_neutral.toml", {"map.plane": asked}), "plane", "plane.h5")
+    >>> result.responses["sdof"].way("up")["period"].shape
+    (2, 2)
     """
     plan, path = plan_of(case, name), Path(out)
     grids = grids_of(case, plan)

@@ -22,7 +22,12 @@ REAL = 1e-9  # imaginary share below which a multiplier counts as real
 
 
 class Kind(Enum):
-    """Type of a branch's boundary: bifurcation or loss of admissibility."""
+    """Type of a branch's boundary: bifurcation or loss of admissibility.
+
+    >>> import vibeam
+    >>> vibeam.Kind.DOUBLING.value
+    'a multiplier is −1: period doubling'
+    """
 
     FOLD = "two motions meet and vanish: the discriminant is zero, a multiplier is 1"
     GRAZING = "the impact velocity is zero"

@@ -67,6 +67,11 @@ def boundaries(
     each sign change is then bracketed down to round-off on the exact expressions, and an exact zero at a place is a
     boundary too. Two boundaries of one kind within one step are missed. ValueError where none or several of the three
     are ranges, and as in ``orbits``.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> [found.kind.name for found in vibeam.boundaries(system, 0.1, (1.2, 3.0)) if found.clear]
+    ['DOUBLING']
     """
     given = {"omega": omega, "amplitude": amplitude, "gap": system.gap if gap is None else gap}
     line, low, high = _line(system, given, periods, per_level)
@@ -189,6 +194,13 @@ def follow(system: ImpactSystem, start: Boundary, parameter: str, values: ArrayL
     turn back, and where the impact velocity vanishes, beyond which the stop would have to pull (a fold meets
     GRAZING there, G₀ = 0: for one mode at Ω = 2ω√(1 − ζ²)). ValueError where the two parameters are the same or
     unknown.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> doubling = [each for each in vibeam.boundaries(system, 0.1, (1.2, 3.0)) if each.clear][0]
+    >>> lower = vibeam.follow(system, doubling, "gap", [0.0, 0.01])[-1]  # at which frequency with a gap of 0.01
+    >>> lower.kind.name, lower.gap, lower.omega < doubling.omega
+    ('DOUBLING', 0.01, True)
     """
     if parameter not in NAMES or parameter == start.parameter:
         raise ValueError(f"parameter: {parameter!r} must be one of {', '.join(NAMES)} other than {start.parameter!r}")

@@ -42,6 +42,12 @@ class LyapunovSpectrum(ValueRecord):
 
     ``period``: drive periods after which the motion repeats, and the exponents are then those of its Floquet
     multipliers, to round-off; 0: it does not within 16, and they are means over ``time`` s.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> found = vibeam.lyapunov(system, vibeam.Drive(2.0, 0.1))
+    >>> found.sign, found.exponents.shape  # neighbours come together
+    (-1, (2,))
     """
 
     exponents: Array  #: (k,), largest first; −∞ for directions that are lost
@@ -94,6 +100,13 @@ def lyapunov(
     ``periods``: drive periods of the mean where the motion does not repeat. For any damping, one stop or two, R or R(v)
     or a linear stop. ValueError for Hertz' and Hunt–Crossley's law and several contacts, whose tangent maps are not
     known, for arguments that make no sense, and where the motion ends on the way (too many impacts).
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> from math import log, pi
+    >>> found, orbit = vibeam.lyapunov(system, drive := vibeam.Drive(2.0, 0.1)), vibeam.orbits(system, drive)[0]
+    >>> found.period, bool(abs(found.largest - log(abs(orbit.multipliers[0])) / pi) < 1e-9)  # log|μ|/T
+    (1, True)
     """
     require("system", system, ImpactSystem)
     require("drive", drive, Drive)

@@ -73,6 +73,12 @@ class Orbit(ValueRecord, Viewed):
 
     ``admissible``: it stays clear of the stop between its impacts, proved by the flight solver's root bounds; one that
     is not satisfies the equations at the impact but is no motion, and its ``reach`` is NaN.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> orbit = vibeam.orbits(system, vibeam.Drive(2.0, 0.1))[0]
+    >>> bool(abs(orbit.velocity * 1.5 + orbit.impulse) < 1e-12), round(orbit.span, 6)  # p = −(1 + R) v, 2π/Ω
+    (True, 3.141593)
     """
 
     system: ImpactSystem
@@ -123,6 +129,11 @@ def orbits(
     root that pushes away from the stop (also without a drive). ValueError for an undamped mode at a resonance (driven
     at its own frequency, or a whole number of its turns in the span, so that impacts make it grow), and for modes
     without stiffness that no static force brings back to the stop.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> [orbit.stable for orbit in vibeam.orbits(system, vibeam.Drive(2.0, 0.1))]
+    [True]
     """
     omega = checked(system, drive.omega, periods)
     reason = resonant(system, drive.omega, periods)

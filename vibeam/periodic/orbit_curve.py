@@ -55,6 +55,12 @@ def orbit_curve(system: ImpactSystem, omega: ArrayLike, amplitude: float, period
     The cost of motion and of D(±1) is linear in the number of modes; eigenvalues (n³) are computed only where D(±1)
     leave stability open, never at both roots of a point. Exact resonances of undamped modes are NaN. ValueError as in
     ``orbits``.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> curve = vibeam.orbit_curve(system, [1.9, 2.0, 2.1], 0.1)
+    >>> curve.velocity.shape, curve.stable[:, 0].tolist()
+    ((3, 2), [True, True, True])
     """
     grid = checked(system, omega, periods)
     total = sums(system, grid, periods)

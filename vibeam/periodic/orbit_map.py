@@ -49,6 +49,12 @@ def orbit_map(
     ``amplitude`` is then its level. Exactly one of the two is an ascending array. A curve of lost stability may end up
     to a step of the grid short of a fold or a grazing that it runs into. ValueError where none or both are arrays, or a
     grid does not ascend, and as in ``orbits``.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> plane = vibeam.orbit_map(system, [1.9, 2.0, 2.1], 0.1, gap=[0.0, 0.05])
+    >>> plane.over, plane.stable.shape
+    ('gap', (2, 3, 2))
     """
     grid = checked(system, omega, periods)
     given = {"amplitude": np.asarray(amplitude, float), "gap": np.asarray(system.gap if gap is None else gap, float)}

@@ -51,6 +51,12 @@ def train_boundaries(
     impacts are that motion's, and ends; where the doubling is subcritical, the other FOLD that follows at once is not
     missed. Two boundaries of one kind within a step are missed otherwise. ValueError for an unknown parameter, or an
     orbit that is not admissible.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> orbit = vibeam.settled_orbit(system, vibeam.Drive(2.0, 0.1))
+    >>> [found.kind.name for found in vibeam.train_boundaries(orbit, "omega", 3.0)]
+    ['DOUBLING']
     """
     if parameter not in NAMES:
         raise ValueError(f"parameter: {parameter!r} is none of {', '.join(NAMES)}")

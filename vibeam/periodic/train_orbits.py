@@ -42,6 +42,13 @@ def train_orbit(
     """Refine the motion whose impacts lie near ``times`` (m,) s with ``velocities`` before, m/s; None without one.
 
     ValueError for more than four impacts, for modes without stiffness, and as in ``orbits``.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> one = vibeam.orbits(system, vibeam.Drive(2.0, 0.1))[0]
+    >>> again = vibeam.train_orbit(system, one.drive, 1, [one.time], [one.velocity])
+    >>> bool(abs(again.velocities[0] - one.velocity) < 1e-12)
+    True
     """
     checked(system, drive.omega, periods)
     guess, speeds = np.atleast_1d(np.asarray(times, dtype=float)), np.atleast_1d(np.asarray(velocities, dtype=float))
@@ -65,6 +72,12 @@ def settled_orbit(
 
     None where that has no or more than four impacts in ``periods`` periods, or does not repeat. ValueError as in
     ``train_orbit``.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> orbit = vibeam.settled_orbit(system, vibeam.Drive(2.0, 0.1))
+    >>> len(orbit.times), orbit.stable
+    (1, True)
     """
     witness, period = AdmissibilityCheck(system, drive.omega), 2 * np.pi / drive.omega
     begin, end = settle * period, (settle + periods) * period

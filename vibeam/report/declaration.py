@@ -30,6 +30,11 @@ class StudyDeclaration:
     three, the ``StudySheet`` of a record (and its case, where it takes that). ``asks``: frozen dataclass of declared
     keys (``vibeam_models.keys``), the table ``[name]`` of the case, ``case.asked[name]``, each key an option of the
     command. ``first``: a sentence on a case that is known at once. ``examples``: lines of its help.
+
+    >>> import vibeam
+    >>> study = vibeam.StudyDeclaration("peaks", lambda case: [vibeam.run(case)["sdof"].peak], "highest points")
+    >>> study.of(vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3}))[0].frequency
+    15.5
     """
 
     name: str
@@ -98,7 +103,12 @@ STUDIES: Registry[StudyDeclaration] = Registry(
 
 
 def register_study(declaration: StudyDeclaration) -> None:
-    """Register a study for ``vibeam study``; ValueError where its name, or that of its table, is taken."""
+    """Register a study for ``vibeam study``; ValueError where its name, or that of its table, is taken.
+
+    >>> import vibeam
+    >>> peaks = vibeam.StudyDeclaration("peaks", lambda case: [vibeam.run(case)["sdof"].peak], "highest points")
+    >>> vibeam.register_study(peaks)  # from then on: vibeam study peaks CASE
+    """
     STUDIES.add(declaration)
     if declaration.asks is None:
         return

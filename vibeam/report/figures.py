@@ -120,6 +120,12 @@ def plot(
 
     ``paths``: files to write it to (.png, .svg, .pdf). ``quantity``: of a response, any that has one number a point.
     The figure belongs to no window. ValueError for another quantity or another kind of object.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> figure = vibeam.plot(vibeam.sweep(system, omega=[1.9, 2.0, 2.1], amplitude=0.1), "curve.png", quantity="reach")
+    >>> figure.axes[0].get_xlabel()
+    'drive frequency, Ω/2π'
     """
     from vibeam.figures.page import write_page
 

@@ -51,6 +51,14 @@ class Result(Mapping[str, Branches], LabelledData):
     each finest fidelity, where the run was asked for them; ``estimates``: then also the error of each fidelity against
     the full model of its scene, estimated along its exact orbits. ``models``: properties of the fidelities' models,
     where they are known already.
+
+    >>> import vibeam
+    >>> case = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3})
+    >>> result = vibeam.run(case)
+    >>> list(result), result["beam"].up.period.tolist()
+    (['sdof', 'two_modes', 'beam'], [1, 1, 1])
+    >>> result == vibeam.run(case)  # CPU times aside
+    True
     """
 
     def __init__(

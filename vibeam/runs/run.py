@@ -69,6 +69,12 @@ def run(
     (``result.estimates``); the file gets both too.
     CaseError for a fidelity that cannot be built, or where none is within the accuracy; ValueError for one that there
     is not; StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
+
+    >>> import vibeam
+    >>> case = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3})
+    >>> result = vibeam.run(case)
+    >>> {name: round(1e3 * branches.peak.amplitude, 2) for name, branches in result.items()}  # mm, at 15.5 Hz
+    {'sdof': 0.39, 'two_modes': 0.42, 'beam': 0.42}
     """
     case = restricted(case, fidelities)
     systems, storage = Systems(case), RunStorage(None if out is None else Path(out), fresh, tell)

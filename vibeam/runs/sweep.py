@@ -241,6 +241,12 @@ def sweep(
     Settings and errors as in ``march``; amplitudes that are one for each frequency are in the order of ``omega``.
     ``drift``: growth of the gap (m) as a function of frequency in rad/s; ``wear`` persists in the downward sweep.
     "both" goes up, then down again from where the way up ended.
+
+    >>> import vibeam
+    >>> free = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, gap=9.0)
+    >>> up = vibeam.sweep(free, omega=[0.5, 1.0], amplitude=0.1, settle=60, hold=2)
+    >>> up.amplitude.round(6).tolist()  # Ω²B/|1 − Ω² + 0.1iΩ|
+    [0.03326, 1.0]
     """
     if direction not in ("up", "down", "both"):
         raise ValueError(f"direction: {direction!r} is none of 'up', 'down', 'both'")

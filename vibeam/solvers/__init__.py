@@ -80,7 +80,14 @@ SOLVERS = Registry(
 
 
 def register_solver(declaration: SolverDeclaration) -> None:
-    """Register a further solver for case files; ValueError where the name is taken."""
+    """Register a further solver for case files; ValueError where the name is taken.
+
+    >>> import vibeam
+    >>> from vibeam.flight.solver import FlightSolver
+    >>> vibeam.register_solver(vibeam.SolverDeclaration("mine", FlightSolver, motion="exact"))
+    >>> vibeam.load("cases/dtu_neutral.toml", {"fidelity.sdof.solver": "mine"}).fidelities["sdof"].solver
+    'mine'
+    """
     SOLVERS.add(declaration)
 
 

@@ -17,6 +17,11 @@ class CostSettings:
     """Settings for a cost study: named options, or methods at falling tolerances, or numbers of steps.
 
     ``limit``: events, or evaluations, a drive period after which a solver with tolerances stops.
+
+    >>> import vibeam
+    >>> settings = vibeam.CostSettings({"coarse": {"steps": 50}, "fine": {"steps": 500}})
+    >>> list(vibeam.SolverDeclaration("mine", "mine.solver:Solver", settings=settings).settings.options)
+    ['coarse', 'fine']
     """
 
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -39,6 +44,10 @@ class SolverDeclaration:
     ``derivatives``: it reads outputs that are velocities or accelerations, whose jumps it knows.
     ``curves``: it knows all motions of its kind, stable or not. ``harmonics``: it takes the light undamped modes of
     ``SeveralHarmonics``. ``marker``: matplotlib's, and its size in points.
+
+    >>> import vibeam
+    >>> vibeam.SolverDeclaration("mine", "mine.solver:Solver", motion="samples").samples
+    True
     """
 
     name: str

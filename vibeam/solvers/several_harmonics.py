@@ -32,6 +32,10 @@ class Harmonic:
     """``acceleration`` · sin(``order`` Ωt + ``phase``) beside a drive's Ω²B sin Ωt: m/s² (N of a force), rad.
 
     ValueError for an order that is no whole number above 1, or a number that is not finite.
+
+    >>> import vibeam
+    >>> vibeam.Harmonic(order=3, acceleration=0.2)
+    Harmonic(order=3, acceleration=0.2, phase=0.0)
     """
 
     order: int
@@ -52,6 +56,12 @@ class SeveralHarmonics:
     States go in by ``enter`` and come out by ``leave``, at a time of the motion. What is read off contact and outputs
     is the motion's own; ``mode_energy`` is not, for the modes' steady responses are taken out.
     ValueError where an undamped mode is at a harmonic's frequency, and for several contacts.
+
+    >>> import vibeam
+    >>> plain = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, gap=0.1)
+    >>> made = vibeam.SeveralHarmonics(plain, vibeam.Drive(0.8, 0.1), (vibeam.Harmonic(3, 0.02),))
+    >>> made.system.size  # with two oscillators of the harmonic
+    3
     """
 
     plain: ImpactSystem

@@ -17,7 +17,15 @@ ROOM = "make room, then run again to go on"
 
 
 class StoreError(ValueError):
-    """Unusable file of results: the message names the file, the fault, and the cure."""
+    """Unusable file of results: the message names the file, the fault, and the cure.
+
+    >>> import vibeam
+    >>> try:
+    ...     vibeam.read("gone.h5")
+    ... except vibeam.StoreError as error:
+    ...     print(error)
+    gone.h5: cannot be opened (no such file or directory): name one that vibeam run has written
+    """
 
 
 @contextmanager

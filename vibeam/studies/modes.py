@@ -70,7 +70,13 @@ LOAD_UNITS = {None: "kg^½", 0: "kg^-½", 1: "kg^-½ m^-1"}  #: of a base that m
 
 @of_source
 def modes(case: Case, count: int = 10) -> ModeTable:
-    """Compute the first ``count`` modes of a case's finite-element beam: see ``mode_table``."""
+    """Compute the first ``count`` modes of a case's finite-element beam: see ``mode_table``.
+
+    >>> import vibeam
+    >>> table = vibeam.modes("cases/dtu_neutral.toml", 2)
+    >>> [round(row.frequency, 1) for row in table.rows]  # Hz
+    [7.6, 101.1]
+    """
     return mode_table(case.scene, count)
 
 
@@ -182,6 +188,7 @@ def _fields(table: ModeTable, name: str, index: int) -> dict[str, Array]:
     return centre_line(beam.positions, 0.0, beam.deflection[:, index] / scale, beam.slope[:, index] / scale)
 
 
+@of_source
 def export_matrices(case: Case | AnyScene, path: str | PathLike[str]) -> str:
     """Write M, C and K of the whole model and its rows to ``path``; returns the [matrices] table that reads them.
 
@@ -189,6 +196,10 @@ def export_matrices(case: Case | AnyScene, path: str | PathLike[str]) -> str:
     platform is not in them. The rows are those of contact, sensor and further displacements, and, as ``base``, the r of
     the load −M r; or, as ``force``, that of the place which a force or a moment drives, whose amplitude in N or N m is
     then drive.force. ValueError for another ending, and for matrices that stay sparse.
+
+    >>> import vibeam
+    >>> print(vibeam.export_matrices("cases/dtu_neutral.toml", "rig.npz").splitlines()[1])
+    mass = { file = "rig.npz", name = "M" }
     """
     given: Any = case
     scene: AnyScene = getattr(given, "scene", given)

@@ -168,6 +168,11 @@ def stability(
     key; ``low``, ``high``: as a case has them, with unit, None: chosen for gap and drive. Fidelities that make the same
     model share a map. ValueError for invalid arguments, an unknown fidelity included; CaseError, at its line, for a
     drive or models without closed forms.
+
+    >>> import vibeam
+    >>> found = vibeam.stability("cases/dtu_neutral.toml", points=3, frequencies=5, fidelities=["sdof"])
+    >>> found.maps[0].stable.shape
+    (2, 3, 5)
     """
     places = points_of(over, points, frequencies)
     plan = plan_over(case, "stability", over, low, high, places, periods=periods, fidelities=fidelities)

@@ -24,6 +24,12 @@ def read(path: str | Path) -> Result:
 
     Nothing is computed or written. StoreError where it is no results file, and where its case names files, of matrices
     say, that are not in its folder.
+
+    >>> import vibeam
+    >>> case = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3})
+    >>> result = vibeam.run(case, "short.h5")
+    >>> vibeam.read("short.h5")["beam"] == result["beam"]
+    True
     """
     return stored(path).result
 

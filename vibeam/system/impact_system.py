@@ -30,6 +30,10 @@ class Drive:
     """Base motion b(t) = amplitude · sin(omega t): rad/s and m. ``amplitude = 0`` means no drive.
 
     ValueError for ``omega`` that is not finite and ≥ 0, or ``amplitude`` that is not finite.
+
+    >>> import vibeam
+    >>> vibeam.Drive(omega=95, amplitude=1e-4)
+    Drive(omega=95.0, amplitude=0.0001)
     """
 
     omega: float
@@ -59,6 +63,11 @@ class ImpactSystem(ValueRecord):
     not n finite numbers, negative ``omega`` or ``zeta``, ``contact`` all zero, ``restitution`` outside [0, 1], a
     ``coupling`` that is not symmetric or feeds energy in, a ``second_gap`` at or below −gap. ``from_modes`` is the same
     with one number for a row of equal ones.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes([1.0, 6.0], 0.01, [1.0, 2.0], [1.0, 0.5], gap=1e-3, restitution=0.7)
+    >>> system.size, system.mobility  # Σ contact²
+    (2, 5.0)
     """
 
     omega: Array

@@ -82,7 +82,12 @@ def unit_of(quantity: DatasetQuantity, units: OutputUnits) -> str:
 
 
 class Ended(Enum):
-    """Reason why a computation ended: the value is the message, the order is the code in kernels and files."""
+    """Reason why a computation ended: the value is the message, the order is the code in kernels and files.
+
+    >>> import vibeam
+    >>> vibeam.Ended.COMPLETE.code, vibeam.Ended.of_code(0).value
+    (0, 'ran to the end')
+    """
 
     COMPLETE = "ran to the end"
     EVENT_LIMIT = "stopped at the limit of impacts: raise it, or look for an endless chatter (R = 1 on a pressed stop)"

@@ -17,6 +17,11 @@ class Contact(ValueRecord):
 
     ValueError names every argument that is wrong: a row that is not finite numbers or all zero, a gap that is not
     finite, a restitution outside [0, 1].
+
+    >>> import vibeam
+    >>> sides = [vibeam.Contact([-1.0], gap=0.2, restitution=0.5)]  # a second stop, opposite
+    >>> vibeam.ImpactSystem.from_modes(1.0, 0.0, 1.0, 1.0, gap=0.1, further=sides).further[0].gap
+    0.2
     """
 
     row: Array
@@ -46,6 +51,11 @@ class TimeDerivative(ValueRecord):
     reads it. Accelerations are those of flight, rest and lasting contact, whose force they include; the impulses of a
     rigid stop, infinite for no time, are not among them. ValueError for another order, a row that is not finite, or
     a ``base`` with a velocity.
+
+    >>> import vibeam
+    >>> speed = vibeam.TimeDerivative([1.0], order=1)
+    >>> vibeam.ImpactSystem.from_modes(1.0, 0.0, 1.0, 1.0, derivatives={"speed": speed}).derivative("speed").called
+    'velocity'
     """
 
     row: Any

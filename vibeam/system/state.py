@@ -17,6 +17,10 @@ class State(ValueRecord):
 
     The drive's phase is not part of it: a computation says at which time it starts. Both may be lists; they are kept
     as read-only arrays. ValueError where they are not as many finite numbers each.
+
+    >>> import vibeam
+    >>> vibeam.State([-1.0, 0.0], [0.0, 0.5]) == vibeam.State([-1, 0], [0, 0.5])
+    True
     """
 
     displacement: Array

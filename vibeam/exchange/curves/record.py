@@ -43,6 +43,11 @@ class ReferenceCurve:
     """Reference curve: ``points`` of one ``quantity``, and their ``source``.
 
     ``recorded``: an earlier result of a model of ours, which is no reference.
+
+    >>> import vibeam
+    >>> curve = vibeam.ReferenceCurve.of([14.0, 15.0], [2e-4, 3.7e-4], direction="up")
+    >>> [(point.frequency, point.value) for point in curve.points]
+    [(14.0, 0.0002), (15.0, 0.00037)]
     """
 
     quantity: str
@@ -120,6 +125,10 @@ class ReferenceForm:
     ``unit``: the SI unit of the quantity, ``"1"`` in a case without units. ``scale_unit``: unit of the scale, such as
     ``mm/V``. ``window``: frequencies (Hz) kept. ``uncertainty``: standard uncertainty (one standard deviation) of every
     value, ``relative`` to it or in ``unit``. Empty ``separator`` or ``decimal``: found out from the file.
+
+    >>> import vibeam
+    >>> vibeam.ReferenceForm(unit="mm", scale=0.5).scale  # of a file that has peak to peak
+    0.5
     """
 
     columns: Mapping[str, str | int] = field(default_factory=dict)

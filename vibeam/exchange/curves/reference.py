@@ -27,6 +27,11 @@ def read_curve(
 
     ``form``: columns, units, scale; absent: vibeam's own form, or the usual heads and plain units. ``quote``: whether
     messages may quote the file's content, not only the line number.
+
+    >>> import vibeam
+    >>> curve = vibeam.read_curve("cases/references/sdof_nominal_sdof.csv")
+    >>> curve.quantity, len(curve.points)
+    ('amplitude', 402)
     """
     form, path = form or ReferenceForm(), Path(path)
     if form.own and (head := _own_head(path, quantity)):

@@ -139,6 +139,13 @@ def estimate_error(
     ``amplitude`` of the base motion, m, one number or one a point; ``output``: what the response was read of. The
     states ``after`` its points are needed for motions with several impacts. ValueError where one of the models has no
     closed-form motions.
+
+    >>> import vibeam
+    >>> full = vibeam.ImpactSystem.from_modes([1.0, 7.0], 0.05, [1.0, 0.1], [1.0, 0.1], restitution=0.5)
+    >>> one = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> found = vibeam.estimate_error(vibeam.sweep(one, omega=[2.0], amplitude=0.1), one, full, 0.1)
+    >>> found.known.tolist(), bool(abs(found.amplitude[0]) < 0.1)
+    ([True], True)
     """
     for each, name in ((system, "the model"), (full, "the full model")):
         if reason := unsuited(each):

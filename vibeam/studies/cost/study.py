@@ -100,6 +100,11 @@ def cost(
     are flown then.
     ValueError for a fidelity that cannot be built, or whose gap changes during the sweep: no point then stands alone;
     and where the exact motions alone would take longer than ``budget``.
+
+    >>> import vibeam
+    >>> study = vibeam.cost("cases/sdof_nominal.toml", budget=0.3)
+    >>> study.finest
+    'sdof'
     """
     require_one_harmonic(case, "the cost study")
     moving = [name for name in case.fidelities if _gap_changes(case, name)]

@@ -65,6 +65,12 @@ class FidelityMap(ComparedModels, ViewedTable):
     ``label``: index of the cheapest model that suffices; ``differences``: of each model in kind (``judgement``);
     ``relative``: of each model in value, the way where it is larger; ``refused``: sentences on fidelities left out.
     ``thinned``: places a side that were asked for and are computed, where a budget took some; None: all are.
+
+    >>> import vibeam
+    >>> size = {"points": 2, "frequencies": 2, "verify": 0}
+    >>> found = vibeam.fidelity_map("cases/dtu_neutral.toml", fidelities=["sdof", "two_modes"], **size)
+    >>> sum(found.shares.values())
+    1.0
     """
 
     label: Codes
@@ -131,6 +137,12 @@ def fidelity_map(
 
     ValueError for arguments or a case that make no sense, fewer than two models included; CaseError for values of the
     key that the case may not have; StoreError for a file of another map.
+
+    >>> import vibeam
+    >>> size = {"points": 2, "frequencies": 2, "verify": 0}
+    >>> found = vibeam.fidelity_map("cases/dtu_neutral.toml", fidelities=["sdof", "two_modes"], **size)
+    >>> found.label.shape, [model.name for model in found.models]  # the cheapest first
+    ((2, 2), ['sdof', 'two_modes'])
     """
     plan = plan_over(
         case, "verdict", over, low, high, points_of(over, points, frequencies), accuracy=accuracy,

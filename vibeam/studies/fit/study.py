@@ -92,6 +92,12 @@ def fit(case: Case, progress: Progress | bool | None = None, *, next_point: bool
     """Estimate the keys of [fit] jointly; ValueError where a case cannot be fitted.
 
     ``progress``: True shows it, a function is told in lines. ``next_point``: also find what to measure next.
+
+    >>> import vibeam
+    >>> asked = {"keys": {"stop.restitution": [0.5, 0.9]}, "references": ["exact"]}
+    >>> case = vibeam.load("cases/dtu_neutral.toml", {"fit": asked, "reference.exact.uncertainty": "1 %"})
+    >>> [(row.key, round(row.value, 3)) for row in vibeam.fit(case).rows]  # the curve is the case's own
+    [('stop.restitution', 0.72)]
     """
     with telling(progress, "fit") as told:
         return _study(case, told, next_point)

@@ -38,6 +38,13 @@ def identify_keys(case: Case, keys: Sequence[str], measured: Sequence[str] = ())
 
     ``measured``: names of those used; empty: all. ValueError for a key without a value above 0 in the case, a measured
     frequency without scatter, or none at all.
+
+    >>> import vibeam
+    >>> number = {"fidelity": "beam", "quantity": "mode_frequency", "show": "m", "number": 1, "value": "7.6 Hz"}
+    >>> measured = {"measured.first": number | {"scatter": "0.1 %", "source": "a decay"}, "show.m.kind": "modal"}
+    >>> case = vibeam.load("cases/dtu_neutral.toml", measured | {"beam.elements": 6})
+    >>> round(1e3 * vibeam.identify_keys(case, ["beam.thickness"]).rows[0].value, 3)  # mm
+    1.034
     """
     from scipy.optimize import least_squares
 

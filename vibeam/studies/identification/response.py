@@ -41,6 +41,13 @@ def identify_response(
     ``level``: amplitude of the drive, in m, m/s², N or V, the same at all frequencies. ``uncertainty``: standard
     deviations (n,) or one; None: taken from the scatter. The gain includes the mode's value at the sensor. ValueError
     for what is no response.
+
+    >>> import numpy as np
+    >>> import vibeam
+    >>> ratio = np.linspace(0.5, 1.5, 101)
+    >>> found = vibeam.identify_response(10.0 * ratio, ratio**2 / np.abs(1 - ratio**2 + 0.04j * ratio))
+    >>> {row.name: round(row.value, 4) for row in found.rows}
+    {'natural frequency': 10.0, 'damping ratio': 0.02, 'gain': 1.0}
     """
     if drive not in DRIVES:
         raise ValueError(f"drive: {drive!r} is none of {', '.join(DRIVES)}")
@@ -65,6 +72,13 @@ def identify_spectrum(
     """Natural frequency (Hz) and damping ratio from the spectrum (n,) of a decay: magnitudes, without a window.
 
     Points above 15 % of the peak are fitted, around it. ValueError for what is no spectrum.
+
+    >>> import numpy as np
+    >>> import vibeam
+    >>> ratio = np.linspace(0.5, 1.5, 101)
+    >>> found = vibeam.identify_spectrum(10.0 * ratio, 1 / np.abs(1 - ratio**2 + 0.04j * ratio))
+    >>> {row.name: round(row.value, 4) for row in found.rows}
+    {'natural frequency': 10.0, 'damping ratio': 0.02}
     """
     f, a, u = _checked(frequency, magnitude, uncertainty, 5)
     inside = _around_peak(a)
@@ -187,6 +201,13 @@ def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
 
     The intervals hold for white noise. ValueError for what is no decay: too few samples, times that do not ascend,
     numbers that are not finite, a motion that does not decay.
+
+    >>> import numpy as np
+    >>> import vibeam
+    >>> time = np.linspace(0.0, 2.0, 2001)
+    >>> row = vibeam.identify_decay(time, np.exp(-0.5 * time) * np.cos(50.0 * time)).rows[0]
+    >>> row.name, round(row.value, 3)  # 50/2π Hz
+    ('natural frequency', 7.958)
     """
     t, x = _checked_decay(time, displacement)
     frequency, envelope = _first_guess(t, x)

@@ -117,6 +117,11 @@ def influence(
     are foreseen; True shows both. Sets that do not fit into ``budget`` CPU seconds are not swept. ValueError where the
     case names no effect, its sweep reads no displacement, its complete model cannot be built, or the models without one
     effect alone would take longer than the budget.
+
+    >>> import vibeam
+    >>> case = vibeam.load("cases/dtu_neutral.toml", {"influence": {"points": 3, "repeats": 1, "quantities": ["peak"]}})
+    >>> sorted(row.effect for row in vibeam.influence(case).rows)
+    ['mass.rigid_half_width', 'mass.rotary_inertia']
     """
     require_displacement(case, "influence")
     sets = subsets(case)

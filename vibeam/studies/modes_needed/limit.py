@@ -111,6 +111,11 @@ def limit(case: Case, /, plan: ModesNeededPlan | None = None, **settings: Any) -
 
     ``settings``: of the ``plan``, ``modes`` at most, ``frequency`` of the exact motions, ``speed`` of collisions, in SI
     or with units. ValueError for a case without modes to add, or a drive that no closed form takes.
+
+    >>> import vibeam
+    >>> rows = vibeam.limit("cases/dtu_neutral.toml", modes=8)
+    >>> rows[0].quantity, rows[0].counts, round(rows[0].values[0], 2)  # one mode sees what the contact has
+    ('R₁ of mode 1', (1, 2, 4, 8), 0.72)
     """
     asked, scene = plan_asked(case, plan, settings), case.scene
     if scene.given_mode is not None or not isinstance(scene, RigScene):

@@ -83,6 +83,11 @@ def reduce(case: Case, /, plan: ModesNeededPlan | None = None, **settings: Any) 
     Nothing is flown where all modes' motions are known in closed form at every frequency (``FullResponse``).
     ``settings``: of the ``plan``, its ``accuracy``, ``bases``, ``most``, ``band`` and ``contact_time``, in SI or with
     units. ValueError for a case without a structure to reduce, an unknown basis, or settings outside their range.
+
+    >>> import vibeam
+    >>> study = vibeam.reduce("cases/dtu_neutral.toml", most=2, bases=["modal"])
+    >>> study.size, len(study.rows)  # all modes, and reductions
+    (64, 2)
     """
     return ReductionProblem.of(case, plan_asked(case, plan, settings)).solved()
 

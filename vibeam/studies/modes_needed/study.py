@@ -85,6 +85,11 @@ def modes_needed(case: Case, /, plan: ModesNeededPlan | None = None, **settings:
 
     ``settings``: of the ``plan``, in SI or with units. Flown is the sweep where motions have no closed form.
     ValueError for a case of one degree of freedom, an unknown basis, or settings outside their range.
+
+    >>> import vibeam
+    >>> found = vibeam.modes_needed("cases/dtu_neutral.toml", accuracy="5 %", most=3, bases=["modal"], modes=8)
+    >>> found.recommended.modes  # coordinates
+    2
     """
     asked = plan_asked(case, plan, settings)
     problem = ReductionProblem.of(case, asked)

@@ -126,6 +126,11 @@ def check(case: Case, result: Result | None = None, *, partial: bool = False) ->
     ``result`` None: the case is run, every fidelity by itself. References are compared at their own frequencies: what
     the sweep does not have between its ends is flown. ``partial`` forgives frequencies that it does not have. CaseError
     for a reference file that cannot be read.
+
+    >>> import vibeam
+    >>> rows = vibeam.check("cases/dtu_neutral.toml")
+    >>> all(row.passed is not False for row in rows)
+    True
     """
     result = _result(case) if result is None else result
     at = at_references(case, result, partial=partial)
@@ -134,7 +139,14 @@ def check(case: Case, result: Result | None = None, *, partial: bool = False) ->
 
 @of_source
 def compare_measured(case: Case, result: Result | None = None) -> list[MeasuredRow]:
-    """Compare a case with its measured numbers, one row each; ``result`` as for ``check``. There is no verdict."""
+    """Compare a case with its measured numbers, one row each; ``result`` as for ``check``. There is no verdict.
+
+    >>> import vibeam
+    >>> number = {"fidelity": "sdof", "quantity": "peak_frequency", "direction": "up", "value": "15.2 Hz"}
+    >>> case = vibeam.load("cases/dtu_neutral.toml", {"measured.peak": number | {"source": "a log book"}})
+    >>> [(row.value, row.model, round(row.difference, 6)) for row in vibeam.compare_measured(case)]  # Hz
+    [(15.2, 15.3, 0.1)]
+    """
     return readings.compare(case, _result(case) if result is None else result)
 
 

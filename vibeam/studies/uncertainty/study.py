@@ -84,6 +84,15 @@ def uncertainty(
     physics at 2·``samples`` of them; None: as the case asks. ``progress``: True shows it, a function is told in lines.
     ValueError where nothing is uncertain or ``samples`` is no power of two ≥ 16, CaseError for values that the case may
     not have.
+
+    >>> import vibeam
+    >>> case = vibeam.load("cases/dtu_neutral.toml", {
+    ...     "sweep.frequency.points": 2, "sweep.settle": 5, "uncertain": {"stop.restitution": "± 0.02"},
+    ...     "reference": None, "fidelity.beam": None, "fidelity.two_modes": None,
+    ... })
+    >>> study = vibeam.uncertainty(case, samples=16)
+    >>> study.finest.fidelity, study.finest.bands.shape
+    ('sdof', (5, 2))
     """
     if not case.uncertain:
         raise ValueError(MISSING)
