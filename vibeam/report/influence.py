@@ -189,6 +189,9 @@ def uncertain(study: InfluenceStudy, case: Case) -> Iterator[str]:
         )
     elif not study.exact:
         yield "Effects were left out one after another: try a smaller set by [fidelity.NAME] without = […]."
+    whole = (each for each in study.whole.changes if each.quantity == "peak" and each.why)
+    for why in (each.why.partition("; all effects: ")[0] for each in whole):
+        yield f"The peak is that of a point of the sweep ({why}): try more influence.points, or a wider sweep."
     yield from doubts(study.comparison)
 
 

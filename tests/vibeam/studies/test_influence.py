@@ -508,6 +508,12 @@ def test_tables_and_plot_show_what_is_not_there(capsys: pytest.CaptureFixture[st
     assert "–*" in line
     assert "∞" in line
     assert any(f"* the ringing: no impacts at 15 Hz (without {row.effect})" in each for each in details(shown))
+    edge = replace(study.whole.changes[0], why="the motion at the peak does not repeat")
+    doubtful = replace(study, whole=replace(study.whole, changes=(edge, *study.whole.changes[1:])))
+    told = [
+        sum("try more influence.points" in each for each in sheet(one, case_of()).notes) for one in (study, doubtful)
+    ]
+    assert told == [0, 1]
     widths = [patch.get_width() for patch in bars(shown).axes[0].patches]
     assert max(widths) == pytest.approx(1e3, rel=1e-3)
     assert all(isfinite(width) for width in widths)
