@@ -78,6 +78,9 @@ def _held(found: BeforeFlight, plan: ModesNeededPlan) -> str:
     here, *others = found.choices
     said = f" {_begun(HELD[here.held.restitution_of])} is held at {here.held.coefficient:g}"
     for there in others:
+        if there.enough == here.enough and abs(there.single.peak - here.single.peak) < DUST:
+            said += ", which makes no difference"
+            continue
         needed = f"more than {plan.most} modes" if there.enough is None else _counted(there.enough)
         of = HELD[there.held.restitution_of].replace("R ", "R held ", 1)
         alone = f"{SINGLE} would be {_size(there.single)}, and " if isfinite(there.single.peak) else ""
@@ -99,8 +102,8 @@ def _losses(by_losses: int | None, plan: ModesNeededPlan) -> str:
     return f"; by what one impact loses, which claims nothing of the amplitude, {needed} would do"
 
 
-def _counted(number: int, noun: str = "mode") -> str:
-    return f"{COUNTS[number] if number < len(COUNTS) else number} {noun}{'' if number == 1 else 's'}"
+def _counted(number: int) -> str:
+    return f"{COUNTS[number] if number < len(COUNTS) else number} mode{'' if number == 1 else 's'}"
 
 
 def _begun(text: str) -> str:
@@ -147,13 +150,14 @@ def _fewer(found: ModesNeeded) -> str:
 def sheet(found: ModesNeeded) -> StudySheet:
     """Sheet of a study; as CSV the losses, a row for each basis and number of coordinates."""
     reduced, doubts = reductions.sheet(found.reduction), list(uncertain(found))
+    first, *further = [*reduced.tables] if found.reduction.claim.refused else [errors(found), *reduced.tables]
     return replace(
         reduced,
         answer=answer(found),
-        tables=[errors(found)],
+        tables=[first],
         notes=doubts[:MOST],
         details=[*doubts[MOST:], *details(found)],
-        more=[*reduced.tables, *([limits(found.limits)] if found.limits else [])],
+        more=[*further, *([limits(found.limits)] if found.limits else [])],
         data={name: getattr(found, name) for name in ("plan", "before", "limits", "no_limits")} | dict(reduced.data),
     )
 
@@ -187,8 +191,10 @@ def uncertain(found: ModesNeeded) -> Iterator[str]:
     yield from study.notes
     if found.before.choices and found.before.choices[0].held.restitution_of == "contact" and claim.modes > 1:
         yield HINT
-    for why in dict.fromkeys(row.why for row in found.limits if row.why not in ("", TOO_FEW) and claim.modes > 1):
-        yield f"No limit of infinitely many modes: {why}."
+    reasons = dict.fromkeys(row.why for row in found.limits if row.why not in ("", TOO_FEW) and claim.modes > 1)
+    for why in reasons:
+        if not any(why != each and why.startswith(each) for each in reasons):
+            yield f"No limit of infinitely many modes: {why}."
 
 
 def details(found: ModesNeeded) -> Iterator[str]:

@@ -56,7 +56,7 @@ MOVING_LAW = (
     "grows with each mode more: it is another stop each time. Give the damping itself"
 )
 
-NO_MOTION = "no stable motion with one impact a drive period in {0} at modes_needed.frequency: write another"
+NO_MOTION = "no stable motion with one impact a drive period in {0} modes at modes_needed.frequency: write another"
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,7 @@ class LimitRow:
 
     def observed(self) -> LimitRow:
         """The row with its limit, unless ``why`` says beforehand that there is none."""
-        missing = [
-            f"{count} modes" for count, value in zip(self.counts, self.values, strict=True) if not isfinite(value)
-        ]
+        missing = [str(n) for n, value in zip(self.counts, self.values, strict=True) if not isfinite(value)]
         lost = NO_MOTION.format(", ".join(missing)) if missing else ""
         if self.why:
             return replace(self, why="; ".join(filter(None, [self.why, lost])))

@@ -14,7 +14,7 @@ from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.casefile.tables.table import plan_with
 from vibeam.studies.modes_needed.bases import ReductionBasis, bases_of
-from vibeam.studies.modes_needed.losses import Losses, Question, ResponseError
+from vibeam.studies.modes_needed.losses import Losses, Question
 from vibeam.studies.modes_needed.response import Claim, FullResponse
 from vibeam.studies.modes_needed.transfer import ContactPulse, ModalForm, TransferErrors, TransferStudy
 from vibeam.studies.modes_needed.transfer import contact_time as time_in_contact
@@ -182,7 +182,9 @@ class ReductionProblem:
         except ValueError as refusal:
             claim, refused = Claim(self.structure.size, refused=str(refusal)), str(refusal)
         if not refused:
-            bases = [each.with_responses(self.full.errors(each.structures, within)) for each in bases]
+            for each in bases:
+                found = zip(each.rows, self.full.errors(each.structures, within), strict=True)
+                each.rows[:] = [replace(row, response=response) for row, response in found]
             claim = self.full.claim
         recommended = tuple(each.recommended(claim, within) for each in bases)
         return ReductionStudy(
@@ -219,11 +221,6 @@ class ReducedStructures:
     rows: list[Losses] = field(default_factory=list)
     structures: list[Structure | None] = field(default_factory=list)
     curves: dict[str, dict[int, TransferErrors]] = field(default_factory=dict)
-
-    def with_responses(self, found: Sequence[ResponseError]) -> ReducedStructures:
-        """The same with the errors of the response in the rows."""
-        pairs = zip(self.rows, found, strict=True)
-        return replace(self, rows=[replace(row, response=response) for row, response in pairs])
 
     def recommended(self, claim: Claim, within: float) -> Recommendation:
         """The least n such that it and all larger ones that are known are within the accuracy."""

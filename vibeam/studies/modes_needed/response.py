@@ -38,7 +38,7 @@ COLUMNS = 18  # of amplitudes by period: 0, which stays empty, 1 … 16, and −
 
 CHAOS = (
     "more than half of their motions do not repeat, and of such amplitudes nothing can be claimed; sweep where they "
-    "repeat, or compare means over the plane by vibeam verdict"
+    "repeat, or compare means over the plane by vibeam map --picture verdict"
 )
 
 SEVERAL_CONTACTS = (
@@ -117,7 +117,7 @@ class FullResponse:
 
     def _error(self, model: ImpactSystem, accuracy: float | None = None) -> ResponseError:
         """Error of a model in closed form; with an ``accuracy`` of its sweep too, up to where it is off by more."""
-        suited, whole = not unsuited(model), None if accuracy is None else self.swept
+        suited, whole = not unsuited(model), None if accuracy is None or self._sweep[1] else self._sweep[0]
         try:
             pairs = [(self._in_closed_form(model), self.closed)] if self.share and suited else []
             if whole is not None and accuracy is not None:
@@ -170,12 +170,6 @@ class FullResponse:
     def share(self) -> float:
         """Share of the frequencies with a closed-form motion of all modes."""
         return float(self.closed.points.mean())
-
-    @property
-    def swept(self) -> Amplitudes | None:
-        """Sweep of all modes; None where too little of it repeats, or it costs too much."""
-        sweep, refused = self._sweep
-        return None if refused else sweep
 
     @cached_property
     def _sweep(self) -> tuple[Amplitudes, str]:

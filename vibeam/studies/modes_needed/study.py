@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam_models.structure import Structure
 
-NOWHERE = "all modes make no stable motion with at most one impact a drive period at any frequency of the sweep"
+NOWHERE = "no stable motion with at most one impact a drive period at any frequency of the sweep"
 MODAL = ReductionBasis("modal", REDUCTIONS["modal"])
 
 

@@ -43,19 +43,13 @@ class ModalForm:
         """A row of the structure on its modes."""
         return np.asarray(row @ self.shapes)
 
-    def stiffness(self, omega: Array) -> Complex:
-        """Dynamic stiffness ω_i² − ω² + iωC at ``omega`` (F,): (F, n), or (F, n, n) where modes couple."""
+    def response(self, load: Array, omega: Array) -> Complex:
+        """Modal amplitudes q (F, n) under a harmonic ``load`` f (n,) at ``omega`` (F,): (ω_i² − ω² + iωC) q = f."""
         plain = self.omega**2 - omega[:, None] ** 2
         if not self.coupled:
-            return np.asarray(plain + 1j * omega[:, None] * np.diag(self.damping))
-        return plain[:, :, None] * np.eye(len(self.omega)) + 1j * omega[:, None, None] * self.damping
-
-    def response(self, load: Array, omega: Array) -> Complex:
-        """Modal amplitudes (F, n) under a harmonic ``load`` (n,) of size 1."""
-        stiffness = self.stiffness(omega)
-        if not self.coupled:
-            return np.asarray(load / stiffness)
-        return np.asarray(np.linalg.solve(stiffness, np.broadcast_to(load, stiffness.shape[:2])[..., None])[..., 0])
+            return np.asarray(load / (plain + 1j * omega[:, None] * np.diag(self.damping)))
+        stiffness = plain[:, :, None] * np.eye(len(self.omega)) + 1j * omega[:, None, None] * self.damping
+        return np.asarray(np.linalg.solve(stiffness, np.broadcast_to(load, plain.shape)[..., None])[..., 0])
 
 
 @dataclass(frozen=True, eq=False, repr=False)
