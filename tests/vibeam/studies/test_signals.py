@@ -165,12 +165,33 @@ def test_columns_are_told_by_their_heads(tmp_path: Path) -> None:
     assert found.why.startswith("'f' is called a frequency, 'H' is called a response")
 
 
+@pytest.mark.parametrize(("function", "over", "kind"), [(4, 18, "response"), (1, 17, "decay")])
+def test_a_universal_file_says_what_it_is(function: int, over: int, kind: str, tmp_path: Path) -> None:
+    """Functions of data set 58: a frequency response, complex; a record over time."""
+    pyuff = pytest.importorskip("pyuff")
+    x, y = {"response": (response()[0], transfer(response()[0])), "decay": decay(), "spectrum": spectrum(0.5, 1.5)}[
+        kind
+    ]
+    data = {
+        "type": 58, "func_type": function, "rsp_node": 2, "rsp_dir": 3, "ref_node": 1, "ref_dir": 3, "data": y, "x": x,
+        "id1": "a", "ordinate_spec_data_type": 8, "orddenom_spec_data_type": 0, "abscissa_spec_data_type": over,
+        "binary": 0, "z_axis_value": 0, "z_axis_axis_units_lab": "NONE", "z_axis_spec_data_type": 0,
+    }  # fmt: skip
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets(data, "add")
+    found = identify_signal(tmp_path / "a.uff")
+    assert (found.of, found["natural frequency"].value) == (kind, pytest.approx(FREQUENCY, rel=0.01))
+
+
 @pytest.mark.parametrize(
     ("heads", "columns", "said"),
     [
         ("t;f;x", 3, "has 't' and 'f': say over which it is, --x HEAD"),
         ("t;base;tip", 3, "there are 't', 'base', 'tip'; name it: --y HEAD"),
-        ("", 3, "no column is known as time or frequency: there are none; name them: --x HEAD --y HEAD"),
+        (
+            "",
+            3,
+            "no column is known as (time or frequency|frequency or time): there are none; name them: --x HEAD --y HEAD",
+        ),
         ("x [mm];y [mm]", 2, "the unit 'mm' is neither one of time nor one of frequency"),
         ("t [Hz];x", 2, "'t' is in Hz .of a spectrum or a response., but 't' is called a time .of a decay., but"),
     ],

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.exchange.curves.columns import Columns, CurveColumn, HeadError, WantedColumn, split_head
-from vibeam.exchange.curves.read import is_text, read_columns
+from vibeam.exchange.curves.read import BINARY, is_text, read_columns
 from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError
@@ -77,7 +77,7 @@ def _columns(path: Path, over: str, x: str | None, y: str | None) -> tuple[Colum
         return heads, ()
     at = _head(x) if x else _abscissa(heads, overs)
     if at is None:
-        return _by_numbers(path, heads, y), ()
+        return _by_numbers(path, heads, overs, y), ()
     if not y and (parts := _parts(heads)):
         real, imaginary = (read_columns(path, _wanted(at, each)) for each in parts)
         size = np.hypot(real.columns["value"].values, imaginary.columns["value"].values)
@@ -161,7 +161,7 @@ def _parts(heads: Sequence[str]) -> tuple[str, str] | None:
     return (real[0], imaginary[0]) if len(real) == len(imaginary) == 1 else None
 
 
-def _by_numbers(path: Path, heads: Sequence[str], y: str | None) -> Columns:
+def _by_numbers(path: Path, heads: Sequence[str], over: Sequence[str], y: str | None) -> Columns:
     """Two columns that no head tells apart: the abscissa is the one that ascends."""
     try:
         found = read_columns(path, _wanted(1, 2) | {"further": WantedColumn((3,), needed=False)})
@@ -169,7 +169,8 @@ def _by_numbers(path: Path, heads: Sequence[str], y: str | None) -> Columns:
         found = None
     if found is None or y or "further" in found.columns:
         there = ", ".join(map(repr, heads)) or "none"
-        raise FormatError(f"no column is known as time or frequency: there are {there}; name them: --x HEAD --y HEAD")
+        sought = " or ".join(over)
+        raise FormatError(f"no column is known as {sought}: there are {there}; name them: --x HEAD --y HEAD")
     one, other = (ascends(found.columns[role].values) for role in ("frequency", "value"))
     if one == other:
         both = "both columns ascend" if one else "none of its columns ascends"
@@ -188,7 +189,8 @@ def ascends(values: Array) -> bool:
 def _signal(path: Path, found: Mapping[str, CurveColumn], over: str, parts: tuple[str, ...]) -> Signal:
     """Signal of columns by role, its abscissa scaled to s or Hz."""
     at, value = found["frequency"], found["value"]
-    heads = (at.head, value.head) if is_text(path) else (_last(at.head), _last(value.head))
+    paths = path.suffix.lower() in BINARY
+    heads = (_last(at.head), _last(value.head)) if paths else (at.head, value.head)
     known = [each for each in UNITS if suits(at.unit, each)] or [each for each in NAMES if name_in(heads[0], each)]
     if at.unit and not any(suits(at.unit, each) for each in UNITS):
         told = f"the unit {at.unit!r} is neither one of time nor one of frequency"
