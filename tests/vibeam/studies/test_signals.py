@@ -165,6 +165,24 @@ def test_columns_are_told_by_their_heads(tmp_path: Path) -> None:
     assert found.why.startswith("'f' is called a frequency, 'H' is called a response")
 
 
+@pytest.mark.parametrize(
+    ("unit", "kind"),
+    [
+        ("mm/V", "response"), ("m/s^2/N", "response"), ("mm/mm", "response"),
+        ("mm/Hz", "spectrum"), ("V/√Hz", "spectrum"), ("mm s", "spectrum"), ("mm·s", "spectrum"),
+        ("mm^2/Hz", ""), ("m/s", ""), ("m/s²", ""), ("µm/min", ""), ("mm", ""),
+    ],
+)  # fmt: skip
+def test_units_of_values_are_clues(unit: str, kind: str, tmp_path: Path) -> None:
+    """A ratio is of a response, a value times s or per Hz of a Fourier transform, its square of neither."""
+    path = written(tmp_path / "a.csv", f"f [Hz];a [{unit}]", response())
+    if kind:
+        assert identify_signal(path).of == kind
+        return
+    with pytest.raises(ValueError, match="density of power" if "Hz" in unit else "may be a spectrum .* or a response"):
+        identify_signal(path)
+
+
 @pytest.mark.parametrize(("function", "over", "kind"), [(4, 18, "response"), (1, 17, "decay")])
 def test_a_universal_file_says_what_it_is(function: int, over: int, kind: str, tmp_path: Path) -> None:
     """Functions of data set 58: a frequency response, complex; a record over time."""

@@ -138,17 +138,16 @@ def _of_value(signal: Signal) -> Iterator[Clue]:
     if signal.parts:
         yield Clue(f"{' and '.join(map(repr, signal.parts))} are parts of a complex number", OVER_FREQUENCY)
     words = {*re.findall(r"[^\W\d_]+\d?", head.casefold())}
-    below = re.split(r"[/*·\s]+", unit.partition("/")[2].strip("() "))[0]
-    squared = "²" in unit or "^2" in unit.partition("/")[0]
-    if words & POWERS or (squared and "Hz" in below):
+    below = re.findall(r"/\s*\(?\s*([^\s/()*·]+)", unit)
+    if words & POWERS or re.search(r"(\^2|²)\)?\s*/\s*Hz", unit):
         yield Clue(f"{head!r} is a density of power, which none of them is (its square root is a spectrum)", ())
     if words & SPECTRA:
         yield Clue(f"{head!r} is called a spectrum", ("spectrum",))
     if words & RESPONSES:
         yield Clue(f"{head!r} is called a response", ("response",))
-    if "Hz" in below or re.search(r"[·*\s]s$", unit):
+    if "Hz" in unit or re.search(r"[·*\s]s$", unit):
         yield Clue(f"{unit} is the unit of a Fourier transform", ("spectrum",))
-    elif below and not re.fullmatch(r"s(\^?[23²³])?", below):
+    elif not all(suits(re.sub(r"\^?[23²³]$", "", each), "time") for each in below):
         yield Clue(f"{unit} is a ratio", ("response",))
 
 
@@ -171,7 +170,8 @@ def _of_numbers(signal: Signal) -> Iterator[Clue]:
             yield Clue(f"{signal.heads[0]!r} does not only ascend, as in a sweep", ("response",))
     order = np.argsort(at, kind="stable")
     steps = np.diff(at[order])
-    if signal.over != "time" and np.mean(np.abs(steps / np.median(steps[steps > 0]) - 1)[steps > 0] < 0.05) < EVEN:
+    steps = steps[steps > 0]
+    if signal.over != "time" and len(steps) and np.mean(np.abs(steps / np.median(steps) - 1) < 0.05) < EVEN:
         yield Clue("its steps are uneven, as those of no Fourier transform", ("decay", "response"))
     if _swings(value[order]):
         yield Clue("its values swing about a middle and die away", ("decay",))

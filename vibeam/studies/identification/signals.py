@@ -27,7 +27,9 @@ NAMES = {
 }
 VALUES = ("displacement", "amplitude", "magnitude", "value", "x", "a")
 UNCERTAINTIES = ("uncertainty", "unsicherheit", "u")
-OTHERS = re.compile(r"phase|phasen?winkel|coherence|kohärenz|sigma|direction|period|index|no?\.?|nr\.?|#")
+OTHERS = re.compile(
+    r"phase|phasen?winkel|coherence|kohärenz|sigma|uncertainty|unsicherheit|u|direction|period|index|no?\.?|nr\.?|#"
+)
 PARTS = (re.compile(r"re(al(teil|part| part)?)?\b.*"), re.compile(r"im(ag(inary|inär)?(teil|part| part)?)?\b.*"))
 
 
@@ -145,9 +147,8 @@ def _plain(head: str) -> str:
 
 def _value(heads: Sequence[str], at: str | int) -> str:
     """Head of the values: the usual name, or the only one that is left."""
-    left = [
-        head for place, head in enumerate(heads, 1) if at not in (head, place) and not OTHERS.fullmatch(_plain(head))
-    ]
+    apart = [head for place, head in enumerate(heads, 1) if at not in (head, place)]
+    left = [head for head in apart if not OTHERS.fullmatch(_plain(head))]
     usual = [head for name in VALUES for head in left if _plain(head) == name]
     if len(left) == 1 or usual:
         return left[0] if len(left) == 1 else usual[0]
