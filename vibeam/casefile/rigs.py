@@ -32,9 +32,8 @@ OF_GIVEN: Tables = {"one_mode": {"reduction": "modal", "modes": 1}, "whole": {"r
 class Rig:
     """A rig to start from: its ``kind`` of case and its ``meaning`` in a few words.
 
-    ``example``: whose values and fidelities the template has; ``changed``: values in their place, by dotted key;
-    ``fidelities``: further ones. ``needed``: keys, those of the sweep apart, that suffice for a first run, with values
-    ``instead`` of the example's.
+    ``example``: whose values and fidelities the template has; ``changed``: values in their place, by dotted key.
+    ``needed``: keys, those of the sweep apart, that suffice for a first run, with values ``instead`` of the example's.
     """
 
     name: str
@@ -42,14 +41,13 @@ class Rig:
     meaning: str
     example: str
     needed: str
-    fidelities: Tables = field(default_factory=dict)
     changed: Mapping[str, Any] = field(default_factory=dict)
     instead: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def named(self) -> Mapping[str, Tables]:
         """Tables that have names, as the template shows them."""
-        return {**SHOWN, "fidelity": {**tables(self.example)["fidelity"], **self.fidelities}}
+        return {**SHOWN, "fidelity": tables(self.example)["fidelity"]}
 
     @property
     def first(self) -> Tables:
@@ -88,12 +86,6 @@ RIGS = Registry(
         "cantilever", "beam", "a cantilever with an attached mass, the DTU rig", "dtu",
         "beam.length beam.width beam.thickness beam.youngs_modulus beam.density beam.damping_ratio mass.mass"
         " mass.position stop.gap stop.restitution sensor.position drive.amplitude",
-        {
-            "point_mass": {
-                "reduction": "static_mode", "set": {"stop.restitution": 0.7}, "without": ["mass.rotary_inertia"],
-                "label": "point mass",
-            },
-        },
         instead={"drive.amplitude": "0.1 mm"},
     ),
     Rig(
@@ -101,12 +93,6 @@ RIGS = Registry(
         "beam.length beam.shape beam.outer_diameter beam.wall beam.youngs_modulus beam.density beam.damping_ratio"
         " beam.ends beam.added_mass_per_length stop.position stop.gap stop.second_gap stop.law stop.stiffness"
         " stop.damping sensor.position drive.force drive.at",
-        {
-            "dry": {
-                "reduction": "modal", "modes": 12, "set": {"beam.damping_ratio": 0.005},
-                "without": ["beam.added_mass_per_length"], "label": "without water",
-            },
-        },
     ),
     Rig(
         "two-beams", "beam", "two cantilevers that meet at a leaf spring", "two-beams",

@@ -161,7 +161,7 @@ def test_a_case_can_be_sent_elsewhere():
 def test_the_template_is_the_rig():
     case = parse(template())
     assert case.scene == vibeam.load(CASES / "dtu_neutral.toml").scene
-    assert list(case.fidelities) == ["sdof", "two_modes", "beam", "point_mass"]
+    assert list(case.fidelities) == ["sdof", "two_modes", "beam"]
 
 
 @pytest.mark.parametrize("rig", RIGS)
