@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 VIEWS = ("numbers", "chart", "result", "response", "motion", "participation")
-PICTURES_BYTES, MAP_BYTES = 420_000, 160_000  # of all static pictures together, of one that a map has beside it
+PAGE_BYTES, MAP_BYTES = 1_350_000, 160_000  # of data and pictures together, of a picture that a map has beside it
 PLANES = ("stability", "verdict")  # pictures of maps that a study makes
 
 
@@ -32,7 +32,8 @@ def page(stored: StoredResult) -> str:
 
     result = stored.result
     response = picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result))
-    pictures, absent = _pictures(result, PICTURES_BYTES - len(response.data))
+    data = as_json(chart_data(stored))
+    pictures, absent = _pictures(result, PAGE_BYTES - len(data) - len(response.data))
     return rendered(
         "results.html",
         ("state", "saving", *VIEWS, "start"),
@@ -49,7 +50,7 @@ def page(stored: StoredResult) -> str:
         pictures=pictures,
         absent=absent,
         provenance=sorted(stored.provenance.items()),
-        data=as_json(chart_data(stored)),
+        data=data,
     )
 
 
@@ -99,7 +100,8 @@ def _pictures(result: Result, room: int) -> tuple[list[Picture], list[str]]:
         else:
             shown.append(each)
             room -= len(each.data)
-    return shown, absent
+    kept = [len(each.numbers) <= room // max(len(shown), 1) for each in shown]
+    return [each if own else replace(each, numbers="") for each, own in zip(shown, kept, strict=True)], absent
 
 
 def _map(result: Result, name: str) -> Picture | None:

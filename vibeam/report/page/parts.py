@@ -34,7 +34,7 @@ def texts(table: ReportTable) -> dict[str, Any]:
 DOTS = 110  # dots an inch of a picture of dots
 LINES_BYTES = 80_000  # picture of lines that is kept whatever its size in dots
 KINDS = {".svg": "image/svg+xml", ".png": "image/png"}
-NUMBERS_BYTES = 60_000  # largest text of a picture's numbers that the page holds
+NUMBERS_BYTES = 80_000  # largest text of a picture's numbers that the page holds
 
 
 @dataclass(frozen=True)
@@ -79,13 +79,18 @@ def embedded(kind: str, content: bytes) -> str:
 
 
 def numbers_of(figure: Figure) -> str:
-    """Lines of a figure as CSV, a row a point; empty where there are none, or too many for a page."""
-    rows = [
-        (axes.get_title(loc="left") or axes.get_title() or axes.get_ylabel(), line.get_gid() or line.get_label(), x, y)
-        for axes in figure.axes
-        for line in axes.lines
-        for x, y in np.asarray(line.get_xydata(), dtype=float)
-    ]
+    """Lines and bars of a figure as CSV, a row a point; empty where there are none, or too many for a page."""
+    from matplotlib.container import BarContainer
+
+    rows: list[tuple[object, ...]] = []
+    for axes in figure.axes:
+        panel = axes.get_title(loc="left") or axes.get_title() or axes.get_ylabel()
+        for line in axes.lines:
+            points = np.asarray(line.get_xydata(), dtype=float).tolist()
+            rows += [(panel, line.get_gid() or line.get_label(), *point) for point in points]
+        for bars in axes.containers:
+            if isinstance(bars, BarContainer):
+                rows += [(panel, bars.get_label(), float(each.get_center()[0]), each.get_height()) for each in bars]
     made = as_csv(("panel", "curve", "x", "y"), rows)
     return made if rows and len(made) <= NUMBERS_BYTES else ""
 
