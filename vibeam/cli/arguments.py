@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import isfinite
 from os import sep
 from pathlib import Path
@@ -38,6 +38,12 @@ ResultsFile = Annotated[
     ),
 ]  # fmt: skip
 
+Fidelities = Annotated[
+    list[str] | None,
+    typer.Option("--fidelity", metavar="NAME", help="This one alone. Repeatable; absent = all.", show_default=False),
+]
+
+
 Fresh = Annotated[bool, typer.Option("--fresh", help="Keep nothing of the results file that is there: start over.")]
 
 TableFile = Annotated[
@@ -71,6 +77,16 @@ def load(path: Path, settings: list[str] | None) -> Case:
     if wrong:
         raise UsageError("\n".join(f"--set {key}: write --set key=value" for key in wrong))
     return read(path, {key.strip(): value.strip() for key, _, value in parts})
+
+
+def of_fidelities(case: Case, names: Sequence[str] | None) -> Case:
+    """The case with these of its fidelities alone, with all where none is named."""
+    from vibeam.runs.run_plan import restricted
+
+    try:
+        return restricted(case, names or ())
+    except ValueError as unknown:
+        raise UsageError(f"--fidelity {unknown}") from None
 
 
 def results_path(case: Case, out: str | None) -> Path:

@@ -15,14 +15,14 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from vibeam.cli.commands import case_files, maps, measured, modes, runs, studies
+from vibeam.cli.commands import case_files, checks, maps, measured, modes, runs, studies
 from vibeam.cli.errors import UsageError, mistakes
 from vibeam.cli.streams import put, say, standard_streams
 from vibeam.cli.verbosity import with_verbosity
 
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "How much model": (runs.run, maps.map),
-    "Measurements": (runs.check, measured.fit, measured.identify, studies.uncertainty),
+    "Measurements": (checks.check, measured.fit, measured.identify, studies.uncertainty),
     "From geometry": (studies.derive, modes.modes),
     "Results": (runs.report, studies.study),
     "Case files": (case_files.new, case_files.keys, case_files.doctor),

@@ -11,7 +11,7 @@ from vibeam.figures.units import METRIC, DisplayUnits, units_for
 from vibeam.report.output import StudySheet
 from vibeam.report.run_answer import USUAL, groups_of, run_answer
 from vibeam.report.tables import ARROWS, ReportTable, blank, coefficient, plain
-from vibeam.runs.comparison.differences import listed, notes
+from vibeam.runs.comparison.differences import doubts, listed, settled
 from vibeam.runs.estimate.records import estimate_texts
 from vibeam.runs.summary import Summary, compare, remarks
 from vibeam.system.number_text import percent, signed, without_round_off
@@ -36,9 +36,10 @@ def run_report(result: Result, accuracy: float | None = None) -> StudySheet:
     choice = [] if result.accuracy is None else [*result.accuracy.sentences()][1:]
     uncertain = [*choice, *remarks(result), *_faults(rows)]
     certain: list[str] = []
-    groups = groups_of(result, {row.fidelity: row for row in rows})
-    for each in groups:
-        (certain if each.settled else uncertain).extend(notes(each.compared) if each.compared else ())
+    groups = groups_of(result, rows)
+    for each in result.comparisons:
+        uncertain += doubts(each)
+        certain += settled(each)
     if estimated.unknown:
         uncertain.append(f"{listed(estimated.unknown)}: est. off is not known, -v says why")
     return StudySheet(

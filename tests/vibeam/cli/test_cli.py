@@ -62,7 +62,9 @@ def test_run_writes_results_and_figures_and_goes_on(command: Command, sdof: Path
     first = command("run", sdof)
     assert {path.name for path in tmp_path.iterdir()} == {"sdof.toml", "sdof.h5", "sdof.png", "sdof.svg"}
     assert first.stdout.endswith("\nwrote sdof.h5, sdof.png, sdof.svg\n")
-    assert first.stdout.startswith("sdof (1 mode) is the only fidelity, and how far it is off is not known; peak of ")
+    assert first.stdout.startswith(
+        "sdof (1 mode) is the mode that the case gives, flown exactly; its peak is 0.9512 at 2. "
+    )
     again = command("run", sdof)
     assert again.stderr == "all 10 points are there already\n"
     assert again.stdout == first.stdout
@@ -134,7 +136,7 @@ def test_several_cases_are_run_each_into_its_own_file(command: Command, sdof: Pa
     lines = done.stdout.splitlines()
     assert [line.partition(": ")[0] for line in lines] == [str(each) for each in (sdof, wrong, other, built)]
     assert lines[1].startswith(f"{wrong}: not run: ")
-    assert " is the only fidelity" in lines[0]
+    assert " is the mode that the case gives" in lines[0]
     places = [done.stderr.index(said) for said in ("titl", "drag", f"{sdof}:\n", f"{other}:\n")]
     assert places == sorted(places), "all faults are told before anything is run"
     assert {each.name for each in (sdof.parent / "results").glob("*.h5")} == {"sdof.h5", "other.h5"}

@@ -20,7 +20,7 @@ import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.casefile.read import load, parse
 from vibeam.runs.comparison import held_comparison
-from vibeam.runs.comparison.differences import HeldComparison, headline, notes
+from vibeam.runs.comparison.differences import HeldComparison, doubts, headline, settled
 from vibeam.runs.comparison.limit import limit
 from vibeam.runs.run import run
 from vibeam.runs.summary import compare
@@ -127,8 +127,8 @@ def test_the_finest_ones_own_distance_is_said_where_it_is_not_small() -> None:
     assert abs(there.limit.held.peak) < 1e-3
     assert [row.small for row in here.rows] == [False, False]
     assert [row.small for row in there.rows] == [True, True]
-    assert any("not small against sdof" in line for line in notes(here))
-    assert not any("not small" in line for line in notes(there))
+    assert any("not small against sdof" in line for line in doubts(here))
+    assert not any("not small" in line for line in doubts(there))
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_what_has_no_limit_or_no_closed_form_is_said_in_words(changes: dict[str,
     assert why in found.limit.why
     assert np.isnan(found.limit.held.peak)
     assert not found.turning
-    assert any("not estimated" in line and why in line for line in notes(found))
+    assert any("not estimated" in line and why in line for line in settled(found))
     assert ("is not known" in headline(found)) == bool(np.isnan([row.other.peak for row in found.rows]).all())
 
 
@@ -156,9 +156,10 @@ def test_a_law_without_one_coefficient_leaves_no_choice() -> None:
     found = run(case, show=False, compare=True).comparisons[0]
     assert found.other is None
     assert headline(found) == 'Held in every fidelity: contact law "linear".'
-    assert list(notes(found)) == [
+    assert list(settled(found)) == [
+        headline(found),
         'beam: distance from its own limit not estimated (no closed-form motions with the contact law "linear"): '
-        "compare it with more modes"
+        "compare it with more modes",
     ]
 
 
@@ -166,7 +167,7 @@ def test_a_single_degree_of_freedom_has_neither_choice_nor_limit() -> None:
     case = parse(SDOF + "[fidelity.again]\nsolver = 'orbit'\n")
     found = run(case, compare=True).comparisons[0]
     assert (found.other, headline(found)) == (None, "Held in every fidelity: R = 0.9.")
-    assert list(notes(found)) == []
+    assert (list(settled(found)), list(doubts(found))) == ([headline(found)], [])
 
 
 def test_one_fidelity_alone_pays_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

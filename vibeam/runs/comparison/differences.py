@@ -94,12 +94,6 @@ def both_peaks(found: HeldComparison, most: int = PAIRS) -> str:
     return f"{found.other.symbol} held instead: {there} at peak (here {here})"
 
 
-def notes(found: HeldComparison) -> Iterator[str]:
-    """Sentences on the distance of the finest fidelity from its limit, and on what is not known."""
-    yield from _unknown(found)
-    yield from _own_limit(found)
-
-
 def doubts(found: HeldComparison) -> Iterator[str]:
     """Sentences on what is uncertain, with what to do: verdicts that turn, a distance from the limit that counts."""
     if found.turning and found.other is not None:

@@ -1,0 +1,84 @@
+"""The first sentence of a run: what suffices, as far as it is known, in every situation that a case may be in."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from stand_in import curve, one_mode
+
+from vibeam.casefile.read import parse
+from vibeam.report.run_answer import run_answer
+from vibeam.runs.result import Result
+from vibeam.system.response import Branches
+
+GRID = np.linspace(14.0, 16.0, 5)
+TOP = np.array([1.0, 2.0, 4.0, 2.0, 1.0])
+IRREGULAR = np.array([0, 0, 1, 0, 0])
+UNKNOWN = "; how far theirs itself is off is not known"
+
+
+def answer(ours: Any, theirs: Any = TOP, ours_has: str = "", theirs_has: str = "", **how: Any) -> str:
+    """Answer of two fidelities, of one mode and of two, the second flown: the rig gives its one mode."""
+    accuracy = how.pop("accuracy", 0.05)
+    case = parse(one_mode(str(GRID.tolist()), 1, 1, "[fidelity.ours]", ours_has, "[fidelity.theirs]", theirs_has))
+    parts = {"ours": curve(GRID, ours, **how), "theirs": curve(GRID, theirs, modes=2, **how)}
+    return run_answer(Result(case, {name: Branches(up) for name, up in parts.items()}), accuracy)
+
+
+@pytest.mark.parametrize(
+    ("ours", "said"),
+    [
+        (0.98 * TOP, "One mode suffices for 5 % (ours, 2 % too low at the peak)."),
+        (1.2 * TOP, "Two modes suffice for 5 % (theirs, flown exactly); ours is 20 % too high."),
+        (TOP * [1.06, 1, 1, 1, 1], "One mode suffices for 5 % (ours, off by less than 0.01 % at the peak, up to 6 %"),
+        (TOP * [1.5, 1, 1, 1, 1.5], "; ours is 31.6 % off (rms), off by less than 0.01 % at the peak."),
+        (TOP * [40, 1, 1, 1, 1], "; ours is 900 % too high."),
+    ],
+)  # fmt: skip
+def test_what_suffices_is_named_with_what_it_misses(ours: Any, said: str) -> None:
+    assert said in answer(ours)
+
+
+def test_the_accuracy_asked_for_decides() -> None:
+    assert answer(1.2 * TOP, accuracy=0.25).startswith("One mode suffices for 25 % (ours, 20 % too high at the peak).")
+
+
+def test_nothing_is_enough_whose_measure_is_not_known() -> None:
+    """The finest is no exact solution here: pointwise mapping."""
+    said = answer(0.98 * TOP, theirs_has='solver = "mapping"')
+    assert said.startswith(f"One mode (ours, 2 % too low at the peak) is within 5 % of theirs{UNKNOWN}.")
+    said = answer(1.2 * TOP, theirs_has='solver = "mapping"')
+    assert said.startswith("No other fidelity is known to be within 5 % of theirs, and how far theirs itself is off is")
+    assert "suffice" not in said
+
+
+def test_motions_that_do_not_repeat_are_no_measure() -> None:
+    said = answer(0.98 * TOP, period=IRREGULAR)
+    assert said.startswith("Two modes suffice for 5 %")
+    assert "ours (2 % too low at the peak) repeats beside it at less than half of the points." in said
+
+
+def test_other_physics_points_that_failed_and_motions_without_impacts_are_said() -> None:
+    apart = answer(2 * TOP, ours_has='set = { "stop.restitution" = 0.5 }')
+    assert apart.startswith("No two of the 2 fidelities are of the same physics")
+    assert "peaks are from 4 (theirs) to 8 (ours)." in apart
+    assert answer(TOP, period=-1).startswith("Nothing touches the stop. One mode suffices")
+    assert " is held" not in answer(TOP, period=-1)
+    assert answer(TOP, ended=3) == "No point was completed."
+    assert "suffice" not in answer(TOP, TOP * np.nan)
+
+
+@pytest.mark.parametrize(
+    ("solver", "said"),
+    [
+        ("flight", "the mode that the case gives, flown exactly"),
+        ("mapping", "alone, and how far it is off is not known"),
+    ],
+)
+def test_one_fidelity_alone_says_what_is_known_of_it(solver: str, said: str) -> None:
+    case = parse(one_mode(str(GRID.tolist()), 1, 1, f'[fidelity.ours]\nsolver = "{solver}"'))
+    found = run_answer(Result(case, {"ours": Branches(curve(GRID, TOP))}))
+    assert found.startswith(f"ours (1 mode) is {said}")
+    assert "; its peak is 4 at " in found

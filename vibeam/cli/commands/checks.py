@@ -1,0 +1,135 @@
+"""``vibeam check``: references, regression values and measured numbers of a case; the record of its curves as such."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vibeam.cli.arguments import (
+    CaseFile,
+    Fidelities,
+    Fresh,
+    Overrides,
+    ResultsFile,
+    folder,
+    load,
+    of_fidelities,
+    output_path,
+    results_path,
+    run_case,
+)
+from vibeam.cli.errors import UsageError
+from vibeam.cli.output import print_sheet
+from vibeam.cli.streams import MISSED
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.report.output import StudySheet
+
+DRAWN = (".png", ".svg", ".pdf")
+
+Plot = Annotated[
+    str | None,
+    typer.Option(
+        "--plot", metavar="FILE", help="Draw references and model (.png, .svg, .pdf), or the folder for it.",
+        show_default=False,
+    ),
+]  # fmt: skip
+
+
+def check(
+    case: CaseFile,
+    set_: Overrides = None,
+    out: ResultsFile = None,
+    fresh: Fresh = False,
+    fidelity: Fidelities = None,
+    plot: Plot = None,
+    record: Annotated[
+        bool, typer.Option("--record", help="Write the curves as regression values, into the folder of --out.")
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="With --record: replace files that are there.")] = False,
+) -> None:
+    """Say whether references and measured numbers hold.
+
+    References are compared at their own frequencies. Exit code 1 where one is missed. What --record writes goes into
+    references/ beside the case where no --out says otherwise.
+
+    \b
+    Examples:
+      vibeam check mine.toml --plot check.png
+      vibeam check mine.toml --record --fidelity sdof
+    """
+    from vibeam.casefile.read import without_accuracy
+
+    loaded = of_fidelities(without_accuracy(load(case, set_)), fidelity)  # each fidelity is checked by itself
+    if force and not record:
+        raise UsageError("--force: replaces files of --record, which is not asked for")
+    if record and plot is not None:
+        raise UsageError("--plot: of a check, and --record makes none: leave one of them out")
+    if record:
+        print_sheet(*_recorded(loaded, out, force))
+        return
+    path = None if plot is None else output_path(plot, f"{loaded.path.stem}_check.png", DRAWN, "a figure")
+    sheet, draw = _checked(loaded, out, fresh, set_ or ())
+    if path is not None and draw is not None:
+        draw(path)
+    print_sheet(sheet, [path] if path is not None and draw is not None else [])
+    if sheet.data["missed"]:
+        raise typer.Exit(MISSED)
+
+
+def _checked(
+    case: Case, out: str | None, fresh: bool, settings: Sequence[str]
+) -> tuple[StudySheet, Callable[[Path], None] | None]:
+    """Report of a check, and what draws its references, where there are any."""
+    from vibeam.report.checks import check_report
+
+    if not (case.references or case.expectations or case.measured):
+        from vibeam.runs.systems import require_runnable
+
+        require_runnable(case)
+        return check_report([], []), None
+    from vibeam.case.held import held_of
+    from vibeam.figures.units import units_of
+    from vibeam.runs.summary import remarks
+    from vibeam.studies.regression.check import at_references, check_expectations, compare_measured
+    from vibeam.studies.regression.references import check as check_references
+    from vibeam.studies.regression.references import require_readable
+
+    require_readable(case)
+    result = run_case(case, None if out is None else results_path(case, out), show=False, fresh=fresh)
+    partial = any(each.strip().startswith("sweep") for each in settings)
+    at = at_references(case, result, partial=partial)
+    rows = [
+        *check_references(case, result, partial=partial, at=at),
+        *check_expectations(case, result, partial=bool(settings)),
+    ]
+    held = held_of(case.scene).label if any(each.against for each in case.expectations.values()) else ""
+    sheet = check_report(rows, compare_measured(case, result), units_of(case), held, remarks(result))
+
+    def draw(file: Path) -> None:
+        from vibeam.report.references import write_references
+
+        write_references(case, rows, at, file)
+
+    return sheet, draw if at else None
+
+
+def _recorded(case: Case, out: str | None, force: bool) -> tuple[StudySheet, list[Path]]:
+    """Write the curves of a case as regression values; the tables that check them, and the files."""
+    from vibeam.exchange.whole_files import write_whole
+    from vibeam.report.checks import record, record_report
+
+    place = case.path.parent / "references" if out is None else Path(out)
+    files = {name: place / f"{case.path.stem}_{name}.csv" for name in case.fidelities}
+    there = [str(file) for file in files.values() if file.exists()]
+    if there and not force:
+        raise UsageError(f"{', '.join(there)}: is there already: --force replaces it, --out FOLDER writes elsewhere")
+    result = run_case(case, None, show=False)
+    folder(place)
+    for name, file in files.items():
+        write_whole(file, record(result, name).encode())
+    return record_report(case, files), list(files.values())
