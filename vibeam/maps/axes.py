@@ -51,7 +51,9 @@ def name_of_key(case: Case, key: str) -> str:
         return PLAIN[key]
     if key == GAP and case.scene.stop is not None:
         return f"gap at the {getattr(case.scene.stop, 'gap_at', 'contact')}"
-    return NAMES.get(key, key.replace(".", " ").replace("_", " "))
+    table, _, name = key.rpartition(".")
+    words = key.replace(".", " ") if name != table else name
+    return NAMES.get(key, words.replace("_", " "))
 
 
 def own_value(case: Case, key: str) -> float:

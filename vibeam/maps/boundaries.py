@@ -36,7 +36,7 @@ KINDS = {
 
 SIDE = 81  # points of the grid along each axis, on which boundaries are looked for
 PLACES = 121  # looked at along a row before each change of sign is bracketed
-STEP = 3.0  # columns by which a boundary may move from row to row and still be one curve
+STEP = 3.0  # columns of the map by which a boundary may move from row to row and still be one curve
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def boundaries_of(
     hertz = _grid(across.values)
     if not np.all(own.amplitude(2 * np.pi * hertz)):
         return [], "no exact boundaries: a drive above 0 is needed"
-    search = _Search(fidelity, own, upward, hertz, periods, scaled)
+    search = _Search(fidelity, own, upward, hertz, len(across.values), periods, scaled)
     if upward.key == GAP:
         return list(search.over_gap()), ""
     if upward.key in (SHARE, *LEVELS):
@@ -106,6 +106,7 @@ class _Search:
     model: Model
     upward: AxisPlan
     hertz: Array
+    columns: int  # of the map
     periods: int
     scaled: float  # share of the drive
 
@@ -143,7 +144,8 @@ class _Search:
                 rows = known.setdefault((each.kind, each.branch), [[] for _ in values])
                 if each.clear:
                     rows[row].append(each)
-        width = STEP * float(self.hertz[-1] - self.hertz[0]) / max(len(self.hertz) - 1, 1)
+        share = max(STEP / max(self.columns - 1, 1), 1 / max(len(values) - 1, 1))  # of few rows further
+        width = share * float(self.hertz[-1] - self.hertz[0])
         for (kind, branch), rows in known.items():
             places = [[each.omega / (2 * np.pi) for each in row] for row in rows]
             velocity = [{each.omega / (2 * np.pi): each.velocity for each in row} for row in rows]

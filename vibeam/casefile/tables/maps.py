@@ -80,7 +80,7 @@ PLANES = ("stability", "verdict")
 #: pictures that a key goes with
 OF_PICTURE = {"accuracy": ("verdict",), "verify": ("verdict",), "periods": ("stability",),
               "quantity": ("values", "verdict")}  # fmt: skip
-APART = ("direction", "quantities", "strobes", "starts")  # keys without a meaning for ``PLANES``
+APART = ("direction", "quantities", "strobes")  # keys without a meaning for ``PLANES``
 
 
 def _own_keys(path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
