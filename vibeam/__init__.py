@@ -16,7 +16,7 @@ hand_in(
         "plot": "vibeam.report.figures:plot",
         "load": "vibeam.casefile.read:load",
         "bar": "vibeam.cli.progress:Bar",
-        "html": "vibeam.report.views:html",
+        "html": "vibeam.report.page.notebook:html",
         "rows": "vibeam.report.views:rows",
     }
 )

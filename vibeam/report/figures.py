@@ -12,7 +12,7 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
 from vibeam.figures.files import all_current, figure_files, paths_of, shown_paths, stamp
 from vibeam.figures.sheet import Comparison, module_of, named_of
-from vibeam.runs.result import Result
+from vibeam.system.labelled import Viewed
 from vibeam.system.response import Branches, FrequencyResponse
 
 if TYPE_CHECKING:
@@ -113,13 +113,11 @@ def _size(plan: ShowPlan) -> tuple[float, float]:
     return (5.8 if panels == 1 else 3.2 * panels + 0.6, 4.2)
 
 
-def plot(
-    shown: Result | Branches | FrequencyResponse, *paths: str | Path, quantity: str = "amplitude"
-) -> Figure:  # fmt: skip
-    """Plot a result, as ``vibeam run`` writes it, or a response over frequency.
+def plot(shown: Viewed, *paths: str | Path, quantity: str = "amplitude") -> Figure:
+    """Plot a result, as ``vibeam run`` writes it, a response over frequency, or what a notebook shows of a record.
 
     ``paths``: files to write it to (.png, .svg, .pdf). ``quantity``: of a response, any that has one number a point.
-    The figure belongs to no window. ValueError for another quantity or another kind of object.
+    The figure belongs to no window. ValueError for another quantity or an object without a figure.
 
     >>> import vibeam
     >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
@@ -139,15 +137,16 @@ def plot(
     return made[0]
 
 
-def _figure(shown: Result | Branches | FrequencyResponse, quantity: str) -> Figure:
-    if isinstance(shown, Result):
-        if quantity != "amplitude":
-            raise ValueError(f"quantity: a result is shown by its amplitude; plot result[fidelity] for {quantity!r}")
-        from vibeam.figures.response_curve import frc
+def _figure(shown: Any, quantity: str) -> Figure:
+    if isinstance(shown, Branches | FrequencyResponse):
+        from vibeam.figures.response import response_figure
 
-        return frc(shown)
-    if not isinstance(shown, Branches | FrequencyResponse):
-        raise ValueError(f"plot: a {type(shown).__name__} is no Result, Branches or FrequencyResponse")
-    from vibeam.figures.response import response_figure
+        return response_figure(dict(shown.items()) if isinstance(shown, Branches) else {"up": shown}, quantity)
+    if quantity != "amplitude":
+        raise ValueError(f"quantity: goes with a response; plot result[fidelity] for {quantity!r}")
+    from vibeam.report.views import sheet_of
 
-    return response_figure(dict(shown.items()) if isinstance(shown, Branches) else {"up": shown}, quantity)
+    draw = sheet_of(shown).draw if isinstance(shown, Viewed) else None
+    if draw is None:
+        raise ValueError(f"plot: a {type(shown).__name__} has no figure")
+    return draw()

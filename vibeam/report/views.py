@@ -1,11 +1,10 @@
-"""Views of records in a notebook: the sheet of each kind as a piece of HTML, and its rows for a table."""
+"""Views of records: the sheet of each kind, which a notebook shows, and its rows for a table."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from re import sub
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from vibeam.exchange.files import dotted
 from vibeam.report.output import StudySheet
 from vibeam.report.output import plain as plain_of
 from vibeam.report.tables import ARROWS, blank
+from vibeam.system.response import FrequencyResponse
 from vibeam_models.arguments import counted
 from vibeam_models.registry import loaded
 
@@ -27,19 +27,10 @@ if TYPE_CHECKING:
     from vibeam.runs.result import Result
     from vibeam.studies.derive import DerivedTable
     from vibeam.studies.modes import ModeTable
-    from vibeam.system.response import Branches, FrequencyResponse
+    from vibeam.system.response import Branches
 
 SMALL = (4.6, 2.8)  # inches of a figure
 POINTS = 400  # of an orbit that is drawn
-
-
-def html(record: Any) -> str:
-    """View of a record as a piece of HTML that asks nothing of any network; its texts are escaped."""
-    from vibeam.report.page.parts import rendered
-
-    words = sub(r"(?<!^)([A-Z])", r" \1", type(record).__name__).capitalize()
-    heading = getattr(getattr(record, "case", record), "title", "") or words
-    return rendered("notebook.html", (), heading=heading, sheet=sheet_of(record), scene=_scene(record))
 
 
 def rows(record: Any) -> tuple[list[dict[str, Any]], Mapping[str, str], Mapping[str, str]]:
@@ -72,42 +63,27 @@ def _case(case: Case) -> StudySheet:
     return StudySheet(answer, [table], notes)
 
 
-def _scene(record: Any) -> str:
-    """Rig of a case as the content of a data URL, its style within; empty of another record."""
-    if type(record).__name__ != "Case":
-        return ""
-    from base64 import b64encode
-    from importlib.resources import files
-
-    from vibeam.report.page.drawing import drawing
-
-    style = (files("vibeam.report.page") / "page.css").read_text(encoding="utf-8")
-    head, bracket, rest = drawing(record.scene).partition(">")
-    content = f"{head}{bracket}<style>{style}</style>{rest}" if rest else ""
-    return content and f"image/svg+xml;base64,{b64encode(content.encode()).decode()}"
-
-
 def _result(result: Result) -> StudySheet:
-    from vibeam.report.figures import plot
+    from vibeam.figures.response_curve import frc
     from vibeam.report.run_report import run_report
 
-    return replace(run_report(result), draw=lambda: plot(result))
+    return replace(run_report(result), draw=lambda: frc(result))
 
 
 def _response(response: FrequencyResponse | Branches) -> StudySheet:
-    from vibeam.report.figures import plot
+    from vibeam.figures.response import response_figure
 
-    peak = response.peak
+    peak, branches = response.peak, {"up": response} if isinstance(response, FrequencyResponse) else response.items()
     where = f"{peak.frequency:.5g} Hz{ARROWS.get(peak.direction, '')}"
     answer = f"Highest amplitude {peak.amplitude:.4g} at {where}" if peak.point >= 0 else "No point is complete"
-    return StudySheet(answer, draw=lambda: plot(response))
+    return StudySheet(answer, draw=lambda: response_figure(dict(branches), "amplitude"))
 
 
 def _modes(table: ModeTable) -> StudySheet:
     from vibeam.report.modes import sheet
 
     shapes = {f"{row.frequency:.4g} Hz": shape for row, shape in zip(table.rows[:4], table.shapes.T, strict=False)}
-    lines = {name: shape / np.abs(shape).max() for name, shape in shapes.items()}
+    lines = {name: shape / (np.abs(shape).max() or 1.0) for name, shape in shapes.items()}  # torsion bends nothing
     drawn = partial(_lines, "position (m)", "deflection", table.positions, lines) if lines else None
     return replace(sheet(table), rows=table.rows, draw=drawn)
 

@@ -12,12 +12,9 @@ from vibeam.exchange.faults import suggest
 from vibeam.runs.comparison.differences import both_peaks
 from vibeam.runs.systems import Overview, overview_of
 from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
-from vibeam.system.public_names import handed_in
 from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
     from vibeam.runs.accuracy import AccuracyChoice
@@ -137,11 +134,6 @@ class Result(Mapping[str, Branches], LabelledData):
     @property
     def _names(self) -> DataNames:
         return DataNames(output_units(self.case), about=self.case.about)
-
-    def plot(self, *paths: str | Path) -> Figure:
-        """Figure of ``vibeam run``; written to ``paths`` (.png, .svg, .pdf) where given."""
-        made: Figure = handed_in("plot")(self, *paths)
-        return made
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Result):

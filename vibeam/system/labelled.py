@@ -14,6 +14,9 @@ from vibeam.system.quantities import FURTHER, LAYOUT, METRES, Ended, OutputUnits
 from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
     from pandas import DataFrame
     from xarray import Dataset
 
@@ -45,6 +48,11 @@ class Viewed:
     def _repr_html_(self) -> str:
         """View as HTML, which a notebook shows in place of the repr."""
         made: str = handed_in("html")(self)
+        return made
+
+    def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
+        """Plot it and write the figure to ``paths``, as ``vibeam.plot``."""
+        made: Figure = handed_in("plot")(self, *paths, quantity=quantity)
         return made
 
 

@@ -11,17 +11,12 @@ import numpy as np
 from vibeam.system.curves import Difference as Difference
 from vibeam.system.curves import Peak as Peak
 from vibeam.system.labelled import LabelledData, LabelledPart
-from vibeam.system.public_names import handed_in
 from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
 from vibeam.system.quantities import Ended as Ended
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, Flags, Index, ValueRecord
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from matplotlib.figure import Figure
-
     from vibeam.system.curves import MotionCurves
 
 
@@ -117,11 +112,6 @@ class FrequencyResponse(ValueRecord, LabelledData):
         """All but the frequency by name."""
         return {each.name: getattr(self, each.name) for each in fields(self) if each.name != "frequency"}
 
-    def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
-        """Plot one quantity over frequency and write the figure to ``paths``; see ``vibeam.plot``."""
-        made: Figure = handed_in("plot")(self, *paths, quantity=quantity)
-        return made
-
     @classmethod
     def empty(cls, frequency: Array, modes: int) -> FrequencyResponse:
         """Response with no point run yet: NaN, 0 and ``Ended.NOT_RUN``."""
@@ -167,11 +157,6 @@ class Branches(ValueRecord, LabelledData):
             LabelledPart({"direction": direction}, {"frequency": response.frequency}, response.quantities)
             for direction, response in self.items()
         ]
-
-    def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
-        """Plot as a response, the downward sweep lighter."""
-        made: Figure = handed_in("plot")(self, *paths, quantity=quantity)
-        return made
 
     @property
     def peak(self) -> Peak:

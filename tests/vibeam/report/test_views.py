@@ -187,6 +187,16 @@ def test_a_missing_package_is_named(
         getattr(record, method)()
 
 
+def test_a_record_is_plotted_as_a_notebook_shows_it(made: Callable[[str], Any], tmp_path: Path) -> None:
+    figure = orbit().plot(tmp_path / "orbit.svg")
+    assert figure.axes[0].get_xlabel() == "time (drive periods)"
+    assert (tmp_path / "orbit.svg").exists()
+    twisted = replace(made("ModeTable"), shapes=np.zeros_like(made("ModeTable").shapes))
+    assert not twisted.plot().axes[0].lines[0].get_ydata().any()
+    with pytest.raises(ValueError, match="a DerivedTable has no figure"):
+        made("DerivedTable").plot()
+
+
 def test_an_orbit_through_the_stop_is_no_motion() -> None:
     through = replace(orbit(), admissible=False)
     assert "which passes through the stop between: no motion" in through._repr_html_()
