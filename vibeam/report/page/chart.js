@@ -55,6 +55,9 @@ export function lines(pen, at, xs, ys, look) {
   pen.stroke();
 }
 
+// Text of a case within SVG, without what XML may not hold.
+const escaped = (text) => element("i", {}, text.replace(/[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]/g, "")).innerHTML;
+
 // Pen with the strokes of a canvas that writes SVG.
 class SvgPen {
   constructor() { Object.assign(this, { parts: [], d: "", dash: [], lineWidth: 1, lineDashOffset: 0, strokeStyle: "#000", fillStyle: "#000", font: "12px sans-serif", textAlign: "left" }); }
@@ -72,7 +75,7 @@ class SvgPen {
   fill() { this.parts.push(`<path d="${this.d}" fill="${this.fillStyle}"/>`); }
   fillText(text, x, y, turn = "") {
     const anchor = { left: "start", right: "end", center: "middle" }[this.textAlign];
-    this.parts.push(`<text x="${x.toFixed(1)}" y="${y.toFixed(1)}" font-size="12" font-family="sans-serif" fill="${this.fillStyle}" text-anchor="${anchor}"${turn}>${element("i", {}, text).innerHTML}</text>`);
+    this.parts.push(`<text x="${x.toFixed(1)}" y="${y.toFixed(1)}" font-size="12" font-family="sans-serif" fill="${this.fillStyle}" text-anchor="${anchor}"${turn}>${escaped(text)}</text>`);
   }
 }
 
@@ -95,7 +98,7 @@ function drawAxes(pen, plot, at) {
 // Charts one below the other as an SVG, each with its axes and legend.
 export function svgOf(made, title = "") {
   const width = Math.max(...made.map((each) => each.plot.width));
-  let top = title ? 24 : 4, parts = title ? [`<text x="8" y="16" font-size="13" font-family="sans-serif" fill="${ink()}">${element("i", {}, title).innerHTML}</text>`] : [];
+  let top = title ? 24 : 4, parts = title ? [`<text x="8" y="16" font-size="13" font-family="sans-serif" fill="${ink()}">${escaped(title)}</text>`] : [];
   for (const each of made) {
     const pen = new SvgPen(), at = frameOf(each.plot, 1), below = at.top + at.height + 50;
     drawAxes(pen, each.plot, at);
