@@ -36,9 +36,10 @@ HINT = (
 
 
 def first_answer(case: Case, plan: ModesNeededPlan | None = None) -> str:
-    """Answer that is known before anything is flown; what will be flown, or why there is nothing to tell."""
+    """Answer before anything is flown: numbers, what will be flown, or why none can be told; ValueError of a plan."""
+    asked = plan_asked(case, plan, {})
     try:
-        problem = ReductionProblem.of(case, plan_asked(case, plan, {}))
+        problem = ReductionProblem.of(case, asked)
     except ValueError as refusal:
         return f"{_begun(str(refusal))}."
     return before(before_flight(problem), problem.plan)
