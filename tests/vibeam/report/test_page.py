@@ -17,6 +17,7 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
+from vibeam.figures.units import DisplayUnits
 from vibeam.maps.run import run_map
 from vibeam.report.output import StudySheet
 from vibeam.report.page import charts
@@ -500,3 +501,12 @@ def test_a_page_of_studies_has_a_section_for_each_sheet_with_all_that_it_holds()
     assert len([tag for tag, _ in parsed.found if tag == "section"]) == 2
     drawn = next(at["data-csv"] for tag, at in parsed.found if tag == "figure")
     assert drawn.splitlines() == ["panel,curve,x,y", ",line,1,3", ",line,2,4"]
+
+
+def test_what_is_of_the_contact_has_a_unit_of_its_own():
+    """Beside a strain gauge the distance from the stop is a length, the impact's velocity one of the contact."""
+    found = {
+        each.name: each.unit for each in charts.chart_quantities(DisplayUnits("µε", 1e6, "Hz", 1.0, "", 1, "strain"))
+    }
+    assert (found["maximum"], found["reach"], found["impact_velocity"]) == ("µε", "mm", "mm/s")
+    assert charts.chart_quantities(DisplayUnits("µm", 1e6, "Hz", 1.0))[3].unit == "µm"

@@ -21,6 +21,7 @@ from vibeam.studies.regression.references import COVERAGE
 from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions, held_at_zero, stations
 from vibeam.system.response import Ended, FrequencyResponse, complete
 from vibeam_models.arrays import Array
+from vibeam_models.outputs import DISPLACEMENT
 
 if TYPE_CHECKING:
     from vibeam.case.plans import MeasuredNumber, Reference
@@ -69,11 +70,12 @@ class ChartQuantity:
 def chart_quantities(units: DisplayUnits) -> list[ChartQuantity]:
     """Quantities of the chart over frequency, the amplitude first."""
     length = units.length, units.length_factor
+    contact = length if units.quantity == DISPLACEMENT.name else ("mm", 1e3)
     return [
         ChartQuantity("amplitude", "Amplitude ½(max − min) of the output", *length),
         ChartQuantity("maximum", "Maximum of the output", *length),
         ChartQuantity("minimum", "Minimum of the output", *length),
-        ChartQuantity("reach", "Largest distance of the contact from its stop", *length),
+        ChartQuantity("reach", "Largest distance of the contact from its stop", *contact),
         ChartQuantity("impact_velocity", "Mean velocity before impact", *_contact_speed(units)),
         ChartQuantity("impacts_per_period", "Impacts a drive period", "", 1.0),
         ChartQuantity("period", "Period of the motion in drive periods (0: does not repeat, −1: no contact)", "", 1.0),
