@@ -253,8 +253,9 @@ CALLS = ("pwrite", "fsync", "link", "replace", "unlink")
 path, before = Path({file!r}), Path({file!r} + ".before")
 fidelity_sweep.march_blocks, fidelity_sweep.WRITE_EVERY = Solver(), 0.0
 sys.modules["vibeam.runs.run"].warm_up = lambda *given, **options: None
-wanted = of({{"one": 1, "two": 2}}, GRID[:3], "up") if {changed} else of({{"one": 1}}, GRID[:2])
-if {changed}:
+new, edited = of({{"one": 1}}, GRID[:2]), of({{"one": 1, "two": 2}}, GRID[:3], "up")
+wanted = {{"": new, "fidelity": edited, "physics": of({{"one": 1}}, GRID[:2], key="other")}}["{changed}"]
+if "{changed}":
     running(of({{"one": 1, "two": 1}}, GRID[:2], "up"), before)
 
 def killed_at(left):
@@ -273,7 +274,7 @@ def killed_at(left):
 for calls in range({first}, {most}, {step}):
     for place in [*path.parent.glob(".*"), path, path.with_name("a.1.h5")]:
         place.unlink(missing_ok=True)
-    if {changed}:
+    if "{changed}":
         path.write_bytes(before.read_bytes())
     child = os.fork()
     if not child:
@@ -281,7 +282,7 @@ for calls in range({first}, {most}, {step}):
     _, status = os.waitpid(child, 0)
     assert as_anew(running(wanted, path, tell=print)), calls
     there = {{each.name: each.read_bytes() for each in path.parent.iterdir()}}
-    assert len(there) == 1 + 2 * {changed} and there.get("a.1.h5") == there.get(before.name), calls
+    assert len(there) == 1 + 2 * bool("{changed}") and there.get("a.1.h5") == there.get(before.name), calls
     if status == 0:
         sys.exit(0 if calls > 10 else 1)
 sys.exit(2)
@@ -290,9 +291,9 @@ sys.exit(2)
 
 @pytest.mark.parametrize(
     ("changed", "step"),
-    [(False, 11), pytest.param(False, 5, marks=pytest.mark.slow), pytest.param(True, 5, marks=pytest.mark.slow)],
+    [("", 11), *(pytest.param(edit, 5, marks=pytest.mark.slow) for edit in ("", "fidelity", "physics"))],
 )
-def test_a_kill_between_calls_to_the_system_loses_nothing(tmp_path: Path, changed: bool, step: int) -> None:
+def test_a_kill_between_calls_to_the_system_loses_nothing(tmp_path: Path, changed: str, step: int) -> None:
     """Of a new file and of one that is adapted: the run after it ends in the bits of a run from nothing."""
     places = [str(Path(__file__).parent), *sys.path]
     script = KILLED.format(path=places, file=str(tmp_path / "a.h5"), changed=changed, first=0, most=500, step=step)
