@@ -88,12 +88,17 @@ class LabelledData(Viewed):
         ``ended`` is the name of an ``Ended``; ``attrs["units"]`` has the unit of each column, ``attrs`` what else is
         an attribute of ``to_xarray``.
         """
-        pandas, names = optional("pandas", "to_dataframe"), self._names
-        made: DataFrame = pandas.concat([pandas.DataFrame(_columns(part)) for part in self._parts()], ignore_index=True)
-        found = {name: _attributes(name, names.units).get("units") for name in made.columns if name != "ended"}
-        units = {name: unit for name, unit in (found | dict(names.axes)).items() if unit and name in made.columns}
-        made.attrs = {"units": units, **_about(names.about, "pandas")}
+        pandas, (parts, units) = optional("pandas", "to_dataframe"), self.columns()
+        made: DataFrame = pandas.concat([pandas.DataFrame(part) for part in parts], ignore_index=True)
+        made.attrs = {"units": units, **_about(self._names.about, "pandas")}
         return made
+
+    def columns(self) -> tuple[list[dict[str, Any]], dict[str, str]]:
+        """Columns of ``to_dataframe`` by name, of each part its own, and the units of those that have one."""
+        parts, names = [_columns(part) for part in self._parts()], self._names
+        known = dict.fromkeys(name for part in parts for name in part)
+        found = {name: _attributes(name, names.units).get("units") for name in known if name != "ended"}
+        return parts, {name: unit for name, unit in (found | dict(names.axes)).items() if unit and name in known}
 
 
 class ViewedTable(Viewed):
