@@ -20,9 +20,9 @@ import numpy as np
 
 import vibeam
 from vibeam.exchange.curves.record import ReferenceCurve
-from vibeam.studies.fit.estimate import Scan, estimate
+from vibeam.studies.fit.estimate import Scan, estimate, minimise
 from vibeam.studies.fit.problem import Problem
-from vibeam.studies.fit.profile import LEVEL, misfit_at
+from vibeam.studies.fit.profile import LEVEL
 
 CASES = Path(__file__).parents[2] / "cases"
 
@@ -92,7 +92,8 @@ def covered(name: str, sets: int) -> dict[str, Any]:
         started = replace(problem, keys=keys_off)
         problem, found = estimate(started, Scan.of(started))
         lost += int(not found.actual.all())
-        hits += [misfit_at(problem, found, k, float(start[k])) < LEVEL for k in range(len(start))]
+        least = [minimise(problem, found.x, found.chosen, {k: float(each)})[1] for k, each in enumerate(start)]
+        hits += [each - found.misfit < LEVEL for each in least]
     points = sum(len(frequency) for frequency, _ in truth.values())
     keys_hit = dict(zip((each.key for each in plan.keys), hits.tolist(), strict=True))
     return {"sets": sets, "points": points, "covered": keys_hit, "sets_with_points_on_no_motion": lost}

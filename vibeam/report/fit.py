@@ -49,7 +49,8 @@ def fit_answer(study: FitStudy) -> str:
     if open_keys:
         fault = "do not determine" if len(open_keys) == 1 else "cannot separate"
         told = f"The {counted(used, 'point')} {fault} {_listed(open_keys)} within the bounds"
-        return f"{told}: --next says what to measure." if not study.next else f"{told}."
+        shared = "".join(f": {each}" for each in study.shared[:1])
+        return f"{told}{shared}{'' if study.next else '; --next says what to measure'}."
     found = _listed([f"{row.key} {_value(row.value, row.low, row.high, row.unit)}" for row in study.rows])
     rms = f"rms residual {(study.misfit / used) ** 0.5:.2g} of their uncertainty"
     return f"{found} describe the {used} points ({rms}){_restitution(study)}."

@@ -105,7 +105,9 @@ def test_what_one_point_cannot_separate(rig: Path) -> None:
     found = json.loads(fit(rig, "--json", "--out", rig.parent / "found.csv").stdout)
     assert [row["value"] for row in found["rows"]] == [None, None]
     assert [row["determined"] for row in found["rows"]] == [False, False]
-    assert found["answer"].startswith("The 1 point cannot separate drive.gain and stop.restitution within the bounds")
+    assert found["answer"].startswith(
+        "The 1 point cannot separate drive.gain and stop.restitution within the bounds: what "
+    )
     (told,) = (line for line in found["sentences"] if "not separated" in line)
     assert told.startswith("drive.gain and stop.restitution are not separated by these points within the bounds")
     assert any("what they share is drive.gain/(ζ₁ − ln R₁/π) = " in line for line in found["sentences"])

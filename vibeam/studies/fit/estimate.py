@@ -30,7 +30,7 @@ from vibeam.studies.fit.explanation import (
     flown_rows,
     nearest,
 )
-from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, SCALE, Problem, robust
+from vibeam.studies.fit.problem import LEFT, NO_CONTACT, SCALE, Problem, robust
 from vibeam.studies.fit.surface import quasi_random
 from vibeam_models.arrays import Array, Index
 
@@ -289,6 +289,3 @@ def refined(problem: Problem, minimum: Minimum, dropped: tuple[int, ...] = ()) -
     return own, replace(
         Minimum.at(own, x, chosen, found), actual=real & (chosen != LEFT), others=minimum.others, loss=minimum.loss
     )
-
-
-__all__ = ["IMPOSSIBLE", "Minimum", "Scan", "best", "estimate", "met", "minimise", "refined", "settled"]

@@ -147,13 +147,6 @@ class ProfileSearch:
         return inside[0] + (share if 0.1 < share < 0.9 else 0.5) * (outside[0] - inside[0])
 
 
-def misfit_at(problem: Problem, minimum: Minimum, k: int, share: float) -> float:
-    """Rise of the least misfit where key ``k`` is held at a share of its bounds."""
-    spread = minimum.covariance
-    start = np.clip(minimum.x + spread[:, k] / spread[k, k] * (share - minimum.x[k]), 0.0, 1.0)
-    return minimise(problem, start, minimum.chosen, {k: share})[1] - minimum.misfit
-
-
 LEVEL_OF_TWO = 5.991464547107979  # χ² of two degrees of freedom, 95 %
 RAYS = 16
 TRIES_OF_TWO = 4

@@ -14,7 +14,7 @@ from vibeam.case.source import of_source
 from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
 from vibeam.studies.fit.judgement import WIDEST, Judgement, alternatives, patterns, unit_factor, without_outliers
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
-from vibeam.studies.fit.profile import LEVEL, FitRow, NextPoint, Profile, contour_of, next_points, profile
+from vibeam.studies.fit.profile import FitRow, NextPoint, Profile, contour_of, next_points, profile
 from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges, ridges
 from vibeam.system.labelled import ViewedTable
@@ -49,7 +49,8 @@ class FittedPoint:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FitStudy(ValueRecord, ViewedTable):
-    """Fit of a case: rows, points, sentences, of these the ``facts``; ``pair`` of the least known keys.
+    """Fit of a case: rows, points, sentences, of these the ``facts``; ``shared``: relations that are known of keys
+    that make up for each other; ``pair`` of the least known keys.
 
     ``covariance`` (P, P): linearised, SI. ``best`` (P,): the minimum itself, whether determined or not. ``next``: what
     to measure next, where it was asked for. ``judgement``: whether the model describes the points.
@@ -60,6 +61,7 @@ class FitStudy(ValueRecord, ViewedTable):
     points: tuple[FittedPoint, ...]
     sentences: tuple[str, ...]
     facts: tuple[str, ...]
+    shared: tuple[str, ...]
     misfit: float
     best: Array
     covariance: Array
@@ -112,14 +114,17 @@ def _study(case: Case, tell: Progress, next_point: bool) -> FitStudy:
     advised = next_points(case, problem, minimum) if next_point else ()
     rows = tuple(_rows(problem, minimum, profiles, judgement))
     sentences = [*on_misfit(problem, minimum, judgement), *problem.notes]
+    shared: list[str] = []
     if judgement.described or judgement.scale > 1:
-        sentences += [*on_directions(problem, minimum), *on_ridges(problem, minimum, profiles, rows)]
+        found = list(on_ridges(problem, minimum, profiles, rows))
+        sentences += [*on_directions(problem, minimum), *(each.said for each in found)]
+        shared = [each.shared for each in found if each.shared]
     if next_point:
         unit = next((row.unit for row in rows if advised and row.key == advised[0].key), "")
         sentences.append(advice_in_words(advised, unit))
     return FitStudy(
         case, rows, tuple(_points(problem, minimum, judgement)), tuple(sentences),
-        tuple(facts(problem, minimum, judgement)), minimum.misfit,
+        tuple(facts(problem, minimum, judgement)), tuple(shared), minimum.misfit,
         problem.values(minimum.x), minimum.covariance * np.outer(problem.width, problem.width),
         _pair(problem, minimum), advised, judgement,
         problem=problem, minimum=minimum, profiles=tuple(profiles),
@@ -183,11 +188,3 @@ def _points(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterato
             reference, fidelity, float(problem.frequency[j]), measured, uncertainty, value,
             (value - measured) / uncertainty, MOTIONS[int(minimum.chosen[j])], bool(minimum.actual[j]), why,
         )  # fmt: skip
-
-
-def fitted_case(study: FitStudy) -> Case:
-    """The case with the estimated values in place of its own; keys that are not determined keep theirs."""
-    return study.case.with_keys({row.key: row.value for row in study.rows if row.determined})
-
-
-__all__ = ["LEVEL", "FitRow", "FitStudy", "FittedPoint", "fit", "fitted_case"]

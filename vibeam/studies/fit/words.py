@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from math import log, pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -187,10 +187,17 @@ def on_directions(problem: Problem, minimum: Minimum) -> Iterator[str]:
                 yield f"{names} are not separated by these points within the bounds: only a relation between them is."
 
 
+class Ridge(NamedTuple):
+    """Ridge of two keys in a sentence; ``shared``: what is known of both together, empty where nothing simple is."""
+
+    said: str
+    shared: str
+
+
 def on_ridges(
     problem: Problem, minimum: Minimum, profiles: Sequence[Profile], rows: Sequence[FitRow]
-) -> Iterator[str]:  # fmt: skip
-    """Invariants along the ridges of strongly correlated keys."""
+) -> Iterator[Ridge]:  # fmt: skip
+    """Ridges of strongly correlated keys, with what is invariant along each."""
     for k, j in ridges(problem, minimum):
         path = profiles[k].path
         path = path[path[:, -1] <= LEVEL * 1.1]
@@ -202,7 +209,7 @@ def on_ridges(
         head = f"{one} and {other} make up for each other, from ({ends[0]}) to ({ends[1]})"
         kept = _constant(problem, values, k, j)
         alone = f"{one} alone is free between {_ends(rows[k])}, {other} between {_ends(rows[j])}"
-        yield f"{head}; {kept}; {alone}." if kept else f"{head}; {alone}."
+        yield Ridge(f"{head}; {kept}; {alone}." if kept else f"{head}; {alone}.", kept)
 
 
 def ridges(problem: Problem, minimum: Minimum) -> list[tuple[int, int]]:
