@@ -65,7 +65,7 @@ def test_errors_are_those_of_direct_solutions(name: str, coupled: bool) -> None:
     for n in (4, 6):
         made = REDUCTIONS[name].make(structure, n)
         for place in ("contact", "sensor"):
-            found = asked.errors_of(ModalForm.of(made.structure), place)
+            found = asked.errors_of(ModalForm.of(made.structure))[place]
             omegas = 2 * np.pi * mus
             exact = np.array([direct(structure, place, omega) for omega in omegas])
             small = np.array([direct(made.structure, place, omega) for omega in omegas])

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from vibeam.case.fidelity import Fidelity, parameters_of
+from vibeam.case.fidelity import parameters_of
 from vibeam_models.laws.restitution import Restitution
 from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
 from vibeam_reductions.projection import Reduction
@@ -54,18 +54,14 @@ def _plain(case: Case) -> Iterator[ReductionBasis]:
 
 
 def _of_fidelities(case: Case) -> Iterator[ReductionBasis]:
-    for fidelity in case.fidelities.values():
-        declared = REDUCTIONS[fidelity.reduction]
+    """With their keys, or why there is no flight to make one of."""
+    for name, fidelity in case.fidelities.items():
+        declared, scene = REDUCTIONS[fidelity.reduction], cast(Any, case.scene_of(name))
         if declared.counts and fidelity.parameters:
-            yield _of_fidelity(case, fidelity, declared)
-
-
-def _of_fidelity(case: Case, fidelity: Fidelity, declared: ReductionDeclaration) -> ReductionBasis:
-    scene: Any = case.scene_of(fidelity.name)
-    try:
-        return ReductionBasis(fidelity.name, declared, parameters_of(scene, fidelity), _refusal(case, declared))
-    except ValueError as refusal:  # no flight to make it of
-        return ReductionBasis(fidelity.name, declared, why=str(refusal))
+            try:
+                yield ReductionBasis(name, declared, parameters_of(scene, fidelity), _refusal(case, declared))
+            except ValueError as refusal:
+                yield ReductionBasis(name, declared, why=str(refusal))
 
 
 def _refusal(case: Case, declared: ReductionDeclaration) -> str:

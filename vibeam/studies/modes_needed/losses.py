@@ -134,7 +134,7 @@ class Question:
         full, small = self.transfer.full, ModalForm.of(made.structure)
         off, mac = frequency_errors(full, small), assurance(full, made, small)
         band = np.append(off, np.ones(max(self.in_band - len(off), 0)))[: max(self.in_band, 1)]
-        curves = {place: self.transfer.errors_of(small, place) for place in ("contact", "sensor")}
+        curves = self.transfer.errors_of(small)
         mobility = 1 - made.mobility_kept if np.isfinite(made.mobility_kept) else nan
         seen = self._restitutions(small)
         parts: dict[str, float] = {

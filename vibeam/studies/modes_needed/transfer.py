@@ -78,24 +78,23 @@ class TransferStudy:
     mus: Array
 
     @cached_property
-    def omega(self) -> Array:
-        """The frequencies in rad/s."""
-        return 2 * np.pi * self.mus
+    def exact(self) -> dict[str, Complex]:
+        """Transfer functions (F,) of the full model."""
+        return _transfers(self.full, self.mus)
 
-    @cached_property
-    def _solution(self) -> Complex:
-        return self.full.response(self.full.row(self.full.structure.load), self.omega)
-
-    def errors_of(self, small: ModalForm, name: str) -> TransferErrors:
-        """Errors of a reduced model in the transfer function from the drive to ``"contact"`` or an output."""
-        row, own = (_row(each, name) for each in (self.full, small))
-        exact, found = self._solution @ row, small.response(small.row(small.structure.load), self.omega) @ own
-        size = np.maximum(np.abs(exact), HOLLOW * np.abs(exact).max())
-        return TransferErrors(self.mus, np.abs(found - exact) / size)
+    def errors_of(self, small: ModalForm) -> dict[str, TransferErrors]:
+        """Errors of a reduced model in the transfer functions from the drive to ``"contact"`` and ``"sensor"``."""
+        size = {name: np.maximum(np.abs(each), HOLLOW * np.abs(each).max()) for name, each in self.exact.items()}
+        return {
+            name: TransferErrors(self.mus, np.abs(found - self.exact[name]) / size[name])
+            for name, found in _transfers(small, self.mus).items()
+        }
 
 
-def _row(form: ModalForm, name: str) -> Array:
-    return form.row(form.structure.contact if name == "contact" else form.structure.outputs[name])
+def _transfers(form: ModalForm, mus: Array) -> dict[str, Complex]:
+    rows = {"contact": form.structure.contact, "sensor": form.structure.outputs["sensor"]}
+    solution = form.response(form.row(form.structure.load), 2 * np.pi * mus)
+    return {name: solution @ form.row(row) for name, row in rows.items()}
 
 
 def contact_time(form: ModalForm, law: Spring) -> float:
