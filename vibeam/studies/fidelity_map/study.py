@@ -172,18 +172,16 @@ def _within(case: Case, plan: MapPlan, budget: float, progress: Progress | bool 
     least = tuple(min(LEAST, count) for count in full)
     begun = process_time()
     with _kept(None) as path:
-        small = run_map(case, _thinned(plan, least), path)
-        found = fidelity_map_of(small, verify=0)
+        result = run_map(case, _thinned(plan, least), path)
     spent = process_time() - begun
-    flights = 2 * LONGER * plan.verify  # of the verification, in places
+    flights = LONGER * plan.verify  # of the verification, in places of the map
     place = spent / (least[0] * least[1])
     share = np.sqrt(max(budget - spent - place * flights, 0.0) / (place * full[0] * full[1]))
     chosen = tuple(max(few, min(count, int(share * count))) for few, count in zip(least, full, strict=True))
-    if chosen == least:
-        found = replace(found, verification=verified(found, plan.verify) if plan.verify else None)
-    else:
+    if chosen != least:
         with _kept(None) as path:
-            found = fidelity_map_of(run_map(case, _thinned(plan, chosen), path, progress=progress))
+            result = run_map(case, _thinned(plan, chosen), path, progress=progress)
+    found = fidelity_map_of(result)
     return found if chosen == full else replace(found, thinned=((full[0], full[1]), (chosen[0], chosen[1])))
 
 
@@ -196,8 +194,8 @@ def _thinned(plan: MapPlan, counts: Sequence[int]) -> MapPlan:
     return replace(plan, axes=tuple(axes))
 
 
-def fidelity_map_of(result: MapResult, verify: int | None = None) -> FidelityMap:
-    """Fidelity map of a finished map with ``picture = "verdict"``; ``verify`` None: as its plan says."""
+def fidelity_map_of(result: MapResult) -> FidelityMap:
+    """Fidelity map of a finished map with ``picture = "verdict"``, verified as its plan says."""
     case, plan = result.case, result.plan
     flown = [
         motions(name, case.system(name).size, dict(each.values), plan.quantity)
@@ -205,11 +203,11 @@ def fidelity_map_of(result: MapResult, verify: int | None = None) -> FidelityMap
     ]
     compared = ComparedModels(result, tuple(sorted(flown, key=lambda model: model.modes)))  # costs grow with modes
     models, finest = compared.models, compared.finest
-    bounds = run_parallel(lambda model, _: boundaries_of(case, model.name, plan.axes)[0], flown)
+    drawn = flown if plan.boundaries else []
+    bounds = run_parallel(lambda model, _: boundaries_of(case, model.name, plan.axes)[0], drawn)
     found = FidelityMap(
         result, models, cheapest(models, plan.accuracy), tuple(difference(model, finest) for model in models),
         tuple(relative(model, finest) for model in models), tuple(fidelity_row(model, compared) for model in models),
         tuple(boundary for each in bounds for boundary in each), models_of(case, plan).notes,
     )  # fmt: skip
-    count = plan.verify if verify is None else verify
-    return replace(found, verification=verified(found, count)) if count > 0 else found
+    return replace(found, verification=verified(found, plan.verify)) if plan.verify else found
