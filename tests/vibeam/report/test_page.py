@@ -221,7 +221,12 @@ def test_no_label_of_the_drawing_covers_another():
     """Mass, sensor, outputs and both stops at one place."""
     outputs = "".join(f'[output.{name}]\nposition = "132 mm"\n' for name in ("second", "laser"))
     text = CASE.replace('"100 mm"', '"132 mm"').replace("restitution", 'second_gap = "0.2 mm"\nrestitution', 1)
+    further = '[[further_stop]]\nposition = "131 mm"\ngap = "0.3 mm"\nrestitution = 0.5\nside = "below"\n'
+    found = drawing(parse(text.replace('second_gap = "0.2 mm"', "") + outputs + further).scene)
+    assert "further stop, gap 0.3 mm" in found
+    assert found.count('class="stop"') == 2
     found = drawing(parse(text + outputs).scene)
+    assert found.count('class="stop"') == 2
     texts = re.findall(r'<text x="([\d.]+)" y="([\d.]+)">([^<]+)</text>', found)
     boxes = [(float(x), float(y), 3.3 * len(words)) for x, y, words in texts]
     assert len(boxes) >= 7

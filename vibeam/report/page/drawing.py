@@ -137,11 +137,20 @@ def _masses(scene: Scene, frame: SceneFrame) -> Iterator[str]:
         yield f'<rect class="mass" x="{x - half:.1f}" y="{AXIS - 18}" width="{2 * half:.1f}" height="36" rx="2"/>'
 
 
-def _stop(scene: Scene, frame: SceneFrame) -> Iterator[str]:
-    stop, x = scene.stop, frame.x(scene.stop.position)
-    yield from _tip(x, AXIS - _reach(scene, stop.position, frame) - max(stop.gap, 0.0) * frame.scale, -1)
+def _stops(scene: Scene) -> Iterator[tuple[str, float, float, int]]:
+    """Name, place (m), gap (m) and side of every stop: −1 above the beam, 1 below."""
+    stop = scene.stop
+    yield "stop", stop.position, stop.gap, -1
     if stop.second_gap is not None:
-        yield from _tip(x, AXIS + _reach(scene, stop.position, frame) + stop.second_gap * frame.scale, 1)
+        yield "second stop", stop.position, stop.second_gap, 1
+    for each in scene.named("further_stop"):
+        yield "further stop", each.position, each.gap, -1 if each.side == "above" else 1
+
+
+def _stop(scene: Scene, frame: SceneFrame) -> Iterator[str]:
+    for _, position, gap, way in _stops(scene):
+        away = _reach(scene, position, frame) + max(gap, 0.0) * frame.scale
+        yield from _tip(frame.x(position), AXIS + way * away, way)
 
 
 def _tip(x: float, y: float, way: int) -> Iterator[str]:
@@ -162,9 +171,8 @@ def _sensors(scene: Scene, frame: SceneFrame) -> Iterator[str]:
 
 
 def _lower(scene: Scene, position: float, frame: SceneFrame) -> float:
-    """Pixels by which a sensor gives way to the second stop."""
-    met = scene.stop.second_gap is not None and abs(scene.stop.position - position) * frame.scale < 12
-    return 10.0 if met else 0.0
+    """Pixels by which a sensor gives way to a stop below the beam."""
+    return 10.0 if any(way > 0 and abs(at - position) * frame.scale < 12 for _, at, _, way in _stops(scene)) else 0.0
 
 
 def _outputs(scene: Scene) -> list[tuple[str, float]]:
@@ -173,7 +181,6 @@ def _outputs(scene: Scene) -> list[tuple[str, float]]:
 
 def _labels(scene: Scene, frame: SceneFrame) -> Iterator[_Label]:
     """Label of everything that is drawn, the masses' first: these have the least room."""
-    stop, place = scene.stop, frame.x(scene.stop.position)
     arrows = [frame.x(position) for _, position in _outputs(scene)]
     for mass, position in scene.weights:
         label = _Label(frame.x(position), AXIS + 34, _said("kg", mass))
@@ -184,13 +191,16 @@ def _labels(scene: Scene, frame: SceneFrame) -> Iterator[_Label]:
             words = f"{each.stiffness:.4g} N/m" if each.stiffness else "turns stiffly"
             yield _Label(frame.x(each.position), AXIS + 62, words)
     opposite = ", on the opposite beam" if scene.named("opposite") else ""
-    yield _Label(place, AXIS - 82, f"stop, gap {_said('m', stop.gap)}{opposite}", -1)
+    first, *others = (
+        _Label(frame.x(at), AXIS - 82 if way < 0 else AXIS + 90, f"{name}, gap {_said('m', gap)}", way)
+        for name, at, gap, way in _stops(scene)
+    )
+    yield replace(first, text=first.text + opposite)
     for name, position in _outputs(scene):
         yield _Label(frame.x(position), AXIS + 56 + _lower(scene, position, frame), name)
     on = scene.base.on_beam
     yield _Label(22, 195, "drive") if on is None else _Label(frame.x(on[0]), AXIS + 74, "moment" if on[1] else "force")
-    if stop.second_gap is not None:
-        yield _Label(place, AXIS + 90, f"second stop, gap {_said('m', stop.second_gap)}")
+    yield from others
     if scene.platform is not None:
         words = f"platform, {scene.platform.coupling}, {scene.platform.mass:.4g} kg"
         yield _Label(WIDTH / 2, AXIS + 104, words)
