@@ -21,7 +21,7 @@ from vibeam.cli.streams import put, say, standard_streams
 from vibeam.cli.verbosity import with_verbosity
 
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
-    "How much model": (runs.run, maps.map),
+    "How much model": (runs.run, studies.verdict, maps.map),
     "Measurements": (checks.check, measured.fit, measured.identify, studies.uncertainty),
     "From geometry": (studies.derive, modes.modes),
     "Results": (runs.report, studies.study),
@@ -30,13 +30,12 @@ GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
 
 #: what commands of earlier versions are now, and their options that have another name
 EARLIER: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
-    "reduce": (("study", "modes_needed"), {"--within": "--accuracy", "--basis": "--bases"}),
-    "limit": (("study", "modes_needed"), {}),
-    "influence": (("study", "influence"), {}),
-    "cost": (("study", "cost"), {}),
+    "reduce": (("verdict", "--only", "modes"), {"--within": "--accuracy"}),
+    "limit": (("verdict", "--only", "modes"), {}),
+    "influence": (("verdict", "--only", "effects"), {}),
+    "cost": (("verdict", "--only", "solvers"), {}),
     "record": (("check", "--record"), {}),
     "stability": (("map", "--picture", "stability"), {}),
-    "verdict": (("map", "--picture", "verdict"), {}),
 }
 
 

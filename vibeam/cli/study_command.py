@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -27,8 +29,10 @@ def study_command(study: StudyDeclaration) -> Callable[..., None]:
     keys = keys_of(study.asks) if study.asks is not None else {}
 
     def command(case: Path, set_: list[str] | None = None, out: str | None = None, **asked: Any) -> None:
-        settings = [f"{study.name}.{key}={_text(value)}" for key, value in asked.items() if value]
-        run_declared(study, load(case, [*(set_ or ()), *settings]), out)
+        settings = [f"{study.name}.{key}={_text(value, keys[key])}" for key, value in asked.items() if value]
+        with _named_as_options(study.name, [key for key, value in asked.items() if value]):
+            loaded = load(case, [*(set_ or ()), *settings])
+        run_declared(study, loaded, out)
 
     own = [
         inspect.Parameter("case", _KIND, annotation=CaseFile),
@@ -53,11 +57,29 @@ def _option(name: str, key: Key) -> inspect.Parameter:
     return inspect.Parameter(name, _KIND, default=None, annotation=Annotated[kind, said])
 
 
-def _text(value: str | list[str]) -> str:
+def _text(value: str | list[str], key: Key) -> str:
     """Value of an option as a case has it: several as a list."""
     from vibeam.casefile.toml_writing import to_toml
 
-    return value if isinstance(value, str) else to_toml(value)
+    if isinstance(value, str):
+        return value
+    return value[0] if key.alone and len(value) == 1 else to_toml(value)
+
+
+@contextmanager
+def _named_as_options(table: str, given: Sequence[str]) -> Iterator[None]:
+    """Context in which a fault of a key that was given by its option bears the option's name."""
+    from vibeam.exchange.faults import OVERRIDE, CaseError
+
+    options = {f"{table}.{key}": f"--{key.replace('_', '-')}" for key in given}
+    try:
+        yield
+    except CaseError as wrong:
+        named = [
+            replace(each, file=options[each.key], key="") if each.file == OVERRIDE and each.key in options else each
+            for each in wrong.faults
+        ]
+        raise CaseError(named) from None
 
 
 def help_of(study: StudyDeclaration) -> str:

@@ -81,6 +81,11 @@ def _own(name: str, home: str, sheet: str, meaning: str, *examples: str, first: 
 STUDIES: Registry[StudyDeclaration] = Registry(
     "study",
     _own(
+        "verdict", "verdict", "verdict", "how much model a case needs, in one sentence, table and page",
+        "vibeam verdict mine.toml", "vibeam verdict mine.toml --only modes --accuracy '1 %'",
+        first="vibeam.report.verdict:first_answer",
+    ),
+    _own(
         "uncertainty", "uncertainty.study", "uncertainty", "carry uncertain inputs through the sweep",
         "vibeam uncertainty mine.toml --set 'uncertain.\"stop.restitution\"=\"± 0.03\"'",
         "vibeam uncertainty mine.toml --samples 256 --out uncertainty.html",

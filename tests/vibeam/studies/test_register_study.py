@@ -106,7 +106,7 @@ def test_a_declaration_is_table_options_answer_and_files(folder: Path) -> None:
     assert page.stdout.splitlines()[-1] == "wrote n.html"
     assert "the play is a guess: measure it" in Path("n.html").read_text(encoding="utf-8")
     wrong = CliRunner().invoke(app, [*words, "--play", "-1", "--json"])
-    assert (wrong.exit_code, json.loads(wrong.stdout)["faults"][0]["key"]) == (2, "narrower.play")
+    assert (wrong.exit_code, json.loads(wrong.stdout)["faults"][0]["file"]) == (2, "--play")
     assert "--play" in CliRunner().invoke(app, ["study", "narrower", "-h"]).stdout
     with pytest.raises(ValueError, match="table of that name"):
         vibeam.register_study(StudyDeclaration("stop", narrower, "a stop", asks=Narrower))

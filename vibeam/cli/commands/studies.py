@@ -15,6 +15,7 @@ from vibeam.cli.study_command import study_command
 from vibeam.cli.verbosity import with_verbosity
 from vibeam.report.declaration import STUDIES
 
+verdict = study_command(STUDIES["verdict"])
 uncertainty = study_command(STUDIES["uncertainty"])
 derive = study_command(STUDIES["derive"])
 

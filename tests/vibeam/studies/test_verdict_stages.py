@@ -1,0 +1,118 @@
+"""Verdict in stages: the first sentence before any flight, one table, one page, one JSON; what a stage cannot say."""
+
+from __future__ import annotations
+
+import json
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+from stand_in import RIG, SDOF
+from typer.testing import CliRunner
+
+import vibeam
+from vibeam.cli.main import app
+from vibeam.report.verdict import first_answer, sheet
+
+FEW = {"sweep.frequency.points": 5, "sweep.settle": 20, "sweep.hold": 4, "modes_needed.most": 3}
+
+
+def asked(*words: object) -> Any:
+    settings = [each for key, value in FEW.items() for each in ("--set", f"{key}={value}")]
+    return CliRunner().invoke(app, ["verdict", str(RIG), *settings, *map(str, words)])
+
+
+def test_the_first_sentence_is_known_before_anything_is_flown(monkeypatch: pytest.MonkeyPatch) -> None:
+    def flown(*given: object, **named: object) -> None:
+        raise AssertionError("a flight")
+
+    study = import_module("vibeam.studies.verdict")
+    for name in ("modes_needed", "influence", "cost", "fidelity_map"):
+        monkeypatch.setattr(study, name, flown)
+    case = vibeam.load(RIG)
+    said = first_answer(case)
+    assert said.startswith("Two modes suffice for 5 %")
+    peaks = {name: orbit_peak(case, name) for name in ("sdof", "two_modes", "beam")}
+    short = 1 - peaks["two_modes"] / peaks["beam"]
+    assert short == pytest.approx(
+        float(said.partition("(")[2].partition(" %")[0]) / 100, abs=1e-3
+    )  # beam is off all modes by 6e-4
+
+
+def orbit_peak(case: vibeam.Case, name: str) -> float:
+    """Largest amplitude of a stable motion with one impact a period, each in closed form by itself."""
+    system = case.system(name)
+    found = [0.0]
+    for hertz in case.sweep.frequency:
+        drive = vibeam.Drive(omega=6.283185307179586 * hertz, amplitude=case.base_amplitude)
+        found += [
+            orbit.amplitude("sensor") for orbit in vibeam.orbits(system, drive) if orbit.stable and orbit.admissible
+        ]
+    return max(found)
+
+
+def test_several_stages_are_one_table_one_page_and_one_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = asked("--only", "modes", "--only", "effects")
+    assert done.exit_code == 0, done.output
+    lines = done.stdout.splitlines()
+    assert [each for each in ("How many modes?", "Which effects?", "Which solver?") if each in done.stdout] == [
+        "How many modes?", "Which effects?",
+    ]  # fmt: skip
+    assert len(lines) <= 40
+    assert max(len(line) for line in lines[1 : lines.index("")]) <= 100
+    assert lines[-1] == f"wrote {RIG.stem}_verdict.html, {RIG.stem}_verdict.csv"
+    page = (tmp_path / f"{RIG.stem}_verdict.html").read_text(encoding="utf-8")
+    assert lines[0] in page
+    assert "http://" not in page.replace("http://www.w3.org/", "")
+    found = json.loads(asked("--only", "modes", "--only", "effects", "--json").stdout)
+    assert (found["schema"], list(found["stages"])) == ("vibeam.verdict/1", ["modes", "effects"])
+    assert found["stages"]["modes"]["answer"] == found["answer"] == lines[0]
+
+
+def test_one_stage_is_its_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = asked("--only", "modes", "--accuracy", "1 %")
+    assert done.stdout.startswith("Three modes suffice for 1 %")
+    assert {each.suffix for each in tmp_path.iterdir()} == {".csv", ".png", ".svg"}
+    earlier = CliRunner().invoke(app, ["reduce", str(RIG), "--within", "1 %", "--set", "sweep.frequency.points=5"])
+    assert earlier.stderr.splitlines()[0] == "vibeam reduce is now: vibeam verdict --only modes"
+    assert earlier.stdout.startswith("Three modes suffice for 1 %")
+
+
+def test_a_stage_that_cannot_be_had_says_why_and_the_others_answer(tmp_path: Path) -> None:
+    case = tmp_path / "a.toml"
+    case.write_text(SDOF, encoding="utf-8")
+    found = vibeam.studies.verdict(vibeam.load(case), only=["modes", "solvers"], budget="5 s")
+    shown = sheet(found)
+    assert found.stages[0].why
+    assert shown.rows[0].answer == f"Not answered: {found.stages[0].why}"
+    assert shown.answer == shown.rows[1].answer
+    with pytest.raises(ValueError, match="there is no beam"):
+        found["modes"]
+    with pytest.raises(KeyError, match="there are modes, solvers"):
+        found["map"]
+    with pytest.raises(ValueError, match="there is no beam"):
+        vibeam.studies.verdict(vibeam.load(case), only="modes")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--only", "mode"), "--only: 'mode' is not one of"),
+        (("--accuracy", "3 Hz"), "--accuracy: '3 Hz' is a frequency, not a plain number"),
+        (("--budget", "0 s"), "--budget: '0 s' must be > 0"),
+        (("--only", "map", "--over", "gapp"), "gapp"),
+        (("--set", "modes_needed.contact_time=0 s"), "--set modes_needed.contact_time: '0 s' must be > 0"),
+    ],
+)
+def test_a_mistake_is_one_message_and_no_file(
+    words: tuple[str, ...], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = asked(*words)
+    assert done.exit_code == 2
+    assert said in done.stderr
+    assert "Traceback" not in done.output
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,88 @@
+"""Sheet of a verdict: one sentence, one table with the answer of each stage, the page with all that they found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from vibeam.report import cost, influence, modes_needed
+from vibeam.report.maps import verdict as fidelity_map
+from vibeam.report.maps.page import map_figure
+from vibeam.report.output import StudySheet
+from vibeam.report.tables import ReportTable, blank
+from vibeam.studies.verdict import plan_of_modes
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.case.study_plans import VerdictPlan
+    from vibeam.studies.verdict import Stage, Verdict
+
+QUESTIONS = {
+    "modes": "How many modes?",
+    "effects": "Which effects?",
+    "solvers": "Which solver?",
+    "map": "Where on the plane?",
+}
+
+
+@dataclass(frozen=True)
+class StageRow:
+    """Answer of one stage, as CSV and JSON; CPU time in s."""
+
+    stage: str
+    question: str
+    answer: str
+    cpu_seconds: float
+
+
+def sheet(found: Verdict) -> StudySheet:
+    """Sheet of a verdict; of a single stage that of its study."""
+    sheets = [(stage, stage_sheet(stage, found.case)) for stage in found.stages]
+    if len(sheets) == 1:
+        return sheets[0][1]
+    rows = [StageRow(stage.name, QUESTIONS[stage.name], made.answer, stage.cpu_seconds) for stage, made in sheets]
+    notes = [note for _, made in sheets for note in made.notes[:1]]
+    answer = next((row.answer for row, (stage, _) in zip(rows, sheets, strict=True) if not stage.why), rows[0].answer)
+    return StudySheet(
+        answer,
+        [_answers(rows)],
+        notes,
+        [note for _, made in sheets for note in [*made.notes[1:], *made.details]],
+        [table for _, made in sheets for table in [*made.tables, *made.more]],
+        data={"stages": {stage.name: {"answer": made.answer, **made.data} for stage, made in sheets}},
+        rows=rows,
+        page=lambda: _page(found.case, answer, [(QUESTIONS[stage.name], made) for stage, made in sheets]),
+    )
+
+
+def stage_sheet(stage: Stage, case: Case) -> StudySheet:
+    """Sheet of one stage: of its study, or why it has no answer."""
+    if stage.why:
+        return StudySheet(f"Not answered: {stage.why}", data={"why": stage.why})
+    if stage.name == "modes":
+        return modes_needed.sheet(stage.record)
+    if stage.name == "effects":
+        return influence.sheet(stage.record, case)
+    if stage.name == "solvers":
+        return cost.sheet(stage.record, case)
+    return replace(fidelity_map.sheet(stage.record), draw=lambda: map_figure(stage.record))
+
+
+def first_answer(case: Case) -> str:
+    """Answer of the first stage that is known before anything is flown; empty where it is not asked for."""
+    plan: VerdictPlan = case.asked["verdict"]
+    return modes_needed.first_answer(case, plan_of_modes(case, plan)) if "modes" in plan.only else ""
+
+
+def _answers(rows: Sequence[StageRow]) -> ReportTable:
+    table = blank("How much model", "question", "answer", "CPU|")
+    for row in rows:
+        table.add_row(row.question, row.answer, f"{row.cpu_seconds:.2g} s")
+    return table
+
+
+def _page(case: Case, answer: str, sections: Sequence[tuple[str, Any]]) -> str:
+    from vibeam.report.page.page import study_page
+
+    return study_page(case.title, answer, sections)

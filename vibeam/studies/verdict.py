@@ -1,0 +1,114 @@
+"""Verdict on a case: how much model it needs, in stages, the cheap ones first.
+
+``modes``: how many suffice, from closed forms as far as they go; ``effects``: which ones the scene needs; ``solvers``:
+error against time; ``map``: where on the plane of the drive frequency and another key each fidelity suffices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import process_time
+from typing import TYPE_CHECKING, Any
+
+from vibeam.case.source import of_source
+from vibeam.case.study_plans import STAGES, ModesNeededPlan, VerdictPlan
+from vibeam.casefile.tables.table import plan_with
+from vibeam.exchange.faults import CaseError, suggest
+from vibeam.studies.cost.study import cost
+from vibeam.studies.fidelity_map.study import fidelity_map
+from vibeam.studies.influence.study import influence
+from vibeam.studies.modes_needed.study import modes_needed
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+Tell = Callable[[str], None]
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One stage of a verdict: the record of its study, or ``why`` there is none; its CPU time in s."""
+
+    name: str
+    record: Any
+    cpu_seconds: float
+    why: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """Verdict on a case by a ``plan``: its ``stages`` in their order."""
+
+    case: Case
+    plan: VerdictPlan
+    stages: tuple[Stage, ...]
+
+    def __getitem__(self, name: str) -> Any:
+        """Record of a stage; KeyError where it was not asked for, ValueError with the reason where it has none."""
+        found = {stage.name: stage for stage in self.stages}
+        if name not in found:
+            raise KeyError(f"no stage {name!r}: there are {', '.join(found)}")
+        if found[name].why:
+            raise ValueError(found[name].why)
+        return found[name].record
+
+
+@of_source
+def verdict(
+    case: Case,
+    /,
+    plan: VerdictPlan | None = None,
+    *,
+    tell: Tell | None = None,
+    progress: Progress | bool | None = None,
+    **settings: Any,
+) -> Verdict:
+    """Verdict on a case: ``vibeam.verdict(case, accuracy="1 %", only=["modes", "effects"])``.
+
+    ``plan``: None as the case has it; ``settings``: its fields, in SI or with units. ``tell`` hears what a user should
+    know, ``progress`` the points done and their total, from any thread. ValueError for settings outside their range,
+    and where the only stage asked for cannot be had; CaseError for values that the case may not have.
+    """
+    asked = plan_with(plan or case.asked["verdict"], settings)
+    return Verdict(case, asked, tuple(_stage(name, case, asked, tell, progress) for name in _names(asked)))
+
+
+def _names(plan: VerdictPlan) -> list[str]:
+    unknown = [name for name in plan.only if name not in STAGES]
+    if unknown:
+        raise ValueError("; ".join(f"only: no stage {name!r}; {suggest(name, STAGES)}" for name in unknown))
+    return [name for name in STAGES if name in plan.only]
+
+
+def _stage(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progress: Progress | bool | None) -> Stage:
+    begun = process_time()
+    try:
+        record, why = _record(name, case, plan, tell, progress), ""
+    except CaseError:
+        raise
+    except ValueError as refusal:
+        if len(plan.only) == 1:
+            raise
+        record, why = None, str(refusal)
+    return Stage(name, record, process_time() - begun, why)
+
+
+def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progress: Progress | bool | None) -> Any:
+    if name == "modes":
+        return modes_needed(case, plan_of_modes(case, plan))
+    if name == "effects":
+        return influence(case, tell, progress, budget=plan.budget)
+    if name == "solvers":
+        return cost(case, tell, progress, budget=plan.budget)
+    return fidelity_map(
+        case, plan.over, points=plan.points, frequencies=plan.points, accuracy=plan.accuracy, progress=progress,
+        budget=plan.budget,
+    )  # fmt: skip
+
+
+def plan_of_modes(case: Case, plan: VerdictPlan) -> ModesNeededPlan:
+    """Plan of the stage ``modes``: that of the case, with the accuracy of the verdict."""
+    own: ModesNeededPlan = case.asked["modes_needed"]
+    return replace(own, accuracy=plan.accuracy)
