@@ -22,21 +22,43 @@ from vibeam.cli.verbosity import with_verbosity
 
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "How much model": (runs.run, studies.verdict, maps.map),
-    "Measurements": (checks.check, measured.fit, measured.identify, studies.uncertainty),
+    "Measurements": (checks.check, measured.fit, studies.uncertainty),
     "From geometry": (studies.derive, modes.modes),
     "Results": (runs.report, studies.study),
     "Case files": (case_files.new, case_files.keys, case_files.doctor),
 }
 
-#: what commands of earlier versions are now, and their options that have another name
+#: what commands of earlier versions are now, and what their options are: options, or keys of the case
 EARLIER: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
-    "reduce": (("verdict", "--only", "modes"), {"--within": "--accuracy"}),
-    "limit": (("verdict", "--only", "modes"), {}),
+    "reduce": (
+        ("verdict", "--only", "modes"),
+        {
+            "--within": "--accuracy",
+            "--most": "modes_needed.most",
+            "--basis": "modes_needed.bases",
+            "--contact-time": "modes_needed.contact_time",
+        },
+    ),
+    "limit": (
+        ("verdict", "--only", "modes"),
+        {"--modes": "modes_needed.modes", "--frequency": "modes_needed.frequency", "--speed": "modes_needed.speed"},
+    ),
     "influence": (("verdict", "--only", "effects"), {}),
     "cost": (("verdict", "--only", "solvers"), {}),
+    "identify": (("fit",), {}),
     "record": (("check", "--record"), {}),
     "stability": (("map", "--picture", "stability"), {}),
 }
+
+
+def _now(name: str, words: list[str]) -> list[str]:
+    """Words of a command by the names that it and its options have now."""
+    command, options = EARLIER[name]
+    said, rest = [*command], iter(words)
+    for word in rest:
+        now = options.get(word, word)
+        said += ["--set", f"{now}={next(rest, '')}"] if "." in now and word in options else [now]
+    return said
 
 
 class Commands(TyperGroup):
@@ -45,9 +67,8 @@ class Commands(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The command of the first word, by the name that it has now."""
         if args and args[0] in EARLIER:
-            now, options = EARLIER[args[0]]
-            say(f"vibeam {args[0]} is now: vibeam {' '.join(now)}")
-            args = [*now, *(options.get(each, each) for each in args[1:])]
+            say(f"vibeam {args[0]} is now: vibeam {' '.join(EARLIER[args[0]][0])}")
+            args = _now(args[0], args[1:])
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:

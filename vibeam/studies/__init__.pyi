@@ -20,5 +20,6 @@ from vibeam.studies.regression.check import compare_measured as compare_measured
 from vibeam.studies.stability import stability as stability
 from vibeam.studies.stored import read as read
 from vibeam.studies.uncertainty.study import uncertainty as uncertainty
+from vibeam.studies.verdict import Stage as Stage
 from vibeam.studies.verdict import Verdict as Verdict
 from vibeam.studies.verdict import verdict as verdict

@@ -29,7 +29,12 @@ Progress = Callable[[int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """One stage of a verdict: the record of its study, or ``why`` there is none; its CPU time in s."""
+    """One stage of a verdict: the record of its study, or ``why`` there is none; its CPU time in s.
+
+    >>> import vibeam
+    >>> vibeam.studies.Stage("modes", None, 0.0, "there is no beam").why
+    'there is no beam'
+    """
 
     name: str
     record: Any
@@ -39,7 +44,12 @@ class Stage:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """Verdict on a case by a ``plan``: its ``stages`` in their order."""
+    """Verdict on a case by a ``plan``: its ``stages`` in their order.
+
+    >>> import vibeam
+    >>> vibeam.Verdict(case=None, plan=None, stages=(vibeam.studies.Stage("modes", 2, 0.1),))["modes"]
+    2
+    """
 
     case: Case
     plan: VerdictPlan
@@ -70,6 +80,11 @@ def verdict(
     ``plan``: None as the case has it; ``settings``: its fields, in SI or with units. ``tell`` hears what a user should
     know, ``progress`` the points done and their total, from any thread. ValueError for settings outside their range,
     and where the only stage asked for cannot be had; CaseError for values that the case may not have.
+
+    >>> import vibeam
+    >>> case = vibeam.load("cases/dtu_neutral.toml", set={"modes_needed.most": 3, "modes_needed.bases": "modal"})
+    >>> vibeam.verdict(case, only="modes")["modes"].recommended.modes
+    2
     """
     asked = plan_with(plan or case.asked["verdict"], settings)
     return Verdict(case, asked, tuple(_stage(name, case, asked, tell, progress) for name in _names(asked)))

@@ -76,7 +76,9 @@ def test_one_stage_is_its_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     done = asked("--only", "modes", "--accuracy", "1 %")
     assert done.stdout.startswith("Three modes suffice for 1 %")
     assert {each.suffix for each in tmp_path.iterdir()} == {".csv", ".png", ".svg"}
-    earlier = CliRunner().invoke(app, ["reduce", str(RIG), "--within", "1 %", "--set", "sweep.frequency.points=5"])
+    earlier = CliRunner().invoke(
+        app, ["reduce", str(RIG), "--within", "1 %", "--most", "4", "--set", "sweep.frequency.points=5"]
+    )
     assert earlier.stderr.splitlines()[0] == "vibeam reduce is now: vibeam verdict --only modes"
     assert earlier.stdout.startswith("Three modes suffice for 1 %")
 
