@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from vibeam.cli import completion
 from vibeam.cli.errors import Made, UsageError, of_case
 
 if TYPE_CHECKING:
@@ -21,11 +22,22 @@ if TYPE_CHECKING:
 RESULTS = (".h5", ".hdf5")
 
 
-CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="The case file (TOML).", show_default=False)]
+CaseFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="CASE", help="The case file (TOML).", show_default=False, autocompletion=completion.case_files
+    ),
+]
 
 Overrides = Annotated[
     list[str] | None,
-    typer.Option("--set", "-s", metavar="KEY=VALUE", help="A key of the case, in place of the file's. Repeatable."),
+    typer.Option(
+        "--set",
+        "-s",
+        metavar="KEY=VALUE",
+        help="A key of the case, in place of the file's. Repeatable.",
+        autocompletion=completion.settings,
+    ),
 ]
 
 _NEW_FOLDERS = "folders on the way are made"
@@ -40,7 +52,13 @@ ResultsFile = Annotated[
 
 Fidelities = Annotated[
     list[str] | None,
-    typer.Option("--fidelity", metavar="NAME", help="This one alone. Repeatable; absent = all.", show_default=False),
+    typer.Option(
+        "--fidelity",
+        metavar="NAME",
+        help="This one alone. Repeatable; absent = all.",
+        show_default=False,
+        autocompletion=completion.fidelities,
+    ),
 ]
 
 

@@ -66,6 +66,8 @@ class Commands(TyperGroup):
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """The command of the first word, by the name that it has now."""
+        if args[-1:] == ["--from"]:
+            args = [*args, "list"]
         if args and args[0] in EARLIER:
             say(f"vibeam {args[0]} is now: vibeam {' '.join(EARLIER[args[0]][0])}")
             args = _now(args[0], args[1:])
@@ -102,7 +104,6 @@ app = typer.Typer(
     cls=Commands,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help: rich takes longer to import than all else
 )

@@ -81,7 +81,7 @@ def _own(name: str, home: str, sheet: str, meaning: str, *examples: str, first: 
 STUDIES: Registry[StudyDeclaration] = Registry(
     "study",
     _own(
-        "verdict", "verdict", "verdict", "how much model a case needs, in one sentence, table and page",
+        "verdict", "verdict", "verdict", "say how much model a case needs: sentence, table, page",
         "vibeam verdict mine.toml", "vibeam verdict mine.toml --only modes --accuracy '1 %'",
         first="vibeam.report.verdict:first_answer",
     ),

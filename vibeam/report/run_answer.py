@@ -167,7 +167,7 @@ def _reason(group: PhysicsGroup) -> str:
 
 
 def _missed(rows: Sequence[Summary], accuracy: float) -> list[str]:
-    """What the given fidelities miss, a clause for those of a kind."""
+    """Clauses on what the given fidelities miss, one for those of a kind."""
     sparse = [row for row in rows if _off(row).points and _sparse(_off(row))]
     said = [_miss(row, accuracy) for row in rows if row not in sparse]
     if len(said) > FEW:
