@@ -13,7 +13,7 @@ from vibeam.exchange.faults import CaseError
 from vibeam.exchange.files import dotted
 from vibeam.report.output import StudySheet
 from vibeam.report.output import plain as plain_of
-from vibeam.report.tables import ARROWS, blank
+from vibeam.report.tables import ARROWS, blank, coefficient
 from vibeam.system.response import FrequencyResponse
 from vibeam_models.arguments import counted
 from vibeam_models.registry import loaded
@@ -58,7 +58,7 @@ def _case(case: Case) -> StudySheet:
     table = blank("Fidelities", "fidelity", "reduction", "modes|", "R|", "R₁|", "solver")
     for name, each in case.fidelities.items():
         model = models[name]
-        coefficients = (f"{value:.4g}" for value in (model.restitution, model.first_mode_restitution))
+        coefficients = map(coefficient, (model.restitution, model.first_mode_restitution))
         table.add_row(name, each.reduction, str(model.modes), *coefficients, each.solver)
     return StudySheet(answer, [table], notes)
 

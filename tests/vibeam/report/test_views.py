@@ -98,6 +98,11 @@ def test_a_notebook_shows_answer_table_and_figure(made: Callable[[str], Any], ki
     assert len(repr(record)) < 900
 
 
+def test_a_stop_that_yields_has_no_coefficient() -> None:
+    text = vibeam.load(CASE.parent / "rigs" / "tube.toml")._repr_html_()
+    assert "nan" not in Words(text).texts
+
+
 def test_every_view_is_of_a_function_that_is_there() -> None:
     assert all(callable(loaded(place)) for place in SHEETS.values())
     assert set(UNITS) < set(SHEETS)
