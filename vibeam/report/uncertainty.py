@@ -60,8 +60,8 @@ def inputs(study: UncertaintyStudy) -> ReportTable:
     table.add("first order|", detail=True)
     table.add("total|", "95 % of it|")
     table.caption = (
-        "total: share of the variance of the finest's peak, with all that the input gives together with others\n"
-        "(Sobol' indices; scatter of samples may pass 0 and 1); first order, with -v: what it gives alone"
+        "total: share of the peak's variance, together with others (Sobol' index; may pass 0 and 1)\n"
+        "first order, with -v: what it gives alone"
     )
     found = study.of_peak
     for place, each in enumerate(study.uncertain):
@@ -90,9 +90,7 @@ def fidelities(study: UncertaintyStudy) -> ReportTable:
     table = blank("What the inputs make of the sweep", "fidelity", f"peak{length}|", "mean|", "5 % … 95 %|")
     table.add(f"at{hertz}|", "5 % … 95 %|")
     table.add(f"period 1 ends{hertz}|", "5 % … 95 %|", "samples|", "failed|", "CPU each|", detail=True)
-    table.caption = (
-        "first number of each: at the case's own values; period 1 ends: in the way of the sweep, from the peak"
-    )
+    table.caption = "first number of each: at the case's own values; period 1 ends, with -v: in the way of the sweep"
     for row in study.rows:
         failed = "–" if not row.failed else str(row.failed)
         table.add_row(
@@ -158,7 +156,7 @@ def answer(study: UncertaintyStudy) -> str:
     told = f"The peak of {study.finest.fidelity} is {units.lengths(peak.nominal)}, 90 % between {low} and {high}"
     if (main := _main(study)) is not None:
         place, share, rough = main
-        told += f"; {'most' if rough else percent(min(share, 1.0))} of its variance comes from "
+        told += f"; {'most' if rough else percent(float(f'{min(share, 1.0):.2g}'))} of its variance comes from "
         told += study.uncertain[place].key
     coarse = max(_reductions(study), key=lambda row: abs(row.form), default=None)
     if coarse is not None:
