@@ -190,7 +190,7 @@ def stability_of(result: MapResult) -> Stability:
 
 def _map(result: MapResult, name: str, twins: tuple[str, ...]) -> ModelMap:
     case, plan, values = result.case, result.plan, result[name].values
-    bounds = boundaries_of(case, name, plan.axes, periods=plan.periods)[0]
+    bounds = boundaries_of(case, name, plan.axes, periods=plan.periods)[0] if plan.boundaries else ()
     flags = values["admissible"] > 0, values["stable"] > 0
     modes = case.system(name).size
     return ModelMap(twins, modes, values["impact_velocity"], *flags, tuple(bounds), _averaged(case, name, plan))

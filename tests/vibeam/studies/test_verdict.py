@@ -250,17 +250,7 @@ def test_one_model_alone_has_no_verdict() -> None:
 def test_the_command_prints_the_map_and_writes_its_files(tmp_path: Path, as_json: bool) -> None:
     asked = ["map", str(CASES / "dtu_neutral.toml"), "--picture", "verdict", "--points", "2,3", "--out", f"{tmp_path}/"]
     asked += [word for key, value in QUICK.items() for word in ("--set", f"{key}={value}")]
-    asked += [
-        "--from",
-        "0 mm",
-        "--to",
-        "0.1 mm",
-        "--accuracy",
-        "2 %",
-        "--verify",
-        "2",
-        *(["--json"] if as_json else []),
-    ]
+    asked += ["--from", "0 mm", "--to", "0.1 mm", "--accuracy", "2 %", "--verify", "2", *(["--json"] * as_json)]
     printed = CliRunner().invoke(app, asked)
     assert printed.exit_code == 0, printed.output
     assert "To 2 % of the amplitude at the sensor" in printed.stdout
