@@ -116,6 +116,8 @@ def _verdict(group: PhysicsGroup, accuracy: float, modes: bool) -> str:
     modes = modes and len({row.modes for row in (finest, *group.others)}) == 1 + len(group.others)
     enough = [row for row in group.others if group.is_within(row, accuracy)]
     misses = "".join(f"; {each}" for each in _missed([row for row in group.others if row not in enough], accuracy))
+    if any(row.modes < finest.modes for row in group.others):  # else they are solvers of one model
+        enough = [row for row in enough if row.modes < finest.modes]
     if known and abs(group.own) > accuracy:
         top = f"{finest.fidelity}, the finest, is {_from_limit(group)}"
         beside = "; ".join(_missed(group.others, 0.0))

@@ -41,6 +41,13 @@ def test_what_suffices_is_named_with_what_it_misses(ours: Any, said: str) -> Non
     assert said in answer(ours)
 
 
+def test_a_model_as_large_as_the_finest_is_no_smaller_one() -> None:
+    case = parse(one_mode(str(GRID.tolist()), 1, 1, *(f"[fidelity.{name}]" for name in ("sdof", "beam", "noisy"))))
+    sizes = {"sdof": (1.2 * TOP, 1), "beam": (TOP, 2), "noisy": (TOP, 2)}
+    said = run_answer(Result(case, {name: Branches(curve(GRID, up, modes=n)) for name, (up, n) in sizes.items()}))
+    assert said.startswith("beam suffices for 5 % (flown exactly); sdof is 20 % too high.")
+
+
 def test_the_accuracy_asked_for_decides() -> None:
     assert answer(1.2 * TOP, accuracy=0.25).startswith("One mode suffices for 25 % (ours, 20 % too high at the peak).")
 

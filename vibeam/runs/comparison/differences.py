@@ -65,6 +65,7 @@ class HeldComparison:
         return tuple(row.fidelity for row in self.rows if row.turns)
 
 
+NOTHING = 1e-4  # difference in amplitude below which two fidelities are one
 PAIRS = 3  # largest number of fidelities whose differences stand in one line
 
 
@@ -99,7 +100,7 @@ def doubts(found: HeldComparison) -> Iterator[str]:
     if found.turning and found.other is not None:
         key = f"'stop.restitution_of=\"{found.other.restitution_of}\"'"
         yield f"{headline(found)[:-1]}: --set {key} compares so."
-    if not all(row.small for row in found.rows):
+    if _near(found):
         yield f"{'; '.join(line.strip() for line in _own_limit(found))}."
 
 
@@ -107,7 +108,12 @@ def settled(found: HeldComparison) -> Iterator[str]:
     """Sentences on a comparison beside its ``doubts``."""
     yield from () if found.turning else (headline(found),)
     yield from _unknown(found)
-    yield from _own_limit(found) if all(row.small for row in found.rows) else ()
+    yield from () if _near(found) else _own_limit(found)
+
+
+def _near(found: HeldComparison) -> list[BothChoices]:
+    """Fidelities whose differences are not large beside the finest one's distance from its limit."""
+    return [row for row in found.rows if not row.small and abs(_of(row)) > NOTHING]
 
 
 def _unknown(found: HeldComparison) -> Iterator[str]:
@@ -129,9 +135,7 @@ def _own_limit(found: HeldComparison) -> Iterator[str]:
         yield f"{name}: distance from its own limit not estimated ({own.why}): compare it with more modes"
         return
     yield f"{name} is off its own limit by {_distance(own)}"
-    near = [
-        f"{row.fidelity} ({signed(_of(row))} ± {percent(row.uncertainty[0])})" for row in found.rows if not row.small
-    ]
+    near = [f"{row.fidelity} ({signed(_of(row))} ± {percent(row.uncertainty[0])})" for row in _near(found)]
     if near:
         yield f"  that is not small against {listed(near)}: {_cure(found)}"
 
