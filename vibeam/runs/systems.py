@@ -173,7 +173,8 @@ class Overview:
         if isfinite(self.moving_mass):
             yield f"moving mass {_shown(MASSES, self.moving_mass)}"
         closed = f", with the contact closed at {_hertz(model.closed)}" if isfinite(model.closed) else ""
-        yield f"mode 1 at {_hertz(model.first)} (ζ {100 * model.damping_ratio:.3g} %){closed}"
+        ratio = f" (ζ {100 * model.damping_ratio:.3g} %)" if model.first > 0 else ", a free body"
+        yield f"mode 1 at {self.first}{ratio}{closed}"
         if isfinite(model.second):
             yield f"mode 2 at {_hertz(model.second)}"
         over = f" = {low / model.first:.3g} … {high / model.first:.3g} × mode 1" if model.first > 0 else ""
@@ -221,4 +222,4 @@ def _length(value: float) -> str:
 
 
 def _hertz(value: float) -> str:
-    return _shown(FREQUENCIES, value) if isfinite(value) else f"{nan}"
+    return _shown(FREQUENCIES, value) if value > 0 and isfinite(value) else f"{value:g} Hz"

@@ -66,9 +66,9 @@ def _parsed(text: str, results: Path) -> tuple[Case, list[str]]:
     except CaseError as wrong:
         names = list(dict.fromkeys(fault.key.split(".")[1] for fault in wrong.faults if _of_reference(fault)))
         if not all(map(_of_reference, wrong.faults)):
-            raise StoreError(
-                f"{results}: its case needs files of its own folder: name it with --case\n{wrong}"
-            ) from None
+            named = " and ".join(fault.key for fault in wrong.faults if not _of_reference(fault))
+            cure = f"copy them into the folder of {results.name}, or name the case with --case"
+            raise StoreError(f"{results}: the files of {named} are not beside it: {cure}\n{wrong}") from None
     return parse(text, place, IN_SI | {f"reference.{name}": None for name in names}), names
 
 

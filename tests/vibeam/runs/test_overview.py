@@ -22,6 +22,8 @@ from vibeam.studies.stored import stored
 CASES = Path(__file__).parents[3] / "cases"
 SHORT = {"sweep.frequency.points": 2, "sweep.settle": 1, "sweep.hold": 1, "fidelity.beam": None, "reference": None}
 
+SHORT_FRAME = {key: value for key, value in SHORT.items() if key.startswith("sweep")}
+
 #: a steel strip whose length lacks its prefix: 0.18 m is meant
 FORGOTTEN = {"units": "SI", "beam.length": 180, "stop.position": 132, "mass": None, "sensor.position": 100}
 
@@ -61,6 +63,51 @@ def test_the_rig_in_a_sentence() -> None:
     assert text.startswith("mode 1 at 0.1592 Hz (ζ 1.5 %); sweep 0.2387 Hz … 0.3979 Hz = 1.5 … 2.5 × mode 1; ")
     assert text.endswith("; static gap 0 at the contact")
     assert warnings == []
+
+
+def test_a_free_ball_has_no_first_frequency(tmp_path: Path) -> None:
+    """M = 1 kg, K = 0: a motion that nothing holds."""
+    np.save(tmp_path / "M.npy", np.eye(1))
+    np.save(tmp_path / "K.npy", np.zeros((1, 1)))
+    (tmp_path / "ball.toml").write_text(BALL, "utf-8")
+    text, _ = said_of(vibeam.load(tmp_path / "ball.toml"))
+    assert "mode 1 at 0 Hz, a free body; sweep 1 Hz … 2 Hz; " in text
+
+
+def test_results_away_from_the_matrices_say_what_they_lack(tmp_path: Path) -> None:
+    frame = CASES / "matrices" / "frame.toml"
+    vibeam.run(vibeam.load(frame, SHORT_FRAME), tmp_path / "frame.h5")
+    cure = (
+        r"the files of matrices\.mass and matrices\.stiffness are not beside it: copy them into the folder of frame\.h5"
+    )
+    with pytest.raises(vibeam.StoreError, match=cure):
+        vibeam.read(tmp_path / "frame.h5")
+    for name in "MK":
+        (tmp_path / f"frame_{name}.mtx").write_bytes((frame.parent / f"frame_{name}.mtx").read_bytes())
+    assert vibeam.read(tmp_path / "frame.h5")["one"].up is not None
+
+
+BALL = """
+[matrices]
+mass = "M.npy"
+stiffness = "K.npy"
+units = "SI"
+damping_ratio = 0
+contact = 1
+sensor = 1
+force = 1
+[stop]
+gap = "1 mm"
+restitution = 0.7
+[drive]
+force = "1 N"
+[sweep]
+frequency = { from = "1 Hz", to = "2 Hz", points = 3 }
+settle = 10
+hold = 10
+[fidelity.one]
+reduction = "full"
+"""
 
 
 def test_what_is_implausible_is_told() -> None:

@@ -19,22 +19,32 @@ def study_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     yield from _cost(case)
     if getattr(case, "influence", None) is not None:
         yield from named_fidelity(case, ("influence", "fidelity"), case.influence.fidelity)
+    yield from _numbers(case)
     yield from _accuracy(case)
 
 
+POWERS_OF_TWO = (("uncertainty", "samples"), ("modes_needed", "modes"))
+
+
+def _numbers(case: SimpleNamespace) -> Iterator[Complaint]:
+    for path in POWERS_OF_TWO:
+        number = getattr(getattr(case, path[0]), path[1], None)
+        if number is not None and number.bit_count() != 1:
+            yield path, f"{number} is no power of two: write {1 << (number.bit_length() - 1)}"
+    band = getattr(case.modes_needed, "band", None)
+    if band is not None and len(band) != 2:
+        yield ("modes_needed", "band"), 'must be two frequencies: write band = ["0 Hz", "500 Hz"]'
+
+
 def _cost(case: SimpleNamespace) -> Iterator[Complaint]:
-    if case.cost is None:
-        return
-    name, path = case.cost.reference, ("cost", "reference")
+    name, path = getattr(case.cost, "reference", None), ("cost", "reference")
     if name is None:
         return
     if name not in case.reference:
         yield path, f"no reference {not_there(name, case.reference)}"
     elif case.reference[name].quantity not in ("amplitude", None):
-        yield (
-            path,
-            f"{as_shown_in_message(name)} gives {case.reference[name].quantity}: accuracy is that of the amplitude",
-        )
+        said = f"{as_shown_in_message(name)} gives {case.reference[name].quantity}"
+        yield path, f"{said}: accuracy is that of the amplitude"
 
 
 def _accuracy(case: SimpleNamespace) -> Iterator[Complaint]:
