@@ -245,7 +245,7 @@ def _left_out(study: CostStudy, case: Case) -> Iterator[str]:
     enough = _ratio(ceil(1.1 * (study.budget + (known or study.budget))))
     yield (
         f"{count} of {count + len(study.rows)} runs, by {listed(list(solvers))}, did not fit into {study.budget:g} s: "
-        f"vibeam verdict {quote(str(case.path))} --only solvers --set 'cost.budget={enough} s' runs them."
+        f"vibeam verdict {quote(str(case.path))} --only solvers --budget '{enough} s' runs them."
     )
 
 
