@@ -183,10 +183,10 @@ def share(value: float) -> str:
 def uncertain(study: InfluenceStudy, case: Case) -> Iterator[str]:
     """Notes on what is uncertain, each with what to do about it."""
     if study.left_out:
+        enough = study.budget * (1 + study.left_out)
         yield (
             f"{study.left_out} sweeps of sets of effects did not fit into {study.budget:g} s of CPU time: "
-            f"vibeam verdict {quote(str(case.path))} --only effects --budget '{study.budget * (1 + study.left_out):g} s' "
-            "makes all of them."
+            f"vibeam verdict {quote(str(case.path))} --only effects --budget '{enough:g} s' makes all of them."
         )
     elif not study.exact:
         yield "Effects were left out one after another: try a smaller set by [fidelity.NAME] without = […]."

@@ -181,7 +181,7 @@ class _CostRuns:
         if self.all_in and exact > self.budget:
             raise ValueError(
                 f"the exact motions of {models} alone take about {exact:.2g} s of CPU time, and {self.budget:g} s are "
-                "allowed: allow more, or ask for fewer frequencies (cost.frequency)"
+                "allowed: allow more (--budget), or ask for fewer frequencies (cost.frequency)"
             )
         self.tell(f"{self.total} runs of {models}, in {self.budget:g} s of CPU time")
 

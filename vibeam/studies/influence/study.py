@@ -170,7 +170,7 @@ class _EffectSweeps:
             raise ValueError(
                 f"{len(self.needed)} models, all effects and each without one, take about "
                 f"{len(self.needed) * self.each:.2g} s of CPU time, and {self.budget:g} s are allowed: "
-                "allow more, or sweep fewer points (influence.points)"
+                "allow more (--budget), or sweep fewer points (influence.points)"
             )
         if self.total * self.each > LONG:
             self.tell(f"{self.total} sweeps and more, of about {self.each:.2g} s of CPU time each")
