@@ -88,15 +88,19 @@ def help_of(study: StudyDeclaration) -> str:
     return f"{study.meaning[:1].upper()}{study.meaning[1:]}." + (f"\n\n\b\nExamples:\n{examples}" if examples else "")
 
 
+ENDINGS = (".csv", ".html")
+
+
 def run_declared(study: StudyDeclaration, case: Case, out: str | None) -> None:
     """Run a study of a case, and show and write what it gives."""
     from vibeam.cli.progress import Bar, stderr
 
-    path = table_path(case, out, study.name, (".csv", ".html"))
+    table_path(case, out, study.name, ENDINGS)  # before anything is computed
     first = _first(study, case)
     with Bar(study.name) as bar:
         record = of_case(case.path, lambda: study.of(case, stderr().print, bar))
     sheet = study.shown(record, case)
+    path = table_path(case, out, sheet.study or study.name, ENDINGS)
     wanted = out or sheet.draw or sheet.page
     print_sheet(sheet, files_of(sheet, path, case.title, study.meaning, case.figure) if wanted else [], first)
 

@@ -71,7 +71,7 @@ class StudySheet:
 
     ``more`` tables and ``details``, sentences, are shown on the page and with ``-v`` alone. ``data`` for JSON; ``rows``
     of the CSV file: mappings, or records of one dataclass; ``draw`` makes the figure, a ``coarse`` one with fewer dots
-    an inch; ``page`` makes a page of its own.
+    an inch; ``page`` makes a page of its own; ``study``: by which its files are named, where not by the command.
     """
 
     answer: str
@@ -84,6 +84,7 @@ class StudySheet:
     draw: Callable[[], Figure] | None = None
     coarse: bool = False
     page: Callable[[], str] | None = None
+    study: str = ""
 
     def write(self, table: Path, plan: FigurePlan) -> list[Path]:
         """Write the rows to ``table``, the figure beside it as ``plan`` says, and the page; return the files."""

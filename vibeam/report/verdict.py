@@ -26,6 +26,9 @@ QUESTIONS = {
 }
 
 
+FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map"}
+
+
 @dataclass(frozen=True)
 class StageRow:
     """Answer of one stage, as CSV and JSON; CPU time in s."""
@@ -40,7 +43,8 @@ def sheet(found: Verdict) -> StudySheet:
     """Sheet of a verdict; of a single stage that of its study."""
     sheets = [(stage, stage_sheet(stage, found.case)) for stage in found.stages]
     if len(sheets) == 1:
-        return sheets[0][1]
+        stage, made = sheets[0]
+        return replace(made, study=FILES[stage.name])
     rows = [StageRow(stage.name, QUESTIONS[stage.name], made.answer, stage.cpu_seconds) for stage, made in sheets]
     notes = [note for _, made in sheets for note in made.notes[:1]]
     answer = next((row.answer for row, (stage, _) in zip(rows, sheets, strict=True) if not stage.why), rows[0].answer)

@@ -480,7 +480,7 @@ def test_the_command_prints_and_writes(tmp_path: Path) -> None:
     found = json.loads(done.stdout)
     assert {row["effect"] for row in found["study"]["rows"]} == {"mass.rotary_inertia", "mass.rigid_half_width"}
     assert "held, the scene needs " in found["answer"]
-    stem = tmp_path / "rig_verdict.csv"
+    stem = tmp_path / "rig_influence.csv"
     rows = list(csv.DictReader(stem.read_text(encoding="utf-8").splitlines()))
     assert len(rows) == 7 * (3 + 2 * 2)
     assert all(stem.with_suffix(ending).stat().st_size > 1000 for ending in (".png", ".svg"))
