@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
-from vibeam.cli.streams import put, put_json, reader_gone, say, stdout_is_terminal
+from vibeam.cli.streams import put, put_json, reader_gone, stdout_is_terminal
 from vibeam.cli.verbosity import verbosity
 
 if TYPE_CHECKING:
@@ -19,26 +19,25 @@ LINES = 40  # of a screen
 NOTES = 5  # remarks on a screen
 
 
-def print_json(data: Any) -> None:
-    """Print data as one object, its ``schema`` with name and version first; a list of rows under ``rows``."""
-    from vibeam.report.output import plain, to_json
+def print_json(data: dict[str, Any]) -> None:
+    """Print data as one object, its ``schema`` with name and version first."""
+    from vibeam.report.output import to_json
 
-    found = plain(data)
-    named = found if isinstance(found, dict) else {"rows": found}
-    put_json(to_json({"schema": f"vibeam.{verbosity().command}/1"} | named))
+    put_json(to_json({"schema": f"vibeam.{verbosity().command}/1"} | data))
 
 
-def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), first: str = "") -> None:
+def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), first: str = "", whole: bool = False) -> None:
     """Print a study with the ``files`` written: its data as JSON, else what of it fits a screen, all with ``-v``.
 
-    ``first``: what stands on the screen already, which an answer that says the same does not repeat.
+    ``first``: what stands on the screen already, which an answer that says the same does not repeat; ``whole``: all of
+    it in any case.
     """
     form = verbosity()
     if form.json:
         print_json({"answer": sheet.answer, "notes": sheet.notes, **sheet.data} | ({"files": files} if files else {}))
     elif form.quiet:
         put_lines([sheet.answer])
-    elif form.verbose:
+    elif form.verbose or whole:
         put_lines(_answer(sheet, first))
         _put_tables([*sheet.tables, *sheet.more])
         put_lines([*sheet.notes, *sheet.details, *map(str, files)])
@@ -84,23 +83,6 @@ def _put_tables(tables: Iterable[ReportTable]) -> None:
             reader_gone()
 
 
-def print_result(
-    rows: Any,
-    tables: Callable[[Any], Sequence[ReportTable]] = lambda tables: [],
-    notes: Iterable[object] = (),
-    head: Iterable[str] = (),
-) -> None:
-    """Print ``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them, with lines around them."""
-    from vibeam.report import tables as made
-
-    if verbosity().json:
-        print_json(rows)
-        return
-    put_lines(head)
-    _put_tables(tables(made))
-    put_lines(map(str, notes))
-
-
 def put_lines(texts: Iterable[str]) -> None:
     """Print sentences, broken between words where a terminal shows them."""
     for line in _lines(texts):
@@ -114,12 +96,3 @@ def _lines(texts: Iterable[str]) -> list[str]:
         return parts
     width = get_terminal_size().columns
     return [line for part in parts for line in wrap(part, width, break_long_words=False) or [""]]
-
-
-def write_table(rows: Any, out: Path | None) -> None:
-    """Write ``rows`` as CSV to ``out``, where a file is asked for."""
-    if out is not None:
-        from vibeam.report import output
-
-        output.write_csv(rows, out)
-        say(f"wrote {out}")

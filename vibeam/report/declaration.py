@@ -54,7 +54,7 @@ class StudyDeclaration:
         """Record of the study of a case."""
         run = loaded(self.run)
         taken = signature(run).parameters
-        given = {"tell": tell, "progress": progress if "tell" in taken else tell}
+        given = {"tell": tell, "progress": progress}
         return run(case, **{name: each for name, each in given.items() if name in taken and each is not None})
 
     def shown(self, record: Any, case: Case) -> StudySheet:

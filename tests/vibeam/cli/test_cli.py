@@ -347,7 +347,7 @@ def test_modes_needed_answers_first_and_writes_its_losses(command: Command, tmp_
         (("--accuracy", "3 Hz"), "is a frequency, not a plain number"),
         (("--band", "9 Hz", "--band", "8 Hz"), "the list must ascend"),
         (("--bases", "modl"), "basis: no modl: there are modal"),
-        (("--modes", "12"), "modes: 12 must be a power of two"),
+        (("--modes", "12"), "modes: 12 is no power of two"),
         (("--speed", "0 m/s"), "must be > 0"),
     ],
 )
@@ -409,6 +409,10 @@ def test_keys_fits_a_screen(command: Command) -> None:
         for row in json.loads(command("keys", table, "--json").stdout)["rows"]:
             assert " with [" in row["table"] or any(f".{row['key']} " in line for line in shown), row
     assert "linear" in command("keys", "stop.law").stdout
+    assert "[stop] with [sdof]" in command("keys", "stop.gap").stdout, (
+        "one name is shown in full, of every kind of case"
+    )
+    assert command("keys", "stop", "-q").stdout.count("\n") == 1
 
 
 def test_keys_lists_every_key(command: Command) -> None:

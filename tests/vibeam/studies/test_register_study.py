@@ -59,6 +59,13 @@ def test_a_registered_study_runs_from_the_command_line(folder: Path) -> None:
     assert "gap of each fidelity" in table.stdout
 
 
+def test_a_study_that_takes_progress_alone_is_given_the_points(folder: Path) -> None:
+    heard: list[tuple[int, ...]] = []
+    study = StudyDeclaration("gaps", lambda case, progress: [progress(1, 2)], "gap of each fidelity")
+    study.of(vibeam.load("a.toml"), pytest.fail, lambda *told: heard.append(told))
+    assert heard == [(1, 2)]
+
+
 def test_what_is_wrong_is_said(folder: Path) -> None:
     nothing = CliRunner().invoke(app, ["study", "gaps", "a.toml"])
     assert (nothing.exit_code, "no study 'gaps'; known here: " in nothing.stderr) == (2, True)

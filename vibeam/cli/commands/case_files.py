@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from itertools import groupby
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vibeam.cli import completion
 from vibeam.cli.arguments import TableFile, output_path
 from vibeam.cli.errors import UsageError
-from vibeam.cli.output import print_json, print_result, write_table
-from vibeam.cli.streams import MISSED, put, put_json, say
+from vibeam.cli.output import print_json, print_sheet
+from vibeam.cli.streams import MISSED, put, put_json
 from vibeam.cli.verbosity import verbosity
-from vibeam.exchange.faults import suggest, suggestion
+from vibeam.exchange.faults import suggest
+from vibeam_models.arguments import counted
+
+if TYPE_CHECKING:
+    from vibeam.casefile.documentation import KeyRow
+    from vibeam.report.output import StudySheet
 
 KeyName = Annotated[
     str | None,
@@ -62,27 +67,39 @@ def keys(
     vibeam keys stop
     vibeam keys sweep.frequency
     """
-    from vibeam.casefile.documentation import lines_of, reference_table, rows_of, tables_of
-    from vibeam.report import output
+    from vibeam.casefile.documentation import case_schema, reference_table, rows_of
+    from vibeam.report.output import to_json, write_csv
 
     if schema:
-        from vibeam.casefile.documentation import case_schema
-
-        put_json(output.to_json(case_schema()))
+        put_json(to_json(case_schema()))
         return
     try:
         rows = reference_table() if name is None else rows_of(name)
     except ValueError as unknown:
         raise UsageError(str(unknown)) from None
-    write_table(rows, None if out is None else output_path(out, "keys.csv", (".csv",), "a table"))
-    if every or verbosity().json or verbosity().verbose or len(rows) == 1:
-        print_result(rows, lambda tables: [tables.keys(rows)])
-    elif name:
-        more = [f"all of it: vibeam keys {name} -v; of one key: vibeam keys {lines_of(rows)[0].key}"]
-        print_result(rows, lambda tables: [tables.rows_of(f"Keys: {name}", lines_of(rows))], more)
+    files = [] if out is None else [output_path(out, "keys.csv", (".csv",), "a table")]
+    for file in files:
+        write_csv(rows, file)
+    print_sheet(_keys_sheet(name, rows, every or verbosity().verbose), files, whole=every)
+
+
+def _keys_sheet(name: str | None, rows: list[KeyRow], whole: bool) -> StudySheet:
+    """Sheet of keys: each in full (``whole``, or a single one), else in a line, of the whole case its tables."""
+    from vibeam.casefile.documentation import lines_of, tables_of
+    from vibeam.report import tables
+    from vibeam.report.output import StudySheet
+
+    lines = lines_of(rows)
+    if name is None:
+        answer = f"A case file has {len(rows)} keys. Those of one table: vibeam keys stop; of all: vibeam keys --all"
+        table = tables.rows_of("Tables of a case file", tables_of())
     else:
-        head = f"A case file has {len(rows)} keys. Those of one table: vibeam keys stop; of all: vibeam keys --all"
-        print_result(rows, lambda tables: [tables.rows_of("Tables of a case file", tables_of())], head=[head])
+        one = f"; one in full: vibeam keys {lines[0].key}; all: -v" if len(lines) > 1 else ""
+        answer = f"{counted(len(lines), 'key')} by the name {name}{one}"
+        table = tables.rows_of("Keys", lines)
+    return StudySheet(
+        answer, [tables.keys(rows) if whole or len(lines) == 1 else table], data={"rows": rows}, rows=rows
+    )
 
 
 def new(
@@ -103,10 +120,12 @@ def new(
     vibeam new mine.toml --rig tube --short
     vibeam new --from relay
     """
+    from vibeam.report.output import StudySheet
+
     if example and (rig or short):
         raise UsageError("--from writes an example as it is: leave --rig and --short away")
     if example == "list":
-        _list_examples()
+        print_sheet(_examples_sheet())
         return
     text, beside = _of_example(example) if example else _of_rig(rig or "cantilever", short)
     name = f"{example or 'case'}.toml"
@@ -119,8 +138,8 @@ def new(
     for file, content in texts.items():
         _write(file, content)
     also = f" and {', '.join(beside)} beside it" if beside else ""
-    (say if verbosity().json else put)(f"wrote {target}{also}: edit it, then: vibeam run {target}")
-    print_result({"written": target})
+    said = f"wrote {target}{also}: edit it, then: vibeam run {target}"
+    print_sheet(StudySheet(said, data={"written": target}))
 
 
 def _of_rig(rig: str, brief: bool) -> tuple[str, dict[str, str]]:
@@ -135,21 +154,24 @@ def _of_rig(rig: str, brief: bool) -> tuple[str, dict[str, str]]:
 
 def _of_example(name: str) -> tuple[str, dict[str, str]]:
     """As ``_of_rig``, of an example."""
-    from vibeam.casefile.examples import PLACES, meanings, texts
+    from vibeam.casefile.examples import PLACES, texts
 
     if name not in PLACES:
-        near = suggestion(name, PLACES)
-        lines = [f"  {each:16}{meaning}" for each, meaning in meanings().items()]
-        meant = f"did you mean {near}? " if near else ""
-        raise UsageError("\n".join([f"--from {name}: no such example; {meant}there are", *lines]))
+        raise UsageError(f"--from {name}: no such example; {suggest(name, PLACES)}")
     return texts(name)
 
 
-def _list_examples() -> None:
+def _examples_sheet() -> StudySheet:
+    """Sheet of the examples, each with its meaning."""
     from vibeam.casefile.examples import meanings
+    from vibeam.report.output import StudySheet
+    from vibeam.report.tables import blank
 
-    lines = [f"{each:16}{meaning}" for each, meaning in meanings().items()]
-    print_result({"examples": meanings()}, head=lines)
+    found, table = meanings(), blank("Examples", "name", "what it is")
+    for row in found.items():
+        table.add_row(*row)
+    said = f"{counted(len(found), 'example')} to start from: vibeam new --from NAME"
+    return StudySheet(said, [table], data={"examples": found})
 
 
 def _holds(file: Path, content: str) -> bool:
