@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam_models.arrays import Array
-
-Level = float | tuple[float, ...]  # one amplitude, or one for each frequency of a table
+from vibeam_models.keys import count, quantity
 
 #: what a drive may be said by, without voltage, and the power of Ω by which B is less
 POWERS = {"amplitude": 0, "velocity": 1, "acceleration": 2, "force": 2, "moment": 2}
@@ -32,18 +31,51 @@ class Base:
     a moment's) and its ``harmonic_phase`` (rad; None: 0).
     """
 
-    amplitude: Level | None = None
-    voltage: Level | None = None
-    gain: float | None = None
-    force: Level | None = None
-    velocity: Level | None = None
-    acceleration: Level | None = None
-    moment: Level | None = None
-    at: float | None = None
-    frequency: tuple[float, ...] | None = None
-    harmonic: tuple[int, ...] | None = None
-    harmonic_share: tuple[float, ...] | None = None
-    harmonic_phase: tuple[float, ...] | None = None
+    voltage: float | tuple[float, ...] | None = quantity(
+        "V", "amplitude of the shaker's voltage", "0.6 V", None, least=0
+    )
+    gain: float | None = quantity(
+        "1/V", "γ of eq. 46: base amplitude over mode shape at the mass, length and voltage", "5.16e-4 1/V", None,
+        above=0,
+    )  # fmt: skip
+    amplitude: float | tuple[float, ...] | None = quantity(
+        "m", "of the base, instead of voltage and gain", "0.05 mm", None, least=0,
+        plain=("of the base B, in the unit of the motion", 0.5e-3, ""),
+    )  # fmt: skip
+    velocity: float | tuple[float, ...] | None = quantity(
+        "m/s", "of the base, its amplitude, instead", "5 mm/s", None, least=0,
+        plain=("ΩB, instead: the same at every Ω", 1e-3, ""),
+    )  # fmt: skip
+    acceleration: float | tuple[float, ...] | None = quantity(
+        "m/s^2", "of the base, its amplitude, instead; g is 9.80665 m/s^2", "0.05 g", None, least=0,
+        plain=("Ω²B, instead: a force over the mass that is the same at every Ω", 2e-3, ""),
+    )  # fmt: skip
+    force: float | tuple[float, ...] | None = quantity(
+        "N", "on the beam where at says, or on the platform, instead of all of these", "5 N", None, least=0
+    )
+    moment: float | tuple[float, ...] | None = quantity(
+        "N m", "on the beam where at says, instead of all of these", "0.1 N m", None, least=0
+    )
+    at: float | None = quantity(
+        "m", "where the force or the moment acts on the beam, whose base is then at rest; from x = 0, in (0, length]",
+        "120 mm", None, above=0,
+    )  # fmt: skip
+    frequency: tuple[float, ...] | None = quantity(
+        "Hz", "of a drive that is a list: one frequency for each of its numbers, linear between, none outside",
+        ["14 Hz", "17 Hz"], None, above=0, several=True, ascending=True, plain=("", ["1.5 rad/s", "2.5 rad/s"], ""),
+    )  # fmt: skip
+    harmonic: tuple[int, ...] | None = count(
+        2, 1000, "orders of further harmonics, whole multiples of the drive's frequency; absent = none", [2, 3], None,
+        several=True,
+    )  # fmt: skip
+    harmonic_share: tuple[float, ...] | None = quantity(
+        "", "their amplitudes as shares of the first's acceleration, whatever key says that; of a force or a moment, "
+        "of it", ["5 %", "2 %"], None, least=0, several=True, plain=("", ["5 %", "2 %"], ""),
+    )  # fmt: skip
+    harmonic_phase: tuple[float, ...] | None = quantity(
+        "rad", "their phases at the first's zero: sin Ωt + share · sin(order · Ωt + phase); absent = 0",
+        ["30 deg", "0 deg"], None, several=True,
+    )  # fmt: skip
 
     @property
     def harmonics(self) -> tuple[tuple[int, float, float], ...]:

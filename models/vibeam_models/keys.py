@@ -14,7 +14,8 @@ class Key:
     each number above the one before. ``missing``: what the message of a missing key says of it, its ``meaning`` where
     empty.
     ``effect``: it is an effect by itself; ``of``: the key of the same table without which it means nothing.
-    ``plain``: (meaning, example, ``missing``) where the case is nondimensional; None: the same without the unit.
+    ``plain``: (meaning, empty: the same, example, ``missing``) where the case is nondimensional; None: the same without
+    the unit. ``numbers``: part of what the sweeps compute.
     """
 
     meaning: str
@@ -34,6 +35,7 @@ class Key:
     effect: bool = False
     of: str = ""
     plain: tuple[str, Any, str] | None = None
+    numbers: bool = True
 
 
 def quantity(unit: str, meaning: str, example: Any, default: Any = MISSING, **more: Any) -> Any:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam
-from vibeam_models.keys import keys_of, word
+from vibeam_models.keys import keys_of, quantity, word
 from vibeam_models.stop import Stop
 
 if TYPE_CHECKING:
@@ -176,17 +176,17 @@ class OnEitherBeam(Effect):
 
 @dataclass(frozen=True)
 class Mass:
-    """Attached mass in kg at a ``position`` in m."""
+    """The mass attached to the beam; absent = a bare beam."""
 
-    mass: float
-    position: float
+    mass: float = quantity("kg", "attached mass", "0.2 kg", above=0)
+    position: float = quantity("m", "distance from x = 0, in (0, length]", "132 mm", above=0)
 
 
 @dataclass(frozen=True)
 class Sensor:
-    """Sensor of the displacement, ``position`` m from the clamp."""
+    """The sensor of the displacement."""
 
-    position: float
+    position: float = quantity("m", "distance from x = 0, in (0, length]", "100 mm", above=0)
 
 
 @dataclass(frozen=True)

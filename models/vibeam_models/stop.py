@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from vibeam_models.keys import quantity
+from vibeam_models.keys import declared, quantity, word
+from vibeam_models.laws import RESTITUTION
 
 if TYPE_CHECKING:
     from vibeam_models.laws import ContactLaw
@@ -23,49 +24,38 @@ class Stop:
     contact by each impact.
     """
 
-    position: float
-    gap: float
-    restitution: float | None = None
-    gap_at: Literal["contact", "sensor"] = "contact"
-    restitution_of: Literal["contact", "first mode"] = "contact"
+    position: float = quantity(
+        "m", "of the contact, from x = 0; absent = at the mass, if there is one", "132 mm", above=0, effect=True
+    )
+    gap: float = quantity(
+        "m", "gap at rest; negative = the beam is pressed against the stop", "0 mm",
+        plain=("gap at rest Δ, in the unit of the motion", 0.0, ""),
+    )  # fmt: skip
+    restitution: float | None = declared(RESTITUTION, None)
+    gap_at: Literal["contact", "sensor"] = word(
+        ("contact", "sensor"), "where the gap was measured: at the contact, or as grazing amplitude at the sensor",
+        "sensor", "contact",
+    )  # fmt: skip
+    restitution_of: Literal["contact", "first mode"] = word(
+        ("contact", "first mode"),
+        "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "first mode", "contact",
+    )  # fmt: skip
     law: ContactLaw | None = None
     second_gap: float | None = quantity(
-        "m",
-        "gap to a second stop on the other side; absent = none",
-        "1 mm",
-        None,
-        effect=True,
-        plain=("gap to a second stop on the other side; absent = none", 0.01, ""),
+        "m", "gap to a second stop on the other side; absent = none", "1 mm", None, effect=True, plain=("", 0.01, "")
     )
     drift_frequency: tuple[float, ...] | None = quantity(
-        "Hz",
-        "drive frequencies between which the gap drifts; absent = it stays",
-        ["14 Hz", "17 Hz"],
-        None,
-        above=0,
-        several=True,
-        ascending=True,
-        effect=True,
-        plain=("drive frequencies between which the gap drifts; absent = it stays", ["1.5 rad/s", "2.5 rad/s"], ""),
-    )
+        "Hz", "drive frequencies between which the gap drifts; absent = it stays", ["14 Hz", "17 Hz"], None, above=0,
+        several=True, ascending=True, effect=True, plain=("", ["1.5 rad/s", "2.5 rad/s"], ""),
+    )  # fmt: skip
     drift: tuple[float, ...] | None = quantity(
-        "m",
-        "what is added to the gap at these frequencies, linear between them",
-        ["0 mm", "0.02 mm"],
-        None,
-        several=True,
-        of="drift_frequency",
-        plain=("what is added to the gap at these frequencies, linear between them", [0.0, 1e-4], ""),
-    )
+        "m", "what is added to the gap at these frequencies, linear between them", ["0 mm", "0.02 mm"], None,
+        several=True, of="drift_frequency", plain=("", [0.0, 1e-4], ""),
+    )  # fmt: skip
     wear: float | None = quantity(
-        "m",
-        "what each impact adds to the gap at the contact, from point to point; absent = none",
-        "0.1 nm",
-        None,
-        least=0,
-        effect=True,
-        plain=("what each impact adds to the gap, from point to point; absent = none", 1e-8, ""),
-    )
+        "m", "what each impact adds to the gap at the contact, from point to point; absent = none", "0.1 nm", None,
+        least=0, effect=True, plain=("what each impact adds to the gap, from point to point; absent = none", 1e-8, ""),
+    )  # fmt: skip
 
     @property
     def usual_restitution(self) -> float:

@@ -12,7 +12,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
-from vibeam.casefile.quantities import ANY, FREQUENCY, NUMBER_WITH_UNIT, RATIO, SI, Dimension, Range, UnitSystem, to_si
+from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, RATIO, SI, Dimension, Range, UnitSystem, to_si
 from vibeam.exchange.faults import as_shown_in_message, suggestion
 
 JsonSchema = dict[str, Any]
@@ -45,7 +45,7 @@ class Entry(ABC):
         return value
 
     def nondimensional(self) -> Entry:
-        """Entry without a unit, for a case that has none; frequencies keep theirs."""
+        """Entry without a unit, for a case that has none; frequencies and angles keep theirs."""
         return self
 
     def refusal(self, value: Any, article: str = "") -> ValueError:
@@ -142,7 +142,7 @@ class Quantity(Entry):
 
     def nondimensional(self) -> Quantity:
         """As ``Entry.nondimensional``."""
-        return self if self.kind is FREQUENCY else Quantity(RATIO, self.range)
+        return self if self.kind.unit in ("Hz", "rad") else Quantity(RATIO, self.range)
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel
-
 from vibeam.casefile.tables.effects import effects_of_scene
 from vibeam.casefile.tables.stop import contact_law
+from vibeam.casefile.tables.table import plan_of
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import SHAPES
@@ -30,9 +28,9 @@ def beam_scene(case: AnyCase, folder: Path) -> Scene:
     place = 0.0 if case.mass is None else case.mass.position
     return Scene(
         beam=_beam(case.beam),
-        mass=None if case.mass is None else Mass(case.mass.mass, case.mass.position),
+        mass=None if case.mass is None else plan_of(Mass, case.mass),
         stop=_stop(case.stop, place if case.stop.position is None else case.stop.position),
-        sensor=Sensor(case.sensor.position),
+        sensor=plan_of(Sensor, case.sensor),
         base=Base(**dict(case.drive)),
         effects=effects_of_scene(case),
         outputs=_outputs(case.output),
@@ -77,12 +75,8 @@ def given_scene(case: AnyCase, folder: Path) -> GivenScene:
 
 def _stop(table: Any, position: float) -> Stop:
     """The stop with its law, whose own keys are the law's."""
-    return Stop(**_own(Stop, table) | {"position": position, "law": contact_law(table)})
-
-
-def _own(kind: type[Any], table: BaseModel) -> dict[str, Any]:
-    """The values of a table that are fields of a record."""
-    return {field.name: getattr(table, field.name) for field in fields(kind) if field.name in type(table).model_fields}
+    own = {name: value for name, value in dict(table).items() if name in keys_of(Stop)}
+    return Stop(**own | {"position": position, "law": contact_law(table)})
 
 
 def _beam(table: Any) -> Beam:

@@ -31,13 +31,7 @@ LAWS: Registry[Home] = Registry(
 
 CONSTANT = "restitution"  # the law of a stop that names none
 
-RESTITUTION = Key(
-    "speed after over speed before an impact",
-    0.72,
-    least=0,
-    most=1,
-    plain=("speed after over speed before an impact", 0.9, ""),
-)
+RESTITUTION = Key("speed after over speed before an impact", 0.72, least=0, most=1, plain=("", 0.9, ""))
 
 HERTZ_STIFFNESS = Key(
     "of laws hertz and hunt-crossley: force over penetration^exponent, in N/m^exponent",

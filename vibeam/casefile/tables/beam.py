@@ -15,11 +15,12 @@ from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks
 from vibeam.casefile.tables.outputs import output_checks
-from vibeam.casefile.tables.table import Length, Place, Ratio, Table, declared_key, key, table
+from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.beams.shapes import SHAPES, foreign_dimensions
 from vibeam_models.keys import defaults_of, keys_of
+from vibeam_models.scene import Mass, Sensor
 
 
 def beam_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -129,14 +130,5 @@ class _Made(Table):
 BeamTable: Any = table("BeamTable", "The beam, clamped at 0 unless ends says otherwise.", _Along, _shape_keys(), _Made)
 
 
-class MassTable(Table):
-    """The mass attached to the beam; absent = a bare beam."""
-
-    mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("attached mass", "0.2 kg")
-    position: Annotated[float, Place] = key("distance from x = 0, in (0, length]", "132 mm")
-
-
-class SensorTable(Table):
-    """The sensor of the displacement."""
-
-    position: Annotated[float, Place] = key("distance from x = 0, in (0, length]", "100 mm")
+MassTable: Any = table("MassTable", Mass.__doc__ or "", plan_keys(Mass))
+SensorTable: Any = table("SensorTable", Sensor.__doc__ or "", plan_keys(Sensor))

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any, cast
 
-from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import flat
-from vibeam.casefile.fields import Count, Each, OneOrSeveral, Quantity, Several
-from vibeam.casefile.quantities import NOT_NEGATIVE, POSITIVE
-from vibeam.casefile.tables.table import Frequency, Place, Ratio, Table, key
+from vibeam.casefile.fields import Entry, OneOrSeveral, Quantity
+from vibeam.casefile.tables.table import declared_entry, less, plan_keys, table
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.figures import FIGURES
 from vibeam.solvers import SOLVERS
-
-Orders, Shares, Phases = Each(Count(2, 1000)), Several(Ratio), Several(Quantity(units.ANGLE))
-ORDERS = "orders of further harmonics, whole multiples of the drive's frequency; absent = none"
-SHARES = "their amplitudes as shares of the first's acceleration, whatever key says that; of a force or a moment, of it"
-PHASES = "their phases at the first's zero: sin Ωt + share · sin(order · Ωt + phase); absent = 0"
+from vibeam_models.base import Base
+from vibeam_models.keys import keys_of
 
 
 def harmonic_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -223,63 +218,14 @@ def _inside(table: tuple[float, ...], ends: tuple[float, ...]) -> Iterator[Compl
             return
 
 
-class DriveTable(Table):
-    """The drive, harmonic: a base motion by voltage and gain, amplitude, velocity or acceleration; or a force or a
-    moment at a place of the beam. With [platform] a force on that, with [shaker] voltage alone. Any of these but gain
-    may be a list, of amplitudes at as many frequencies.
-    """
-
-    voltage: Annotated[Any, OneOrSeveral(Quantity(units.VOLTAGE, NOT_NEGATIVE))] = key(
-        "amplitude of the shaker's voltage", "0.6 V", None
-    )
-    gain: Annotated[float | None, Quantity(units.PER_VOLT, POSITIVE)] = key(
-        "γ of eq. 46: base amplitude over mode shape at the mass, length and voltage", "5.16e-4 1/V", None
-    )
-    amplitude: Annotated[Any, OneOrSeveral(Quantity(units.LENGTH, NOT_NEGATIVE))] = key(
-        "of the base, instead of voltage and gain", "0.05 mm", None
-    )
-    velocity: Annotated[Any, OneOrSeveral(Quantity(units.SPEED, NOT_NEGATIVE))] = key(
-        "of the base, its amplitude, instead", "5 mm/s", None
-    )
-    acceleration: Annotated[Any, OneOrSeveral(Quantity(units.ACCELERATION, NOT_NEGATIVE))] = key(
-        "of the base, its amplitude, instead; g is 9.80665 m/s^2", "0.05 g", None
-    )
-    force: Annotated[Any, OneOrSeveral(Quantity(units.FORCE, NOT_NEGATIVE))] = key(
-        "on the beam where at says, or on the platform, instead of all of these", "5 N", None
-    )
-    moment: Annotated[Any, OneOrSeveral(Quantity(units.MOMENT, NOT_NEGATIVE))] = key(
-        "on the beam where at says, instead of all of these", "0.1 N m", None
-    )
-    at: Annotated[float | None, Place] = key(
-        "where the force or the moment acts on the beam, whose base is then at rest; from x = 0, in (0, length]",
-        "120 mm",
-        None,
-    )
-    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
-        "of a drive that is a list: one frequency for each of its numbers, linear between, none outside",
-        ["14 Hz", "17 Hz"],
-        None,
-    )
-    harmonic: Annotated[tuple[int, ...] | None, Orders] = key(ORDERS, [2, 3], None)
-    harmonic_share: Annotated[tuple[float, ...] | None, Shares] = key(SHARES, ["5 %", "2 %"], None)
-    harmonic_phase: Annotated[tuple[float, ...] | None, Phases] = key(PHASES, ["30 deg", "0 deg"], None)
-
-
-class SdofDriveTable(Table):
-    """The base motion of the single degree of freedom: amplitude, or velocity or acceleration, or one of these as a
-    list over frequency.
-    """
-
-    amplitude: Annotated[Any, OneOrSeveral(Ratio)] = key("of the base B, in the unit of the motion", 0.5e-3, None)
-    velocity: Annotated[Any, OneOrSeveral(Ratio)] = key("ΩB, instead: the same at every Ω", 1e-3, None)
-    acceleration: Annotated[Any, OneOrSeveral(Ratio)] = key(
-        "Ω²B, instead: a force over the mass that is the same at every Ω", 2e-3, None
-    )
-    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
-        "of a drive that is a list: one frequency for each of its numbers, linear between, none outside",
-        ["1.5 rad/s", "2.5 rad/s"],
-        None,
-    )
-    harmonic: Annotated[tuple[int, ...] | None, Orders] = key(ORDERS, [2, 3], None)
-    harmonic_share: Annotated[tuple[float, ...] | None, Shares] = key(SHARES, ["5 %", "2 %"], None)
-    harmonic_phase: Annotated[tuple[float, ...] | None, Phases] = key(PHASES, ["30 deg", "0 deg"], None)
+DRIVE = """The drive, harmonic: a base motion by voltage and gain, amplitude, velocity or acceleration; or a force or a
+moment at a place of the beam. With [platform] a force on that, with [shaker] voltage alone. Any of these but gain
+may be a list, of amplitudes at as many frequencies."""
+SDOF_DRIVE = (
+    "The base motion of the single degree of freedom: amplitude, or velocity or acceleration, or one of these as a\n"
+    "list over frequency."
+)
+_NUMBERS = {name: cast(Quantity, declared_entry(keys_of(Base)[name])) for name in SIZES}
+_LISTS: dict[str, Entry] = {name: OneOrSeveral(each) for name, each in _NUMBERS.items()}
+DriveTable: Any = table("DriveTable", DRIVE, plan_keys(Base, **_LISTS))
+SdofDriveTable: Any = less(DriveTable, "SdofDriveTable", SDOF_DRIVE, "voltage", "gain", *LOADS, "at", plain=True)

@@ -12,10 +12,9 @@ from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdap
 from pydantic_core import CoreSchema, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
-from vibeam.casefile.tables.table import Table, declared_key, table
+from vibeam.casefile.tables.table import Table, declared_key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.effects import EFFECTS, keys_in, tables
-from vibeam_models.keys import defaults_of, keys_of
 from vibeam_models.registry import Home
 from vibeam_models.scene import Effect
 
@@ -47,9 +46,9 @@ class EffectTable:
 @lru_cache(maxsize=64)
 def effect_table(effect: type[Effect]) -> type[Table]:
     """The table that an effect declares."""
-    meaning, defaults = effect.__doc__ or "", defaults_of(effect)
-    keys = {name: declared_key(each, defaults.get(name, ...)) for name, each in keys_of(effect).items()}
-    made: type[Table] = table(f"{effect.__name__}Table", f"Effect: {meaning[:1].lower()}{meaning[1:]}", keys)
+    meaning = effect.__doc__ or ""
+    doc = f"Effect: {meaning[:1].lower()}{meaning[1:]}"
+    made: type[Table] = table(f"{effect.__name__}Table", doc, plan_keys(effect))
     return made
 
 

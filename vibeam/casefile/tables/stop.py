@@ -9,15 +9,14 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import Quantity, Word
+from vibeam.casefile.fields import Word
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.tables.table import Place, Table, Unity, declared_key, key, nondimensional, plainly, table
+from vibeam.casefile.tables.table import Table, declared_entry, declared_key, key, less, plan_keys, table
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS
 from vibeam_models.keys import Key, defaults_of, keys_of
-from vibeam_models.laws import CONSTANT, LAWS, RESTITUTION, ContactLaw, declarations
+from vibeam_models.laws import CONSTANT, LAWS, ContactLaw, declarations
 from vibeam_models.registry import Home
 from vibeam_models.stop import Stop
 
@@ -59,8 +58,10 @@ def _law(stop: SimpleNamespace, with_units: bool) -> Iterator[Complaint]:
 
 
 def _missing(name: str, declared: Key, with_units: bool) -> str:
-    own = (declared.meaning, declared.example, declared.missing)
-    meaning, example, missing = own if with_units else plainly(declared)
+    meaning, example, missing = declared.meaning, declared.example, declared.missing
+    if not with_units:
+        said, example, missing = declared.plain or ("", declared_entry(declared).parse(example), missing)
+        meaning = said or meaning
     return f"missing ({missing or meaning}): write {name} = {to_fill_in(example)}"
 
 
@@ -112,24 +113,8 @@ def _wear(case: SimpleNamespace) -> Iterator[Complaint]:
             )
 
 
-class _AtRest(Table):
-    gap: Annotated[float, Quantity(units.LENGTH)] = key(
-        "gap at rest; negative = the beam is pressed against the stop",
-        "0 mm",
-        plain=("gap at rest Δ, in the unit of the motion", 0.0),
-    )
-    gap_at: Annotated[str, Word(("contact", "sensor"))] = key(
-        "where the gap was measured: at the contact, or as grazing amplitude at the sensor", "sensor", "contact"
-    )
-    restitution: Annotated[float | None, Unity] = key(
-        RESTITUTION.meaning, RESTITUTION.example, None, plain=RESTITUTION.plain and RESTITUTION.plain[:2]
-    )
-    restitution_of: Annotated[str, Word(("contact", "first mode"))] = key(
-        "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "first mode", "contact"
-    )
-    position: Annotated[float | None, Place] = key(
-        "of the contact, from x = 0; absent = at the mass, if there is one", "132 mm", None, effect=True
-    )
+AT_REST = ("gap", "gap_at", "restitution", "restitution_of", "position")  # keys before those of the law
+OF_RIG = ("gap_at", "restitution_of", "position")  # without a meaning for a single degree of freedom
 
 
 def law_keys() -> dict[str, Key]:
@@ -151,16 +136,18 @@ def sdof_stop_table() -> type[Table]:
 @lru_cache(maxsize=8)
 def _stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
     meaning = "what the stop does; absent = restitution, the same at every velocity"
-    law = key(meaning, "linear", None, effect=True, plain=(meaning, "linear"))
+    law = key(meaning, "linear", None, effect=True)
     keys = {"law": (Annotated[Any, Word(tuple(LAWS))], law)}
     keys |= {name: declared_key(each, None, "law") for name, each in law_keys().items() if name != "restitution"}
     doc = "The stop: what it is depends on its law; keys of other laws are refused."
-    further = {name: declared_key(each, None) for name, each in keys_of(Stop).items()}
-    made: type[Table] = table("StopTable", doc, _AtRest, keys, further)
+    own = plan_keys(Stop) | {"position": declared_key(keys_of(Stop)["position"], None)}
+    at_rest = {name: own.pop(name) for name in AT_REST}
+    made: type[Table] = table("StopTable", doc, at_rest, keys, own)
     return made
 
 
 @lru_cache(maxsize=8)
 def _sdof_stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
-    made: type[Table] = nondimensional(stop_table(), "SdofStopTable", "The stop of the single degree of freedom.")
+    doc = "The stop of the single degree of freedom."
+    made: type[Table] = less(stop_table(), "SdofStopTable", doc, *OF_RIG, plain=True)
     return made

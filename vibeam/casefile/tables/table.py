@@ -91,24 +91,20 @@ def declared_entry(declared: Key) -> Entry:
     return Several(one, declared.alone, ascending=declared.ascending) if declared.several else one
 
 
-def declared_key(declared: Key, default: Any = ..., of: str = "", effect: bool = False) -> tuple[Any, Any]:
-    """The annotation and the ``key`` of a declaration's key."""
-    entry, plain = declared_entry(declared), plainly(declared)[:2]
+def declared_key(
+    declared: Key, default: Any = ..., of: str = "", effect: bool = False, entry: Entry | None = None
+) -> tuple[Any, Any]:
+    """The annotation and the ``key`` of a declaration's key; ``entry``: what reads one of more than a number."""
+    plain = declared.plain and (declared.plain[0] or declared.meaning, declared.plain[1])
     notes: Any = {"effect": effect or declared.effect, "of": of or declared.of, "plain": plain}
-    field = key(declared.meaning, declared.example, default, **notes)
-    return Annotated[Any, entry], field
+    field = key(declared.meaning, declared.example, default, **notes, numbers=declared.numbers)
+    return Annotated[Any, entry or declared_entry(declared)], field
 
 
 def plan_keys(kind: type[Any], **entries: Entry) -> dict[str, tuple[Any, Any]]:
     """The keys of a plan, each with its annotation and ``key``; ``entries``: what reads those of more than numbers."""
-    defaults = defaults_of(kind)
-    return {
-        name: (
-            Annotated[Any, entries.get(name) or declared_entry(each)],
-            key(each.meaning, each.example, defaults.get(name, ...)),
-        )
-        for name, each in keys_of(kind).items()
-    }
+    keys, usual = keys_of(kind), defaults_of(kind)
+    return {name: declared_key(each, usual.get(name, ...), entry=entries.get(name)) for name, each in keys.items()}
 
 
 def plan_of(plan: type[T], table: Any, /, **own: Any) -> T:
@@ -132,38 +128,28 @@ def plan_with(plan: T, settings: Mapping[str, Any]) -> T:
     return cast("T", replace(cast(Any, plan), **found))
 
 
-def plainly(declared: Key) -> tuple[str, Any, str]:
-    """A declaration's meaning and example, and its meaning where it is missing, without a unit."""
-    if declared.plain is None:
-        return declared.meaning, declared_entry(declared).parse(declared.example), declared.missing
-    return declared.plain
-
-
-def nondimensional(model: type[Table], name: str, meaning: str) -> Any:
-    """The keys of a table that mean something without units, without their units."""
-    fields = {each: field for each, field in model.model_fields.items() if note(field, "plain")}
-    return table(name, meaning, {each: _plain(field) for each, field in fields.items()})
-
-
-def _plain(field: FieldInfo) -> tuple[Any, Any]:
-    entry = next(part for part in field.metadata if isinstance(part, Entry))
-    (meaning, example), default = note(field, "plain"), ... if field.is_required() else field.default
-    notes = {each: note(field, each) for each in ("effect", "of")}
-    return Annotated[Any, entry.nondimensional()], key(meaning, example, default, **notes)
-
-
-def less(model: type[Table], name: str, meaning: str, *keys: str) -> Any:
-    """The keys of a table without some of them."""
+def less(model: type[Table], name: str, meaning: str, *keys: str, plain: bool = False) -> Any:
+    """The keys of a table without some of them; ``plain``: and without their units."""
     fields = {each: field for each, field in model.model_fields.items() if each not in keys}
-    return table(name, meaning, {each: _same(field) for each, field in fields.items()})
+    made = _plain if plain else _same
+    return table(name, meaning, {each: made(_entry(field), field) for each, field in fields.items()})
 
 
-def _same(field: FieldInfo) -> tuple[Any, Any]:
-    entry = next(part for part in field.metadata if isinstance(part, Entry))
-    default: Any = ... if field.is_required() else field.default
-    more: Any = field.json_schema_extra
-    same = Field(default, description=field.description, examples=field.examples, json_schema_extra=more)
-    return Annotated[Any, entry], same
+def _entry(field: FieldInfo) -> Entry:
+    return next(part for part in field.metadata if isinstance(part, Entry))
+
+
+def _same(entry: Entry, field: FieldInfo, **changed: Any) -> tuple[Any, Any]:
+    said = {"description": field.description, "examples": field.examples, "json_schema_extra": field.json_schema_extra}
+    return Annotated[Any, entry], Field(... if field.is_required() else field.default, **said | changed)
+
+
+def _plain(entry: Entry, field: FieldInfo) -> tuple[Any, Any]:
+    plain, own = note(field, "plain"), entry.nondimensional()
+    if plain:
+        return _same(own, field, description=_said(plain[0], note(field, "effect")), examples=[plain[1]])
+    examples = [each if own == entry else entry.parse(each) for each in field.examples or ()]
+    return _same(own, field, examples=examples or None)
 
 
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
