@@ -177,7 +177,7 @@ class VerdictPlan:
     )
     over: str = declare.text("second key of the plane beside the frequency", "gap", "gap")
     points: int = declare.count(2, MOST_POINTS, "values of each key of the plane", 31, 31)
-    budget: float = declare.quantity("s", "CPU time of the solvers, and of the plane", "20 s", 20.0, above=0)
+    budget: float = declare.quantity("s", "CPU time of effects, of solvers, and of the plane", "20 s", 20.0, above=0)
 
 
 @dataclass(frozen=True)

@@ -242,7 +242,7 @@ def _left_out(study: CostStudy, case: Case) -> Iterator[str]:
         return
     count, solvers = len(study.left_out), dict.fromkeys(each.run.partition(" ")[0] for each in study.left_out)
     known = sum(each.seconds for each in study.left_out if isfinite(each.seconds))
-    enough = _ratio(ceil(1.1 * (study.budget + (known or study.budget))))
+    enough = _ratio(ceil(1.1 * (max(study.budget, study.cpu) + (known or study.budget))))
     yield (
         f"{count} of {count + len(study.rows)} runs, by {listed(list(solvers))}, did not fit into {study.budget:g} s: "
         f"vibeam verdict {quote(str(case.path))} --only solvers --budget '{enough} s' runs them."

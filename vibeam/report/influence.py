@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import isfinite, isinf
+from math import ceil, isfinite, isinf
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
@@ -183,10 +183,10 @@ def share(value: float) -> str:
 def uncertain(study: InfluenceStudy, case: Case) -> Iterator[str]:
     """Notes on what is uncertain, each with what to do about it."""
     if study.left_out:
-        enough = study.budget * (1 + study.left_out)
+        enough = ceil(1.5 * study.seconds * (1 + study.left_out / study.models))
         yield (
             f"{study.left_out} sweeps of sets of effects did not fit into {study.budget:g} s of CPU time: "
-            f"vibeam verdict {quote(str(case.path))} --only effects --budget '{enough:g} s' makes all of them."
+            f"vibeam verdict {quote(str(case.path))} --only effects --budget '{enough} s' makes them."
         )
     elif not study.exact:
         yield "Effects were left out one after another: try a smaller set by [fidelity.NAME] without = […]."
@@ -202,8 +202,9 @@ def details(study: InfluenceStudy) -> Iterator[str]:
     yield from _remarks(study)
     yield from filter(None, [both_peaks(study.comparison, len(study.rows))])
     yield from settled(study.comparison)
-    tried = "All sets up to that size were tried" if study.exact else "One effect after another was left out"
-    yield f"{tried}: {study.models} models swept; CPU time of a sweep varied by {_milliseconds(study.scatter)}."
+    tried = "No smaller set of effects suffices" if study.exact else "One effect after another was left out"
+    timed = f"; CPU time of a sweep varied by {_milliseconds(study.scatter)}" * isfinite(study.scatter)
+    yield f"{tried}: {study.models} models swept{timed}."
 
 
 def _sentence(study: InfluenceStudy, row: EffectRow) -> str:

@@ -66,7 +66,8 @@ def _suffice(number: int, enough: bool, error: ResponseError, plan: ModesNeededP
     if claim.modes == 1:
         return "The case has one mode, and nothing that could be left out"
     if number == claim.modes:
-        return f"All {_counted(number)} of the case are needed for {percent(plan.accuracy)}"
+        every = "Both modes" if number == 2 else f"All {_counted(number)}"
+        return f"{every} of the case are needed for {percent(plan.accuracy)}"
     verb = ("suffices" if number == 1 else "suffice") if enough else "do not suffice"
     of = f"{percent(plan.accuracy)} of the amplitude of all {claim.modes} modes"
     return f"{_begun(_counted(number))} {verb} for {of} ({_size(error, ' at the peak')})"
@@ -100,7 +101,7 @@ def _size(error: ResponseError, where: str = "") -> str:
 
 def _losses(by_losses: int | None, plan: ModesNeededPlan) -> str:
     needed = f"more than {plan.most} modes" if by_losses is None else _counted(by_losses)
-    return f"; by what one impact loses, which claims nothing of the amplitude, {needed} would do"
+    return f"; by what one impact loses, which claims nothing of the amplitude, {needed} would be needed"
 
 
 def _counted(number: int) -> str:
@@ -127,8 +128,10 @@ def answer(found: ModesNeeded) -> str:
     said = _suffice(shown.modes, best.modes is not None, shown.response, found.plan, claim)
     if best.basis != MODAL.name:
         said = said.replace("mode", "coordinate", 1) + f" in basis {best.basis}"
-    alone = f"; {_counted(known[0].modes)} would be {_size(known[0].response)}" if known[0] is not shown else ""
-    return f"{said}{alone}: known at {_known(claim)}.{_held(found.before, found.plan)}{_fewer(found)}"
+    first = known[0].response
+    alone = "would make other motions" if first.strays(found.plan.accuracy) else f"would be {_size(first)}"
+    least = f"; {_counted(known[0].modes)} {alone}" if known[0] is not shown else ""
+    return f"{said}{least}: known at {_known(claim)}.{_held(found.before, found.plan)}{_fewer(found)}"
 
 
 def _known(claim: Claim) -> str:
@@ -176,10 +179,10 @@ def errors(found: ModesNeeded) -> ReportTable:
         table.add_row(f"modal, peak, {each.held.symbol} held", str(each.enough or f"> {len(counts)}"), *cells)
     for row in study.recommended:
         if not row.why:
-            table.add_row(row.basis, enough(study, row), "", *map(off, study.of(row.basis)))
+            table.add_row(row.basis, enough(study, row), "", *(off(each, study.within) for each in study.of(row.basis)))
     table.caption = (
         f"enough: n for {percent(found.plan.accuracy)}; sdof: along the static deflection; peak: signed, else the "
-        "largest error at any frequency; >: flown up to there; –: not known"
+        "largest error at any frequency; >: flown up to there; other: it makes other motions; –: not known"
     )
     return table
 

@@ -47,10 +47,11 @@ def short(value: float) -> str:
     return f"{100 * abs(value):.2g} %" if abs(value) < 0.995 else f"{100 * abs(value):.0f} %"
 
 
-def off(row: Losses) -> str:
+def off(row: Losses, accuracy: float) -> str:
     """Largest error of the amplitude in a cell."""
-    worst, given_up = abs(row.response.worst), row.response.given_up
-    return ("other" if not isfinite(worst) else f"> {short(min(worst, LARGEST))}") if given_up else short(worst)
+    if row.response.strays(accuracy):
+        return "other"
+    return f"> {short(min(abs(row.response.worst), LARGEST))}" if row.response.given_up else short(row.response.worst)
 
 
 def enough(study: ReductionStudy, each: Recommendation) -> str:

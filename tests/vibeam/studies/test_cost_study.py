@@ -327,7 +327,9 @@ def test_too_little_time_leaves_all_runs_out_and_says_so() -> None:
     assert study.rows == ()
     assert {each.run for each in study.left_out} == {"flight", "orbit"}
     assert study.splits[0].cpu > 0
-    assert "2 of 2 runs, by flight and orbit, did not fit into 1e-09 s" in next(uncertain(study, case))
+    note = next(uncertain(study, case))
+    assert "2 of 2 runs, by flight and orbit, did not fit into 1e-09 s: vibeam verdict " in note
+    assert study.cpu < float(note.partition(" --only solvers --budget '")[2].partition(" s'")[0])
     assert answer(study, case).endswith(" a frequency; no run had time.")
     assert work_precision(study, case).axes
 
@@ -388,7 +390,7 @@ def test_a_budget_for_all_of_it_is_kept_or_refused_beforehand() -> None:
 def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "tiny.toml").write_text(TINY, encoding="utf-8")
-    words = ["cost", "tiny.toml", "--set", 'cost.solvers=["flight", "averaging"]']
+    words = ["verdict", "tiny.toml", "--only", "solvers", "--set", 'cost.solvers=["flight", "averaging"]']
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
     assert {path.name for path in tmp_path.iterdir()} == {
@@ -399,7 +401,7 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     found = json.loads(CliRunner().invoke(app, [*words, "--json", "--out", "new/folder"]).stdout)
     assert [row["solver"] for row in found["study"]["rows"]] == ["flight", "averaging", "averaging"]
     assert len((tmp_path / "tiny_cost.csv").read_text(encoding="utf-8").splitlines()) == 4
-    wrong = CliRunner().invoke(app, ["cost", "tiny.toml", "--set", 'cost.solvers=["flite"]'])
+    wrong = CliRunner().invoke(app, ["verdict", "tiny.toml", "--only", "solvers", "--set", 'cost.solvers=["flite"]'])
     assert wrong.exit_code == 2
     assert "did you mean 'flight'" in wrong.stderr
     assert (tmp_path / "new" / "folder" / "tiny_cost.csv").exists()

@@ -428,7 +428,11 @@ def test_a_budget_leaves_sets_out_and_claims_no_smallest() -> None:
     assert study.enough.worst <= 1
     assert done[0][0] == 0
     assert all(count <= total for count, total in done)
-    assert f"{study.left_out} sweeps of sets of effects did not fit into 12 s" in sheet(study, case).notes[0]
+    note = sheet(study, case).notes[0]
+    assert f"{study.left_out} sweeps of sets of effects did not fit into 12 s" in note
+    enough = float(note.partition(" --only effects --budget '")[2].partition(" s'")[0])
+    ticks = itertools.count()
+    assert influence(case, clock=clock, budget=enough).left_out == 0
     with pytest.raises(ValueError, match=r"6 models, all effects and each without one, take about .* and 4 s are"):
         influence(case, clock=clock, budget=4.0)
 
@@ -472,10 +476,12 @@ def test_the_command_prints_and_writes(tmp_path: Path) -> None:
     words = [f"--set={name}={value}" for name, value in QUICK.items() if name != "sweep.frequency"]
     words += ["--set=influence.points=3", "--set=influence.direction=up"]
     runner = CliRunner()
-    wrong = runner.invoke(app, ["influence", str(file), *words])
+    wrong = runner.invoke(app, ["verdict", str(file), "--only", "effects", *words])
     assert wrong.exit_code == 2
     assert "influence.direction: unknown key" in wrong.stderr
-    done = runner.invoke(app, ["influence", str(file), *words[:-1], "--out", str(tmp_path), "--json"])
+    done = runner.invoke(
+        app, ["verdict", str(file), "--only", "effects", *words[:-1], "--out", str(tmp_path), "--json"]
+    )
     assert done.exit_code == 0, done.output
     found = json.loads(done.stdout)
     assert {row["effect"] for row in found["study"]["rows"]} == {"mass.rotary_inertia", "mass.rigid_half_width"}
@@ -484,7 +490,7 @@ def test_the_command_prints_and_writes(tmp_path: Path) -> None:
     rows = list(csv.DictReader(stem.read_text(encoding="utf-8").splitlines()))
     assert len(rows) == 7 * (3 + 2 * 2)
     assert all(stem.with_suffix(ending).stat().st_size > 1000 for ending in (".png", ".svg"))
-    bare = runner.invoke(app, ["influence", str(file), "--set=mass.rotary_inertia=0.1 kg"])
+    bare = runner.invoke(app, ["verdict", str(file), "--only", "effects", "--set=mass.rotary_inertia=0.1 kg"])
     assert bare.exit_code == 2
 
 

@@ -65,11 +65,11 @@ def test_nothing_is_flown_for_the_first_answer(monkeypatch: pytest.MonkeyPatch) 
         ("sdof_nominal", "Nothing to reduce: this case gives the SDOF model directly, there is no beam."),
         (
             "rigs/two_stops",
-            "No number of modes can be told for 5 %: with several contacts their flight takes too long",
+            "No number of modes can be told for 5 %: with several contacts the flight of all modes takes too long",
         ),
         (
             "matrices/dtu_modes",
-            "All two modes of the case are needed for 5 %; one degree of freedom is 9.15 % too",
+            "Both modes of the case are needed for 5 %; one degree of freedom is 9.15 % too",
         ),
         ("paper/eq38", "The case has one mode, and nothing that could be left out."),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -132,3 +133,23 @@ def test_a_model_that_makes_other_motions_is_not_within() -> None:
     assert found.within(0.05)
     assert not found.within(0.03)
     assert not ResponseError(0.01, 0.01, 0.01, 17, 20).within(0.05)
+
+
+def test_a_peak_that_is_off_is_not_within_and_none_is_where_all_modes_are_not_known() -> None:
+    """The first point has no motion of all modes; at the second only the model's branch with impacts goes on."""
+    nan = np.nan
+    full = np.array([[nan, nan], [nan, 0.5], [1.0, nan]])
+    ours = np.array([[9.0, nan], [1.2, 0.5], [1.0, nan]])
+    found = response_error([tuple(Amplitudes(np.arange(3), np.arange(3.0), each, 3) for each in (ours, full))])
+    assert (found.worst, found.points, found.total) == (0.0, 2, 2)
+    assert found.peak == pytest.approx(0.2)
+    assert found.within(0.2)
+    assert not found.within(0.1)
+
+
+def test_a_flight_that_ends_among_other_motions_is_told_as_such() -> None:
+    near = ResponseError(worst=0.01, points=3, total=20, given_up=True)
+    assert near.strays(0.05)
+    assert ResponseError(total=20, given_up=True).strays(0.05)
+    assert not replace(near, worst=-0.06).strays(0.05)
+    assert not replace(near, given_up=False).strays(0.05)

@@ -80,8 +80,8 @@ class InfluenceStudy(ValueRecord):
     ``comparison``: of the complete model with those without one effect, with either restitution held, and its distance
     from its own limit. ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest
     set; ``exact``: True where all sets were tried; ``models``: number of sweeps; ``scatter``: s by which repeats of a
-    sweep's CPU time differed at most, below which a difference means nothing (NaN: not timed); ``seconds``: CPU time in
-    all, ``budget``: those allowed, by which ``left_out`` sets and repeats were not swept.
+    sweep's CPU time differed at most, below which a difference means nothing (NaN: none repeated); ``seconds``: CPU
+    time in all, ``budget``: those allowed, by which ``left_out`` sets and repeats were not swept.
     """
 
     title: str
@@ -199,7 +199,7 @@ class _EffectSweeps:
             comparison=self._compared(),
             exact=exact and all(each.why != LEFT_OUT for each in self.models.values()),
             models=sum(each.why != LEFT_OUT for each in self.models.values()),
-            scatter=max((max(seconds) - min(seconds) for seconds in self.cpu.values()), default=nan),
+            scatter=max((max(each) - min(each) for each in self.cpu.values() if len(each) > 1), default=nan),
             frequency=(float(plan.frequency.min()), float(plan.frequency.max()), len(plan.frequency)),
             settle=plan.settle,
             hold=plan.hold,

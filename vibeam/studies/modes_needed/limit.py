@@ -218,7 +218,7 @@ def moving_law(found: Sequence[ImpactSystem]) -> str:
 LEAST = 4  # values from which a rate is observed
 SLOWEST = 0.4  # rate below which differences are not taken to sum up
 STEADY = 0.25  # largest difference of two successive rates of a sequence that is extrapolated
-ROUND_OFF = 1e-9  # relative difference at which a sequence has arrived
+ROUND_OFF = 1e-7  # relative difference at which a sequence has arrived
 TOO_FEW = "too few numbers of modes to observe a rate"
 DIVERGES = "no limit in sight: from N = {0} to {1} it still changes by {2:.2g} %, no less than before"
 

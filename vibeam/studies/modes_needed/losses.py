@@ -31,8 +31,13 @@ class ResponseError(Difference):
     given_up: bool = False
 
     def within(self, accuracy: float) -> bool:
-        """Test whether no motion is off by more, and next to none is another one."""
-        return abs(self.worst) <= accuracy and self.points >= ALIKE * self.total
+        """Test whether no motion, and not the peak, is off by more, and next to none is another one."""
+        near = abs(self.worst) <= accuracy and not abs(self.peak) > accuracy
+        return near and self.points >= ALIKE * self.total
+
+    def strays(self, accuracy: float) -> bool:
+        """Test whether the flight ended because the model makes other motions, not because it is off by more."""
+        return self.given_up and not abs(self.worst) > accuracy
 
 
 UNKNOWN = ResponseError()
@@ -59,11 +64,14 @@ class Amplitudes:
 
 
 def response_error(pairs: Sequence[tuple[Amplitudes, Amplitudes]]) -> ResponseError:
-    """Error of a model's amplitudes, each beside those of all modes at the same points, kind by kind."""
+    """Error of a model's amplitudes, each beside those of all modes at the same points, kind by kind.
+
+    The peak is the largest amplitude of any kind, over the points at which a motion of all modes is known.
+    """
     if not pairs:
         return UNKNOWN
     mu = np.concatenate([np.repeat(full.mu[: len(full.values)], full.values.shape[1]) for _, full in pairs])
-    ours = np.concatenate([found.values.ravel() for found, _ in pairs])
+    ours = np.concatenate([np.where(full.points[:, None], found.values, nan).ravel() for found, full in pairs])
     whole = np.concatenate([full.values.ravel() for _, full in pairs])
     known = np.isfinite(whole) & (whole != 0)
     alike = np.flatnonzero(known & np.isfinite(ours))

@@ -37,17 +37,18 @@ ENOUGH = 0.5  # share of the frequencies at which the full model's motion must b
 COLUMNS = 18  # of amplitudes by period: 0, which stays empty, 1 … 16, and −1, no contact, as the last
 
 CHAOS = (
-    "more than half of their motions do not repeat, and of such amplitudes nothing can be claimed; sweep where they "
-    "repeat, or compare means over the plane by vibeam map --picture verdict"
+    "more than half of the motions of all modes do not repeat, and nothing can be claimed of their amplitudes; sweep "
+    "where they repeat, or compare means over the plane by vibeam map --picture verdict"
 )
 
 SEVERAL_CONTACTS = (
-    "with several contacts their flight takes too long; compare a few fidelities by vibeam run over a few frequencies"
+    "with several contacts the flight of all modes takes too long; compare a few fidelities by vibeam run over a few "
+    "frequencies"
 )
 
 COSTLY = (
-    "their flight over a few frequencies takes more than ten seconds; write fewer periods (sweep.settle, sweep.hold) "
-    "or fewer elements"
+    "the flight of all modes over a few frequencies takes more than ten seconds; write fewer periods (sweep.settle, "
+    "sweep.hold) or fewer elements"
 )
 
 
