@@ -58,8 +58,15 @@ def text(meaning: str, example: Any, default: Any = MISSING, **more: Any) -> Any
     return declared(Key(meaning, example, text=True, **more), default)
 
 
+def flag(meaning: str, example: bool, default: Any = MISSING, **more: Any) -> Any:
+    """A dataclass field that is true or false; ``more`` as in ``Key``."""
+    return declared(Key(meaning, example, flag=True, **more), default)
+
+
 def declared(key: Key, default: Any = MISSING) -> Any:
     """A dataclass field with its key; without ``default`` every case must write it."""
+    if isinstance(default, dict):
+        return field(default_factory=default.copy, metadata={"key": key})
     return field(default=default, metadata={"key": key})
 
 
@@ -70,4 +77,5 @@ def keys_of(kind: type[Any]) -> dict[str, Key]:
 
 def defaults_of(kind: type[Any]) -> dict[str, Any]:
     """The defaults of those keys that may be absent."""
-    return {each.name: each.default for each in fields(kind) if each.default is not MISSING}
+    made = {each.name: each.default_factory() for each in fields(kind) if each.default_factory is not MISSING}
+    return made | {each.name: each.default for each in fields(kind) if each.default is not MISSING}

@@ -2,15 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from vibeam_models.keys import Key
 from vibeam_models.registry import Registry, loaded
 from vibeam_models.structure import Structure
 from vibeam_reductions.projection import Reduction
 
-PARAMETERS = ("boundary", "frequency", "periods", "inner_product")  # keys of a fidelity that a reduction may take
+#: keys of a fidelity that a reduction may take
+PARAMETERS: Mapping[str, Key] = {
+    "boundary": Key(
+        "of craig_bampton: contact, masses, outputs by name; absent = contact, masses, sensor", ["contact", "sensor"],
+        text=True, several=True,
+    ),
+    "frequency": Key(
+        "of krylov: about which transfer functions are matched, absent = 0; of pod: of the drive that is flown",
+        "15 Hz", "Hz", least=0,
+    ),
+    "periods": Key(
+        "of pod: drive periods that are flown from rest, absent = 50", 50, whole=True, least=1, most=1_000_000
+    ),
+    "inner_product": Key("of pod: by which it measures, absent = mass", "mass", words=("mass", "energy")),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

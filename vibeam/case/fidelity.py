@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from vibeam.case.plans import MOST_ELEMENTS
 from vibeam.case.reduced_structure import Flight, reduced_structure, with_snapshots
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.rows import TimeDerivative
+from vibeam_models import keys as declare
 from vibeam_reductions.declaration import REDUCTIONS
 
 if TYPE_CHECKING:
@@ -36,13 +38,22 @@ class Fidelity:
     """
 
     name: str
-    reduction: str
-    modes: int | None = None
-    solver: str = "flight"
-    options: Mapping[str, str | float] = field(default_factory=dict)
+    reduction: str = declare.text(
+        "what of the structure is kept: one static deflection, the first few modes, all of the finite elements, …",
+        "static_mode",
+    )
+    modes: int | None = declare.count(
+        1, 2 * MOST_ELEMENTS, "how many modes, or coordinates of another reduction that counts them", 8, None
+    )
+    solver: str = declare.text("how its motion is found", "flight", "flight")
+    options: Mapping[str, str | float] = declare.text(
+        "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}
+    )
     changes: Mapping[str, Any] = field(default_factory=dict)
     without: tuple[str, ...] = ()
-    label: str | None = None
+    label: str | None = declare.text(
+        "its name in figures; absent = the name of its table", "8 modes", None, numbers=False
+    )
     parameters: Mapping[str, Any] = field(default_factory=dict)
     flight: Flight | None = field(default=None, compare=False, repr=False)
 

@@ -181,13 +181,8 @@ class MapPlan:
         None,
         above=0,
     )
-    boundaries: bool = declare.declared(
-        declare.Key(
-            "whether exact boundaries of motions with one impact a period are laid over, where there are any",
-            False,
-            flag=True,
-        ),
-        True,
+    boundaries: bool = declare.flag(
+        "whether exact boundaries of motions with one impact a period are laid over, where there are any", False, True
     )
 
 

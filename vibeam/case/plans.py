@@ -132,15 +132,21 @@ class Reference:
     """
 
     name: str
-    file: Path
-    fidelity: str
-    quantity: str
-    tolerance: float | None
-    direction: Direction
+    file: Path = declare.text(
+        "from the case file's folder: CSV or other text, MATLAB (.mat), HDF5 (.h5), universal file (.uff, .unv)",
+        "references/dtu_neutral_sdof.csv",
+    )
+    fidelity: str = declare.text("the fidelity that must meet it", "sdof")
+    quantity: str = declare.text("the column compared", "amplitude")
+    tolerance: float | None = declare.quantity(
+        "", "largest relative difference; may be absent where measured = true: then without a verdict", "0.0001 %",
+        None, above=0,
+    )  # fmt: skip
+    direction: Direction = declare.word(DIRECTIONS, "the branches compared; absent = all that are swept", "both", None)
     quote: bool = True
     form: ReferenceForm = field(default_factory=ReferenceForm)
-    measured: bool = False
-    source: str = ""
+    measured: bool = declare.flag("whether the curve was measured", True, False)
+    source: str = declare.text("where the curve comes from", "Fig. 31(b)", "")
     curve: ReferenceCurve | None = None
 
     def read(self) -> ReferenceCurve:
@@ -178,7 +184,7 @@ class FigurePlan:
     width: float | None = declare.quantity(
         "m", "of each figure; absent = by its number of panels", "140 mm", None, least=0.04, most=1.0
     )
-    title: bool = declare.declared(declare.Key("whether it has a title", False, flag=True), True)
+    title: bool = declare.flag("whether it has a title", False, True)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Annotated, Any, cast
+from typing import Annotated, Any
 
-from vibeam.case.plans import DIRECTIONS, Direction, Reference
+from vibeam.case.plans import Direction, Reference
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import FLAG, TEXT, JsonSchema, Quantity, Several, ValueEntry, Word
-from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE, RATIO
+from vibeam.casefile.fields import JsonSchema, Several, ValueEntry, Word
+from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE
 from vibeam.casefile.tables.expectations import Amount, AmountEntry, si_unit, swept_checks
-from vibeam.casefile.tables.table import QUANTITIES, Frequency, Table, key, named_fidelity
+from vibeam.casefile.tables.table import QUANTITIES, Frequency, Table, key, named_fidelity, plan_keys, plan_of, table
 from vibeam.exchange.curves.record import QUANTITIES as OF_CURVES
 from vibeam.exchange.curves.record import ROLES, ReferenceForm, known_unit
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
@@ -82,21 +82,7 @@ SCALE = ValueEntry(_scale, "number ≠ 0 | mm/V …", NUMBER, _scale_written)
 SIGNS = {"semicolon": ";", "comma": ",", "tab": "\t", "bar": "|", "blank": " "}
 
 
-class ReferenceTable(Table):
-    """A curve that a fidelity is checked against, one table each."""
-
-    file: Annotated[str, TEXT] = key(
-        "from the case file's folder: CSV or other text, MATLAB (.mat), HDF5 (.h5), universal file (.uff, .unv)",
-        "references/dtu_neutral_sdof.csv",
-    )
-    fidelity: Annotated[str, TEXT] = key("the fidelity that must meet it", "sdof")
-    quantity: Annotated[str, Word(QUANTITIES)] = key("the column compared", "amplitude")
-    tolerance: Annotated[float | None, Quantity(RATIO, POSITIVE)] = key(
-        "largest relative difference; may be absent where measured = true: then without a verdict", "0.0001 %", None
-    )
-    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
-        "the branches compared; absent = all that are swept", "both", None
-    )
+class _Form(Table):
     columns: Annotated[dict[str, Any] | None, HEADS] = key(
         "heads of the file's columns, or their numbers from 1; variables, datasets, number of the data set 58",
         {"frequency": "f [Hz]", "amplitude": "x [mm]", "uncertainty": "u [mm]"}, None,
@@ -119,8 +105,13 @@ class ReferenceTable(Table):
         "standard uncertainty of every value, in its unit or as a percentage of it, where no column gives it", "2 %",
         None,
     )  # fmt: skip
-    measured: Annotated[bool, FLAG] = key("whether the curve was measured", True, False)
-    source: Annotated[str, TEXT] = key("where the curve comes from", "Fig. 31(b)", "")
+
+
+_AFTER = ("measured", "source")
+_KEYS = plan_keys(Reference, quantity=Word(QUANTITIES))
+_BEFORE = {name: each for name, each in _KEYS.items() if name not in _AFTER}
+MEANING = "A curve that a fidelity is checked against, one table each."
+ReferenceTable: Any = table("ReferenceTable", MEANING, _BEFORE, _Form, {name: _KEYS[name] for name in _AFTER})
 
 
 def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -140,10 +131,10 @@ def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]
 
 
 def _column_checks(path: KeyPath, reference: SimpleNamespace) -> Iterator[Complaint]:
-    for table in ("columns", "units"):
-        for name in getattr(reference, table) or ():
+    for part in ("columns", "units"):
+        for name in getattr(reference, part) or ():
             if name not in (*ROLES, reference.quantity):
-                yield (*path, table), f'{name} is not compared: quantity = "{reference.quantity}"'
+                yield (*path, part), f'{name} is not compared: quantity = "{reference.quantity}"'
 
 
 def _file_fault(folder: File, name: str) -> str | None:
@@ -153,23 +144,14 @@ def _file_fault(folder: File, name: str) -> str | None:
     return fault and f"{as_shown_in_message(name)} {fault}"
 
 
-def record(name: str, table: ReferenceTable, case: Any, folder: File, swept: Direction) -> Reference:
+def record(name: str, said: Any, case: Any, folder: File, swept: Direction) -> Reference:
     """Record of a table of a case."""
-    file, direction = (folder / table.file).absolute(), _direction(table, swept)
-    quote = file.resolve().is_relative_to(folder.resolve())
-    form = _form(table, si_unit(case, table))
-    return Reference(
-        name=name, file=file, fidelity=table.fidelity, quantity=table.quantity, tolerance=table.tolerance,
-        direction=direction, quote=quote, form=form, measured=table.measured, source=table.source,
-    )  # fmt: skip
+    own = {"direction": said.direction or swept, "form": _form(said, si_unit(case, said))}
+    quote = (folder / said.file).resolve().is_relative_to(folder.resolve())
+    return plan_of(Reference, said, name=name, file=(folder / said.file).absolute(), quote=quote, **own)
 
 
-def _direction(table: ReferenceTable, swept: Direction) -> Direction:
-    direction: Any = table.direction or swept
-    return cast(Direction, direction)
-
-
-def _form(table: ReferenceTable, unit: str) -> ReferenceForm:
+def _form(table: Any, unit: str) -> ReferenceForm:
     scale, scale_unit = table.scale or (1.0, "")
     lowest, highest = table.window or (None, None)
     return ReferenceForm(

@@ -9,22 +9,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from vibeam.case.plans import MOST_ELEMENTS, MOST_POINTS, SweepPlan
+from vibeam.case.fidelity import Fidelity
+from vibeam.case.plans import MOST_POINTS, SweepPlan
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
-from vibeam.casefile.fields import TEXT, Count, Quantity, Several, Word, names
+from vibeam.casefile.fields import Count, Several, Word, names
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.quantities import FREQUENCY, NOT_NEGATIVE
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
-from vibeam.casefile.tables.table import Frequency, Table, content, key, plan_keys, table
+from vibeam.casefile.tables.table import Frequency, Table, declared_key, key, plan_keys, plan_of, table
+from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS, ReductionDeclaration
 
 if TYPE_CHECKING:
-    from vibeam.case.fidelity import Fidelity
     from vibeam.case.reduced_structure import Flight
-
-EXAMPLES = {"boundary": '["contact"]', "frequency": '"… Hz"', "periods": "50", "inner_product": '"mass"'}
 
 
 def plan_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -70,7 +68,8 @@ def _parameters(path: KeyPath, fidelity: Any, declared: ReductionDeclaration) ->
             takers = " or ".join(f'"{each.name}"' for each in REDUCTIONS.values() if name in each.takes)
             yield (*path, name), f'goes with reduction = {takers} alone, not "{declared.name}"'
         elif not written and name in declared.needs:
-            yield (*path, name), f'missing: reduction = "{declared.name}" needs it; write {name} = {EXAMPLES[name]}'
+            cure = f"write {name} = {to_fill_in(PARAMETERS[name].example)}"
+            yield (*path, name), f'missing: reduction = "{declared.name}" needs it; {cure}'
     if declared.flown and fidelity.frequency == 0:
         yield (*path, "frequency"), "must be > 0: it is that of the drive"
 
@@ -100,81 +99,44 @@ _MOTION = Annotated[Any, Word(("sensor", "contact"))], key("both are the one mot
 SdofSweepTable = sweep_table("SdofSweepTable", "The sweep of the single degree of freedom.", output=_MOTION)
 
 
-class _Reduction(Table):
-    reduction: Annotated[str, Word(REDUCTIONS)] = key(
-        "what of the structure is kept: one static deflection, the first few modes, all of the finite elements, …",
-        "static_mode",
-    )
-    modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key(
-        "how many modes, or coordinates of another reduction that counts them", 8, None
-    )
-    boundary: Annotated[tuple[str, ...] | None, names("names")] = key(
-        "of craig_bampton: contact, masses, outputs by name; absent = contact, masses, sensor",
-        ["contact", "sensor"],
-        None,
-    )
-    frequency: Annotated[float | None, Quantity(FREQUENCY, NOT_NEGATIVE)] = key(
-        "of krylov: about which transfer functions are matched, absent = 0; of pod: of the drive that is flown",
-        "15 Hz",
-        None,
-    )
-    periods: Annotated[int | None, Count(1, MOST_POINTS)] = key(
-        "of pod: drive periods that are flown from rest, absent = 50", 50, None
-    )
-    inner_product: Annotated[str | None, Word(("mass", "energy"))] = key(
-        "of pod: by which it measures, absent = mass", "mass", None
-    )
+_OWN = plan_keys(Fidelity, reduction=Word(REDUCTIONS), solver=Word(SOLVERS), options=OPTIONS)
+_REDUCTION = {name: _OWN.pop(name) for name in ("reduction", "modes")}
+_ENTRIES = {"boundary": names("names")}
+_REDUCTION |= {name: declared_key(each, None, entry=_ENTRIES.get(name)) for name, each in PARAMETERS.items()}
 
 
-class _Solution(Table):
-    solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
-    options: Annotated[dict[str, str | float], OPTIONS] = key(
-        "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}
-    )
+class _Changes(Table):
     set: Annotated[dict[str, Any] | None, settings()] = key(
-        "physics that is this fidelity's own: dotted keys and their values",
-        {"stop.restitution": 0.6},
-        None,
+        "physics that is this fidelity's own: dotted keys and their values", {"stop.restitution": 0.6}, None
     )
     without: Annotated[tuple[str, ...] | None, names("dotted keys")] = key(
-        "optional keys, or whole optional tables, of the physics that it leaves out",
-        ["mass.rotary_inertia"],
-        None,
-    )
-    label: Annotated[str | None, TEXT] = key(
-        "its name in figures; absent = the name of its table", "8 modes", None, numbers=False
+        "optional keys, or whole optional tables, of the physics that it leaves out", ["mass.rotary_inertia"], None
     )
 
 
-class FidelityTable(_Solution, _Reduction):
-    """A fidelity, one table each: which model of the rig is swept."""
-
-
-class _OneMode(Table):
-    reduction: Annotated[str, Word(("static_mode",))] = key("one mode", "static_mode", "static_mode")
-
-
-class SdofFidelityTable(_Solution, _OneMode):
-    """A fidelity of the single degree of freedom, which is one mode already; the table may be empty."""
+_SOLUTION = {name: _OWN.pop(name) for name in ("solver", "options")}, _Changes, _OWN
+FidelityTable: Any = table(
+    "FidelityTable", "A fidelity, one table each: which model of the rig is swept.", _REDUCTION, *_SOLUTION
+)
+_ONE_MODE = {"reduction": (Annotated[Any, Word(("static_mode",))], key("one mode", "static_mode", "static_mode"))}
+SdofFidelityTable: Any = table(
+    "SdofFidelityTable",
+    "A fidelity of the single degree of freedom, which is one mode already; the table may be empty.",
+    _ONE_MODE,
+    *_SOLUTION,
+)
 
 
 APPLIED = frozenset({"set", "without"})  # of a fidelity: part of its scene already
 
 
-def fidelity_of(name: str, table: Any) -> Fidelity:
+def fidelity_of(name: str, said: Any) -> Fidelity:
     """Record of a fidelity; of its reduction's keys those that are written."""
-    from vibeam.case.fidelity import Fidelity
-
-    reduction = REDUCTIONS[table.reduction]
-    taken = {key: getattr(table, key) for key in reduction.takes}
-    return Fidelity(
-        name,
-        flight=_flight() if reduction.flown else None,
-        changes=table.set or {},
-        without=table.without or (),
-        parameters={key: value for key, value in taken.items() if value is not None},
-        **content(table, without={*APPLIED, *PARAMETERS}),
-    )
+    reduction = REDUCTIONS[said.reduction]
+    taken = {key: value for key in reduction.takes if (value := getattr(said, key)) is not None}
+    changed = {"changes": said.set or {}, "without": said.without or (), "parameters": taken}
+    modes = {} if reduction.counts else {"modes": None}
+    return plan_of(Fidelity, said, name=name, flight=_flight() if reduction.flown else None, **changed | modes)
 
 
 def _flight() -> Flight:

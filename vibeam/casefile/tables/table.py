@@ -109,7 +109,7 @@ def plan_keys(kind: type[Any], **entries: Entry) -> dict[str, tuple[Any, Any]]:
 
 def plan_of(plan: type[T], table: Any, /, **own: Any) -> T:
     """The plan that a table says; ``own``: its fields that are no keys, or are not as the table has them."""
-    return plan(**{name: getattr(table, name) for name in keys_of(plan)} | own)
+    return plan(**{name: getattr(table, name) for name in keys_of(plan) if name not in own}, **own)
 
 
 def plan_with(plan: T, settings: Mapping[str, Any]) -> T:
