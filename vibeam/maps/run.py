@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping
 from math import prod
 from pathlib import Path
@@ -21,7 +20,7 @@ from vibeam.maps.result import MapResult
 from vibeam.runs.parallel import run_parallel
 from vibeam.store.blocks import discard, known_manifest
 from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
-from vibeam.store.place import Place, locked, place_of
+from vibeam.store.place import Place, Tell, locked, place_of, warn
 from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ def run_map(
     progress: Progress | bool | None = None,
     partial: Callable[[MapResult], None] | None = None,
     cluster: Cluster | None = None,
-    tell: Callable[[str], None] | None = None,
+    tell: Tell | None = None,
 ) -> MapResult:
     """Compute the map ``name`` of a case, or one by a plan, into the file ``out`` (HDF5), or go on with what is there.
 
@@ -75,7 +74,7 @@ def run_map(
         if fresh:
             _remove(place)
         else:
-            _set_aside(place, keys, tell or _warn)
+            _set_aside(place, keys, tell or warn)
         found = total = sum(grid.lines * prod(grid.shape) for grid in grids.values())
         if not finished(place, keys):
             sizes = {fidelity: lines_of_block(case, grid) for fidelity, grid in grids.items()}
@@ -102,19 +101,13 @@ def stored_map(case: Case, name: str, path: Path) -> MapResult | None:
     return MapResult(case, plan, read_map(place.target, grids), points, points, points, path)
 
 
-def _set_aside(place: Place, keys: Mapping[str, str], tell: Callable[[str], None]) -> None:
+def _set_aside(place: Place, keys: Mapping[str, str], tell: Tell) -> None:
     """Give the map of the case as it was, finished or under way, a further name."""
     if stored_keys(place) not in (None, keys):
-        aside = place.aside()
-        place.target.unlink(missing_ok=True)
-        tell(f"{place.path}: holds the map of the case as it was; it is kept aside as {aside.name}")
+        place.keep_aside("holds the map of the case as it was", tell)
     begun = known_manifest(place.folder)
     if begun is not None and begun.keys != keys:
-        tell(f"{place.folder}: holds blocks of the case as it was; kept aside as {place.aside_blocks().name}")
-
-
-def _warn(line: str) -> None:
-    warnings.warn(line, stacklevel=3)
+        place.keep_aside("holds blocks of the case as it was", tell, blocks=True)
 
 
 def _remove(place: Place) -> None:

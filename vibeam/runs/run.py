@@ -18,11 +18,12 @@ from vibeam.runs.parallel import run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import RunStorage, restricted
 from vibeam.runs.store.figures import sheets_of
-from vibeam.runs.store.file import Store, Tell
+from vibeam.runs.store.file import Store
 from vibeam.runs.store.records import COMPARISONS, ESTIMATED
 from vibeam.runs.systems import ModelProperties, Overview, Systems, overview_of, properties_of
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.steady import warm_up
+from vibeam.store.place import Tell
 from vibeam.system.progress import telling
 
 if TYPE_CHECKING:

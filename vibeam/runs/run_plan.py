@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -17,9 +16,10 @@ from vibeam.runs.keys import branch_key, model_key
 from vibeam.runs.result import output_units
 from vibeam.runs.store.adaptation import Requirements
 from vibeam.runs.store.branches import BranchPlan
-from vibeam.runs.store.file import Store, Tell, opened
+from vibeam.runs.store.file import Store, opened
 from vibeam.runs.store.records import Keyed
 from vibeam.runs.systems import ModelProperties
+from vibeam.store.place import Tell, warn
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -113,9 +113,5 @@ class RunStorage:
                 case.numbers, case.key, case.shared, branches, output_units(case), case.text, case.path.name
             )
 
-        with opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn) as store:
+        with opened(self.path, wanted, fresh=self.fresh, tell=self.tell or warn) as store:
             yield store, _plan(case, systems, store.models)
-
-
-def _warn(line: str) -> None:
-    warnings.warn(line, stacklevel=2)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import platform
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from glob import escape
@@ -19,6 +20,12 @@ from vibeam.store.errors import ELSEWHERE, ROOM, StoreError, unwritable
 UNKNOWN = (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK)  # errors of file systems without locks, which HDF5 accepts too
 UNLINKED = (*UNKNOWN, errno.EPERM, errno.EMLINK)  # errors of file systems without a second name for a file
 TRIES = 100
+Tell = Callable[[str], None]
+
+
+def warn(line: str) -> None:
+    """Tell a line where nobody listens: as a warning."""
+    warnings.warn(line, stacklevel=3)
 
 
 @dataclass(frozen=True)
@@ -51,28 +58,20 @@ class Place:
         except OSError as fault:
             raise unwritable(self.path, fault, ELSEWHERE) from None
 
-    def aside(self) -> Path:
+    def keep_aside(self, said: str, tell: Tell, blocks: bool = False) -> Path:
         """Give the file the further name ``OUT.1.h5``, or that of the next number that nothing has; return it.
 
-        It keeps its own name too, except where the file system knows no second one. StoreError where it cannot be.
+        It keeps its own name too, except where the file system knows no second one. ``blocks``: give their folder the
+        name ``OUT.1.h5.parts`` instead. ``tell`` hears it behind what is ``said``. StoreError where it cannot be.
         """
-        try:
-            return next(filter(None, map(self._named, self._numbered())))
-        except OSError as fault:
-            raise unwritable(self.path, fault, ELSEWHERE) from None
-
-    def aside_blocks(self) -> Path:
-        """Give the folder of blocks the name ``OUT.1.h5.parts``, or the next free one; return it."""
-        further = next(_parts(each) for each in self._numbered() if not each.exists())
-        try:
-            os.rename(self.folder, further)
-        except OSError as fault:
-            raise unwritable(self.path, fault, ELSEWHERE) from None
-        return further
-
-    def _numbered(self) -> Iterator[Path]:
         names = (self.target.with_name(f"{self.target.stem}.{each}{self.target.suffix}") for each in count(1))
-        return (each for each in names if not _parts(each).exists())
+        free = (each for each in names if not (_parts(each).exists() or (blocks and each.exists())))
+        try:
+            further = self.folder.rename(_parts(next(free))) if blocks else next(filter(None, map(self._named, free)))
+        except OSError as fault:
+            raise unwritable(self.path, fault, ELSEWHERE) from None
+        tell(f"{self.path}: {said}; its results are kept aside as {further.name}")
+        return further
 
     def _named(self, further: Path) -> Path | None:
         """The name, given now or before a kill; None where another file has it."""

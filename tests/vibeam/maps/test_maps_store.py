@@ -209,7 +209,7 @@ def test_the_map_of_the_case_as_it_was_is_kept_aside_and_fresh_starts_over(tmp_p
     before = path.read_bytes()
     assert vibeam.run_map(case(settle=31), "m", path, tell=told.append).found == 0
     assert (tmp_path / "m.1.h5").read_bytes() == before
-    assert told == [f"{path}: holds the map of the case as it was; it is kept aside as m.1.h5"]
+    assert told == [f"{path}: holds the map of the case as it was; its results are kept aside as m.1.h5"]
     assert vibeam.run_map(case(), "m", tmp_path / "m.1.h5").found == 90
     assert vibeam.run_map(case(settle=32), "m", path, fresh=True).found == 0
     assert sorted(each.name for each in tmp_path.iterdir()) == ["m.1.h5", "m.h5"]

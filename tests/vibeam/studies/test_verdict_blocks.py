@@ -84,7 +84,7 @@ def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
     assert vibeam.fidelity_map(case, fidelities=TWO, **CHAOTIC, accuracy="3 %", out=out).plan.accuracy == 0.03
     assert rows == []  # nothing is flown for another accuracy
     before = out.read_bytes()
-    with pytest.warns(UserWarning, match="holds the map of the case as it was; it is kept aside as"):
+    with pytest.warns(UserWarning, match="holds the map of the case as it was; its results are kept aside as"):
         vibeam.fidelity_map(case, fidelities=TWO, **(CHAOTIC | {"frequencies": 3}), out=out)
     assert out.with_name(f"{out.stem}.1.h5").read_bytes() == before
 

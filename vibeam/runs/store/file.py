@@ -30,7 +30,7 @@ from vibeam.runs.store.branches import (
 from vibeam.runs.store.records import Kept, Keyed, KeyedRecord, keep, kept, read_models, write_models
 from vibeam.store.errors import ANEW, CURE, ELSEWHERE, FAULTS, StoreError, reading, reason, unopened
 from vibeam.store.hdf5 import SIGNATURE, content_of, in_memory
-from vibeam.store.place import Place, locked, place_of
+from vibeam.store.place import Place, Tell, locked, place_of
 from vibeam.store.provenance import note_continued
 from vibeam.system.quantities import LAYOUT, OutputUnits
 from vibeam.system.response import FrequencyResponse
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
 OURS = re.compile(rb"vibeam results \d+")
 NAME = "name one that vibeam run has written"
 MOST = 100  # blocks beside a file, then they are gathered
-Tell = Callable[[str], None]
 Plan = Callable[[Keyed], Requirements]
 
 
@@ -192,23 +191,17 @@ def _continued(place: Place, plan: Plan, tell: Tell) -> Store:
         lost = bool(other) or loses(file, wanted)
         if lost and not is_of(file, wanted):
             raise StoreError(f"{path}: holds another case ({other or 'of other points'}): {ANEW}")
-        gathered = content_of(file) if lost and blocks else b""
+        if lost and blocks:
+            place.replace(content_of(file))
+            place.discard()
+            blocks = 0
         line = f"holds the case as it was ({other})" if other else adapted(file, wanted)
-    aside = _set_aside(place, gathered) if lost else None
-    if line:
-        tell(f"{path}: {line}" + (f"; its results are kept aside as {aside.name}" if aside else ""))
+    aside = place.keep_aside(line or "", tell) if lost else None
+    if line and not lost:
+        tell(f"{path}: {line}")
     if other:
         return Store(place, blank(wanted), wanted.units, {}, new=True, fresh=True, aside=aside)
-    own = 0 if lost else blocks
-    return Store(place, file, wanted.units, models, blocks=own, changed=line is not None, aside=aside)
-
-
-def _set_aside(place: Place, gathered: bytes) -> Path:
-    """Further name of the file, which has all its blocks from now on."""
-    if gathered:
-        place.replace(gathered)
-        place.discard()
-    return place.aside()
+    return Store(place, file, wanted.units, models, blocks=blocks, changed=line is not None, aside=aside)
 
 
 @contextmanager
