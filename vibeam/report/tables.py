@@ -10,6 +10,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from io import StringIO
+from itertools import zip_longest
 from math import isfinite
 from shutil import get_terminal_size
 from typing import TYPE_CHECKING, Any, TextIO, cast
@@ -50,13 +51,15 @@ class ReportTable(Table):
         return _copied(self, [at for at in range(len(self.columns)) if at not in self.details])
 
 
-def _copied(table: ReportTable, chosen: Sequence[int], rows: int | None = None) -> ReportTable:
-    """Table of the chosen columns, and of its first rows."""
+def _copied(
+    table: ReportTable, chosen: Sequence[int], rows: int | None = None, sizes: Iterable[int] = ()
+) -> ReportTable:
+    """Table of the chosen columns, of these widths where they are given, and of its first rows."""
     made = ReportTable(str(table.title), table.heads)
     made.caption = table.caption
-    for at in chosen:
+    for at, size in zip_longest(chosen, sizes):
         column = table.columns[at]
-        made.add_column(column.header, justify=column.justify, overflow="fold")
+        made.add_column(column.header, justify=column.justify, overflow="fold", width=size)
     cells = [list(table.columns[at].cells) for at in chosen]
     for number, row in enumerate(table.rows[:rows]):
         made.add_row(*(column[number] for column in cells), end_section=row.end_section)
@@ -87,14 +90,17 @@ def fitted(table: ReportTable, width: int) -> list[ReportTable]:
     A piece of one column may be wider: its numbers are not cut.
     """
     least = _narrowest(table, width)
-    pieces = _pieces(_filled_columns(table), least, table.heads, width)
+    pieces = _pieces(filled_columns(table), least, table.heads, width)
     return [_part(table, chosen, least, width) for chosen in pieces]
 
 
-def _filled_columns(table: ReportTable) -> list[int]:
-    """Columns after the first ones that are not empty in every row."""
-    behind = range(table.heads, len(table.columns))
-    return [index for index in behind if not table.rows or any(map(str, table.columns[index].cells))]
+def filled_columns(table: ReportTable) -> list[int]:
+    """The first columns, and those behind them that are not empty in every row."""
+    return [
+        at
+        for at, column in enumerate(table.columns)
+        if at < table.heads or not table.rows or any(map(str, column.cells))
+    ]
 
 
 def _narrowest(table: ReportTable, width: int) -> list[int]:
@@ -108,30 +114,25 @@ def _narrowest(table: ReportTable, width: int) -> list[int]:
 
 def needed(table: ReportTable) -> int:
     """Width in characters at which nothing wraps."""
-    return _whole([_most(table.columns[index]) for index in [*range(table.heads), *_filled_columns(table)]])
+    return _whole([_most(table.columns[index]) for index in filled_columns(table)])
 
 
 def _pieces(filled: Sequence[int], least: Sequence[int], heads: int, width: int) -> list[list[int]]:
     """Columns of each piece: in order, as many as ``width`` holds."""
-    first = list(range(heads))
-    pieces = [first.copy()]
-    for index in filled:
+    pieces = [[*filled[:heads]]]
+    for index in filled[heads:]:
         if len(pieces[-1]) > heads and _whole([least[i] for i in [*pieces[-1], index]]) > width:
-            pieces.append(first.copy())
+            pieces.append([*filled[:heads]])
         pieces[-1].append(index)
     return pieces
 
 
 def _part(table: ReportTable, chosen: Sequence[int], least: Sequence[int], width: int) -> ReportTable:
     """Table of the chosen columns, each with its given width."""
-    continued = chosen[table.heads :] and chosen[table.heads] != _filled_columns(table)[0]
-    part = ReportTable(f"{table.title}, continued" if continued else str(table.title), table.heads)
     columns = [table.columns[index] for index in chosen]
-    for column, size in zip(columns, _widths(columns, [least[index] for index in chosen], width), strict=True):
-        part.add_column(column.header, justify=column.justify, overflow="fold", width=size)
-    cells = [list(column.cells) for column in columns]
-    for number, row in enumerate(table.rows):
-        part.add_row(*(column[number] for column in cells), end_section=row.end_section)
+    part = _copied(table, chosen, None, _widths(columns, [least[index] for index in chosen], width))
+    if chosen != filled_columns(table)[: len(chosen)]:
+        part.title = f"{table.title}, continued"
     return part
 
 
@@ -196,7 +197,7 @@ def _console(table: ReportTable, file: TextIO) -> Console:
 def _print(console: Console, table: ReportTable) -> None:
     width = console.width
     for piece in fitted(table, width):
-        title, piece.title = str(piece.title), None
+        title, piece.title, piece.caption = str(piece.title), None, None
         console.width = max(width, needed(piece))  # a single number may be wider than a very narrow terminal
         console.print(Text(title, style="bold"))
         console.print(piece)

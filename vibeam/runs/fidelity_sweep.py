@@ -20,7 +20,6 @@ from vibeam.solvers import solver
 from vibeam.system.quantities import METRES
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam.system.state import StatesAfter
-from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -167,31 +166,19 @@ def _march(
     case: Case, job: Job, kept: StoredBranch, state: State | None, struck: int
 ) -> Iterator[tuple[FrequencyResponse, list[State]]]:
     """Sweep the missing points; ``struck``: number of impacts in the branches before this one."""
+    from vibeam.case.fidelity import gap_drift, gap_wear
+
     omega = kept.response.omega[kept.done :]
     if not len(omega):
         return iter(())
-    points = sweep_points(case, job.name, omega, float(kept.response.omega.min()))
-    settings = sweep_settings(case, job.name).checked(job.system)
-    return march_blocks(
-        job.system, points, settings, state, struck=struck + int(kept.response.impacts[: kept.done].sum())
-    )
-
-
-def sweep_settings(case: Case, name: str) -> SweepSettings:
-    """Settings of a case's sweep of the fidelity ``name``."""
-    from vibeam.case.fidelity import gap_wear
-
-    plan, scene, own = case.sweep, case.scene_of(name), case.fidelities[name]
-    return SweepSettings(
+    plan, own, scene = case.sweep, job.fidelity, case.scene_of(job.name)
+    slowest = float(kept.response.omega.min())
+    points = SweepPoints.of(omega, case.amplitude_of(job.name, omega), slowest, gap_drift(scene, omega))
+    settings = SweepSettings(
         plan.settle, plan.hold, own.solver, plan.output, own.options, gap_wear(scene), scene.harmonics
     )  # fmt: skip
-
-
-def sweep_points(case: Case, name: str, omega: Array, slowest: float) -> SweepPoints:
-    """Points of a case's sweep of the fidelity ``name``."""
-    from vibeam.case.fidelity import gap_drift
-
-    return SweepPoints.of(omega, case.amplitude_of(name, omega), slowest, gap_drift(case.scene_of(name), omega))
+    struck += int(kept.response.impacts[: kept.done].sum())
+    return march_blocks(job.system, points, settings.checked(job.system), state, struck=struck)
 
 
 def known_curves(case: Case, job: Job, store: Store | None) -> MotionCurves:

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from vibeam.runs.accuracy import accuracy_choice, by_cost
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import restricted
 from vibeam.runs.store.adaptation import whole_case
-from vibeam.runs.store.branches import branch_names, points_of, read_rows
+from vibeam.runs.store.branches import branch_names, points_of, read_rows, response_of, state_after
 from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.store.file import opened_to_read
 from vibeam.runs.store.records import (
@@ -29,8 +27,7 @@ from vibeam.runs.store.records import (
 from vibeam.store.blocks import Values
 from vibeam.store.errors import reading
 from vibeam.store.provenance import read_provenance
-from vibeam.system.quantities import LAYOUT
-from vibeam.system.response import Branches, FrequencyResponse
+from vibeam.system.response import Branches
 from vibeam.system.state import State
 
 if TYPE_CHECKING:
@@ -95,20 +92,15 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
     result.estimates, result.accuracy = estimates, choice
     provenance = read_provenance(stored["provenance"])
     states = {at: _states(values) for at, values in rows.items()}
-    numbers = stored["case/text"][()].decode()
-    return StoredResult(result, states, provenance, result.total - result.found, numbers)
+    return StoredResult(result, states, provenance, result.total - result.found, stored["case/text"][()].decode())
 
 
 def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Values]) -> Branches:
     found = {way: rows[name, way] for way in ("up", "down") if (name, way) in rows}
-    ways = {way: FrequencyResponse(**{n: values[n] for n in LAYOUT}) for way, values in found.items()}
+    ways = {way: response_of(values) for way, values in found.items()}
     curves = read_curves(stored[name][CURVES]) if CURVES in stored[name] else None
     return Branches(ways.get("up"), ways.get("down"), curves)
 
 
 def _states(values: Values) -> tuple[State | None, ...]:
-    columns = (values[name] for name in ("state_displacement", "state_velocity", "state_resting"))
-    return tuple(
-        State(displacement, velocity, bool(resting)) if np.isfinite([displacement, velocity]).all() else None
-        for displacement, velocity, resting in zip(*columns, strict=True)
-    )
+    return tuple(state_after(values, point) for point in range(len(values["frequency"])))

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.runs.comparison.differences import listed
-from vibeam.runs.result import finest_of
 from vibeam.system.response import Difference, Peak, complete, modes_of
 
 if TYPE_CHECKING:
@@ -52,7 +51,7 @@ def compare(result: Result) -> list[Summary]:
     if not result:
         return []
     cheapest = min(_total(branches, "cpu_seconds") for branches in result.values())
-    finest = {name: finest_of(result, name) for name in result}
+    finest = result.finest
     return [_summary(result, n, None if n == finest[n] else result[finest[n]], cheapest) for n in result]
 
 

@@ -371,8 +371,6 @@ def test_a_record_is_kept_for_its_key(tmp_path: Path) -> None:
         kept = store.kept(CURVES, "k")
         assert kept is not None
         assert np.array_equal(kept.frequency, GRID)
-        store.keep(CURVES, "k", None)
-        assert store.kept(CURVES, "k") is None
 
 
 def test_a_state_that_is_not_finite_is_refused(tmp_path: Path) -> None:

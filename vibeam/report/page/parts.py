@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.report.tables import ReportTable, filled_columns
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from vibeam.report.tables import ReportTable
 
 
 def texts(table: ReportTable) -> dict[str, Any]:
     """A terminal's table as texts, without the columns that are empty in every row; ``numbers``: those of numbers."""
-    columns = [each for at, each in enumerate(table.columns) if at < table.heads or any(map(str, each.cells))]
+    columns = [table.columns[at] for at in filled_columns(table)]
     return {
         "title": str(table.title or ""),
         "caption": str(table.caption or ""),

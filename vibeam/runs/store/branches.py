@@ -98,9 +98,17 @@ def write_quantity(group: h5py.Group, name: str, quantity: DatasetQuantity, valu
 def read_branch(group: h5py.Group, branch: BranchPlan) -> StoredBranch:
     """Read the stored part of ``branch``; ValueError where the state after its last point is not finite."""
     values, done = read_rows(group), points_of(group)
-    response = FrequencyResponse(**{name: values[name] for name in LAYOUT})
-    after = StatesAfter(values["state_displacement"], values["state_velocity"])
-    return StoredBranch(response, done, _state(values, done - 1) if done and branch.carried else None, after)
+    state = state_after(values, done - 1) if done and branch.carried else None
+    if done and branch.carried and state is None:
+        raise ValueError(f"the state after its point {done} is not finite")
+    return StoredBranch(
+        response_of(values), done, state, StatesAfter(values["state_displacement"], values["state_velocity"])
+    )
+
+
+def response_of(values: Values) -> FrequencyResponse:
+    """Response of the columns of a branch."""
+    return FrequencyResponse(**{name: values[name] for name in LAYOUT})
 
 
 def read_rows(group: h5py.Group) -> Values:
@@ -174,8 +182,8 @@ def _identity(group: h5py.Group, start: int) -> str:
     return f"{group.name} {key_of(group)} {grid} {group['mode_energy'].shape[1]} {start}"
 
 
-def _state(values: Values, point: int) -> State:
+def state_after(values: Values, point: int) -> State | None:
+    """State at the end of a point; None where it is not known."""
     displacement, velocity, resting = (values[name][point] for name in STATES)
-    if not np.all(np.isfinite([displacement, velocity])):
-        raise ValueError(f"the state after its point {point + 1} is not finite")
-    return State(displacement, velocity, bool(resting))
+    known = np.all(np.isfinite([displacement, velocity]))
+    return State(displacement, velocity, bool(resting)) if known else None

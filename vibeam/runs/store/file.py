@@ -24,6 +24,7 @@ from vibeam.runs.store.branches import (
     points_of,
     read_branch,
     read_rows,
+    response_of,
     rows_of,
     write_rows,
 )
@@ -32,7 +33,7 @@ from vibeam.store.errors import ANEW, CURE, ELSEWHERE, FAULTS, StoreError, readi
 from vibeam.store.hdf5 import SIGNATURE, content_of, in_memory
 from vibeam.store.place import Place, Tell, locked, place_of
 from vibeam.store.provenance import note_continued
-from vibeam.system.quantities import LAYOUT, OutputUnits
+from vibeam.system.quantities import OutputUnits
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
 
@@ -137,8 +138,8 @@ class Store:
         with self._reading(f"/{record.place}") as file:
             return kept(file, record, key)
 
-    def keep(self, record: KeyedRecord[Kept], key: str, value: Kept | None) -> None:
-        """Replace a record by ``value``, None: by nothing."""
+    def keep(self, record: KeyedRecord[Kept], key: str, value: Kept) -> None:
+        """Replace a record by ``value``."""
         with self._writing() as file:
             keep(file, record, key, value)
             self._gather()
@@ -220,8 +221,7 @@ def opened_to_read(path: Path) -> Iterator[h5py.File]:
 def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
     """Read every branch of a results file, by fidelity and direction; points that were not run are NaN."""
     with opened_to_read(path) as file, reading(path, "its groups"):
-        found = {(fidelity, way): read_rows(file[fidelity][way]) for fidelity, way in branch_names(file)}
-        return {at: FrequencyResponse(**{name: values[name] for name in LAYOUT}) for at, values in found.items()}
+        return {(name, way): response_of(read_rows(file[name][way])) for name, way in branch_names(file)}
 
 
 def _read(place: Place, mode: str, cure: str = ELSEWHERE) -> bytes:

@@ -46,13 +46,12 @@ def kept(file: h5py.File, record: KeyedRecord[Kept], key: str) -> Kept | None:
     return record.read(file[record.place]) if fits else None
 
 
-def keep(file: h5py.File, record: KeyedRecord[Kept], key: str, value: Kept | None) -> None:
-    """Replace a record by ``value``, None: by nothing."""
+def keep(file: h5py.File, record: KeyedRecord[Kept], key: str, value: Kept) -> None:
+    """Replace a record by ``value``."""
     file.pop(record.place, None)
-    if value is not None:
-        group = file.create_group(record.place)
-        record.write(group, value)
-        group.attrs["key"] = fixed(key)
+    group = file.create_group(record.place)
+    record.write(group, value)
+    group.attrs["key"] = fixed(key)
 
 
 CURVE_ROWS: Mapping[str, DatasetQuantity] = {
