@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibeam.case.fidelity import with_first_mode_restitution
 
@@ -53,6 +53,12 @@ def held_of(scene: AnyScene) -> Held:
     if law is not None:
         return Held("", None, law.name)
     return Held(*scene.held)
+
+
+def holding(scene: RigScene, restitution_of: str) -> Any:
+    """The scene with its coefficient of restitution held of ``"contact"`` or ``"first mode"``."""
+    given: Any = scene
+    return replace(given, stop=replace(given.stop, restitution_of=restitution_of))
 
 
 def with_other_choice(scene: RigScene, system: ImpactSystem) -> ImpactSystem:

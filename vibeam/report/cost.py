@@ -12,6 +12,7 @@ from rich.text import Text
 
 from vibeam.exchange.files import dotted
 from vibeam.report.output import StudySheet, plain
+from vibeam.report.run_answer import USUAL
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.report.work_precision import work_precision
 from vibeam.runs.comparison.differences import doubts, listed, settled
@@ -24,13 +25,12 @@ if TYPE_CHECKING:
     from vibeam.studies.cost.study import CostStudy
 
 
-WITHIN = 0.01  # accuracy by which the answer calls a run enough
 MOST_ROWS, MOST_NOTES = 15, 5
 UNSETTLED = 1e-3  # error of an exact flight from which on it has not settled
 ROUND_OFF, EXACT = 1e-12, 1e-5  # errors that are no larger are none, or nearly none
 
 
-def sheet(study: CostStudy, case: Case, within: float = WITHIN) -> StudySheet:
+def sheet(study: CostStudy, case: Case, within: float = USUAL) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a run, nested values by names with a dot: ``total.amplitude.rms``."""
     unsure = list(uncertain(study, case))
     return StudySheet(
@@ -51,7 +51,7 @@ def _cells(row: Mapping[str, Any]) -> dict[str, Any]:
     return dict(dotted({**row, "parts": parts}))
 
 
-def answer(study: CostStudy, case: Case, within: float = WITHIN) -> str:
+def answer(study: CostStudy, case: Case, within: float = USUAL) -> str:
     """Sentence on the finest fidelity's time, the cheapest run ``within`` an error, and the finest's other solvers."""
     exact = _exact(study)
     unit, factor = in_prefix("s", exact / len(study.frequency))

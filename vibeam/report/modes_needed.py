@@ -15,7 +15,7 @@ from vibeam.studies.modes_needed.limit import TOO_FEW
 from vibeam.studies.modes_needed.reduction import ReductionProblem, plan_asked
 from vibeam.studies.modes_needed.study import MODAL, before_flight
 from vibeam.system.curves import evenly
-from vibeam.system.number_text import percent, signed
+from vibeam.system.number_text import begun, modes_in_words, percent, signed
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from vibeam.studies.modes_needed.response import Claim
     from vibeam.studies.modes_needed.study import BeforeFlight, ModesNeeded
 
-COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
 HELD = {"contact": "R at the contact", "first mode": "R as mode 1 sees it"}
 SINGLE = "one degree of freedom"
 MOST = 5  # notes
@@ -41,7 +40,7 @@ def first_answer(case: Case, plan: ModesNeededPlan | None = None) -> str:
     try:
         problem = ReductionProblem.of(case, asked)
     except ValueError as refusal:
-        return f"{_begun(str(refusal))}."
+        return f"{begun(str(refusal))}."
     return before(before_flight(problem), problem.plan)
 
 
@@ -51,7 +50,7 @@ def before(found: BeforeFlight, plan: ModesNeededPlan) -> str:
     if not found.choices:
         told = f"no number of modes can be told for {within}: {claim.refused}"
         flown = f"{found.why}: all {claim.modes} modes are flown over the sweep to tell how many suffice for {within}"
-        return f"{_begun(told if claim.refused else flown)}{_losses(found.by_losses, plan)}."
+        return f"{begun(told if claim.refused else flown)}{_losses(found.by_losses, plan)}."
     here, several = found.choices[0], claim.closed < claim.frequencies
     number = len(here.rows) if here.enough is None else here.enough
     said = _suffice(number, here.enough is not None, here.rows[number - 1], plan, claim)
@@ -66,11 +65,11 @@ def _suffice(number: int, enough: bool, error: ResponseError, plan: ModesNeededP
     if claim.modes == 1:
         return "The case has one mode, and nothing that could be left out"
     if number == claim.modes:
-        every = "Both modes" if number == 2 else f"All {_counted(number)}"
+        every = "Both modes" if number == 2 else f"All {modes_in_words(number)}"
         return f"{every} of the case are needed for {percent(plan.accuracy)}"
     verb = ("suffices" if number == 1 else "suffice") if enough else "do not suffice"
     of = f"{percent(plan.accuracy)} of the amplitude of all {claim.modes} modes"
-    return f"{_begun(_counted(number))} {verb} for {of} ({_size(error, ' at the peak')})"
+    return f"{begun(modes_in_words(number))} {verb} for {of} ({_size(error, ' at the peak')})"
 
 
 def _held(found: BeforeFlight, plan: ModesNeededPlan) -> str:
@@ -78,12 +77,12 @@ def _held(found: BeforeFlight, plan: ModesNeededPlan) -> str:
     if found.claim.modes == 1 or not found.choices:
         return ""
     here, *others = found.choices
-    said = f" {_begun(HELD[here.held.restitution_of])} is held at {here.held.coefficient:g}"
+    said = f" {begun(HELD[here.held.restitution_of])} is held at {here.held.coefficient:g}"
     for there in others:
         if there.enough == here.enough and abs(there.single.peak - here.single.peak) < DUST:
             said += ", which makes no difference"
             continue
-        needed = f"more than {plan.most} modes" if there.enough is None else _counted(there.enough)
+        needed = f"more than {plan.most} modes" if there.enough is None else modes_in_words(there.enough)
         of = HELD[there.held.restitution_of].replace("R ", "R held ", 1)
         alone = f"{SINGLE} would be {_size(there.single)}, and " if isfinite(there.single.peak) else ""
         said += f"; with {of} {alone}{needed} would be needed"
@@ -100,16 +99,8 @@ def _size(error: ResponseError, where: str = "") -> str:
 
 
 def _losses(by_losses: int | None, plan: ModesNeededPlan) -> str:
-    needed = f"more than {plan.most} modes" if by_losses is None else _counted(by_losses)
+    needed = f"more than {plan.most} modes" if by_losses is None else modes_in_words(by_losses)
     return f"; by what one impact loses, which claims nothing of the amplitude, {needed} would be needed"
-
-
-def _counted(number: int) -> str:
-    return f"{COUNTS[number] if number < len(COUNTS) else number} mode{'' if number == 1 else 's'}"
-
-
-def _begun(text: str) -> str:
-    return text[:1].upper() + text[1:]
 
 
 def answer(found: ModesNeeded) -> str:
@@ -130,7 +121,7 @@ def answer(found: ModesNeeded) -> str:
         said = said.replace("mode", "coordinate", 1) + f" in basis {best.basis}"
     first = known[0].response
     alone = "would make other motions" if first.strays(found.plan.accuracy) else f"would be {_size(first)}"
-    least = f"; {_counted(known[0].modes)} {alone}" if known[0] is not shown else ""
+    least = f"; {modes_in_words(known[0].modes)} {alone}" if known[0] is not shown else ""
     return f"{said}{least}: known at {_known(claim)}.{_held(found.before, found.plan)}{_fewer(found)}"
 
 

@@ -16,7 +16,7 @@ from vibeam.figures.units import units_for
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.estimate.records import EstimateSummary, summary
 from vibeam.runs.summary import compare, stays_clear
-from vibeam.system.number_text import percent
+from vibeam.system.number_text import begun, modes_in_words, percent
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 USUAL = 0.05  # accuracy where none is asked for
 FEW = 3  # fidelities named in one list
 LEAST, MOST = 1e-4, 10.0  # differences that are not told in numbers: below, above
-NUMBERS = ["No", "One", "Two", "Three", "Four", "Five", "Six", "Seven", "Eight", "Nine", "Ten", "Eleven", "Twelve"]
 
 
 @dataclass(frozen=True)
@@ -144,10 +143,7 @@ def _s(rows: Sequence[Summary], modes: bool) -> str:
 
 
 def _name(row: Summary, modes: bool) -> str:
-    if not modes:
-        return row.fidelity
-    number = NUMBERS[row.modes] if row.modes < len(NUMBERS) else str(row.modes)
-    return f"{number} mode{'s' * (row.modes != 1)}"
+    return begun(modes_in_words(row.modes)) if modes else row.fidelity
 
 
 def _detail(group: PhysicsGroup, row: Summary, accuracy: float, modes: bool) -> str:

@@ -41,7 +41,7 @@ class StageRow:
 
 def sheet(found: Verdict) -> StudySheet:
     """Sheet of a verdict; of a single stage that of its study."""
-    sheets = [(stage, stage_sheet(stage, found.case)) for stage in found.stages]
+    sheets = [(stage, stage_sheet(stage, found.case, found.plan.accuracy)) for stage in found.stages]
     if len(sheets) == 1:
         stage, made = sheets[0]
         return replace(made, study=FILES[stage.name])
@@ -60,7 +60,7 @@ def sheet(found: Verdict) -> StudySheet:
     )
 
 
-def stage_sheet(stage: Stage, case: Case) -> StudySheet:
+def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
     """Sheet of one stage: of its study, or why it has no answer."""
     if stage.why:
         return StudySheet(f"Not answered: {stage.why}", data={"why": stage.why})
@@ -69,7 +69,7 @@ def stage_sheet(stage: Stage, case: Case) -> StudySheet:
     if stage.name == "effects":
         return influence.sheet(stage.record, case)
     if stage.name == "solvers":
-        return cost.sheet(stage.record, case)
+        return cost.sheet(stage.record, case, accuracy)
     return replace(fidelity_map.sheet(stage.record), draw=lambda: map_figure(stage.record))
 
 

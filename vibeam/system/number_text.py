@@ -97,5 +97,18 @@ def signed(value: float) -> str:
     return f"{_three_digits(100 * value):+g} %" if abs(value) >= 1e-5 else "0" if value == 0 else f"{value:+.0e}"
 
 
+WORDS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+
+
+def modes_in_words(count: int) -> str:
+    """Number of modes in a sentence: ``two modes``; above twelve in digits."""
+    return f"{WORDS[count] if count < len(WORDS) else count} mode{'' if count == 1 else 's'}"
+
+
+def begun(text: str) -> str:
+    """The text with a capital letter at its beginning."""
+    return text[:1].upper() + text[1:]
+
+
 def _three_digits(value: float) -> float:
     return float(f"{value:.3g}")

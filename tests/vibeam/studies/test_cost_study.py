@@ -14,9 +14,11 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.case.fidelity import with_first_mode_restitution
+from vibeam.case.study_plans import VerdictPlan
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.flight.engine.threads import OutOfTime
+from vibeam.report import verdict
 from vibeam.report.cost import MOST_ROWS, answer, details, parts, runs, sheet, uncertain
 from vibeam.report.work_precision import work_precision
 from vibeam.runs.sweep import sweep
@@ -365,6 +367,8 @@ def test_the_sheet_answers_first(beam: CostStudy) -> None:
         "beam cut off after mode 4 by flight, 2 times faster and 7 % off; orbit takes 10 times as long and is exact."
     )
     assert "nothing cheaper is within 0 %: the nearest is beam cut off after mode 4 " in answer(study, case, 0.0)
+    asked = vibeam.Verdict(case, VerdictPlan(accuracy=0.1), (vibeam.studies.Stage("solvers", study, 0.0),))
+    assert verdict.sheet(asked).answer == found.answer != answer(study, case)
     table = found.tables[0].brief()
     assert {str(cell).split()[0] for cell in table.columns[1].cells} == {"flight", "orbit", "averaging"}
     assert (

@@ -13,11 +13,11 @@ remains decays much faster. The limit is therefore computed with few modes and t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
+from vibeam.case.held import holding
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene, Scene
@@ -65,8 +65,11 @@ def limit(scene: RigScene, modes: int) -> Limit:
     count = min(max(LEAST, 2 * modes), MOST)
     if not isinstance(scene, Scene):
         return _of_matrices(scene, count)
-    elements = resolving(scene, count).beam.elements
-    fine, coarse = (_all_modes(scene, each) for each in (elements, elements // 2))
+    plain, elements = holding(scene, "contact"), resolving(scene, count).beam.elements
+    fine, coarse = (
+        system(replace(plain, beam=replace(scene.beam, elements=each)), Fidelity("limit", "full"))
+        for each in (elements, elements // 2)
+    )
     own, half = (each.mobility for each in (fine, coarse))
     inertia, kept = 2 / own - 1 / half, _lowest(fine, count)
     share = kept.mobility * inertia
@@ -85,20 +88,12 @@ def _of_matrices(scene: RigScene, count: int) -> Limit:
     if not scene.all_modes:
         raise ValueError(f"{scene.no_beam} to be refined")
     structure = structure_of(scene)
-    stop = replace(scene.stop, restitution_of="contact")
-    given: Any = scene
-    plain = replace(given, stop=stop)
-    kept = system(plain, Fidelity("limit", "modal", min(count, structure.size)))
+    kept = system(holding(scene, "contact"), Fidelity("limit", "modal", min(count, structure.size)))
     mobility = structure.mobility(structure.contact)
     share = kept.mobility / mobility
     if share < LEAST_SHARE:
         raise ValueError(FAR.format(modes=kept.size, share=share))
     return Limit(kept, 0, mobility)
-
-
-def _all_modes(scene: Scene, elements: int) -> ImpactSystem:
-    stop = replace(scene.stop, restitution_of="contact")
-    return system(replace(scene, beam=replace(scene.beam, elements=elements), stop=stop), Fidelity("limit", "full"))
 
 
 def _lowest(whole: ImpactSystem, count: int) -> ImpactSystem:

@@ -17,11 +17,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
+from vibeam.case.held import PLACES, Held, holding
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.observe.restitution import first_mode_restitution
@@ -41,11 +42,6 @@ if TYPE_CHECKING:
 
 WITHIN = 0.01  # share of the limit at which there are modes enough
 
-HELD: dict[Literal["contact", "first mode"], str] = {
-    "contact": "R = {0:g} at the contact",
-    "first mode": "R₁ = {0:g} of mode 1",
-}
-
 BARE = (
     "the contact has little or no mass of its own: its mobility grows with each mode more, mode 1 gets less of the "
     "impulse and in the end none"
@@ -59,14 +55,27 @@ MOVING_LAW = (
 NO_MOTION = "no stable motion with one impact a drive period in {0} modes at modes_needed.frequency: write another"
 
 
+@dataclass(frozen=True, kw_only=True)
+class ObservedLimit:
+    """Limit with its ``uncertainty``, and the ``rate`` p of N⁻ᵖ; ``why``: it is refused, and the limit is NaN.
+
+    ``extrapolated``: by the rate; else it is the last value, and the uncertainty bounds what is left.
+    """
+
+    limit: float = nan
+    uncertainty: float = nan
+    rate: float = nan
+    extrapolated: bool = False
+    why: str = ""
+
+
 @dataclass(frozen=True)
-class LimitRow:
-    """One quantity with one thing held: its ``values`` in ``counts`` modes, SI units.
+class LimitRow(ObservedLimit):
+    """One quantity with one thing held: its ``values`` in ``counts`` modes, SI units, and their limit.
 
     ``frequency`` (Hz) of the exact motion or ``speed`` (m/s) of the collision that it is of, NaN where of neither.
-    ``limit`` with its ``uncertainty``, NaN where it is refused, for the reason ``why``; ``rate`` p of N⁻ᵖ;
-    ``extrapolated``: the limit is not the last value. ``enough``: least of the counts from which every value is within
-    1 % of the limit, 0 without. ``by_contact_time``: number of modes with less than one period in the contact time.
+    ``enough``: least of the counts from which every value is within 1 % of the limit, 0 without. ``by_contact_time``:
+    number of modes with less than one period in the contact time.
     """
 
     held: str
@@ -76,13 +85,8 @@ class LimitRow:
     values: tuple[float, ...]
     frequency: float = nan
     speed: float = nan
-    limit: float = nan
-    uncertainty: float = nan
-    rate: float = nan
-    extrapolated: bool = False
     enough: int = 0
     by_contact_time: int = 0
-    why: str = ""
 
     def observed(self) -> LimitRow:
         """The row with its limit, unless ``why`` says beforehand that there is none."""
@@ -132,10 +136,10 @@ def _of_coefficient(case: Case, scene: RigScene, counts: tuple[int, ...], at: fl
     if why := without_closed_forms(scene, np.array([omega])):
         raise ValueError(why)
     base = float(np.ravel(case.amplitude_of(next(iter(case.fidelities)), np.array([omega])))[0])
-    for held, label in HELD.items():
-        text = label.format(scene.stop.usual_restitution)
+    for held in PLACES:
+        text = Held(held, scene.stop.usual_restitution).label
         try:
-            found = models(with_restitution(scene, held), counts)
+            found = models(holding(scene, held), counts)
         except ValueError as refusal:
             yield LimitRow(text, "all", "1", counts, (nan,) * len(counts), why=str(refusal))
             continue
@@ -167,12 +171,6 @@ def models(scene: RigScene, counts: Sequence[int]) -> list[ImpactSystem]:
         )
         for count in counts
     ]
-
-
-def with_restitution(scene: RigScene, held: Literal["contact", "first mode"]) -> Any:
-    """The scene with its coefficient of restitution held of ``"contact"`` or ``"first mode"``."""
-    given: Any = scene
-    return replace(given, stop=replace(scene.stop, restitution_of=held))
 
 
 def _of(there: Sequence[PredictedResponse | None], read: Callable[[PredictedResponse], Array]) -> tuple[float, ...]:
@@ -223,29 +221,15 @@ TOO_FEW = "too few numbers of modes to observe a rate"
 DIVERGES = "no limit in sight: from N = {0} to {1} it still changes by {2:.2g} %, no less than before"
 
 
-@dataclass(frozen=True)
-class ObservedLimit:
-    """Limit with its ``uncertainty``, and the ``rate`` p of N⁻ᵖ; ``why``: it is refused, and the limit is NaN.
-
-    ``extrapolated``: by the rate; else it is the last value, and the uncertainty bounds what is left.
-    """
-
-    limit: float
-    uncertainty: float
-    rate: float
-    extrapolated: bool = False
-    why: str = ""
-
-
 def observed_limit(counts: Sequence[int], values: Sequence[float]) -> ObservedLimit:
     """Limit of ``values`` at numbers of modes ``counts``, each twice the one before."""
     x = np.asarray(values, dtype=float)
     if len(x) < LEAST or not np.isfinite(x).all():
-        return ObservedLimit(nan, nan, nan, why=TOO_FEW)
+        return ObservedLimit(why=TOO_FEW)
     steps = np.diff(x)
     scale = max(abs(float(x[-1])), 1e-300)
     if np.all(np.abs(steps[-2:]) <= ROUND_OFF * scale):
-        return ObservedLimit(float(x[-1]), ROUND_OFF * scale, nan)
+        return ObservedLimit(limit=float(x[-1]), uncertainty=ROUND_OFF * scale)
     with np.errstate(divide="ignore"):
         rates = np.log2(np.abs(steps[:-1] / steps[1:]))
     one_way = bool(np.all(steps[-3:] > 0) or np.all(steps[-3:] < 0))
@@ -258,7 +242,8 @@ def _extrapolated(x: Array, steps: Array, rate: float, before: float) -> Observe
     """Richardson's limit; uncertain by what it changes with the rate observed before."""
     here, there = (float(x[-1] + steps[-1] / (2**p - 1)) for p in (rate, max(before, SLOWEST)))
     previous = float(x[-2] + steps[-2] / (2 ** max(before, SLOWEST) - 1))
-    return ObservedLimit(here, max(abs(here - there), abs(here - previous)), rate, extrapolated=True)
+    unsure = max(abs(here - there), abs(here - previous))
+    return ObservedLimit(limit=here, uncertainty=unsure, rate=rate, extrapolated=True)
 
 
 def _bounded(counts: Sequence[int], x: Array, steps: Array) -> ObservedLimit:
@@ -268,5 +253,6 @@ def _bounded(counts: Sequence[int], x: Array, steps: Array) -> ObservedLimit:
     recent = float(np.log2(later[-3] / later[-1]) / 2) if len(later) > 2 else rate
     if min(rate, recent) <= SLOWEST:
         change = 100 * abs(float(steps[-1])) / max(abs(float(x[-1])), 1e-300)
-        return ObservedLimit(nan, nan, rate, why=DIVERGES.format(counts[-2], counts[-1], change))
-    return ObservedLimit(float(x[-1]), float(later[-1] / (2 ** min(rate, recent) - 1)), rate)
+        return ObservedLimit(rate=rate, why=DIVERGES.format(counts[-2], counts[-1], change))
+    left = float(later[-1] / (2 ** min(rate, recent) - 1))
+    return ObservedLimit(limit=float(x[-1]), uncertainty=left, rate=rate)

@@ -103,12 +103,6 @@ class FullResponse:
         """Error with each of the ``structures`` at the motions that are known in closed form."""
         return [UNKNOWN if model is None else self._error(model) for model in map(self._tried, structures)]
 
-    def holding(self, restitution_of: str, coefficient: float) -> FullResponse:
-        """The same with another coefficient held, ``"contact"``'s or that of the ``"first mode"``."""
-        scene: Any = self.case.scene
-        stop = replace(scene.stop, restitution=coefficient, restitution_of=restitution_of)
-        return replace(self, case=replace(self.case, scene=replace(scene, stop=stop)))
-
     def _tried(self, small: Structure | None) -> ImpactSystem | None:
         """Impact system; None where there is none."""
         try:

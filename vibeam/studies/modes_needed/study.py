@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.held import Held, held_of, other_choice
+from vibeam.case.held import Held, held_of, holding, other_choice
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.studies.modes_needed.bases import ReductionBasis
@@ -122,7 +122,8 @@ def _closed_errors(problem: ReductionProblem, held: Held, made: Sequence[Structu
     """Errors of natural modes with a coefficient held; None where all modes cannot have it, or have no closed form."""
     full, structure = problem.full, problem.structure
     if held.coefficient is not None and held != held_of(problem.case.scene):
-        full = full.holding(held.restitution_of, held.coefficient)
+        scene: Any = problem.case.scene
+        full = replace(full, case=replace(problem.case, scene=holding(scene, held.restitution_of)))
     try:
         if not full.known.closed:
             return None
