@@ -13,6 +13,7 @@ from vibeam.case.study_plans import Uncertain
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, units_of
+from vibeam.report.fit import restitution_meant
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank, plain
 from vibeam.studies.identification.modes import unit_of
@@ -153,15 +154,17 @@ def answer(study: UncertaintyStudy) -> str:
     """Spread of the finest fidelity's peak, its main source, and the error of the coarsest reduction beside it."""
     peak, units = study.finest.peak, units_in(study)
     low, high = (units.lengths(peak.quantiles[place]) for place in (0, -1))
-    told = f"The peak of {study.finest.fidelity} is {units.lengths(peak.nominal)}, 90 % between {low} and {high}"
+    told = f"The peak of {study.finest.fidelity} is {units.lengths(peak.nominal)}; 90 % of the samples are between "
+    told += f"{low} and {high}"
     if (main := _main(study)) is not None:
         place, share, rough = main
-        told += f"; {'most' if rough else percent(float(f'{min(share, 1.0):.2g}'))} of its variance comes from "
-        told += study.uncertain[place].key
+        part = "the largest part" if rough else percent(float(f"{min(share, 1.0):.2g}"))
+        told += f", {part} of their variance involves {study.uncertain[place].key}"
     coarse = max(_reductions(study), key=lambda row: abs(row.form), default=None)
     if coarse is not None:
-        size = percent(abs(coarse.form / peak.nominal))
-        told += f"; the model error of {coarse.fidelity} is {size}, {_beside(study, coarse)}"
+        side = "lower" if coarse.form < 0 else "higher"
+        told += f"; the peak of {coarse.fidelity} is {percent(abs(coarse.form / peak.nominal))} {side} with the same "
+        told += f"{restitution_meant(study.case) or 'contact law'}, {_beside(study, coarse)}"
     return f"{told}."
 
 
@@ -181,15 +184,17 @@ def _reductions(study: UncertaintyStudy) -> list[ErrorRow]:
 
 
 def _beside(study: UncertaintyStudy, row: ErrorRow) -> str:
-    return f"{abs(row.form) / study.finest.peak.deviation:.2g} standard deviations of the inputs"
+    return f"{abs(row.form) / study.finest.peak.deviation:.2g} standard deviations of the samples"
 
 
 def notes(study: UncertaintyStudy) -> Iterator[str]:
     """Remarks: which models a measurement tells apart, what is known roughly, what validates nothing, what failed."""
     for row in _reductions(study):
-        off = f"{row.fidelity} is off the finest by {_beside(study, row)}: "
-        close = "a measurement on this rig would not tell the two apart by the peak."
-        yield off + ("the form of the model shows." if abs(row.form) > 2 * study.finest.peak.deviation else close)
+        told = "tells" if abs(row.form) > 2 * study.finest.peak.deviation else "need not tell"
+        yield (
+            f"{row.fidelity} is off {study.finest.fidelity} by {_beside(study, row)}: a measured peak of one such rig "
+            f"{told} the two apart."
+        )
     if (main := _main(study)) is not None and main[2]:
         low, high = (part[main[0], 0] for part in (study.of_peak.low, study.of_peak.high))
         told = f"{study.uncertain[main[0]].key}'s share is between {low:.2f} and {high:.2f} by {study.samples} samples"

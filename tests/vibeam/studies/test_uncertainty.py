@@ -139,6 +139,8 @@ def test_indices_of_the_ishigami_function_are_the_known_ones():
     np.testing.assert_allclose(found.total[:, 0], [0.5576, 0.4424, 0.2437], atol=0.04)
     assert np.all((found.low[:, 0] < [0.5576, 0.4424, 0.2437]) & (found.high[:, 0] > [0.5576, 0.4424, 0.2437]))
     assert np.isnan(found.total[:, 1:]).all()
+    again = indices(np.stack([f, np.full(len(f), 2.0)]), 3, 0)
+    np.testing.assert_array_equal([again.low[:, 0], again.high[:, 0]], [found.low[:, 0], found.high[:, 0]])
 
 
 def pilot(rng, count, correlation, costs):
@@ -282,7 +284,8 @@ def test_errors_stand_side_by_side():
 def test_tables_sentences_and_files(study, tmp_path):
     shown = report.sheet(study)
     assert shown.answer.startswith("The peak of beam is ")
-    assert "of its variance comes from drive.amplitude; the model error of sdof is " in shown.answer
+    assert "of their variance involves drive.amplitude; the peak of sdof is " in shown.answer
+    assert shown.answer.endswith(" standard deviations of the samples.")
     assert any("multi-fidelity Monte Carlo" in line for line in shown.details)
     assert [len(table.rows) for table in (*shown.tables, *shown.more)] == [2, 2, 2]  # no motion changes
     files = shown.write(tmp_path / "case.csv", study.case.figure)

@@ -1,7 +1,8 @@
 """Statistics of the samples: distribution of a number, shares of the inputs in a variance, errors side by side.
 
-First-order and total indices after Sobol' and Saltelli, computed by scipy (``scipy.stats.sobol_indices``) from two
-independent sets of samples A, B and, for each input, the set in which only that input's values come from B.
+First-order and total indices after Sobol' and Saltelli (Comput. Phys. Commun. 181 (2010) 259, Table 2 (b) and (f)) from
+two independent sets of samples A, B and, for each input, the set in which only that input's values come from B. Their
+intervals are by scipy's bootstrap, with a generator of the study's seed, which that of ``sobol_indices`` takes not.
 
 The errors of a peak are those of ASME V&V 20: comparison error E = S − D of simulation S and measurement D; u_val² =
 u_num² + u_input² + u_D² of numerical, input and data uncertainty. |E| well above u_val is error of the model's form;
@@ -10,14 +11,13 @@ below it nothing is told apart.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, nan
 from typing import TYPE_CHECKING
+from warnings import catch_warnings
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam_models.arrays import Array
 
@@ -51,28 +51,32 @@ def saltelli(inputs: int, samples: int, seed: int) -> Array:
 
 def indices(values: Array, inputs: int, seed: int) -> Indices:
     """Indices of quantities (k, (2 + d)·n) at the shares of ``saltelli``."""
-    from scipy.stats import sobol_indices
+    from scipy.stats import bootstrap
 
-    samples = values.shape[1] // (2 + inputs)
-    blank = np.full((inputs, len(values)), np.nan)
-    whole = np.flatnonzero(np.isfinite(values).all(axis=1) & (np.ptp(values, axis=1) > 0))
-    if not len(whole):
-        return Indices(blank, blank, blank, blank)
-    rows = values[np.append(whole, whole[-1])]  # two at least: scipy fails with one quantity of one input
-    parts = rows.reshape(len(rows), 2 + inputs, samples)
-    made = {"f_A": parts[:, 0], "f_B": parts[:, 1], "f_AB": np.moveaxis(parts[:, 2:], 1, 0)}
-    found = sobol_indices(func=made, n=samples, dists=None, rng=np.random.default_rng(seed))
-    with warnings.catch_warnings(), np.errstate(all="ignore"):  # an input without influence has no interval
-        warnings.simplefilter("ignore")
-        spread = found.bootstrap(n_resamples=200).total_order.confidence_interval
-    each_of = (found.first_order, found.total_order, spread.low, spread.high)
-    return Indices(*(_placed(blank, whole, each[:-1]) for each in each_of))
+    samples, found = values.shape[1] // (2 + inputs), np.full((4, inputs, len(values)), np.nan)
+    whole = np.isfinite(values).all(axis=1) & (np.ptp(values, axis=1) > 0)
+    if whole.any():
+        sets = np.moveaxis(values[whole].reshape(-1, 2 + inputs, samples), 1, 0)
+        sets = sets - np.mean(sets[:2], axis=(0, -1))[:, None]
+        found[0][:, whole], found[1][:, whole] = (
+            np.mean(sets[1] * (sets[2:] - sets[0]), axis=-1) / _variance(sets),
+            _total(sets),
+        )
+        with catch_warnings(action="ignore"), np.errstate(all="ignore"):  # an input without influence has no interval
+            spread = bootstrap(
+                [np.arange(samples)], lambda at: _total(sets[..., at]), n_resamples=200, rng=np.random.default_rng(seed)
+            ).confidence_interval
+        found[2][:, whole], found[3][:, whole] = spread
+    return Indices(*found)
 
 
-def _placed(blank: Array, where: NDArray[np.int64], values: Array) -> Array:
-    full = blank.copy()
-    full[:, where] = np.reshape(values, (len(where), len(blank))).T
-    return full
+def _variance(sets: Array) -> Array:
+    return np.asarray(np.var(sets[:2], axis=(0, -1)))
+
+
+def _total(sets: Array) -> Array:
+    """Total indices (d, k) by the sets A, B, and A with one column of B each, (2 + d, k, n)."""
+    return np.asarray(0.5 * np.mean((sets[0] - sets[2:]) ** 2, axis=-1) / _variance(sets))
 
 
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)  # quantiles of the bands
