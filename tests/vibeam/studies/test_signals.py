@@ -150,6 +150,20 @@ def test_a_drive_says_that_it_is_a_response(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("value", "uncertainty", "known"),
+    [("mm", "", 0.02), ("mm", "µm", 2e-5), ("mm", "%", 0.006), ("dB", "dB", 10**1.5e-1 * (10**1e-3 - 1))],
+)
+def test_an_uncertainty_is_in_the_unit_of_its_value(value: str, uncertainty: str, known: float, tmp_path: Path) -> None:
+    """The number 0.02 beside the value 30; beside 3 dB an amplitude by its slope."""
+    at = np.arange(1.0, 9.0)
+    size = 3.0 if value == "dB" else 30.0
+    columns = (at, 0 * at + size, 0 * at + 0.02)
+    head = f"f [Hz];a [{value}];u" + f" [{uncertainty}]" * bool(uncertainty)
+    found = read_signal(written(tmp_path / "a.csv", head, columns)).uncertainty
+    np.testing.assert_allclose(found, known, rtol=2e-3)
+
+
 def test_columns_are_told_by_their_heads(tmp_path: Path) -> None:
     """Time in ms among other columns; decibels; a file of MATLAB with a complex response."""
     time, x = decay()

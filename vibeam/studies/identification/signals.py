@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import log
 from pathlib import Path
 
 import numpy as np
@@ -204,9 +205,26 @@ def _signal(path: Path, found: Mapping[str, CurveColumn], over: str, parts: tupl
     size, notes = value.values, []
     if not at.unit:
         notes.append(f"{heads[0]!r} has no unit: it is taken in {UNITS.get(over, 's or Hz')}")
-    if value.unit.casefold().startswith("db"):
+    if _decibels(value):
         size = 10 ** (size / 20)
         notes.append(f"{heads[1]!r} is in decibels: 20 dB are taken as a factor of 10 in amplitude")
     there = np.isfinite(scaled) & np.isfinite(size)
-    uncertainty = found["uncertainty"].values[there] if "uncertainty" in found else None
+    uncertainty = _uncertainty(found["uncertainty"], value, size)[there] if "uncertainty" in found else None
     return Signal(scaled[there], size[there], uncertainty, over, heads, (at.unit, value.unit), parts, tuple(notes))
+
+
+def _decibels(column: CurveColumn) -> bool:
+    return column.unit.casefold().startswith("db")
+
+
+def _uncertainty(column: CurveColumn, value: CurveColumn, size: Array) -> Array:
+    """Standard uncertainties of amplitudes ``size``: in the unit of the value or another one, decibels or percent."""
+    if column.unit == "%":
+        return np.asarray(np.abs(size) * column.values / 100)
+    if _decibels(value):
+        return np.asarray(size * column.values * log(10) / 20)
+    try:
+        known = column.unit in ("", value.unit)
+        return column.values if known else column.values * factor(column.unit, value.unit)
+    except ValueError as wrong:
+        raise FormatError(f"column {column.head!r}: {wrong}") from None
