@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.result import Result
 
-NOTES, NAMED = 5, 3  # lines below the tables; names in a list of what is missed
+NAMED = 3  # names in a list of what is missed
 KINDS = {"reference": "reference", "regression value": "regression value", "measured": "measured curve"}
 WITHIN = {True: "yes", False: "no", None: ""}
 
@@ -42,15 +42,14 @@ def check_report(
 
     ``held``: restitution that its comparisons of fidelities hold; ``remarks`` on the result.
     """
-    notes = [f"{row.reference}: {row.registration.sentence}." for row in rows if row.registration is not None]
-    notes = [*remarks, *notes]
+    found = [f"{row.reference}: {row.registration.sentence}." for row in rows if row.registration is not None]
     data = {
         "rows": [*rows, *measured],
         "passed": sum(row.passed is True for row in rows),
         "missed": sum(row.passed is False for row in rows),
     }
     answer = check_answer(rows, measured) + f" {held} is held." * bool(held)
-    return StudySheet(answer, verdicts(rows, measured, units), notes[:NOTES], notes[NOTES:], data=data)
+    return StudySheet(answer, verdicts(rows, measured, units), [*remarks, *found], data=data)
 
 
 def check_answer(rows: Sequence[CheckRow], measured: Sequence[MeasuredRow]) -> str:
@@ -167,7 +166,7 @@ def record_report(case: Case, files: Mapping[str, Path]) -> StudySheet:
         tables.append("\n".join([*lines, 'quantity = "amplitude"', 'tolerance = "0.001 %"', ""]))
     fidelities = f"{len(files)} fidelities are" if len(files) > 1 else f"{next(iter(files))} is"
     answer = f"{fidelities} recorded as regression values; a table like this in the case checks them:"
-    return StudySheet(answer, notes=tables[:NAMED], details=tables[NAMED:])
+    return StudySheet(answer, notes=tables)
 
 
 def record(result: Result, name: str) -> str:

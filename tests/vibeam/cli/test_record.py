@@ -63,6 +63,10 @@ def test_a_file_that_is_there_stays_unless_it_is_forced(rig: Path) -> None:
     vibeam("check", rig, "--record", "--force")
     assert "--record, which is not asked for" in vibeam("check", rig, "--force", code=2).output
     assert read_curve(file).recorded
+    said = vibeam("check", rig, "--record", "--fresh", "--plot", "x.png", code=2).output
+    assert "--plot: of a check, and --record makes none" in said
+    assert "--fresh: of a check, and --record makes none" in said
+    assert "this one has none: write a [reference.NAME]" in vibeam("check", rig, "--plot", "x.png", code=2).output
     assert "no such fidelity; known here: sdof" in vibeam("check", rig, "--record", "--fidelity", "beam", code=2).output
 
 

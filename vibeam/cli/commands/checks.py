@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -67,31 +67,29 @@ def check(
     loaded = of_fidelities(without_accuracy(load(case, set_)), fidelity)  # each fidelity is checked by itself
     if force and not record:
         raise UsageError("--force: replaces files of --record, which is not asked for")
-    if record and plot is not None:
-        raise UsageError("--plot: of a check, and --record makes none: leave one of them out")
+    if found := [name for name, given in (("--plot", plot), ("--fresh", fresh)) if record and given]:
+        raise UsageError("\n".join(f"{name}: of a check, and --record makes none: leave it out" for name in found))
+    if plot is not None and not loaded.references:
+        raise UsageError("--plot: draws the references of a case, and this one has none: write a [reference.NAME]")
     if record:
         print_sheet(*_recorded(loaded, out, force))
         return
-    path = None if plot is None else output_path(plot, f"{loaded.path.stem}_check.png", DRAWN, "a figure")
-    sheet, draw = _checked(loaded, out, fresh, set_ or ())
-    if path is not None and draw is not None:
-        draw(path)
-    print_sheet(sheet, [path] if path is not None and draw is not None else [])
+    files = [] if plot is None else [output_path(plot, f"{loaded.path.stem}_check.png", DRAWN, "a figure")]
+    sheet = _checked(loaded, out, fresh, set_ or (), files)
+    print_sheet(sheet, files)
     if sheet.data["missed"]:
         raise typer.Exit(MISSED)
 
 
-def _checked(
-    case: Case, out: str | None, fresh: bool, settings: Sequence[str]
-) -> tuple[StudySheet, Callable[[Path], None] | None]:
-    """Report of a check, and what draws its references, where there are any."""
+def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], files: Sequence[Path]) -> StudySheet:
+    """Report of a check; its references are drawn to ``files``."""
     from vibeam.report.checks import check_report
 
     if not (case.references or case.expectations or case.measured):
         from vibeam.runs.systems import require_runnable
 
         require_runnable(case)
-        return check_report([], []), None
+        return check_report([], [])
     from vibeam.case.held import held_of
     from vibeam.figures.units import units_of
     from vibeam.runs.summary import remarks
@@ -108,14 +106,11 @@ def _checked(
         *check_expectations(case, result, partial=bool(settings)),
     ]
     held = held_of(case.scene).label if any(each.against for each in case.expectations.values()) else ""
-    sheet = check_report(rows, compare_measured(case, result), units_of(case), held, remarks(result))
-
-    def draw(file: Path) -> None:
+    if files:
         from vibeam.report.references import write_references
 
-        write_references(case, rows, at, file)
-
-    return sheet, draw if at else None
+        write_references(case, rows, at, *files)
+    return check_report(rows, compare_measured(case, result), units_of(case), held, remarks(result))
 
 
 def _recorded(case: Case, out: str | None, force: bool) -> tuple[StudySheet, list[Path]]:
