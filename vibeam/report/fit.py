@@ -16,7 +16,7 @@ from vibeam.report.tables import ReportTable, blank
 from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.profile import FitRow
 from vibeam.studies.fit.study import FitStudy, FittedPoint
-from vibeam.studies.identification.estimates import Identification
+from vibeam.studies.identification.estimates import Estimate, Identification
 from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import percent, shown_in, with_unit
 from vibeam_models.arguments import counted
@@ -24,6 +24,8 @@ from vibeam_models.arguments import counted
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from vibeam.case.case import Case
 
 CURVE = 121  # frequencies of a fitted branch
 PANEL_MOST = 4  # references with a panel
@@ -46,52 +48,59 @@ def fit_answer(study: FitStudy) -> str:
         return study.sentences[0]
     open_keys = [row.key for row in study.rows if not row.determined]
     used = sum(not point.left_out for point in study.points)
+    points = f"{used} of {len(study.points)} points" if used < len(study.points) else counted(used, "point")
     if open_keys:
-        fault = "do not determine" if len(open_keys) == 1 else "cannot separate"
-        told = f"The {counted(used, 'point')} {fault} {_listed(open_keys)} within the bounds"
+        fault = "cannot separate" if study.shared else "does not determine" if used == 1 else "do not determine"
         shared = "".join(f": {each}" for each in study.shared[:1])
-        return f"{told}{shared}{'' if study.next else '; --next says what to measure'}."
-    found = _listed([f"{row.key} {_value(row.value, row.low, row.high, row.unit)}" for row in study.rows])
+        cure = "" if study.next else "; --next says what to measure"
+        return f"The {points} {fault} {_listed(open_keys)} within the bounds{shared}{cure}."
+    found = _listed([f"{row.key} {_value(row, row.low_open, row.high_open)}" for row in study.rows])
     rms = f"rms residual {(study.misfit / used) ** 0.5:.2g} of their uncertainty"
-    return f"{found} describe the {used} points ({rms}){_restitution(study)}."
+    return f"{found} describe{'s' * (len(study.rows) == 1)} the {points} (± at 95 %; {rms}){_restitution(study)}."
 
 
 def _restitution(study: FitStudy) -> str:
-    """Restitution that is meant, as mode 1 sees it or of the contact; fitted or held."""
-    held = held_of(study.case.scene)
-    if held.coefficient is None:
-        return ""
-    if any(row.key == "stop.restitution" for row in study.rows):
-        return f"; {held.symbol} {PLACES.get(held.restitution_of, 'of the contact')} is what is fitted"
-    return f"; {held.label} is held"
+    meant = restitution_meant(study.case)
+    if meant and any(row.key == "stop.restitution" for row in study.rows):
+        return f"; stop.restitution is {meant}"
+    return f"; {held_of(study.case.scene).label} is held" if meant else ""
+
+
+def restitution_meant(case: Case) -> str:
+    """Coefficient that ``stop.restitution`` gives, as mode 1 sees it or at the contact; empty of a contact law."""
+    held = held_of(case.scene)
+    return "" if held.coefficient is None else f"{held.symbol} {PLACES.get(held.restitution_of, 'at the contact')}"
 
 
 def _listed(parts: Sequence[str]) -> str:
-    return " and ".join(filter(None, [", ".join(parts[:-1]), parts[-1]]))
+    return " and ".join(filter(None, [", ".join(parts[:-1]), *parts[-1:]]))
 
 
-def _value(value: float, low: float, high: float, unit: str) -> str:
-    """Value with half its interval: as a share of it, or as a number where it is a plain one of 0.1 to 1."""
-    half = (high - low) / 2
-    unit = "" if unit == "1" else unit
-    share = f"{half:.2g}" if not unit and 0.1 < value <= 1 else percent(float(f"{half / value:.2g}"))
-    return f"{with_unit(value, unit)} (± {share})"
+def _value(row: FitRow | Estimate, low_open: bool = False, high_open: bool = False) -> str:
+    """Value and half its interval, a share of it; a number near 0 or of a plain one; both ends where one is a bound."""
+    size, half, unit = abs(row.value), (row.high - row.low) / 2, "" if row.unit == "1" else row.unit
+    if low_open or high_open:
+        ends = ((row.low, low_open), (row.high, high_open))
+        found = " to ".join(with_unit(end, unit) + " by its bound" * is_open for end, is_open in ends)
+    elif half > size / 2 or (not unit and 0.1 < size <= 1):
+        found = f"± {with_unit(half, unit, 2)}"
+    else:
+        found = f"± {percent(float(f'{half / size:.2g}'))}"
+    return f"{with_unit(row.value, unit)} ({found})"
 
 
 def identification_sheet(found: Identification) -> StudySheet:
     """Sheet of an identification: values with intervals, what a file was taken as, what is not fixed."""
-    known = [row for row in found.rows if row.determined]
-    unknown = [row.name for row in found.rows if not row.determined]
-    fault = f"The data do not fix {_listed(unknown)}; " if unknown else ""
-    told = _listed([f"{row.name} {_value(row.value, row.low, row.high, row.unit)}" for row in known] or ["nothing"])
-    told = told if unknown or not found.of else f"{told[0].upper()}{told[1:]}"
-    of = f"points of the {found.of}" if found.of else "measured modal frequencies"
+    known = [f"{row.name} {_value(row)}" for row in found.rows if row.determined]
+    unknown = _listed([row.name for row in found.rows if not row.determined])
+    of = f"the {found.points} {f'points of the {found.of}' if found.of else 'measured modal frequencies'}"
+    told = f"{_listed(known)} describe{'s' * (len(known) == 1)} {of} (± at 95 %; rms residual "
+    told += f"{percent(found.residual)}){f', which do not fix {unknown}' if unknown else ''}"
+    told = told if known else f"{of} do not fix {unknown}"
     because = f"; taken as a {found.of}, since {found.why}" if found.of else ""
-    return StudySheet(
-        f"{fault}{told} describe the {found.points} {of} (rms residual {percent(found.residual)}){because}.",
-        [_identified(found)], [*found.directions, *found.notes],
-        data={each.name: held for each in fields(found) if (held := getattr(found, each.name)) != ""}, rows=found.rows,
-    )  # fmt: skip
+    answer = f"{told[0].upper() if found.of or not known else told[0]}{told[1:]}{because}."
+    data = {each.name: held for each in fields(found) if (held := getattr(found, each.name)) != ""}
+    return StudySheet(answer, [_identified(found)], [*found.directions, *found.notes], data=data, rows=found.rows)
 
 
 def _identified(found: Identification) -> ReportTable:

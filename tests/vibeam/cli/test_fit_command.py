@@ -77,8 +77,8 @@ def test_values_intervals_and_files(rig: Path) -> None:
     said = fit(rig, "--out", rig.parent / "found.csv", "--write", written, "--next").stdout
     assert "Estimated keys\n" in said
     assert said.startswith("drive.gain 0.0005158 1/V (± 0.")
-    assert "describe the 8 points (rms residual 0." in said.splitlines()[0]
-    assert said.splitlines()[0].endswith("of their uncertainty); R₁ of mode 1 is what is fitted.")
+    assert "describe the 8 points (± at 95 %; rms residual 0." in said.splitlines()[0]
+    assert said.splitlines()[0].endswith("of their uncertainty); stop.restitution is R₁ of mode 1.")
     assert "\nNext: " in said
     assert "What to measure next" in said
     rows = {row["key"]: row for row in csv.DictReader((rig.parent / "found.csv").read_text().splitlines())}

@@ -16,8 +16,8 @@ from vibeam.cli.main import app
 CASE = Path(__file__).parents[3] / "cases" / "synthetic" / "modes.toml"
 
 
-def fit(*words: str | Path, code: int = 0, command: str = "fit") -> Any:
-    done = CliRunner().invoke(app, [command, *map(str, words)])
+def fit(*words: str | Path, code: int = 0) -> Any:
+    done = CliRunner().invoke(app, ["fit", *map(str, words)])
     assert done.exit_code == code, done.output
     return done
 
@@ -34,14 +34,13 @@ def decay(tmp_path: Path) -> Path:
 
 
 def test_a_decay_in_a_file(decay: Path) -> None:
-    """Found out to be one; the earlier name of the command gives the same."""
+    """Found out to be one."""
     found = json.loads(fit(decay, "--json").stdout)
     frequency, ratio = found["rows"]
     assert frequency["value"] == pytest.approx(7.6, rel=1e-6)
     assert ratio["value"] == pytest.approx(0.017, rel=1e-5)
     assert (found["of"], found["why"].partition(",")[0]) == ("decay", "'Zeit' is in ms")
     assert json.loads(fit(decay, "--of", "decay", "--x", "Zeit", "--y", "2", "--json").stdout)["rows"] == found["rows"]
-    assert json.loads(fit(decay, "--json", command="identify").stdout)["rows"] == found["rows"]
     out = decay.parent / "table.csv"
     said = fit(decay, "--x", "1", "--y", "Weg", "--out", out).output
     assert "the slope of the envelope alone gives a damping ratio of 0.017" in said
@@ -54,7 +53,7 @@ def test_the_answer_of_a_signal(decay: Path) -> None:
     """One sentence with values, what the file was taken as and why; few lines of 100 characters."""
     first, *lines = fit(decay).stdout.splitlines()
     assert first.startswith("Natural frequency 7.6 Hz (± ")
-    assert "describe the 600 points of the decay (rms residual " in first
+    assert "describe the 600 points of the decay (± at 95 %; rms residual " in first
     assert first.endswith("taken as a decay, since 'Zeit' is in ms, its values swing about a middle and die away.")
     assert len(lines) < 12
     assert max(map(len, lines)) <= 100
@@ -78,6 +77,7 @@ def test_mistakes_are_told(decay: Path) -> None:
         ((decay, "--x", "Weg", "--y", "Zeit"), "column 'Weg': the unit 'µm' is neither one of time nor one of"),
         ((decay, "--drive", "force"), "cannot tell what it is: 'Zeit' is in ms (of a decay), but"),
         ((CASE, "--of", "decay", "--x", "t"), "--of is of a signal, and this is a case", "--x is of a signal, and"),
+        ((CASE, "--level", "0"), "--level is of a signal, and this is a case"),
         ((CASE,), "there is no [fit] in this case", "--key beam.thickness"),
         ((CASE, "--measured", "mode_1"), "--measured: name the keys that they give"),
         ((CASE, "--key", "beam.thicknes"), "beam.thicknes is not in the case"),

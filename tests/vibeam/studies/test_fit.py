@@ -14,6 +14,7 @@ from scipy.integrate import solve_ivp
 
 import vibeam
 from vibeam.exchange.curves.record import ReferenceCurve
+from vibeam.report.fit import fit_answer
 from vibeam.studies.fit.estimate import minimise, settled
 from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import LEVEL, profile
@@ -73,6 +74,15 @@ def test_a_peak_alone_fixes_the_ridge_and_no_point_on_it():
     shared = re.search(r"drive\.gain/\(ζ₁ − ln R₁/π\) = ([0-9.]+)", told)
     assert shared is not None
     assert float(shared[1]) == pytest.approx(42.4e-4, rel=0.05)  # of the paper's refits
+    one, other = study.rows
+    known = replace(one, value=6e-4, low=5e-4, high_open=True), replace(other, value=0.7, low=0.69, high=0.71)
+    rows = (replace(known[0], low_open=False), replace(known[1], low_open=False, high_open=False))
+    told = fit_answer(replace(study, rows=rows))
+    assert told.startswith(
+        "drive.gain 0.0006 1/V (0.0005 1/V to 0.0009 1/V by its bound) and stop.restitution 0.7 (± 0.01)"
+    )
+    lone = fit_answer(replace(study, rows=(one, rows[1]), shared=()))
+    assert lone.startswith("The 1 point does not determine drive.gain within the bounds; --next")
 
 
 def test_derivatives_of_the_residuals_are_those_of_the_model():

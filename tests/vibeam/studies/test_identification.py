@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib.util
 import json
-from math import pi, sqrt
+from dataclasses import replace
+from math import nan, pi, sqrt
 from pathlib import Path
 from types import ModuleType
 
@@ -13,7 +14,8 @@ import pytest
 
 import vibeam
 from vibeam.casefile.read import parse
-from vibeam.studies.identification.estimates import in_words, spread_of
+from vibeam.report.fit import identification_sheet
+from vibeam.studies.identification.estimates import Estimate, Identification, in_words, spread_of
 
 ROOT = Path(__file__).parents[3]
 RESULTS = ROOT / "tests" / "benchmarks" / "results" / "identification.json"
@@ -114,6 +116,19 @@ def test_what_is_no_signal_is_refused() -> None:
             vibeam.identify_response(f, a)
     with pytest.raises(ValueError, match="drive: 'voltage' is none of base displacement"):
         vibeam.identify_response([1, 2, 3, 4], [1, 2, 3, 4], drive="voltage")
+
+
+def test_a_value_near_0_has_an_interval_in_its_unit() -> None:
+    """A gap may be below 0 or as good as 0; what no data fix has no value."""
+    rows = tuple(Estimate(*each) for each in (
+        ("a", -2e-4, -2.2e-4, -1.8e-4, "m"), ("b", 1e-6, -9e-6, 1.1e-5, "m"), ("c", nan, nan, nan, "1"),
+    ))  # fmt: skip
+    found = Identification(rows, "made up", 5, 0.01)
+    told = identification_sheet(found).answer
+    assert told.startswith("a -0.2 mm (± 10 %) and b 1 µm (± 10 µm) describe the 5 measured modal frequencies (")
+    assert told.endswith("rms residual 1 %), which do not fix c.")
+    none = identification_sheet(replace(found, rows=rows[2:]))
+    assert none.answer == "The 5 measured modal frequencies do not fix c."
 
 
 def test_intervals_are_those_of_linear_regression() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,36 +18,11 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.studies.identification.estimates import Identification
 
-Measured = Annotated[
-    Path, typer.Argument(metavar="FILE", help="A case (.toml), or a measured signal.", show_default=False)
-]
-Keys = Annotated[
-    list[str] | None,
-    typer.Option("--key", help="Of a case: a key, from its modal frequencies. Repeatable.", show_default=False),
-]
-Modes = Annotated[
-    list[str] | None,
-    typer.Option("--measured", help="With --key: a [measured.NAME] to use; absent = all modes.", show_default=False),
-]
-Of = Annotated[
-    str | None,
-    typer.Option("--of", help="Of a signal: decay, spectrum or response; absent = found out.", show_default=False),
-]
-Abscissa = Annotated[
-    str | None, typer.Option("--x", metavar="HEAD", help="Its column of time or frequency.", show_default=False)
-]
-Ordinate = Annotated[str | None, typer.Option("--y", metavar="HEAD", help="Its column of values.", show_default=False)]
-Driven = Annotated[
-    str | None,
-    typer.Option("--drive", help="Of a response: base displacement, base acceleration or force.", show_default=False),
-]
-Level = Annotated[
-    float | None, typer.Option("--level", help="Of a response: amplitude of the drive, or 1.", show_default=False)
-]
-
 
 def fit(
-    file: Measured,
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="A case (.toml), or a measured signal.", show_default=False)
+    ],
     set_: Overrides = None,
     out: TableFile = None,
     next_: Annotated[bool, typer.Option("--next", help="Of a case: also say what to measure next.")] = False,
@@ -54,13 +30,35 @@ def fit(
         Path | None,
         typer.Option("--write", metavar="FILE", help="Also write the case with the estimates.", show_default=False),
     ] = None,
-    key: Keys = None,
-    measured: Modes = None,
-    of: Of = None,
-    x: Abscissa = None,
-    y: Ordinate = None,
-    drive: Driven = None,
-    level: Level = None,
+    key: Annotated[
+        list[str] | None,
+        typer.Option("--key", help="Of a case: a key, from its modal frequencies. Repeatable.", show_default=False),
+    ] = None,
+    measured: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--measured", help="With --key: a [measured.NAME] to use; absent = all modes.", show_default=False
+        ),
+    ] = None,
+    of: Annotated[
+        str | None,
+        typer.Option("--of", help="Of a signal: decay, spectrum or response; absent = found out.", show_default=False),
+    ] = None,
+    x: Annotated[
+        str | None, typer.Option("--x", metavar="HEAD", help="Its column of time or frequency.", show_default=False)
+    ] = None,
+    y: Annotated[
+        str | None, typer.Option("--y", metavar="HEAD", help="Its column of values.", show_default=False)
+    ] = None,
+    drive: Annotated[
+        str | None,
+        typer.Option(
+            "--drive", help="Of a response: base displacement, base acceleration or force.", show_default=False
+        ),
+    ] = None,
+    level: Annotated[
+        float | None, typer.Option("--level", help="Of a response: amplitude of the drive, or 1.", show_default=False)
+    ] = None,
 ) -> None:
     """Estimate parameters from measurements, with intervals.
 
@@ -72,41 +70,33 @@ def fit(
       vibeam fit cases/synthetic/fit.toml --next
       vibeam fit decay.csv --x "t [s]" --y "u [mm]"
     """
+    from vibeam.studies.identification.modes import identify_keys
+    from vibeam.studies.identification.signal_kind import identify_signal
+
     of_signal = {"--of": of, "--x": x, "--y": y, "--drive": drive, "--level": level}
     of_modes = {"--key": key, "--measured": measured}
     of_responses = {"--next": next_, "--write": write}
     if file.suffix != ".toml":
         of_cases = {**of_responses, **of_modes, "--set": set_}
         _require(file, of_cases, "is of a case, which ends in .toml", _faults(of, drive, level))
-        _show(file, _of_signal(file, of, (x, y), drive, level), out)
+        _show(file, lambda: identify_signal(file, of, x, y, drive=drive, level=level), out)
     elif key or measured:
         faults = [] if key else ["--measured: name the keys that they give, --key beam.thickness"]
         _require(file, {**of_responses, **of_signal}, "does not go with --key", faults)
-        _show(file, _of_modes(file, set_, key, measured), out)
+        case = load(file, set_)
+        _show(file, lambda: identify_keys(case, key or [], measured or []), out)
     else:
         _require(file, of_signal, "is of a signal, and this is a case")
         _of_responses(file, set_, out, next_, write)
 
 
-def identify(
-    file: Measured,
-    set_: Overrides = None,
-    key: Keys = None,
-    measured: Modes = None,
-    of: Of = None,
-    x: Abscissa = None,
-    y: Ordinate = None,
-    drive: Driven = None,
-    level: Level = None,
-    out: TableFile = None,
-) -> None:
-    """Identify linear parameters: the earlier name of fit."""
-    fit(file, set_, out, False, None, key, measured, of, x, y, drive, level)
-
-
 def _require(file: Path, options: dict[str, Any], why: str, faults: list[str] | None = None) -> None:
     """UsageError with all options that are given in vain, and further ``faults``."""
-    given = [f"{name} {why}: leave it out" for name, value in options.items() if value not in (None, False, [])]
+    given = [
+        f"{name} {why}: leave it out"
+        for name, value in options.items()
+        if value not in (None, []) and value is not False
+    ]
     if found := [*given, *(faults or [])]:
         raise UsageError("\n".join(f"{file}: {each}" for each in found))
 
@@ -130,30 +120,18 @@ def _faults(of: str | None, drive: str | None, level: float | None) -> list[str]
     return found
 
 
-def _of_signal(
-    file: Path, of: str | None, columns: tuple[str | None, str | None], drive: str | None, level: float | None
-) -> Identification:
-    from vibeam.studies.identification.signal_kind import identify_signal
-
-    return of_case(file, lambda: identify_signal(file, of, *columns, drive=drive, level=level))
-
-
-def _of_modes(file: Path, set_: list[str] | None, keys: list[str] | None, measured: list[str] | None) -> Identification:
-    from vibeam.studies.identification.modes import identify_keys
-
-    loaded = load(file, set_)
-    return of_case(file, lambda: identify_keys(loaded, keys or [], measured or []))
-
-
-def _show(file: Path, found: Identification, out: str | None) -> None:
+def _show(file: Path, identified: Callable[[], Identification], out: str | None) -> None:
     """Print an identification; its table or page is written where a file is asked for."""
     from vibeam.case.plans import FigurePlan
     from vibeam.report.fit import identification_sheet
 
-    sheet = identification_sheet(found)
     path = (
-        None if out is None else output_path(out, f"{file.stem}_identified.csv", (".csv", ".html"), "a table or page")
+        output_path(out, f"{file.stem}_identified.csv", (".csv", ".html"), "a table or page")
+        if out is not None
+        else None
     )
+    found = of_case(file, identified)
+    sheet = identification_sheet(found)
     print_sheet(sheet, [] if path is None else files_of(sheet, path, file.stem, found.method, FigurePlan()))
 
 
