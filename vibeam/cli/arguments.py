@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from math import isfinite
 from os import sep
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -22,6 +22,16 @@ if TYPE_CHECKING:
 RESULTS = (".h5", ".hdf5")
 
 
+def option(said: str, *names: str, complete: Callable[..., Any] | None = None, **more: Any) -> Any:
+    """Option of a command; what it is without it stands in what is ``said``."""
+    return typer.Option(*names, help=said, show_default=False, autocompletion=complete, **more)
+
+
+def out_option(said: str) -> Any:
+    """Option ``--out`` of a command."""
+    return option(said, "--out", "-o", metavar="FILE")
+
+
 CaseFile = Annotated[
     Path,
     typer.Argument(
@@ -29,48 +39,19 @@ CaseFile = Annotated[
     ),
 ]
 
-Overrides = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        "-s",
-        metavar="KEY=VALUE",
-        help="A key of the case, in place of the file's. Repeatable.",
-        autocompletion=completion.settings,
-    ),
-]
+_SAID = "A key of the case, in place of the file's. Repeatable."
+Overrides = Annotated[list[str] | None, option(_SAID, "--set", "-s", metavar="KEY=VALUE", complete=completion.settings)]
 
-_NEW_FOLDERS = "folders on the way are made"
+_FILE = "The results file (.h5), or its folder; new folders are made; absent = the current folder, of check none."
+ResultsFile = Annotated[str | None, out_option(_FILE)]
 
-ResultsFile = Annotated[
-    str | None,
-    typer.Option(
-        "--out", "-o", metavar="FILE", show_default=False,
-        help=f"The results file (.h5), or its folder; {_NEW_FOLDERS}; absent = the current folder, of check none.",
-    ),
-]  # fmt: skip
-
-Fidelities = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--fidelity",
-        metavar="NAME",
-        help="This one alone. Repeatable; absent = all.",
-        show_default=False,
-        autocompletion=completion.fidelities,
-    ),
-]
-
+_ONE = "This one alone. Repeatable; absent = all."
+Fidelities = Annotated[list[str] | None, option(_ONE, "--fidelity", metavar="NAME", complete=completion.fidelities)]
 
 Fresh = Annotated[bool, typer.Option("--fresh", help="Keep nothing of the results file that is there: start over.")]
 
-TableFile = Annotated[
-    str | None,
-    typer.Option(
-        "--out", "-o", metavar="FILE", show_default=False,
-        help=f"The table (.csv), with figures beside it, or of a study its page (.html); or a folder; {_NEW_FOLDERS}.",
-    ),
-]  # fmt: skip
+_TABLE = "The table (.csv), with figures beside it, or of a study its page (.html); or a folder; new ones are made."
+TableFile = Annotated[str | None, out_option(_TABLE)]
 
 
 def number(option: str, text: str, kind: Dimension, positive: bool = False) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import typer
@@ -18,11 +19,11 @@ def case_files(incomplete: str) -> Iterator[str]:
 
 
 def fidelities(context: typer.Context) -> Iterator[str]:
-    """Fidelities of the case that the command line names."""
-    try:
-        yield from tomllib.loads(Path(context.params["case"]).read_text(encoding="utf-8"))["fidelity"]
-    except (OSError, ValueError, LookupError, TypeError):
-        return
+    """Fidelities of the cases that the command line names."""
+    named = [each for each in (context.params.get("case"), *(context.params.get("cases") or ())) if each]
+    for case in named:
+        with suppress(OSError, ValueError, LookupError, TypeError):
+            yield from tomllib.loads(Path(case).read_text(encoding="utf-8"))["fidelity"]
 
 
 def keys(incomplete: str) -> Iterator[str]:

@@ -28,36 +28,30 @@ GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "Case files": (case_files.new, case_files.keys, case_files.doctor),
 }
 
-#: what commands of earlier versions are now, and what their options are: options, or keys of the case
-EARLIER: dict[str, tuple[tuple[str, ...], dict[str, str]]] = {
-    "reduce": (
-        ("verdict", "--only", "modes"),
-        {
-            "--within": "--accuracy",
-            "--most": "modes_needed.most",
-            "--basis": "modes_needed.bases",
-            "--contact-time": "modes_needed.contact_time",
-        },
-    ),
-    "limit": (
-        ("verdict", "--only", "modes"),
-        {"--modes": "modes_needed.modes", "--frequency": "modes_needed.frequency", "--speed": "modes_needed.speed"},
-    ),
-    "influence": (("verdict", "--only", "effects"), {}),
-    "cost": (("verdict", "--only", "solvers"), {}),
-    "identify": (("fit",), {}),
-    "record": (("check", "--record"), {}),
-    "stability": (("map", "--picture", "stability"), {}),
+#: what commands of earlier versions are now
+EARLIER = {
+    "reduce": "verdict --only modes",
+    "limit": "verdict --only modes",
+    "influence": "verdict --only effects",
+    "cost": "verdict --only solvers",
+    "identify": "fit",
+    "record": "check --record",
+    "stability": "map --picture stability",
+}
+#: options of ``reduce`` and ``limit``, of which most are keys of the case now
+OF_MODES = {"--within": "--accuracy", "--basis": "modes_needed.bases"} | {
+    f"--{key.replace('_', '-')}": f"modes_needed.{key}"
+    for key in ("most", "contact_time", "modes", "frequency", "speed")
 }
 
 
 def _now(name: str, words: list[str]) -> list[str]:
     """Words of a command by the names that it and its options have now."""
-    command, options = EARLIER[name]
-    said, rest = [*command], iter(words)
+    options = OF_MODES if name in ("reduce", "limit") else {}
+    said, rest = EARLIER[name].split(), iter(words)
     for word in rest:
         now = options.get(word, word)
-        said += ["--set", f"{now}={next(rest, '')}"] if "." in now and word in options else [now]
+        said += ["--set", f"{now}={next(rest, '')}"] if word in options and "." in now else [now]
     return said
 
 
@@ -69,7 +63,7 @@ class Commands(TyperGroup):
         if args[-1:] == ["--from"]:
             args = [*args, "list"]
         if args and args[0] in EARLIER:
-            say(f"vibeam {args[0]} is now: vibeam {' '.join(EARLIER[args[0]][0])}")
+            say(f"vibeam {args[0]} is now: vibeam {EARLIER[args[0]]}")
             args = _now(args[0], args[1:])
         return super().resolve_command(ctx, args)
 

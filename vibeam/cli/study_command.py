@@ -29,8 +29,9 @@ def study_command(study: StudyDeclaration) -> Callable[..., None]:
     keys = keys_of(study.asks) if study.asks is not None else {}
 
     def command(case: Path, set_: list[str] | None = None, out: str | None = None, **asked: Any) -> None:
-        settings = [f"{study.name}.{key}={_text(value, keys[key])}" for key, value in asked.items() if value]
-        with _named_as_options(study.name, [key for key, value in asked.items() if value]):
+        given = {key: value for key, value in asked.items() if value not in (None, [])}
+        settings = [f"{study.name}.{key}={_text(value, keys[key])}" for key, value in given.items()]
+        with _named_as_options(study.name, list(given)):
             loaded = load(case, [*(set_ or ()), *settings])
         run_declared(study, loaded, out)
 

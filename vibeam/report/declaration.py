@@ -67,7 +67,7 @@ class StudyDeclaration:
         from vibeam.report.tables import rows_of
 
         rows = list(record if self.rows is None else self.rows(record))
-        answer, *notes = ("",) if self.sentences is None else self.sentences(record)
+        answer, *notes = list(self.sentences(record) if self.sentences is not None else ()) or [""]
         draw = None if self.figure is None else lambda: self.figure(record)  # type: ignore[misc]
         return StudySheet(answer, [rows_of(self.meaning, rows)], notes, data={"rows": rows}, rows=rows, draw=draw)
 

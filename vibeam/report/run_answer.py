@@ -169,7 +169,7 @@ def _missed(rows: Sequence[Summary], accuracy: float) -> list[str]:
     sparse = [row for row in rows if _off(row).points and _sparse(_off(row))]
     said = [_miss(row, accuracy) for row in rows if row not in sparse]
     if len(said) > FEW:
-        said = [*said[: FEW - 1], f"{len(said) - FEW + 1} more are off by more than that as well"]
+        said = [*said[: FEW - 1], f"{len(said) - FEW + 1} more are off as well"]
     clauses = [listed(said)] if said else []
     if sparse:
         few = listed([f"{row.fidelity} ({_peak(row)})" for row in sparse])
@@ -181,7 +181,7 @@ def _miss(row: Summary, accuracy: float) -> str:
     off = _off(row)
     if not isfinite(off.rms):
         return f"{row.fidelity} has no point to compare"
-    if isfinite(off.peak) and (abs(off.peak) > accuracy or not isfinite(off.rms)):
+    if isfinite(off.peak) and abs(off.peak) > accuracy:
         return f"{row.fidelity} is {_signed(off.peak)}"
     beside = f", {_signed(off.peak)} at the peak" if isfinite(off.peak) else ""
     return f"{row.fidelity} is {_size(off.rms)} off (rms){beside}"

@@ -345,6 +345,7 @@ def test_modes_needed_answers_first_and_writes_its_losses(command: Command, tmp_
     ("words", "said"),
     [
         (("--accuracy", "3 Hz"), "is a frequency, not a plain number"),
+        (("--accuracy", ""), "--accuracy: '' is not a number"),
         (("--band", "9 Hz", "--band", "8 Hz"), "the list must ascend"),
         (("--bases", "modl"), "basis: no modl: there are modal"),
         (("--modes", "12"), "modes: 12 is no power of two"),
@@ -381,6 +382,8 @@ def test_new_writes_a_case_of_each_rig_that_runs(rig: str, command: Command, tmp
 
 
 def test_new_knows_its_rigs(command: Command) -> None:
+    assert "no such rig; known here: " in command("new", "--rig", "", expect=2).stderr
+    assert "no such example; known here: " in command("new", "--from", "", expect=2).stderr
     assert "--rig matrix: no such rig; did you mean 'matrices'?" in command("new", "--rig", "matrix", expect=2).stderr
 
 

@@ -36,7 +36,7 @@ def test_case_files_and_folders_are_offered(tmp_path: Path, monkeypatch: pytest.
     for name in ("a.toml", "b.h5", "below/c.toml", ".hidden/d.toml"):
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).touch()
-    assert offered("new", "path", "") == ["a.toml", "below/"]
+    assert offered("new", "path", "") == offered("run", "cases", "") == ["a.toml", "below/"]
     assert list(completion.case_files("below/")) == ["below/c.toml"]
     assert list(completion.case_files("none/")) == []
 
@@ -44,5 +44,6 @@ def test_case_files_and_folders_are_offered(tmp_path: Path, monkeypatch: pytest.
 @pytest.mark.parametrize(("case", "found"), [(RIG, ["sdof", "two_modes", "beam"]), ("none.toml", []), (None, [])])
 def test_fidelities_of_the_case_are_offered(case: object, found: list[str]) -> None:
     context = typer.Context(typer.main.get_command(app))
-    context.params = {"case": case}
-    assert list(completion.fidelities(context)) == found
+    for params in ({"case": case}, {"cases": [case]}):
+        context.params = params
+        assert list(completion.fidelities(context)) == found

@@ -48,6 +48,15 @@ def test_a_model_as_large_as_the_finest_is_no_smaller_one() -> None:
     assert said.startswith("beam suffices for 5 % (flown exactly); sdof is 20 % too high.")
 
 
+def test_of_many_that_miss_the_first_are_named() -> None:
+    """In the order of their sizes; those that are not named may be off by less."""
+    off = {"a": 1.6, "b": 1.5, "c": 1.4, "d": 1.3, "top": 1.0}
+    case = parse(one_mode(str(GRID.tolist()), 1, 1, *(f"[fidelity.{name}]" for name in off)))
+    parts = {name: Branches(curve(GRID, by * TOP, modes=1 + (name == "top"))) for name, by in off.items()}
+    said = run_answer(Result(case, parts))
+    assert "; a is 60 % too high, b is 50 % too high and 2 more are off as well." in said
+
+
 def test_the_accuracy_asked_for_decides() -> None:
     assert answer(1.2 * TOP, accuracy=0.25).startswith("One mode suffices for 25 % (ours, 20 % too high at the peak).")
 

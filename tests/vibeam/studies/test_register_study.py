@@ -64,6 +64,8 @@ def test_a_study_that_takes_progress_alone_is_given_the_points(folder: Path) -> 
     study = StudyDeclaration("gaps", lambda case, progress: [progress(1, 2)], "gap of each fidelity")
     study.of(vibeam.load("a.toml"), pytest.fail, lambda *told: heard.append(told))
     assert heard == [(1, 2)]
+    silent = StudyDeclaration("gaps", list, "gap of each fidelity", sentences=lambda rows: [])
+    assert silent.shown([], vibeam.load("a.toml")).answer == ""
 
 
 def test_what_is_wrong_is_said(folder: Path) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibeam.cli import completion
-from vibeam.cli.arguments import TableFile, output_path
+from vibeam.cli.arguments import TableFile, option, out_option, output_path
 from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_json, print_sheet
 from vibeam.cli.streams import MISSED, put, put_json
@@ -37,21 +37,11 @@ NewFile = Annotated[
     ),
 ]  # fmt: skip
 
-RigName = Annotated[
-    str | None,
-    typer.Option(
-        "--rig", metavar="NAME", show_default=False, autocompletion=completion.rigs,
-        help="What the case is of: cantilever (the default), tube, two-beams, matrices or modes.",
-    ),
-]  # fmt: skip
+_RIG = "What the case is of: cantilever (the default), tube, two-beams, matrices or modes."
+RigName = Annotated[str | None, option(_RIG, "--rig", metavar="NAME", complete=completion.rigs)]
 
-ExampleName = Annotated[
-    str | None,
-    typer.Option(
-        "--from", metavar="EXAMPLE", show_default=False, autocompletion=completion.examples,
-        help="Write an example with the files that it names; list says which there are.",
-    ),
-]  # fmt: skip
+_FROM = "Write an example with the files that it names; list says which there are."
+ExampleName = Annotated[str | None, option(_FROM, "--from", metavar="EXAMPLE", complete=completion.examples)]
 
 
 def keys(
@@ -104,9 +94,7 @@ def _keys_sheet(name: str | None, rows: list[KeyRow], whole: bool) -> StudySheet
 
 def new(
     path: NewFile = None,
-    out: Annotated[
-        str | None, typer.Option("--out", "-o", metavar="FILE", help="The same, as an option.", show_default=False)
-    ] = None,
+    out: Annotated[str | None, out_option("The same, as an option.")] = None,
     rig: RigName = None,
     short: Annotated[bool, typer.Option("--short", help="Some 25 lines: what a first run needs.")] = False,
     example: ExampleName = None,
@@ -122,12 +110,12 @@ def new(
     """
     from vibeam.report.output import StudySheet
 
-    if example and (rig or short):
+    if example is not None and (rig is not None or short):
         raise UsageError("--from writes an example as it is: leave --rig and --short away")
     if example == "list":
         print_sheet(_examples_sheet())
         return
-    text, beside = _of_example(example) if example else _of_rig(rig or "cantilever", short)
+    text, beside = _of_rig("cantilever" if rig is None else rig, short) if example is None else _of_example(example)
     name = f"{example or 'case'}.toml"
     target = output_path(out or path or name, name, (".toml",), "a case file")
     texts = {target.with_name(other): content for other, content in beside.items()} | {target: text}

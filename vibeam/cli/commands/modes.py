@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import CaseFile, Overrides, load, output_path
+from vibeam.cli.arguments import CaseFile, Overrides, load, option, out_option, output_path
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet
 from vibeam.cli.streams import say
@@ -15,21 +16,14 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
+_MATRICES = "Write M, C, K and the rows too: .npz, .h5, .mat, .mtx or .npy."
+
+
 def modes(
     case: CaseFile,
     set_: Overrides = None,
-    out: Annotated[
-        str | None,
-        typer.Option(
-            "--out", "-o", metavar="FILE", help="Mode shapes: .vtu, or .pvd with a step for each; or a folder."
-        ),
-    ] = None,
-    matrices: Annotated[
-        str | None,
-        typer.Option(
-            "--matrices", metavar="FILE", help="Write M, C, K and the rows too: .npz, .h5, .mat, .mtx or .npy."
-        ),
-    ] = None,
+    out: Annotated[str | None, out_option("Mode shapes: .vtu, or .pvd with a step for each; or a folder.")] = None,
+    matrices: Annotated[str | None, option(_MATRICES, "--matrices", metavar="FILE")] = None,
     count: Annotated[int, typer.Option("--count", min=1, help="How many modes.")] = 10,
 ) -> None:
     """Modal table; mode shapes and matrices as files.
@@ -45,18 +39,14 @@ def modes(
     from vibeam.studies.modes import mode_table, write_shapes
 
     loaded = load(case, set_)
-    path = (
-        None
-        if out is None
-        else output_path(out, f"{loaded.path.stem}_modes.vtu", (".vtu", ".pvd"), "a file of mode shapes")
-    )
+    name, endings = f"{loaded.path.stem}_modes.vtu", (".vtu", ".pvd")
+    files = [] if out is None else [output_path(out, name, endings, "a file of mode shapes")]
     table = of_case(case, lambda: mode_table(loaded.scene, count))
     if matrices is not None:
         export(loaded, matrices)
-    if path is not None:
-        of_case(case, lambda: write_shapes(table, path))
-        say(f"wrote {path}")
-    print_sheet(sheet(table))
+    for file in files:
+        of_case(case, partial(write_shapes, table, file))
+    print_sheet(sheet(table), files)
 
 
 def export(case: Case, out: str) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vibeam.cli import completion
 from vibeam.cli.arguments import (
     RESULTS,
     Fidelities,
@@ -19,6 +20,8 @@ from vibeam.cli.arguments import (
     load,
     number,
     of_fidelities,
+    option,
+    out_option,
     output_path,
     results_path,
     run_case,
@@ -33,23 +36,22 @@ if TYPE_CHECKING:
     from vibeam.report.output import StudySheet
 
 
+_ACCURACY = "What suffices; absent = that of the case, else 5 %."
+
+
 def run(
     cases: Annotated[
         list[Path],
-        typer.Argument(metavar="CASE...", help="The case file (TOML), or several.", show_default=False),
+        typer.Argument(
+            metavar="CASE...", help="The case file (TOML), or several.", autocompletion=completion.case_files
+        ),
     ],
     set_: Overrides = None,
     out: ResultsFile = None,
     fresh: Fresh = False,
     fidelity: Fidelities = None,
-    accuracy: Annotated[
-        str | None,
-        typer.Option(
-            "--accuracy", metavar="PERCENT", show_default=False,
-            help="What suffices; absent = that of the case, else 5 %.",
-        ),
-    ] = None,
-) -> None:  # fmt: skip
+    accuracy: Annotated[str | None, option(_ACCURACY, "--accuracy", metavar="PERCENT")] = None,
+) -> None:
     """Say which fidelity suffices: sweep all, compare, store.
 
     A run that was stopped goes on where it was; after an edit of the case, what it does not change is kept, and results
@@ -147,16 +149,13 @@ def _line(path: Path, found: Mapping[str, Any]) -> str:
     return f"not run: {first}" + f" (and {rest.count(chr(10)) + 1} more)" * bool(rest)
 
 
+_BESIDE = "Its case file, where references or other files lie beside that."
+
+
 def report(
     results: Annotated[Path, typer.Argument(metavar="RESULTS", help="The results file (.h5).", show_default=False)],
-    case: Annotated[
-        Path | None,
-        typer.Option("--case", metavar="CASE", help="Its case file, where references or other files lie beside that."),
-    ] = None,
-    out: Annotated[
-        str | None,
-        typer.Option("--out", "-o", metavar="FILE", help="The page (.html), the table (.csv), or the folder for it."),
-    ] = None,
+    case: Annotated[Path | None, option(_BESIDE, "--case", metavar="CASE")] = None,
+    out: Annotated[str | None, out_option("The page (.html), the table (.csv), or the folder for it.")] = None,
     csv: Annotated[bool, typer.Option("--csv", help="Write all curves as a table in place of the page.")] = False,
 ) -> None:
     """Write a page of results, or all curves as CSV.

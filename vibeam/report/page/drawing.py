@@ -150,11 +150,8 @@ def _stops(scene: Scene) -> Iterator[tuple[str, float, float, int]]:
 def _stop(scene: Scene, frame: SceneFrame) -> Iterator[str]:
     for _, position, gap, way in _stops(scene):
         away = _reach(scene, position, frame) + max(gap, 0.0) * frame.scale
-        yield from _tip(frame.x(position), AXIS + way * away, way)
-
-
-def _tip(x: float, y: float, way: int) -> Iterator[str]:
-    yield f'<path class="stop" d="M{x:.1f} {y:.2f} l-7 {14 * way} v{16 * way} h14 v{-16 * way} z"/>'
+        tip = f"M{frame.x(position):.1f} {AXIS + way * away:.2f} l-7 {14 * way} v{16 * way} h14 v{-16 * way} z"
+        yield f'<path class="stop" d="{tip}"/>'
 
 
 def _reach(scene: Scene, position: float, frame: SceneFrame) -> float:
