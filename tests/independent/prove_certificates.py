@@ -27,7 +27,6 @@ from check_certificate import check
 import vibeam
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.flight.proof.certificate import Certificate
-from vibeam.studies.cost.models import equal
 from vibeam_models.laws.compliant import LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 
@@ -176,7 +175,7 @@ def sweeps(case: vibeam.Case) -> Iterator[Sweep]:
 
 def same(one: Sweep, other: Sweep, grid: np.ndarray) -> bool:
     """Whether two fidelities are one motion."""
-    if not equal(one.system, other.system) or not np.array_equal(one.amplitude(grid), other.amplitude(grid)):
+    if one.system != other.system or not np.array_equal(one.amplitude(grid), other.amplitude(grid)):
         return False
     drifts = [each.drift(grid) for each in (one, other)]
     return np.array_equal(*(np.zeros(1) if drift is None else drift for drift in drifts))

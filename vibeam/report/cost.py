@@ -85,13 +85,18 @@ def _worst(row: RunRow) -> float:
 
 
 def _cheaper(study: CostStudy, case: Case, within: float, exact: float) -> str:
-    """The cheapest run within the accuracy, or the nearest of those that cost less than the finest's flight."""
-    whole = [row for row in study.rows if row.found == len(study.frequency) and isfinite(_worst(row))]
-    less = [row for row in whole if _seconds(row) < exact]
-    if not less:
-        return "nothing is cheaper"
-    enough = [row for row in less if _worst(row) <= within]
-    best = min(enough, key=_seconds) if enough else min(less, key=_worst)
+    """The cheapest run within the accuracy, or the nearest of those that cost less than the finest's flight.
+
+    Nothing is told of a run whose error is known at less than half of the frequencies.
+    """
+    count = len(study.frequency)
+    less = [row for row in study.rows if row.found == count and _seconds(row) < exact]
+    known = [row for row in less if isfinite(_worst(row)) and 2 * row.total.amplitude.points >= count]
+    if not known:
+        told = f"of cheaper runs the error is known at less than half of the {count} frequencies"
+        return told if less else "nothing is cheaper"
+    enough = [row for row in known if _worst(row) <= within]
+    best = min(enough, key=_seconds) if enough else min(known, key=_worst)
     name = best.fidelity if best.fidelity in case.fidelities else f"{study.finest} cut off after mode {best.modes}"
     said = f"{name} by {best.label}, {_ratio(exact / _seconds(best))} times faster and {_off(best)}"
     if enough:
@@ -221,10 +226,15 @@ def uncertain(study: CostStudy, case: Case) -> Iterator[str]:
     if failed:
         first = f"{failed[0].fidelity} by {failed[0].label}: {failed[0].why}"
         yield f"{len(failed)} of {len(study.rows)} runs gave no error ({first}); -v says of each why."
-    flown = _flown(study)
-    if flown is not None and abs(flown.numerical.amplitude.worst) > UNSETTLED:
-        off = percent(abs(flown.numerical.amplitude.worst))
-        yield f"Exact flight is {off} off after {study.settle} periods: --set cost.settle=… settles longer."
+    if (flown := _flown(study)) is not None:
+        off, others = abs(flown.numerical.amplitude.worst), flown.numerical.kind
+        if off > UNSETTLED or others:
+            told = (
+                f"{percent(off)} off"
+                if off > UNSETTLED
+                else f"in another motion at {others} of {len(study.frequency)} frequencies"
+            )
+            yield f"Exact flight is {told} after {study.settle} periods: --set cost.settle=… settles longer."
     yield from doubts(study.comparison)
     if not isfinite(study.bound.value):
         why = study.bound.note.partition("; ")[0]

@@ -26,8 +26,7 @@ from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost import study as study_module
 from vibeam.studies.cost.measure import Setting, measure, series_of
-from vibeam.studies.cost.models import finest, first_mode_restitution_of, models
-from vibeam.studies.cost.planning import Planning, RunSchedule, run_schedule
+from vibeam.studies.cost.planning import Planning, RunSchedule, finest, first_mode_restitution_of, models, run_schedule
 from vibeam.studies.cost.reference import bound
 from vibeam.studies.cost.row import LinkShare, part, shares, timed
 from vibeam.studies.cost.study import CostStudy, cost
@@ -367,6 +366,16 @@ def test_the_sheet_answers_first(beam: CostStudy) -> None:
         "beam cut off after mode 4 by flight, 2 times faster and 7 % off; orbit takes 10 times as long and is exact."
     )
     assert "nothing cheaper is within 0 %: the nearest is beam cut off after mode 4 " in answer(study, case, 0.0)
+    few = tuple(replace(row, total=replace(row.total, amplitude=replace(row.total.amplitude, points=0)))
+                for row in study.rows)  # fmt: skip
+    assert "; of cheaper runs the error is known at less than half of the 2 frequencies" in answer(
+        replace(study, rows=few), case
+    )
+    moved = (replace(row, numerical=replace(row.numerical, kind=1)) for row in study.rows)
+    notes = list(uncertain(replace(study, rows=tuple(moved)), case))
+    assert any(
+        each.startswith("Exact flight is in another motion at 1 of 2 frequencies after 40 periods") for each in notes
+    )
     asked = vibeam.Verdict(case, VerdictPlan(accuracy=0.1), (vibeam.studies.Stage("solvers", study, 0.0),))
     assert verdict.sheet(asked).answer == found.answer != answer(study, case)
     table = found.tables[0].brief()

@@ -13,8 +13,7 @@ from vibeam.casefile.read import parse
 from vibeam.report.run_report import fidelities
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
-from vibeam.studies.cost.models import CostModel
-from vibeam.studies.cost.planning import Planning
+from vibeam.studies.cost.planning import CostModel, Planning
 from vibeam.studies.influence.curve import refined_peak, swept
 from vibeam.studies.regression.check import check
 from vibeam.studies.uncertainty.samples import Sampler

@@ -22,7 +22,7 @@ import numpy as np
 
 from vibeam.flight.engine.threads import Clock
 from vibeam.studies.cost.measure import Measurement, Plan, Setting
-from vibeam.studies.cost.models import CostModel, first_mode_restitution_of
+from vibeam.studies.cost.planning import CostModel, first_mode_restitution_of
 from vibeam.studies.cost.reference import RunErrors, errors
 from vibeam.system.response import Ended, FrequencyResponse, complete, periodic
 from vibeam_models.arrays import Array

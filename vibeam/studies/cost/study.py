@@ -19,8 +19,18 @@ from vibeam.runs.comparison.held_comparison import compared_model, held_comparis
 from vibeam.solvers import SOLVERS, solver
 from vibeam.solvers.steady import warm_up_once
 from vibeam.studies.cost.measure import Measurement, Plan, Setting, measure, series_of
-from vibeam.studies.cost.models import CUT_SOLVERS, CostModel, built, finest, first_mode_restitution_of, models
-from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_schedule
+from vibeam.studies.cost.planning import (
+    CUT_SOLVERS,
+    CostModel,
+    LeftOut,
+    Planning,
+    RunSchedule,
+    built,
+    finest,
+    first_mode_restitution_of,
+    models,
+    run_schedule,
+)
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
 from vibeam.studies.cost.row import RunRow, Split, Work, compared, front, run_row, split, timed
 from vibeam.system.impact_system import ImpactSystem

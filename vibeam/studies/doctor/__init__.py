@@ -11,7 +11,10 @@ __all__ = ["Finding", "Severity", "examine", "verdict"]
 
 def examine() -> tuple[Finding, ...]:
     """Examine the installation; a fault in one part leaves the others as they are."""
-    return tuple(finding for part in _parts() for finding in _within(part))
+    from vibeam.studies.doctor.machine import machine, packages, places
+    from vibeam.studies.doctor.self_check import kernels, self_check
+
+    return tuple(finding for part in (packages, machine, places, kernels, self_check) for finding in _within(part))
 
 
 def verdict(findings: Sequence[Finding]) -> str:
@@ -33,10 +36,3 @@ def _within(part: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
     except Exception as fault:  # of a package that is missing or broken, which has its own line
         name = part.__name__.replace("_", " ")
         yield Finding(name, name, Severity.FAULT, f"not examined: {type(fault).__name__}: {fault}")
-
-
-def _parts() -> tuple[Callable[[], Iterator[Finding]], ...]:
-    from vibeam.studies.doctor.machine import machine, packages, places
-    from vibeam.studies.doctor.self_check import kernels, self_check
-
-    return packages, machine, places, kernels, self_check
