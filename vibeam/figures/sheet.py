@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, ValuesView
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -122,13 +122,13 @@ def _sheets_of(case: Case, plan: ShowPlan, fidelity: str) -> list[Sheet]:
         return list(sheets(case, fidelity, plan))
     if (columns := getattr(module, "columns", None)) is None:
         return []
-    return [_sheet(fidelity, each, lambda at: columns(case, fidelity, at, plan)) for each in plan.frequency]
+    return [sheet_of(fidelity, partial(columns, case, fidelity, each, plan), each) for each in plan.frequency]
 
 
-def _sheet(fidelity: str, frequency: float, columns: Callable[[float], Columns]) -> Sheet:
-    """Sheet at one frequency, empty and with the reason where there is no motion."""
+def sheet_of(fidelity: str, columns: Callable[[], Columns], frequency: float = float("nan")) -> Sheet:
+    """Sheet at one frequency (Hz; NaN: over all), empty and with the reason where there is no motion."""
     try:
-        return Sheet(fidelity, frequency, columns(frequency))
+        return Sheet(fidelity, frequency, columns())
     except (NoMotion, ValueError) as reason:  # ValueError: of an observer, for example with too few samples
         return Sheet(fidelity, frequency, fault=str(reason))
 
@@ -139,26 +139,21 @@ class Comparison(Protocol):
     @property
     def case(self) -> Case:
         """Case of the run."""
-        ...
 
     @property
     def finest(self) -> Mapping[str, str]:
         """Finest fidelity of the same physics for each fidelity."""
-        ...
 
     @property
     def held(self) -> str:
         """Restitution held equal in the fidelities, and what the other choice gives; empty without a comparison."""
-        ...
 
     @property
     def shown(self) -> Mapping[str, tuple[Sheet, ...]]:
         """Numbers of the figures that the case asks for."""
-        ...
 
     def __getitem__(self, fidelity: str, /) -> Branches: ...
     def __iter__(self) -> Iterator[str]: ...
     def __len__(self) -> int: ...
     def values(self) -> ValuesView[Branches]:
         """Branches in the case's order."""
-        ...

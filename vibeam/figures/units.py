@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite, pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.case.case import Case, quantity_of
 from vibeam.figures.sheet import Comparison, named_of
 from vibeam.system.number_text import ACCELERATIONS, FREQUENCIES, OF_QUANTITY, Steps, prefixed
+from vibeam_models.arrays import Array
 from vibeam_models.outputs import DISPLACEMENT
+
+if TYPE_CHECKING:
+    from vibeam.system.response import Branches
 
 
 @dataclass(frozen=True)
@@ -27,6 +33,11 @@ class DisplayUnits:
     speed: str = "mm/s"
     speed_factor: float = 1e3
     quantity: str = "displacement"
+
+    @property
+    def time_factor(self) -> float:
+        """Factor from s to s, of a model given without dimensions to ω t."""
+        return 1.0 if self.frequency else 2 * pi / self.frequency_factor
 
     def lengths(self, value: float) -> str:
         """Length with its unit, to four digits; a dash for NaN."""
@@ -79,20 +90,21 @@ def units_for(result: Comparison, output: str | None = None) -> DisplayUnits:
 
     ``output``: which is shown, None: the sweep's; of another quantity than that of the sweep's the sizes are not known.
     """
-    swept = quantity_of(result.case, result.case.sweep.output)
-    wanted = swept if output is None else quantity_of(result.case, output)
-    if wanted is not swept:
+    wanted = quantity_of(result.case, output or result.case.sweep.output)
+    if wanted is not quantity_of(result.case, result.case.sweep.output):
         return units_of(result.case, quantity=wanted.name)
-    sizes = [
-        (response.amplitude, 2 * pi * response.frequency * response.amplitude)
-        for branches in result.values()
-        for _, response in branches.items()
-    ]
-    length, speed = (max((_largest(size[index]) for size in sizes), default=0.0) for index in (0, 1))
-    return units_of(result.case, length, speed, wanted.name)
+    return units_of_branches(result.case, result.values())
 
 
-def _largest(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
+def units_of_branches(case: Case, several: Iterable[Branches]) -> DisplayUnits:
+    """Units of swept branches: by their largest amplitude and the corresponding speed."""
+    responses = [response for branches in several for _, response in branches.items()]
+    length = max((_largest(each.amplitude) for each in responses), default=0.0)
+    speed = max((_largest(2 * pi * each.frequency * each.amplitude) for each in responses), default=0.0)
+    return units_of(case, length, speed, quantity_of(case, case.sweep.output).name)
+
+
+def _largest(values: Array) -> float:
     return float(np.max(values[np.isfinite(values)], initial=0.0))
 
 

@@ -16,7 +16,7 @@ from vibeam.report.run_answer import USUAL
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.report.work_precision import work_precision
 from vibeam.runs.comparison.differences import doubts, listed, settled
-from vibeam.system.number_text import in_prefix, percent, signed, without_round_off
+from vibeam.system.number_text import percent, shown_in, signed
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -54,7 +54,7 @@ def _cells(row: Mapping[str, Any]) -> dict[str, Any]:
 def answer(study: CostStudy, case: Case, within: float = USUAL) -> str:
     """Sentence on the finest fidelity's time, the cheapest run ``within`` an error, and the finest's other solvers."""
     exact = _exact(study)
-    unit, factor = in_prefix("s", exact / len(study.frequency))
+    unit, factor = shown_in("s", exact / len(study.frequency))
     time = f"{exact / len(study.frequency) * factor:.2g} {unit} a frequency"
     rest = [_cheaper(study, case, within, exact), _other_solvers(study, exact)]
     said = "; ".join(filter(None, rest)) if study.rows else "no run had time"
@@ -206,9 +206,7 @@ def parts(study: CostStudy) -> ReportTable:
 
 
 def _numbers(part: Part) -> tuple[str, ...]:
-    mean, low, high, top = (
-        signed(without_round_off(each, 1.0)) for each in (part.mean, part.lowest, part.highest, part.peak)
-    )
+    mean, low, high, top = (signed(each) for each in (part.mean, part.lowest, part.highest, part.peak))
     return mean, share(part.rms), low, high, top
 
 

@@ -59,7 +59,7 @@ def derivation(rows: Iterable[DerivedParameter]) -> ReportTable:
         if row.unit == "rad/s":
             continue
         same, last = name == last and bool(kept), name
-        unit, error = "" if row.unit == "1" else row.unit, signed(without_round_off(row.error, 1.0))
+        unit, error = "" if row.unit == "1" else row.unit, signed(row.error)
         values = f"{row.value:.5g}", "" if same else f"{row.reference:.5g}"
         table.add_row(
             f"  {kept}" if same else row.name, "" if same else row.symbol, *values, "" if same else unit, error

@@ -11,7 +11,7 @@ from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.studies.modes_needed.losses import Losses
 from vibeam.studies.modes_needed.reduction import Recommendation, ReductionStudy
-from vibeam.system.number_text import in_prefix, percent
+from vibeam.system.number_text import percent, shown_in
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,7 +36,7 @@ def share(value: float) -> str:
 
 def shown(value: float, unit: str) -> str:
     """A value of an SI unit to four digits, with the prefix that suits it; a dash for NaN."""
-    name, factor = in_prefix(unit, abs(value))
+    name, factor = shown_in(unit, value)
     return f"{value * factor:.4g} {name.removeprefix('1')}".rstrip() if isfinite(value) else "–"
 
 

@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from vibeam.figures.page import blank_page, legend, plain, titled, write_page
 from vibeam.figures.panels import from_zero
 from vibeam.figures.style import COLOURS, shade
-from vibeam.figures.units import DisplayUnits, frequency_label, units_of, with_unit
+from vibeam.figures.units import DisplayUnits, frequency_label, units_of_branches, with_unit
 from vibeam.studies.regression.references import COVERAGE, CheckRow, Match, matched, pieces_of
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def references_figure(case: Case, rows: Sequence[CheckRow], at: Mapping[str, Bra
     grid = figure.subplots(lines, columns, squeeze=False)
     for spare in grid.flat[len(shown) :]:
         spare.set_axis_off()
-    units, drawn = units_of(case), dict[str, Line2D]()
+    units, drawn = units_of_branches(case, at.values()), dict[str, Line2D]()
     for axes, (name, row) in zip(grid.flat, shown.items(), strict=False):
         _panel(axes, case.references[name], row, (at[name], units), drawn)
     titled(figure, case.figure, case.title, "references and model")

@@ -19,7 +19,7 @@ from vibeam.report.tables import ReportTable, blank, plain
 from vibeam.studies.identification.modes import unit_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT
 from vibeam.studies.uncertainty.statistics import LEVELS
-from vibeam.system.number_text import in_prefix, percent
+from vibeam.system.number_text import percent, shown_in
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,7 +81,7 @@ def _unit(study: UncertaintyStudy, each: Uncertain) -> tuple[str, float]:
     """Displayed unit of an input and the factor to it."""
     if study.case.scene.natural_unit is not None:
         return "", 1.0
-    return in_prefix(unit_of(each.key), max(abs(each.middle), each.deviation))
+    return shown_in(unit_of(each.key), each.middle, each.deviation)
 
 
 def fidelities(study: UncertaintyStudy) -> ReportTable:

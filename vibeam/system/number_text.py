@@ -35,28 +35,10 @@ OF_UNIT: Mapping[str, Steps] = {
 }  # fmt: skip
 
 
-def in_prefix(unit: str, largest: float) -> tuple[str, float]:
-    """Unit and factor that suit the ``largest`` value in an SI ``unit``; that unit itself where it takes no prefix."""
-    return prefixed(OF_UNIT[unit], largest, usual=-1) if unit in OF_UNIT and largest > 0 else (unit, 1.0)
-
-
-PREFIXED = {"m": LENGTHS, "m/s": SPEEDS, "m/s^2": ACCELERATIONS}
-
-
-def shown_unit(unit: str, largest: float) -> tuple[str, float]:
-    """Unit in which values in SI's ``unit`` up to ``largest`` are shown, and the factor to it."""
-    return prefixed(PREFIXED[unit], largest) if unit in PREFIXED else (unit, 1.0)
-
-
-OF_SI: Mapping[str, Steps] = {
-    "m": LENGTHS, "m/s": SPEEDS, "m/s^2": ACCELERATIONS, "rad": ANGLES, "Hz": FREQUENCIES,
-}  # fmt: skip
-
-
 def shown_in(unit: str, *values: float) -> tuple[str, float]:
     """Unit and factor that suit the largest of values in an SI ``unit``; that unit itself where it takes no prefix."""
     largest = max((abs(each) for each in values if math.isfinite(each)), default=0.0)
-    return prefixed(OF_SI[unit], largest) if unit in OF_SI and largest > 0 else (unit, 1.0)
+    return prefixed(OF_UNIT[unit], largest) if unit in OF_UNIT and largest > 0 else (unit, 1.0)
 
 
 def with_unit(value: float, unit: str, digits: int = 4) -> str:
@@ -89,7 +71,8 @@ def without_round_off(value: float, of: float) -> float:
 
 
 def signed(value: float) -> str:
-    """Signed share as percent, to three digits; a power of ten where it is below 10⁻⁵."""
+    """Signed share as percent, to three digits; a power of ten where it is below 10⁻⁵, 0 where it is round-off."""
+    value = without_round_off(value, 1.0)
     if not math.isfinite(value):
         return "–"
     if value > MOST:

@@ -129,6 +129,13 @@ def test_it_is_drawn_with_the_distance_of_its_peak_from_the_settled_one(tmp_path
         np.testing.assert_array_equal(old["amplitude"], new["amplitude"])
 
 
+def test_a_chirp_of_one_amplitude_is_named_by_its_direction():
+    case = case_of('rate = "2 Hz/s"\ndirection = "up"\nperiods = 3')
+    made = figure(vibeam.run(case), case.shows["it"])
+    labels = [str(line.get_label()) for line in made.axes[0].get_lines()]
+    assert [label.split(":")[0] for label in labels if "swept" in label] == ["it, swept up"]
+
+
 def test_of_a_fidelity_that_an_accuracy_spares_a_chirp_is_drawn_alone_and_curves_of_the_sweep_do_without_it():
     keys: dict[str, Any] = {"sweep.frequency": [15.0, 15.3, 15.6], "sweep.settle": 100, "accuracy": "5 %"}
     case = vibeam.load(NEUTRAL, set=SI | keys | {

@@ -12,7 +12,7 @@ import pytest
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
-from vibeam.figures.sheet import Sheet
+from vibeam.figures.sheet import Sheet, sheets
 from vibeam.observe.decay import highest_line
 from vibeam.report.figures import figure
 
@@ -76,6 +76,22 @@ def test_a_beam_is_let_go_from_its_static_deflection() -> None:
     assert beam["decay_frequency"] == pytest.approx(float(system.omega[0]) / (2 * np.pi), rel=5e-4)
     made = figure(result, case.shows["decay"])
     assert [axes.get_xlabel() for axes in made.axes] == ["time (s)", "frequency (Hz)"]
+
+
+def test_a_gauge_decays_in_strain_and_a_model_without_dimensions_in_its_own_time() -> None:
+    own = {"show.it.kind": "decay", "show.it.start": "2 mm", "show.it.output": "gauge", "show.it.fidelities": ["sdof"]}
+    gauge = vibeam.load(CASES / "dtu_sensors.toml", set=own)
+    plain = parse(CASE.format(zeta=0.02, gap=0, own="", more="periods = 12"))
+    motion, spectrum = drawn(gauge).axes
+    assert (motion.get_ylabel(), max(motion.get_lines()[0].get_ydata())) == ("gauge:\nstrain (µε)", pytest.approx(2e3))
+    motion, spectrum = drawn(plain).axes
+    assert (motion.get_xlabel(), spectrum.get_xlabel()) == ("time ω t", "frequency")
+    assert max(motion.get_lines()[0].get_xdata()) == pytest.approx(12 * 2 * np.pi, rel=1e-3)
+
+
+def drawn(case: vibeam.Case) -> Any:
+    plan = case.shows["it"]
+    return figure(vibeam.Result(case, {}, shown={"it": sheets(case, plan)}), plan)
 
 
 def test_under_its_weight_a_beam_decays_about_its_place_at_rest() -> None:

@@ -11,10 +11,12 @@ from stand_in import SDOF
 
 import vibeam
 from vibeam.casefile.read import parse
+from vibeam.report.references import references_figure
 from vibeam.runs.result import Result
 from vibeam.studies.regression.check import at_references
 from vibeam.studies.regression.references import require_readable
 
+CASES = Path(__file__).parents[3] / "cases"
 OFF = 2.17 / (2 * np.pi)  # Hz, between the third and the fourth frequency of the sweep
 
 
@@ -138,3 +140,13 @@ def test_a_table_is_written_back_as_it_was_read(tmp_path: Path) -> None:
     curve = vibeam.read_curve(tmp_path / "m.csv", form=case.references["m"].form)
     np.testing.assert_allclose(curve.value, [2 * 2e-3 + 0.5])
     np.testing.assert_allclose(curve.uncertainty, 0.02 * curve.value)
+
+
+def test_references_are_drawn_in_the_unit_of_what_the_output_reads() -> None:
+    case = vibeam.load(CASES / "dtu_sensors.toml", set={"sweep.frequency": ["14.5 Hz", "15 Hz"], "sweep.settle": 20})
+    measured = case.with_reference("gauge", vibeam.ReferenceCurve.of([14.5, 15.0], [2e-4, 2e-4]), "sdof")
+    result = vibeam.run(measured)
+    found = at_references(measured, result)
+    made = references_figure(measured, vibeam.check(measured, result), found)
+    assert made.axes[0].get_ylabel() == "amplitude (µε)"
+    assert made.axes[0].get_ylim()[1] > 200

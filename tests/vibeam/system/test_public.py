@@ -131,8 +131,9 @@ def test_progress_is_a_bar_a_function_or_nothing(monkeypatch: pytest.MonkeyPatch
     assert shown.getvalue() == ""
     assert vibeam.run(case, progress=True) == plain
     assert "30/30" in shown.getvalue()
-    with pytest.raises(ValueError, match="progress: 'yes' must be True"):
-        vibeam.run(case, progress="yes")  # type: ignore[arg-type]
+    for wrong in ("yes", 1):
+        with pytest.raises(ValueError, match=f"progress: {wrong!r} must be True"):
+            vibeam.run(case, progress=wrong)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", ["CaseError", "StoreError", "ImpactSystem", "State", "Structure", "modal"])

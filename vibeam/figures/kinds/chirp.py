@@ -78,15 +78,20 @@ class _Law:
 def _legs(plan: ShowPlan) -> Iterator[Chirp]:
     """Chirps of the plan's directions; the way down begins where that up ends."""
     low, high = (2 * np.pi * edge(plan.frequency) for edge in (min, max))
-    rate, direction = 2 * np.pi * plan.own["rate"], plan.own["direction"] or "both"
+    rate = 2 * np.pi * plan.own["rate"]
     if low == high:
         raise ValueError("a chirp needs a range of frequencies, there is one")
-    if direction in ("up", "both"):
-        up = linear_chirp(low, high, rate)
-        yield up
-        high = float(up.edges[-1]) if direction == "both" else high
-    if direction in ("down", "both"):
-        yield linear_chirp(high, low, rate)
+    for direction in _directions(plan):
+        ends = (low, high) if direction == "up" else (high, low)
+        chirp = linear_chirp(*ends, rate)
+        yield chirp
+        high = float(chirp.edges[-1])
+
+
+def _directions(plan: ShowPlan) -> tuple[str, ...]:
+    """Directions of the plan's chirps, in the order in which they are flown."""
+    asked = plan.own["direction"]
+    return ("up", "down") if asked in (None, "both") else (asked,)
 
 
 def _columns(chirp: Chirp, law: _Law, response: FrequencyResponse, periods: int) -> Columns:
@@ -126,9 +131,10 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     for name, look in looks_of(case, plan.fidelities).items():
         if _has_settled(result, plan, name):
             _settled(axes, result, name, look, units)
-    for sheet in shown:
-        if not sheet.fault:
-            _swept(axes, result, plan, sheet, units)
+    for name in plan.fidelities:
+        own = (sheet for sheet in shown if sheet.fidelity == name and not sheet.fault)
+        for direction, sheet in zip(_directions(plan), own, strict=False):
+            _swept(axes, result, plan, sheet, direction, units)
     note = start_upward([axes])
     if is_empty(axes):
         say(axes, "no motion at any frequency")
@@ -147,9 +153,8 @@ def _settled(axes: Axes, result: Comparison, name: str, look: Look, units: Displ
         draw_branch(axes, response, direction, look, units.frequency_factor, units.length_factor)
 
 
-def _swept(axes: Axes, result: Comparison, plan: ShowPlan, sheet: Sheet, units: DisplayUnits) -> None:
+def _swept(axes: Axes, result: Comparison, plan: ShowPlan, sheet: Sheet, direction: str, units: DisplayUnits) -> None:
     case, colour = result.case, looks_of(result.case, plan.fidelities)[sheet.fidelity].colour
-    direction = "up" if sheet["frequency"][-1] > sheet["frequency"][0] else "down"
     across, upward = sheet["frequency"] * units.frequency_factor, sheet["amplitude"] * units.length_factor
     label = f"{name_of(case, sheet.fidelity)}, swept {direction}{_beside(result, plan, sheet, direction, units)}"
     axes.plot(across, upward, color=colour, linewidth=0.6, alpha=SWEPT[direction], zorder=4, label=label)

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.case.response_quantities import static_shape
 from vibeam.figures.panels import decades, is_empty, labelled, say
 from vibeam.figures.settled_motion import chain_or_exact
-from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet, sheet_of
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, motion_of, units_of
 from vibeam.flight.trajectory import simulate
@@ -41,10 +42,7 @@ SHOWN = 4  # largest frequency shown, in multiples of the mode's
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One sheet."""
-    try:
-        return [Sheet(fidelity, float("nan"), _columns(case, fidelity, plan))]
-    except ValueError as reason:  # of an observer: too few samples
-        return [Sheet(fidelity, float("nan"), fault=str(reason))]
+    return [sheet_of(fidelity, lambda: _columns(case, fidelity, plan))]
 
 
 def _columns(case: Case, name: str, plan: ShowPlan) -> Columns:
@@ -91,7 +89,8 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     """Draw the motion with its envelope beside the spectrum."""
     case, there = result.case, [sheet for sheet in shown if not sheet.fault]
     largest = max((float(np.abs(sheet["displacement"]).max()) for sheet in there), default=float("nan"))
-    units, looks = units_of(case, largest), looks_of(case, plan.fidelities)
+    units = units_of(case, largest, quantity=quantity_of(case, plan.output).name)
+    looks = looks_of(case, plan.fidelities)
     motion, spectrum = figure.subplots(1, 2)
     for sheet in there:
         _draw_one(motion, spectrum, sheet, looks[sheet.fidelity], units, name_of(case, sheet.fidelity))
@@ -100,13 +99,13 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
             say(axes, "no decay to show")
     lines = [sheet["displacement_line"] * units.length_factor for sheet in there]
     decades(spectrum, lines, least=LEAST_LINE * largest * units.length_factor)
-    motion.set_xlabel("time (s)" if units.frequency else "time")
+    motion.set_xlabel("time (s)" if units.frequency else "time ω t")
     motion.set_ylabel(motion_of(plan.output, "displacement", units))
     labelled(spectrum, "frequency", units.frequency, across=True)
 
 
 def _draw_one(motion: Axes, spectrum: Axes, sheet: Sheet, look: Look, units: DisplayUnits, name: str) -> None:
-    time, factor = sheet["time"], units.length_factor
+    time, factor = sheet["time"] * units.time_factor, units.length_factor
     motion.plot(time, sheet["displacement"] * factor, label=name, **look.keys(0.8))
     for side in (1.0, -1.0):
         motion.plot(time, side * sheet["envelope"] * factor, linestyle=":", linewidth=0.8, color=look.colour)

@@ -12,7 +12,7 @@ import numpy as np
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet, sheet_of
 from vibeam.figures.style import look, looks_of, name_of
 from vibeam.figures.units import units_for
 from vibeam.observe.restitution import Collision
@@ -29,10 +29,7 @@ if TYPE_CHECKING:
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One sheet, by velocity."""
-    try:
-        return [Sheet(fidelity, float("nan"), _columns(case.system(fidelity), np.array(plan.own["velocity"])))]
-    except ValueError as reason:
-        return [Sheet(fidelity, float("nan"), fault=str(reason))]
+    return [sheet_of(fidelity, lambda: _columns(case.system(fidelity), np.array(plan.own["velocity"])))]
 
 
 def _columns(system: ImpactSystem, velocity: Array) -> Columns:
@@ -74,7 +71,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
         kept.plot(speeds, sheet["first_mode_restitution"], label=name_of(case, sheet.fidelity), **keys)
         kept.plot(speeds, sheet["true_restitution"], **keys | {"linestyle": "", "marker": "o", "markersize": 2.5})
         if np.any(sheet["contact_time"] > 0):
-            lasted.plot(speeds, sheet["contact_time"] * 1e3, **keys)
+            lasted.plot(speeds, sheet["contact_time"] * (1e3 if units.frequency else units.time_factor), **keys)
     if is_empty(lasted):
         say(lasted, "no stop here yields")
     for axes in counted:
@@ -83,7 +80,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
         axes.set_xscale("log")
         labelled(axes, "impact velocity", units.speed, across=True)
     labelled(kept, "restitution of the mode –, of the contact •", "")
-    labelled(lasted, "contact time", "ms")
+    labelled(lasted, "contact time" if units.frequency else "contact time ω t", "ms" if units.frequency else "")
 
 
 def _draw_modes(axes: Axes, case: Case, shown: list[Sheet]) -> None:

@@ -14,7 +14,7 @@ from vibeam.case.grid_keys import FREQUENCY
 from vibeam.figures.page import plain
 from vibeam.figures.units import frequency_label, units_of, with_unit
 from vibeam.maps.axes import name_of_key
-from vibeam.system.number_text import shown_unit
+from vibeam.system.number_text import shown_in
 from vibeam.system.quantities import LAYOUT, unit_of
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def shown_axis(case: Case, axis: AxisPlan) -> ShownAxis:
         units = units_of(case)
         return ShownAxis(axis.key, name, frequency_label(units), units.frequency or "Ω/ω", units.frequency_factor)
     plain_numbers = case.scene.natural_unit is not None
-    unit, factor = ("", 1.0) if plain_numbers else shown_unit(axis.unit, max(abs(value) for value in axis.values))
+    unit, factor = ("", 1.0) if plain_numbers else shown_in(axis.unit, *axis.values)
     return ShownAxis(axis.key, name, with_unit(name, unit), unit, factor)
 
 

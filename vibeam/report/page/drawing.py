@@ -12,7 +12,7 @@ import numpy as np
 
 from vibeam.report.page.parts import Picture, as_csv
 from vibeam.studies.modes import ModeTable, mode_table
-from vibeam.system.number_text import in_prefix, percent
+from vibeam.system.number_text import percent, shown_in
 from vibeam_models.scene import AnyScene, Scene
 
 if TYPE_CHECKING:
@@ -234,7 +234,7 @@ def _spring(x: float, y: float, length: float = 40) -> str:
 
 def _said(unit: str, value: float) -> str:
     """A number in the prefix that suits it."""
-    name, factor = in_prefix(unit, abs(value))
+    name, factor = shown_in(unit, value)
     return f"{value * factor:.4g} {name}" if value else "0"
 
 
