@@ -79,7 +79,7 @@ def test_penetration_is_seen(path: vibeam.Trajectory) -> None:
     assert penetration(path) < 1e-14
     assert penetration(replace(path, system=replace(SYSTEM, gap=0.1 - 1e-9))) > 1e-10
     moved = Segments(path.segments.trace, path.segments.poses + 1e-9, path.segments.size)
-    assert penetration(replace(path, _segments=moved)) > 1e-10
+    assert penetration(replace(path, segments=moved)) > 1e-10
 
 
 def _task(number: int, stage: Stage) -> Verdict:

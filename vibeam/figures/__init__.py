@@ -5,11 +5,13 @@ No kind is loaded for a case without such tables.
 
 from __future__ import annotations
 
+from typing import Any
+
 from vibeam.figures.declaration import FigureKind
 from vibeam_models.keys import Key
 from vibeam_models.registry import Registry
 
-HOME = "vibeam.figures.kinds."
+FREQUENCY = ("frequency",)
 MOTION = ("periods", "settle", "output")
 OVER = ("frequency", *MOTION)
 SHARES = dict.fromkeys(("energy_share", "displacement_share", "velocity_share", "impulse_share"), "1")
@@ -24,41 +26,36 @@ RINGING = {
 }
 RESTITUTIONS = tuple(f"{how}_restitution" for how in ("true", "adjacent", "extremum", "extrapolated", "first_mode"))
 
+
+def _own(name: str, *declared: Any, **more: Any) -> FigureKind:
+    """Kind whose module in ``kinds`` has its name."""
+    return FigureKind(name, f"vibeam.figures.kinds.{name}", *declared, **more)
+
+
 FIGURES = Registry(
     "kind of figure",
-    FigureKind(
-        "history",
-        f"{HOME}history",
-        "displacement and velocity over time",
-        ("frequency",),
-        MOTION,
-        {"jump": "q/s"},
-        derivatives=True,
-    ),
-    FigureKind("portrait", f"{HOME}portrait", "velocity over displacement", ("frequency",), MOTION, derivatives=True),
-    FigureKind(
+    _own("history", "displacement and velocity over time", FREQUENCY, MOTION, {"jump": "q/s"}, derivatives=True),
+    _own("portrait", "velocity over displacement", FREQUENCY, MOTION, derivatives=True),
+    _own(
         "coordinates",
-        f"{HOME}coordinates",
         "one mode's motion in physical and in Zhuravlev's or Ivanov's coordinates",
-        ("frequency",),
+        FREQUENCY,
         ("periods", "settle"),
         {"physical_jump": "1", "unfolded_jump": "1"},
         one_harmonic=True,
     ),
-    FigureKind("section", f"{HOME}section", "one point a drive period", ("frequency",), MOTION),
-    FigureKind("curve", f"{HOME}curve", "another quantity over frequency", ("quantity",), swept=True),
-    FigureKind(
+    _own("section", "one point a drive period", FREQUENCY, MOTION),
+    _own("curve", "another quantity over frequency", ("quantity",), swept=True),
+    _own(
         "boundaries",
-        f"{HOME}boundaries",
         "averaging's limits beside the exact ones",
         ("quantity",),
         swept=True,
         one_harmonic=True,
         refuses=True,
     ),
-    FigureKind(
+    _own(
         "harmonics",
-        f"{HOME}harmonics",
         "amplitudes at multiples of the drive frequency, bars at a few, lines over many",
         takes=OVER,
         reads={"harmonic": "q"},
@@ -76,28 +73,19 @@ FIGURES = Registry(
             ),
         },
     ),
-    FigureKind(
-        "spectrum",
-        f"{HOME}spectrum",
-        "amplitude spectra of displacement and velocity",
-        ("frequency",),
-        MOTION,
-        exact=True,
-    ),
-    FigureKind(
+    _own("spectrum", "amplitude spectra of displacement and velocity", FREQUENCY, MOTION, exact=True),
+    _own(
         "participation",
-        f"{HOME}participation",
         "shares of the modes in energy, displacement, velocity and impulse",
-        ("frequency",),
+        FREQUENCY,
         MOTION,
         SHARES,
         "mode",
         exact=True,
         one_harmonic=True,
     ),
-    FigureKind(
+    _own(
         "ringing",
-        f"{HOME}ringing",
         "frequency, by fit and by counted peaks, and size of what rings between impacts",
         ("near",),
         OVER,
@@ -105,18 +93,16 @@ FIGURES = Registry(
         exact=True,
         one_harmonic=True,
     ),
-    FigureKind(
+    _own(
         "restitution",
-        f"{HOME}restitution",
         "the contact's restitution beside what is read off in other ways",
         takes=OVER,
         reads=dict.fromkeys(RESTITUTIONS, "1"),
         exact=True,
         one_harmonic=True,
     ),
-    FigureKind(
+    _own(
         "decay",
-        f"{HOME}decay",
         "free decay without drive and stop, its envelope and its spectrum",
         ("start",),
         ("periods", "output"),
@@ -130,9 +116,8 @@ FIGURES = Registry(
             )
         },
     ),
-    FigureKind(
+    _own(
         "impact",
-        f"{HOME}impact",
         "one collision at given velocities: restitution and contact time as results",
         ("velocity",),
         reads={
@@ -157,9 +142,8 @@ FIGURES = Registry(
             )
         },
     ),
-    FigureKind(
+    _own(
         "chirp",
-        f"{HOME}chirp",
         "a swept-sine test, the drive frequency changing at a rate, beside the sweep's settled points",
         ("rate",),
         MOTION,
@@ -177,11 +161,10 @@ FIGURES = Registry(
             ),
         },
     ),
-    FigureKind(
+    _own(
         "animation",
-        f"{HOME}animation",
         "the beam and the stop in motion beside the frequency response: GIF, MP4, or VTU files for ParaView",
-        ("frequency",),
+        FREQUENCY,
         ("direction", "periods", "settle"),
         derivatives=True,
         formats=("gif",),
@@ -203,9 +186,8 @@ FIGURES = Registry(
             ),
         },
     ),
-    FigureKind(
+    _own(
         "modal",
-        f"{HOME}modal",
         "frequencies and damping ratios of the modes",
         reads={"mode_frequency": "Hz", "mode_damping": "1"},
         entries="mode",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.figures.loop import opposite_places
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import Look
 from vibeam_models.arrays import Array
@@ -47,9 +48,8 @@ class BeamPanel:
 
     @property
     def opposite(self) -> Array:
-        """Places of the opposite beam's points along the beam, m: where they are met stands at the stop."""
-        where, arm = self.sheet["met_position"]
-        return np.asarray(self.sheet["opposite_position"] - where - arm + self.sheet["stop_position"][0])
+        """As ``opposite_places``."""
+        return opposite_places(self.sheet)
 
     def _at_rest(self, scene: Scene) -> None:
         """Draw the undeflected beams thin, and what holds them."""

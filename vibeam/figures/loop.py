@@ -196,13 +196,18 @@ def steps_of(sheets: Sequence[Sheet]) -> list[Step]:
     return list(found.items())
 
 
+def opposite_places(sheet: Sheet) -> Array:
+    """Places of the opposite beam's points along the beam, m: where they are met stands at the stop."""
+    where, arm = sheet["met_position"]
+    return np.asarray(sheet["opposite_position"] - where - arm + sheet["stop_position"][0])
+
+
 def _pieces(sheet: Sheet, frame: int, named: bool) -> Mapping[str, VtuPiece]:
     prefix = f"{sheet.fidelity} " if named else ""
     made = {f"{prefix}beam": _beam(sheet, "beam", frame, sheet["beam_position"], 0.0)}
     if "met" in sheet.columns:
-        where, arm = sheet["met_position"]
-        along = sheet["opposite_position"] - where - arm + sheet["stop_position"][0]
-        made[f"{prefix}opposite"] = _beam(sheet, "opposite", frame, along, float(sheet["stop_height"][0]))
+        lift = float(sheet["stop_height"][0])
+        made[f"{prefix}opposite"] = _beam(sheet, "opposite", frame, opposite_places(sheet), lift)
     return made | {f"{prefix}{name}": piece for name, piece in _stop_pieces(sheet, frame).items()}
 
 

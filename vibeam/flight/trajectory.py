@@ -101,7 +101,8 @@ def _still(path: Trajectory) -> bool:
 class Trajectory(ValueRecord):
     """A motion, exact between its events: SI units, times in s; the drive's phase is 0 at time 0.
 
-    ``stats``: impacts, evaluations, cpu_seconds.
+    ``stats``: impacts, evaluations, cpu_seconds; ``segments``: flights and rests as the solver left them
+    (``kernels.layout``).
 
     >>> import vibeam
     >>> free = vibeam.ImpactSystem.from_modes(1.0, 0.0, 1.0, 0.0, gap=9.0)  # cos t, which never reaches the stop
@@ -118,18 +119,13 @@ class Trajectory(ValueRecord):
     ended: Ended
     stats: Mapping[str, float] = field(compare=False)
     _solver: EventDrivenSolver | ContactsSolver = field(compare=False)
-    _segments: Segments
+    segments: Segments
     certificate: Certificate | None = field(default=None, compare=False)
 
     def __repr__(self) -> str:
         span, modes = f"{self.t_start:g} … {self.t_end:g} s", counted(self.system.size, "mode")
         met = f"{counted(self.stats['impacts'], 'impact')}, {counted(len(self.rests), 'rest')}"
         return f"Trajectory({span}, {modes}, {met}, {self.ended.name})"
-
-    @property
-    def segments(self) -> Segments:
-        """Flights and rests as the solver left them (``kernels.layout``)."""
-        return self._segments
 
     @property
     def outcome(self) -> Outcome:
@@ -149,7 +145,7 @@ class Trajectory(ValueRecord):
     @property
     def impact_times(self) -> Array:
         """Times (m,) of the impacts computed one by one, s: at one of them ``velocity_at`` is the one after it."""
-        trace = self._segments.trace
+        trace = self.segments.trace
         ends = trace[:, layout.START] + trace[:, layout.DURATION]
         ends[:-1] = trace[1:, layout.START]  # where the next segment begins, to the bit
         return np.asarray(ends[self._struck()])
@@ -157,7 +153,7 @@ class Trajectory(ValueRecord):
     @property
     def impact_velocities(self) -> Array:
         """Contact velocities (m,) just before the impacts, positive toward the stop, m/s."""
-        return np.asarray(self._segments.trace[self._struck(), layout.BEFORE])
+        return np.asarray(self.segments.trace[self._struck(), layout.BEFORE])
 
     @property
     def chatters(self) -> Array:
@@ -165,7 +161,7 @@ class Trajectory(ValueRecord):
 
         ∞ where R → 1 and it has no end: from then on the contact is held, see ``left_out``.
         """
-        trace = self._segments.trace
+        trace = self.segments.trace
         trace = trace[trace[:, layout.END] == layout.CHATTER]
         return np.stack(
             [trace[:, layout.START] + trace[:, layout.DURATION] + trace[:, layout.LEFT], trace[:, layout.REMAINDER]],
@@ -189,7 +185,7 @@ class Trajectory(ValueRecord):
         """(m, 2): begin (an accumulation of impacts completed) and end of each rest on the stop, s."""
         if self.system.further is not None:
             return self.holds()
-        trace = self._segments.trace
+        trace = self.segments.trace
         resting = np.flatnonzero(trace[:, layout.WHAT] == layout.RESTING)
         before = trace[np.maximum(resting - 1, 0)]
         waited = np.where((resting > 0) & (before[:, layout.END] == layout.CHATTER), before[:, layout.LEFT], 0.0)
@@ -199,12 +195,9 @@ class Trajectory(ValueRecord):
     @property
     def impact_contacts(self) -> Index:
         """Index (m,) of the contact that each impact strikes: 0 the first stop, then as in ``gaps``."""
-        trace = self._segments.trace[self._struck()]
-        return (
-            trace[:, regime_layout.AT_SIDE].astype(np.int64)
-            if trace.shape[1] > regime_layout.AT_SIDE
-            else np.zeros(len(trace), dtype=np.int64)
-        )
+        trace, side = self.segments.trace[self._struck()], regime_layout.AT_SIDE
+        struck = trace[:, side] if trace.shape[1] > side else np.zeros(len(trace))
+        return struck.astype(np.int64)
 
     def holds(self, contact: int | None = None) -> Array:
         """(m, 2): begin and end of each hold of a contact, None: of any, s; with several contacts alone.
@@ -215,12 +208,12 @@ class Trajectory(ValueRecord):
             raise ValueError("holds: there is one place of contact: rests has its holds")
         from vibeam.flight.several.readout import holds_of
 
-        return holds_of(self._segments.trace, self.t_end, contact)
+        return holds_of(self.segments.trace, self.t_end, contact)
 
     @property
     def contacts(self) -> Array:
         """(m, 3): begin, s, duration, s, and largest force, N, of each contact with a stop that yields."""
-        trace = self._segments.trace
+        trace = self.segments.trace
         pushed = np.flatnonzero(trace[:, layout.WHAT] == regime_layout.CONTACT)
         if not len(pushed):
             return np.empty((0, 3))
@@ -260,7 +253,7 @@ class Trajectory(ValueRecord):
         times = floats("t", t)
         if times.size and not (np.min(times) >= self.t_start and np.max(times) <= self.t_end):
             raise ValueError(f"t: must lie in [{self.t_start}, {self.t_end}]")
-        found = self._solver.poses_at(self.drive, self._segments, np.ascontiguousarray(times.ravel()))
+        found = self._solver.poses_at(self.drive, self.segments, np.ascontiguousarray(times.ravel()))
         return np.asarray(found.reshape(*times.shape, 2, self.system.size))
 
     def _derivative(self, t: ArrayLike, wanted: TimeDerivative, more: int) -> Array:
@@ -272,12 +265,12 @@ class Trajectory(ValueRecord):
 
         times, poses = floats("t", t), self.modes_at(t)
         flat, states = times.ravel(), poses.reshape(-1, 2, self.system.size)
-        found = derivative_along(self.system, self.drive, self._segments.trace, flat, states, wanted, more)
+        found = derivative_along(self.system, self.drive, self.segments.trace, flat, states, wanted, more)
         return np.asarray(found.reshape(times.shape))
 
     def _struck(self) -> Flags:
         """True for the segments (m,) that end with an impact."""
-        return np.isin(self._segments.trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK))
+        return np.isin(self.segments.trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK))
 
 
 def simulate(

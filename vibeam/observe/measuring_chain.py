@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.observe.motion import Path
+from vibeam_models.arguments import refuse
 from vibeam_models.arrays import Array, Complex, ValueRecord
 
 Family = Literal["bessel", "butterworth", "elliptic"]
@@ -47,8 +48,7 @@ class LowPass:
             faults.append("ripple and attenuation: an elliptic filter needs both in dB, 0 < ripple < attenuation")
         if self.family != "elliptic" and given != (None, None):
             faults.append(f"ripple and attenuation: a {self.family} filter has none")
-        if faults:
-            raise ValueError("; ".join(faults))
+        refuse("", faults)
 
     def zpk(self) -> tuple[Complex, Complex, float]:
         """Zeros, poles (rad/s) and gain factor of the transfer function."""
@@ -153,8 +153,7 @@ class Chain:
             faults.append(f"velocity: {self.velocity!r} is none of {', '.join(get_args(Velocity))}")
         if self.oversampling < 1:
             faults.append(f"oversampling: {self.oversampling} is below 1")
-        if faults:
-            raise ValueError("; ".join(faults))
+        refuse("", faults)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -25,49 +25,39 @@ class Path(Protocol):
     @property
     def system(self) -> ImpactSystem:
         """Moving system."""
-        ...
 
     @property
     def drive(self) -> Drive:
         """Drive of the motion; its phase is 0 at time 0."""
-        ...
 
     @property
     def t_start(self) -> float:
         """Start time, s."""
-        ...
 
     @property
     def t_end(self) -> float:
         """End time, s."""
-        ...
 
     @property
     def impact_times(self) -> Array:
         """Impact times (m,), s."""
-        ...
 
     @property
     def impact_velocities(self) -> Array:
         """Contact velocities (m,) just before impact, positive toward the stop, m/s."""
-        ...
 
     @property
     def rests(self) -> Array:
         """Begin and end of each rest on the stop, (m, 2), s."""
-        ...
 
     def at(self, t: ArrayLike, output: str = ...) -> Array:
         """Output at times t, m."""
-        ...
 
     def velocity_at(self, t: ArrayLike, output: str = ...) -> Array:
         """Rate of an output at times t, m/s; at an impact its value just after."""
-        ...
 
     def modes_at(self, t: ArrayLike) -> Array:
         """Modal displacements and velocities (…, 2, n)."""
-        ...
 
 
 def drive_period(path: Path) -> float:

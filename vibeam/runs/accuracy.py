@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.exchange.faults import CaseError
-from vibeam.runs.estimate.records import Basis, FidelityEstimate
+from vibeam.runs.estimate.records import FidelityEstimate, counted_reasons
 from vibeam.runs.keys import estimates_key
 from vibeam.runs.store.records import ESTIMATED
 from vibeam.system.number_text import percent
@@ -119,9 +119,10 @@ def _swept(name: str, found: FidelityEstimate, quantities: Sequence[str], points
     parts = found.branches.values()
     errors = np.concatenate([getattr(each, f"{of}_bound")[each.known] for each in parts for of in quantities])
     errors = errors[np.isfinite(errors)]  # velocities are not, without impacts
-    codes, counts = np.unique(np.concatenate([each.basis[~each.known] for each in parts]), return_counts=True)
-    unknown = {Basis.of_code(int(code)).value: int(count) for code, count in zip(codes, counts, strict=True)}
-    return SweptFidelity(name, float(errors.max()) if len(errors) else np.nan, points - sum(counts), points, unknown)
+    largest = float(errors.max()) if len(errors) else np.nan
+    reasons = counted_reasons(each.basis[~each.known] for each in parts)
+    unknown = {basis.value: count for basis, count in reasons.items()}
+    return SweptFidelity(name, largest, points - sum(unknown.values()), points, unknown)
 
 
 def known_estimates(case: Case, jobs: Sequence[Job], store: Store | None) -> dict[str, FidelityEstimate]:

@@ -18,6 +18,7 @@ from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
+from vibeam_models.arguments import refuse
 from vibeam_models.arrays import Array
 
 SAMPLES = 1000  # samples a drive period
@@ -162,8 +163,7 @@ class AveragingSolver(StationarySolver):
         super().__init__(system, strikes_only)
         faults = law_faults(resonance, damping, system.restitution)
         faults += [f"resonance: {resonance} is beyond {HIGHEST}"] if resonance > HIGHEST else []
-        if faults:
-            raise ValueError("; ".join(faults))
+        refuse("", faults)
         self.resonance, self.damping = resonance, damping
 
     def curves(self, omegas: ArrayLike, amplitude: ArrayLike, output: str) -> MotionCurves:

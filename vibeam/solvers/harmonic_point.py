@@ -17,7 +17,6 @@ apart. Periods with a rest, and stops that yield, are integrated along the motio
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -28,7 +27,7 @@ from vibeam.flight.trajectory import simulate
 from vibeam.observe.motion import integral
 from vibeam.observe.periodicity import repetition
 from vibeam.solvers import SOLVERS, solver
-from vibeam.solvers.several_harmonics import SeveralHarmonics, Shares, further, solved
+from vibeam.solvers.several_harmonics import SeveralHarmonics, Shares, further, solved, with_oscillators
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.quantities import VELOCITIES_KEPT
 from vibeam.system.response import Ended, FrequencyResponse, join
@@ -43,19 +42,9 @@ class ModeEnergies:
         self.several, self.many = several, len(several.harmonics)
         self.exact = SOLVERS[solver_name].motion == "exact"
         self.yields = several.plain.contact_law.yields
-        nothing, own = np.zeros(self.many), several.system
-        self.listening = replace(
-            own,
-            omega=np.concatenate([own.omega, several.rates]),
-            zeta=np.concatenate([own.zeta, nothing]),
-            contact=np.concatenate([own.contact, nothing + several.light]),
-            load=np.concatenate([own.load, nothing]),
-            static=np.concatenate([own.static, nothing]),
-            outputs={},
-            derivatives={},
-            coupling=None if own.coupling is None else np.pad(own.coupling, (0, self.many)),
-        )
-        self.solver = solver(solver_name, self.listening, slowest, **options)
+        light = np.full(self.many, several.light)
+        listening = with_oscillators(several.system, several.rates, light, outputs={}, derivatives={})
+        self.solver = solver(solver_name, listening, slowest, **options)
 
     def of_period(self, free: Array, begin: State, end: State, rest: float) -> Array:
         """Mean energies (n,), J, over a period from phase 0 between two states of ``several.system``.

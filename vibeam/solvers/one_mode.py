@@ -24,6 +24,7 @@ from vibeam.solvers.steady import SteadySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam.system.state import State
+from vibeam_models.arguments import refuse
 from vibeam_models.arrays import Array
 
 
@@ -44,8 +45,7 @@ class Oscillator:
         faults += [] if np.isfinite(self.drive) else [f"drive {self.drive} is not finite"]
         faults += [] if np.isfinite(self.gap) else [f"gap {self.gap} is not finite"]
         faults += [] if 0 <= self.restitution <= 1 else [f"restitution {self.restitution} is outside [0, 1]"]
-        if faults:
-            raise ValueError("; ".join(faults))
+        refuse("", faults)
 
     @property
     def damped(self) -> float:
@@ -69,9 +69,7 @@ class OneMode:
     system: ImpactSystem
 
     def __post_init__(self) -> None:
-        faults = one_mode_faults(self.system)
-        if faults:
-            raise ValueError("; ".join(faults))
+        refuse("", one_mode_faults(self.system))
 
     @property
     def omega(self) -> float:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,27 +81,14 @@ class SeveralHarmonics:
     @cached_property
     def system(self) -> ImpactSystem:
         """The system with two modes more for each harmonic."""
-        own, many = self.plain, 2 * len(self.harmonics)
-        rates = np.repeat(self.rates, 2)
-        nothing, contact = np.zeros(many), np.zeros(many)
+        own, contact = self.plain, np.zeros(2 * len(self.harmonics))
         contact[::2] = np.where(self._seen, self.light, 0.0)
         outputs = {name: np.concatenate([row, self._output(row)]) for name, row in own.outputs.items()}
         derivatives = {
             name: replace(each, row=np.concatenate([each.row, self._output(each.row, each.base)]))
             for name, each in own.derivatives.items()
         }
-        coupling = None if own.coupling is None else np.pad(own.coupling, (0, many))
-        return replace(
-            own,
-            omega=np.concatenate([own.omega, rates]),
-            zeta=np.concatenate([own.zeta, nothing]),
-            contact=np.concatenate([own.contact, contact]),
-            load=np.concatenate([own.load, nothing]),
-            static=np.concatenate([own.static, nothing]),
-            outputs=outputs,
-            derivatives=derivatives,
-            coupling=coupling,
-        )
+        return with_oscillators(own, np.repeat(self.rates, 2), contact, outputs=outputs, derivatives=derivatives)
 
     def enter(self, state: State, time: float = 0.0) -> State:
         """``state`` of ``plain`` at ``time`` (s) as that of ``system``."""
@@ -167,6 +155,15 @@ class SeveralHarmonics:
         moved = np.array([each.acceleration * np.exp(1j * each.phase) for each in self.harmonics]) / self.rates**2
         share = (self.responses @ row + base * moved) / self._phasors
         return self.light * np.stack([share.real, share.imag], axis=1).ravel()
+
+
+def with_oscillators(system: ImpactSystem, rates: Array, contact: Array, **own: Any) -> ImpactSystem:
+    """System with further modes (m,) at ``rates`` rad/s that nothing damps or drives; ``own``: other fields anew."""
+    rows = {"omega": rates, "contact": contact} | dict.fromkeys(("zeta", "load", "static"), np.zeros(len(rates)))
+    longer: dict[str, Any] = {name: np.concatenate([getattr(system, name), row]) for name, row in rows.items()}
+    if system.coupling is not None:
+        longer["coupling"] = np.pad(system.coupling, (0, len(rates)))
+    return replace(system, **longer, **own)
 
 
 def further(shares: Shares, drive: Drive) -> tuple[Harmonic, ...]:

@@ -39,7 +39,7 @@ from typing import Literal
 import numpy as np
 
 from vibeam.solvers.one_mode import Oscillator
-from vibeam_models.arguments import whole
+from vibeam_models.arguments import refuse, whole
 from vibeam_models.arrays import Array
 
 Damping = Literal["paper", "log"]
@@ -68,9 +68,7 @@ class SlowFlow:
     damping: Damping = "paper"
 
     def __post_init__(self) -> None:
-        faults = law_faults(self.resonance, self.damping, self.oscillator.restitution)
-        if faults:
-            raise ValueError("; ".join(faults))
+        refuse("", law_faults(self.resonance, self.damping, self.oscillator.restitution))
 
     @property
     def effective(self) -> float:

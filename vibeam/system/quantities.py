@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
-from typing import Literal
+from typing import Literal, Self
 
 VELOCITIES_KEPT = 16  # last impact velocities stored for each point
 
@@ -81,7 +81,21 @@ def unit_of(quantity: DatasetQuantity, units: OutputUnits) -> str:
     return named.get(quantity.unit, quantity.unit)
 
 
-class Ended(Enum):
+class CodedEnum(Enum):
+    """Enumeration whose members have numbers in arrays, kernels and files: their order."""
+
+    code: int
+
+    def __init__(self, _: object) -> None:
+        self.code = len(type(self).__members__)
+
+    @classmethod
+    def of_code(cls, code: int) -> Self:
+        """Member with a given number."""
+        return list(cls)[code]
+
+
+class Ended(CodedEnum):
     """Reason why a computation ended: the value is the message, the order is the code in kernels and files.
 
     >>> import vibeam
@@ -99,16 +113,3 @@ class Ended(Enum):
         "the next event was not found in bounded work: some modes, or the contact's own damping, are far too fast "
         "beside it; keep fewer modes, or damp the contact less"
     )
-
-    @property
-    def code(self) -> int:
-        """Number of the member in files and kernels."""
-        return _CODES[self]
-
-    @classmethod
-    def of_code(cls, code: int) -> Ended:
-        """Member with a given number."""
-        return list(cls)[code]
-
-
-_CODES = {member: code for code, member in enumerate(Ended)}

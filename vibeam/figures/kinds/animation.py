@@ -13,12 +13,13 @@ import numpy as np
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.beam_panel import BeamPanel, scale_of
-from vibeam.figures.loop import LONGEST, loop_columns
+from vibeam.figures.loop import LONGEST
+from vibeam.figures.loop import loop_columns as columns  # noqa: F401
 from vibeam.figures.moving import FRAMES_A_SECOND, Moving
 from vibeam.figures.page import plain
 from vibeam.figures.panels import is_empty, say, start_upward
 from vibeam.figures.response import draw_branch
-from vibeam.figures.sheet import Columns, Comparison, Sheet
+from vibeam.figures.sheet import Comparison, Sheet
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import frequency_label, motion_of, units_for, with_unit
 from vibeam.system.number_text import FREQUENCIES, LENGTHS, prefixed
@@ -29,17 +30,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-    from vibeam.case.case import Case
-
 
 WIDTH, HIGH, ROW, AROUND = 7.2, 3.7, 1.35, 1.4  # inches: of the page, of one beam's page, of a further beam, of titles
 LEFT = 0.52  # share of the width that the beams have
 FLASH = 0.06  # drive periods for which an impact is marked
-
-
-def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
-    """One loop of the motion at one ``frequency``, Hz."""
-    return loop_columns(case, name, frequency, plan)
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:

@@ -101,14 +101,14 @@ def doubts(found: HeldComparison) -> Iterator[str]:
         key = f"'stop.restitution_of=\"{found.other.restitution_of}\"'"
         yield f"{headline(found)[:-1]}: --set {key} compares so."
     if _near(found):
-        yield f"{'; '.join(line.strip() for line in _own_limit(found))}."
+        yield f"{_own_limit(found)}."
 
 
 def settled(found: HeldComparison) -> Iterator[str]:
     """Sentences on a comparison beside its ``doubts``."""
     yield from () if found.turning else (headline(found),)
     yield from _unknown(found)
-    yield from () if _near(found) else _own_limit(found)
+    yield from () if _near(found) else filter(None, [_own_limit(found)])
 
 
 def _near(found: HeldComparison) -> list[BothChoices]:
@@ -127,17 +127,15 @@ def _unknown(found: HeldComparison) -> Iterator[str]:
         yield f"{listed(names)} with {found.other.label} held: not known ({why})"
 
 
-def _own_limit(found: HeldComparison) -> Iterator[str]:
+def _own_limit(found: HeldComparison) -> str:
     if found.other is None and not found.held.law:
-        return
+        return ""
     own, name = found.limit, found.finest
     if own.why:
-        yield f"{name}: distance from its own limit not estimated ({own.why}): compare it with more modes"
-        return
-    yield f"{name} is off its own limit by {_distance(own)}"
+        return f"{name}: distance from its own limit not estimated ({own.why}): compare it with more modes"
     near = [f"{row.fidelity} ({signed(_of(row))} ± {percent(row.uncertainty[0])})" for row in _near(found)]
-    if near:
-        yield f"  that is not small against {listed(near)}: {_cure(found)}"
+    but = f"; that is not small against {listed(near)}: {_cure(found)}" if near else ""
+    return f"{name} is off its own limit by {_distance(own)}{but}"
 
 
 def _distance(own: OwnLimit) -> str:

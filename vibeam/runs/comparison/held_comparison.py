@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from math import isfinite
 from typing import TYPE_CHECKING
 
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 from vibeam.case.held import held_of, other_choice, with_other_choice
 from vibeam.runs.closed_motions import ClosedCurve, closed_curve, without_closed_forms
 from vibeam.runs.comparison.differences import BothChoices, HeldComparison, OwnLimit
-from vibeam.runs.comparison.limit import Limit, limit
+from vibeam.runs.comparison.limit import limit
 from vibeam.system.curves import NAN, Difference
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, periodic
@@ -70,11 +71,7 @@ def _both(model: ComparedModel) -> tuple[Closed, Closed]:
     """Closed-form curves of a model as held and with the other choice."""
     if why := _excluded(model):
         return why, why
-    here = _curve(model, model.system)
-    try:
-        return here, _curve(model, with_other_choice(_rig(model), model.system))
-    except ValueError as refusal:
-        return here, str(refusal)
+    return _curve(model, lambda: model.system), _curve(model, lambda: with_other_choice(_rig(model), model.system))
 
 
 def _excluded(model: ComparedModel) -> str:
@@ -97,8 +94,12 @@ def _rig(model: ComparedModel) -> RigScene:
     return model.scene
 
 
-def _curve(model: ComparedModel, system: ImpactSystem) -> ClosedCurve:
-    return closed_curve(system, model.omega, model.base, model.output)
+def _curve(model: ComparedModel, make: Callable[[], ImpactSystem]) -> Closed:
+    """Closed-form curve of a model's system as it is made, or the reason why it cannot be."""
+    try:
+        return closed_curve(make(), model.omega, model.base, model.output)
+    except ValueError as refusal:
+        return str(refusal)
 
 
 def _own_limit(finest: ComparedModel, here: Closed, there: Closed) -> OwnLimit:
@@ -114,19 +115,12 @@ def _own_limit(finest: ComparedModel, here: Closed, there: Closed) -> OwnLimit:
         return OwnLimit(why="no motion with at most one impact a drive period, and no other has a closed form")
     choices = ("contact", "first mode")
     held, other = choices if scene.stop.restitution_of == "contact" else choices[::-1]
-    by_limit, by_other = (_limit_curve(finest, own, scene, choice) for choice in (held, other))
+    by_limit, by_other = (_curve(finest, partial(own.holding, scene, choice)) for choice in (held, other))
     distance = _difference(here, by_limit, kinds)
     if _peak_fault(finest, here):
         distance = replace(distance, peak=NAN)
     why = by_limit if isinstance(by_limit, str) else ""
     return OwnLimit(distance, _difference(there, by_other), own.modes, own.elements, why)
-
-
-def _limit_curve(finest: ComparedModel, own: Limit, scene: RigScene, choice: str) -> Closed:
-    try:
-        return _curve(finest, own.holding(scene, choice))
-    except ValueError as refusal:
-        return str(refusal)
 
 
 def _kinds(model: ComparedModel, closed: ClosedCurve) -> NDArray[np.bool_]:

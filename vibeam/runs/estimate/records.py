@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.system.number_text import percent
+from vibeam.system.quantities import CodedEnum
 from vibeam_models.arrays import Array, ValueRecord
 
 
-class Basis(Enum):
+class Basis(CodedEnum):
     """The value says in words what an estimate is of, or why there is none; the order is the code in arrays."""
 
     ORBIT = "along the exact orbit"
@@ -30,20 +30,9 @@ class Basis(Enum):
     FREE = "clear of the stop, as the full model"
     ANOTHER = "the full model makes another motion"
 
-    @property
-    def code(self) -> int:
-        """Number in arrays and files."""
-        return _CODES[self]
-
-    @classmethod
-    def of_code(cls, code: int) -> Basis:
-        """Member with a given number."""
-        return list(cls)[code]
-
 
 KNOWN = (Basis.ORBIT, Basis.FREE)  # those with an estimate
 WITHOUT_IMPACTS = (Basis.FREE, Basis.FAILED)  # neither model is known to touch the stop
-_CODES = {member: code for code, member in enumerate(Basis)}
 
 
 QUANTITIES = ("amplitude", "reach", "impact_velocity")
@@ -82,8 +71,7 @@ class ErrorEstimate(ValueRecord):
     @property
     def reasons(self) -> dict[Basis, int]:
         """Number of impacting points without an estimate, by the reason."""
-        codes, counts = np.unique(self.basis[self.impacting & ~self.known], return_counts=True)
-        return {Basis.of_code(int(code)): int(count) for code, count in zip(codes, counts, strict=True)}
+        return counted_reasons([self.basis[self.impacting & ~self.known]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,18 +153,23 @@ def summary(name: str, found: FidelityEstimate) -> EstimateSummary:
     """Summarise the estimates of one fidelity."""
     if found.whole:
         return EstimateSummary(name, found.modes, 0.0, 0.0, 0, 0, {}, WHOLE)
-    parts, unknown = list(found.branches.values()), dict[str, int]()
+    parts = list(found.branches.values())
     bounds = np.concatenate([np.zeros(0), *(part.amplitude_bound[part.known & part.impacting] for part in parts)])
     total = sum(int(np.count_nonzero(part.impacting)) for part in parts)
-    for part in parts:
-        for basis, count in part.reasons.items():
-            unknown[basis.value] = unknown.get(basis.value, 0) + count
+    reasons = counted_reasons(part.basis[part.impacting & ~part.known] for part in parts)
+    unknown = {basis.value: count for basis, count in reasons.items()}
     worst, rms = NAN, NAN
     if len(bounds) and len(bounds) >= LEAST * total:
         worst, rms = float(bounds.max()), float(np.sqrt(np.mean(bounds**2)))
     return EstimateSummary(
         name, found.modes, worst, rms, len(bounds), total, unknown, found.why, found.cpu_seconds
     )  # fmt: skip
+
+
+def counted_reasons(bases: Iterable[NDArray[np.int64]]) -> dict[Basis, int]:
+    """Number of points by the reason, of the codes of several branches."""
+    codes, counts = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *bases]), return_counts=True)
+    return {Basis.of_code(int(code)): int(count) for code, count in zip(codes, counts, strict=True)}
 
 
 def _sentences(rows: Sequence[EstimateSummary]) -> Iterator[str]:

@@ -36,43 +36,33 @@ class Frame(Protocol):
     @property
     def scale(self) -> Array:
         """Size of each coordinate, (2n,), for a contact motion of 1 m."""
-        ...
 
     def outward(self, states: Array) -> Array:
         """Modal displacements and velocities (m, 2, n) of states (2n, m)."""
-        ...
 
     def rate(self, t: float, y: Array) -> Any:
         """Rate dy/dt in flight."""
-        ...
 
     def rate_at_rest(self, t: float, y: Array) -> Any:
         """Rate dy/dt with the contact held on the stop."""
-        ...
 
     def excess(self, y: Array) -> Any:
         """Contact displacement − gap, m."""
-        ...
 
     def approach(self, y: Array) -> Any:
         """Contact velocity, positive toward the stop, m/s."""
-        ...
 
     def press(self, t: float, y: Array) -> float:
         """Acceleration of the free contact toward the stop, m/s²; the contact force has its sign."""
-        ...
 
     def touch(self, y: Array) -> Array:
         """State projected exactly onto the stop."""
-        ...
 
     def hold(self, y: Array) -> Array:
         """State on the stop, its contact velocity removed by the least impulse."""
-        ...
 
     def strike(self, y: Array) -> tuple[Frame, Array]:
         """Frame and state after an impact."""
-        ...
 
 
 def chosen(method: str, known: Sequence[str]) -> str:

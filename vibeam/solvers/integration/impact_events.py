@@ -47,6 +47,24 @@ class TooManyEvaluations(Exception):
     """More evaluations than may be in a drive period."""
 
 
+class EvaluationCount:
+    """Number of evaluations; more than ``limit`` in one ``period`` (s) are TooManyEvaluations."""
+
+    def __init__(self, period: float, limit: int) -> None:
+        self.period, self.limit, self.all = period, limit, 0
+        self._turn, self._before = -1.0, 0
+
+    def add(self, t: float) -> None:
+        """Count one more, at time ``t`` s."""
+        pause()
+        self.all += 1
+        turn = t // self.period
+        if turn > self._turn:
+            self._turn, self._before = turn, self.all
+        if self.all - self._before > self.limit:
+            raise TooManyEvaluations
+
+
 class EventSolver(AdaptiveStepper):
     """Base class of the solvers with events; they differ in the ``Frame`` of their flights."""
 
@@ -68,7 +86,7 @@ class EventSolver(AdaptiveStepper):
             event_run.t,
             State.reached(pose[0], pose[1], event_run.resting),
             event_run.impacts,
-            event_run.evaluations,
+            event_run.evaluations.all,
         )
 
 
@@ -82,9 +100,8 @@ class EventRun:
         self.frame, self.y, self.settings, self.period = frame, y, settings, period
         self.t, self.end, self.watch, self.marks = start, end, watch, marks
         self.touching = self.resting = False
-        self.impacts, self.evaluations = 0, 0
+        self.impacts, self.evaluations = 0, EvaluationCount(period, EVALUATIONS)
         self.turn, self.events = -1.0, 0
-        self.evaluated_turn, self.evaluated_before = -1.0, 0
         self.atol = settings.atol * frame.scale
         self.deep = max(DEEP * settings.atol, ROUNDING * float(np.max(np.abs(y / frame.scale))))
 
@@ -174,8 +191,7 @@ class EventRun:
         from scipy.integrate import solve_ivp
 
         def interruptible(t: float, y: Array) -> Any:
-            pause()
-            self._count(t)
+            self.evaluations.add(t)
             return rate(t, y)
 
         with ONE_AT_A_TIME if self.settings.method == "LSODA" else nullcontext():
@@ -187,14 +203,6 @@ class EventRun:
             self.y = np.full_like(self.y, np.nan)
             return None
         return found
-
-    def _count(self, t: float) -> None:
-        self.evaluations += 1
-        turn = t // self.period
-        if turn > self.evaluated_turn:
-            self.evaluated_turn, self.evaluated_before = turn, self.evaluations
-        if self.evaluations - self.evaluated_before > EVALUATIONS:
-            raise TooManyEvaluations
 
     def _missed_passage(self, times: Array, states: Array) -> tuple[float, float] | None:
         """Begin of the first step inside which the contact turns beyond the stop, and time of that turn."""

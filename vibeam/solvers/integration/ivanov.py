@@ -28,10 +28,9 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.flight.engine.threads import pause
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.solvers.integration.coordinates import only_one_mode
-from vibeam.solvers.integration.impact_events import LONGEST, TooManyEvaluations, samples
+from vibeam.solvers.integration.impact_events import LONGEST, EvaluationCount, TooManyEvaluations, samples
 from vibeam.solvers.integration.samples import SampledPiece, SteppedOutcome
 from vibeam.solvers.integration.stepper import NO_MARKS, AdaptiveStepper, Watch, cycle, slack
 from vibeam.solvers.integration.zhuravlev import Distance
@@ -41,18 +40,14 @@ from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
 
-@dataclass
+@dataclass(frozen=True)
 class IvanovCoordinates:
-    """Coordinates y = (z, v); counts evaluations, up to ``limit`` in one ``period``."""
+    """Coordinates y = (z, v), whose rates are counted."""
 
     of: Distance
     loss: float
-    period: float
-    limit: int
     atol: float
-    evaluations: int = 0
-    turn: float = -1.0
-    before: int = 0
+    evaluations: EvaluationCount
 
     def inward(self, state: State) -> tuple[float, float]:
         """(z, v) on the side z ≥ 0."""
@@ -61,7 +56,7 @@ class IvanovCoordinates:
 
     def rate(self, t: float, y: Array) -> tuple[float, float]:
         """(z', v')."""
-        self._count(t)
+        self.evaluations.add(t)
         z, v = y
         factor, push = self._factor(z, v), self._push(t, z)
         if self._at_rest(z, factor * v, push):
@@ -83,15 +78,6 @@ class IvanovCoordinates:
         parts = [(z, self._factor(z, v) * v, self._push(t, z)) for t, z, v in zip(times, *states, strict=True)]
         frozen = np.array([self._at_rest(*part) for part in parts])
         return float(np.sum(np.diff(times)[frozen[1:] & frozen[:-1]]))
-
-    def _count(self, t: float) -> None:
-        pause()
-        self.evaluations += 1
-        turn = t // self.period
-        if turn > self.turn:
-            self.turn, self.before = turn, self.evaluations
-        if self.evaluations - self.before > self.limit:
-            raise TooManyEvaluations
 
     def outward(self, states: Array, side: float) -> tuple[Array, Array]:
         """x and x' (m,) of states (2, m) of one flight on the side ±1."""
@@ -124,7 +110,8 @@ class IvanovSolver(AdaptiveStepper):
 
         restitution, distance = self.system.restitution, Distance.of(self.system, drive)
         loss, period = (1 - restitution) / (1 + restitution), cycle(self.system, drive)
-        coordinates = IvanovCoordinates(distance, loss, period, self.settings.limit, self.settings.atol)
+        evaluations = EvaluationCount(period, self.settings.limit)
+        coordinates = IvanovCoordinates(distance, loss, self.settings.atol, evaluations)
         if distance.distance(state)[0] < -slack(self.system, state.displacement) - self.settings.atol:
             return SteppedOutcome(Ended.PENETRATED, start, state, 0, 0)
         if end <= start:
@@ -137,17 +124,17 @@ class IvanovSolver(AdaptiveStepper):
                     dense_output=watch is not None,
                 )  # fmt: skip
         except TooManyEvaluations:
-            return self._stopped(Ended.EVENT_LIMIT, start, coordinates)
+            return self._stopped(Ended.EVENT_LIMIT, start, evaluations)
         if found.status < 0 or not np.all(np.isfinite(found.y[:, -1])):
-            return self._stopped(Ended.NOT_FINITE, start, coordinates)
+            return self._stopped(Ended.NOT_FINITE, start, evaluations)
         if watch is not None:
             _pass_on(coordinates, found, watch, marks)
         last = distance.modal(*coordinates.outward(found.y[:, -1:], side_of(found.y[:, -1])))[0]
         impacts = int(np.count_nonzero(np.diff(np.signbit(found.y[0]))))
-        return SteppedOutcome(Ended.COMPLETE, end, State(last[0], last[1]), impacts, coordinates.evaluations)
+        return SteppedOutcome(Ended.COMPLETE, end, State(last[0], last[1]), impacts, evaluations.all)
 
-    def _stopped(self, ended: Ended, start: float, coordinates: IvanovCoordinates) -> SteppedOutcome:
-        return SteppedOutcome(ended, start, equilibrium(self.system), 0, coordinates.evaluations)
+    def _stopped(self, ended: Ended, start: float, evaluations: EvaluationCount) -> SteppedOutcome:
+        return SteppedOutcome(ended, start, equilibrium(self.system), 0, evaluations.all)
 
 
 def side_of(y: Array) -> float:
