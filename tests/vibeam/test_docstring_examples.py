@@ -16,7 +16,7 @@ from vibeam.report.declaration import STUDIES
 from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import REDUCTIONS
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 ROOMS = {"observe", "periodic", "studies"}
 NAMES = sorted({*vibeam.__all__} - {"__version__"} - ROOMS)
 REGISTRIES = (FIGURES, REDUCTIONS, SOLVERS, STUDIES, STUDY_PLANS)
