@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vibeam.report import cost, influence, modes_needed
 from vibeam.report.maps import verdict as fidelity_map
@@ -45,6 +45,8 @@ def sheet(found: Verdict) -> StudySheet:
     if len(sheets) == 1:
         stage, made = sheets[0]
         return replace(made, study=FILES[stage.name])
+    from vibeam.report.page.page import study_page
+
     rows = [StageRow(stage.name, QUESTIONS[stage.name], made.answer, stage.cpu_seconds) for stage, made in sheets]
     notes = [note for _, made in sheets for note in made.notes[:1]]
     answer = next((row.answer for row, (stage, _) in zip(rows, sheets, strict=True) if not stage.why), rows[0].answer)
@@ -56,7 +58,7 @@ def sheet(found: Verdict) -> StudySheet:
         [table for _, made in sheets for table in [*made.tables, *made.more]],
         data={"stages": {stage.name: {"answer": made.answer, **made.data} for stage, made in sheets}},
         rows=rows,
-        page=lambda: _page(found.case, answer, [(QUESTIONS[stage.name], made) for stage, made in sheets]),
+        page=lambda: study_page(found.case.title, answer, [(QUESTIONS[each.name], made) for each, made in sheets]),
     )
 
 
@@ -84,9 +86,3 @@ def _answers(rows: Sequence[StageRow]) -> ReportTable:
     for row in rows:
         table.add_row(row.question, row.answer, f"{row.cpu_seconds:.2g} s")
     return table
-
-
-def _page(case: Case, answer: str, sections: Sequence[tuple[str, Any]]) -> str:
-    from vibeam.report.page.page import study_page
-
-    return study_page(case.title, answer, sections)
