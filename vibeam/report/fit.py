@@ -18,7 +18,7 @@ from vibeam.studies.fit.profile import FitRow
 from vibeam.studies.fit.study import FitStudy, FittedPoint
 from vibeam.studies.identification.estimates import Estimate, Identification
 from vibeam.studies.identification.modes import unit_of
-from vibeam.system.number_text import percent, shown_in, with_unit
+from vibeam.system.number_text import begun, percent, shown_in, with_unit
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
@@ -86,7 +86,8 @@ def _value(row: FitRow | Estimate, low_open: bool = False, high_open: bool = Fal
         found = f"± {with_unit(half, unit, 2)}"
     else:
         found = f"± {percent(float(f'{half / size:.2g}'))}"
-    return f"{with_unit(row.value, unit)} ({found})"
+    value = round(row.value, 1 - floor(log10(half))) + 0.0 if half > 2 * size else row.value
+    return f"{with_unit(value, unit)} ({found})"
 
 
 def identification_sheet(found: Identification) -> StudySheet:
@@ -98,7 +99,7 @@ def identification_sheet(found: Identification) -> StudySheet:
     told += f"{percent(found.residual)}){f', which do not fix {unknown}' if unknown else ''}"
     told = told if known else f"{of} do not fix {unknown}"
     because = f"; taken as a {found.of}, since {found.why}" if found.of else ""
-    answer = f"{told[0].upper() if found.of or not known else told[0]}{told[1:]}{because}."
+    answer = f"{begun(told) if found.of or not known else told}{because}."
     data = {each.name: held for each in fields(found) if (held := getattr(found, each.name)) != ""}
     return StudySheet(answer, [_identified(found)], [*found.directions, *found.notes], data=data, rows=found.rows)
 

@@ -169,9 +169,9 @@ def answer(study: UncertaintyStudy) -> str:
 
 
 def _main(study: UncertaintyStudy) -> tuple[int, float, bool] | None:
-    """Place and share of the input with the largest total index, whether that is known roughly; None: none known."""
+    """Place and share of the input with the largest total index, whether that is known roughly; None: no other one."""
     found = study.of_peak
-    if not np.isfinite(found.total[:, 0]).any():
+    if len(study.uncertain) < 2 or not np.isfinite(found.total[:, 0]).any():
         return None
     place = int(np.nanargmax(found.total[:, 0]))
     return place, float(found.total[place, 0]), bool(found.high[place, 0] - found.low[place, 0] > ROUGH)

@@ -16,6 +16,7 @@ import vibeam
 from vibeam.exchange.curves.record import ReferenceCurve
 from vibeam.report.fit import fit_answer
 from vibeam.studies.fit.estimate import minimise, settled
+from vibeam.studies.fit.judgement import patterns
 from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import LEVEL, profile
 
@@ -63,6 +64,7 @@ def test_an_independent_integration_is_met_without_residual():
     found = settled(problem, problem.start)
     assert problem.values(found.x) == pytest.approx([5.16e-4, 0.72], rel=1e-6)
     assert found.actual.all()
+    assert not any(each.significant for each in patterns(problem, found))  # of what is far within the uncertainty
 
 
 def test_a_peak_alone_fixes_the_ridge_and_no_point_on_it():

@@ -121,11 +121,11 @@ def test_what_is_no_signal_is_refused() -> None:
 def test_a_value_near_0_has_an_interval_in_its_unit() -> None:
     """A gap may be below 0 or as good as 0; what no data fix has no value."""
     rows = tuple(Estimate(*each) for each in (
-        ("a", -2e-4, -2.2e-4, -1.8e-4, "m"), ("b", 1e-6, -9e-6, 1.1e-5, "m"), ("c", nan, nan, nan, "1"),
+        ("a", -2e-4, -2.2e-4, -1.8e-4, "m"), ("b", -4e-12, -1e-5, 1e-5, "m"), ("c", nan, nan, nan, "1"),
     ))  # fmt: skip
     found = Identification(rows, "made up", 5, 0.01)
     told = identification_sheet(found).answer
-    assert told.startswith("a -0.2 mm (± 10 %) and b 1 µm (± 10 µm) describe the 5 measured modal frequencies (")
+    assert told.startswith("a -0.2 mm (± 10 %) and b 0 m (± 10 µm) describe the 5 measured modal frequencies (")
     assert told.endswith("rms residual 1 %), which do not fix c.")
     none = identification_sheet(replace(found, rows=rows[2:]))
     assert none.answer == "The 5 measured modal frequencies do not fix c."

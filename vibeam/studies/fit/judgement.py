@@ -115,8 +115,8 @@ class Pattern:
 
     @property
     def significant(self) -> bool:
-        """Test whether it is below the probability that is asked for."""
-        return self.probability < UNLIKELY
+        """Test whether it is unlikely, and lowers χ² by more than 1, what any parameter of noise does."""
+        return self.probability < UNLIKELY and self.decrease > 1.0
 
 
 @dataclass(frozen=True)
