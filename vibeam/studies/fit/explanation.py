@@ -14,6 +14,7 @@ no set is the better for leaving points out.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -162,21 +163,16 @@ def _flown(problem: Problem, group: Points, own: Index, every: Array, settle: in
     """Values (m, points) of a group's quantity from rest at shares (m, P), NaN where there is no system; all that is
     read off."""
     surface, omega = problem.surfaces[group.fidelity], group.omega
-    known = [(k, surface.at(x)) for k, x in enumerate(every) if _possible(problem, group, x)]
+    known = []
+    for k, x in enumerate(every):
+        with suppress(ValueError):
+            known.append((k, surface.at(x)))
     systems = np.array([_system(data) for _, data in known], dtype=object)[:, None]
     drive = np.array([data.drive[own] for _, data in known])
     flown = batch(systems, omega[None, :], drive, settle=settle, hold=HOLD, output="seen")
     value = np.full((len(every), len(omega)), np.nan)
     value[[k for k, _ in known]] = getattr(flown, group.quantity)
     return value, flown
-
-
-def _possible(problem: Problem, group: Points, x: Array) -> bool:
-    try:
-        problem.surfaces[group.fidelity].at(x)
-    except ValueError:
-        return False
-    return True
 
 
 def _system(data: ModalData) -> ImpactSystem:
@@ -272,14 +268,11 @@ def _unfolded(problem: Problem, x: Array, beyond: Array, chosen: Index) -> Index
         lost = (beyond[:2, at] > 0).all(axis=0) & (chosen[at] != NO_CONTACT) & group.unstable
         if lost.any():
             surface = problem.surfaces[group.fidelity]
-            data = _mirrored(surface.at(x).driven(own), beyond[0, at])
+            data = surface.at(x).driven(own)
+            above = 2 * np.clip(np.nan_to_num(beyond[0, at]), 0.0, FURTHEST)
+            data = replace(data, drive=data.drive * np.exp(above))  # as far above the fold's as it is below
             found[at[lost]] = _nearer_root(group, data, surface)[lost]
     return found
-
-
-def _mirrored(data: ModalData, beyond: Array) -> ModalData:
-    """The drive as far above the fold's, by its logarithm, as it is below."""
-    return replace(data, drive=data.drive * np.exp(2 * np.clip(np.nan_to_num(beyond), 0.0, FURTHEST)))
 
 
 def _nearer_root(group: Points, data: ModalData, surface: ModalSurface) -> Index:

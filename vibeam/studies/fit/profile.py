@@ -54,11 +54,6 @@ class Profile:
     open: tuple[bool, bool]
     path: Array = field(repr=False)
 
-    @property
-    def width(self) -> float:
-        """Width, share of the bounds."""
-        return self.high - self.low
-
 
 @dataclass(frozen=True)
 class FitRow:

@@ -19,6 +19,7 @@ from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges, ridges
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
+from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def fit(case: Case, progress: Progress | bool | None = None, *, next_point: bool
 
 def _study(case: Case, tell: Progress, next_point: bool) -> FitStudy:
     whole = Problem.of(case)
-    tell(f"Least squares: {whole.count} points, {len(whole.keys)} keys")
+    tell(f"Least squares: {counted(whole.count, 'point')}, {counted(len(whole.keys), 'key')}")
     problem, minimum, judgement = _judged(case, whole, tell)
     tell("Intervals by profile likelihood")
     profiles = [profile(problem, minimum, k, judgement.scale) for k in range(len(problem.keys))]

@@ -88,10 +88,6 @@ def _refuse(case: Case, name: str, made: ImpactSystem) -> None:
         told = "a fit knows a gap that stays: take drift and wear away"
     if told:
         raise ValueError(f"fidelity.{name}: {told}")
-    _require_output(case, made)
-
-
-def _require_output(case: Case, made: ImpactSystem) -> None:
     try:
         made.output(case.sweep.output)
     except KeyError as wrong:

@@ -23,6 +23,7 @@ from vibeam.studies.fit.problem import MOTIONS, Problem
 from vibeam.studies.fit.profile import LEVEL, FitRow, Profile
 from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import with_unit
+from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ def facts(problem: Problem, minimum: Minimum, judgement: Judgement) -> list[str]
     found = [_verdict(minimum, judgement)] if minimum.freedom > 0 else []
     counts = [f"{n} with {MOTIONS[k]}" for k, n in enumerate(np.bincount(minimum.chosen, minlength=3)[:3]) if n]
     counts += [f"{n} left out" for n in [int(np.sum(~minimum.used))] if n]
-    return [*found, f"{_points(problem.count)}: {', '.join(counts)}."]
+    return [*found, f"{counted(problem.count, 'point')}: {', '.join(counts)}."]
 
 
 def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterator[str]:
@@ -58,7 +59,7 @@ def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Itera
     if not any(each.met for each in judgement.others):
         yield from _on_patterns(judgement)
     if free < 0:
-        yield f"{_points(free + len(problem.keys))} cannot fix {len(problem.keys)} keys."
+        yield f"{counted(free + len(problem.keys), 'point')} cannot fix {len(problem.keys)} keys."
     yield counts
     yield from _on_others(problem, minimum)
     lost = minimum.used & ~minimum.actual
@@ -167,10 +168,6 @@ def _where(problem: Problem, which: NDArray[np.bool_]) -> str:
     found = [f"{each:.5g}" for each in problem.frequency[which]]
     more = f" … ({len(found)} points)" if len(found) > SHOWN else ""
     return f"{', '.join(found[:SHOWN])}{more} Hz"
-
-
-def _points(count: int) -> str:
-    return "1 point" if count == 1 else f"{count} points"
 
 
 def on_directions(problem: Problem, minimum: Minimum) -> Iterator[str]:

@@ -110,7 +110,7 @@ def _distinct(keys: Sequence[str]) -> Sequence[str]:
     if not keys:
         raise ValueError("no key to identify: name one, such as beam.thickness")
     if len({*keys}) < len(keys):
-        raise ValueError("a key to identify is named twice")
+        raise ValueError(f"{next(key for key in keys if list(keys).count(key) > 1)} is named twice: once is enough")
     return keys
 
 

@@ -18,6 +18,7 @@ reads; that is told beside it.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -105,8 +106,6 @@ def identify_spectrum(
 
 def _with_leakage(found: Identification, step: float) -> Identification:
     """A note where the record ends before the motion has died."""
-    from dataclasses import replace
-
     frequency, ratio = found["natural frequency"].value, found["damping ratio"].value
     left = float(np.exp(-2 * np.pi * frequency * ratio / step))
     if not left > CUT:
@@ -179,17 +178,19 @@ def _fitted(
     f, a, u = data
     values, _ = _least_squares(data, shape, start)
     jacobian, residual = by_logarithms(lambda p: shape(f, p), values), a - shape(f, values)
-    spread = (
-        spread_of(jacobian, residual, names, equal=equal)
-        if u is None
-        else spread_of(jacobian / u[:, None], None, names)
-    )
+    if u is None:
+        spread = spread_of(jacobian, residual, names, equal=equal)
+    else:
+        spread = spread_of(jacobian / u[:, None], None, names)
     left = float(np.sqrt(np.mean(residual**2)) / a.max())
-    rows = estimates(names, [float(each) for each in values[: len(names)]], spread.half, units)
-    notes = (
-        (f"{100 * left:.2g} % of the largest value remain: this is no single linear mode",) if left > REMAINS else ()
-    )
-    return Identification(rows, method, len(f), left, spread.directions, notes)
+    rows = estimates(names, values[: len(names)].tolist(), spread.half, units)
+    return Identification(rows, method, len(f), left, spread.directions, tuple(_remains(left)))
+
+
+def _remains(left: float) -> list[str]:
+    """Note on the share of the largest value that no single linear mode explains."""
+    told = f"{100 * left:.2g} % of the largest value remain: this is no single linear mode"
+    return [told] if left > REMAINS else []
 
 
 LEAST = 16  # samples
@@ -236,8 +237,7 @@ def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
 def _notes(residual: Array, left: float, envelope: float) -> tuple[str, ...]:
     notes = [f"the slope of the envelope alone gives a damping ratio of {envelope:.3g}"]
     correlation = float(np.corrcoef(residual[1:], residual[:-1])[0, 1]) if np.ptp(residual) > 0 else 0.0
-    if left > REMAINS:
-        notes.append(f"{100 * left:.2g} % of the largest value remain: this is no single linear mode")
+    notes += _remains(left)
     if abs(correlation) > CORRELATED and left > 1e-6:
         told = f"neighbouring residuals are correlated ({correlation:+.2f})"
         notes.append(f"{told}: the noise is not white, and the intervals are too narrow")

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.result import Result
     from vibeam.studies.regression.readings import MeasuredRow
-    from vibeam.studies.regression.references import CheckRow
     from vibeam.system.response import Branches
 
 
@@ -95,14 +94,11 @@ def at_references(case: Case, result: Result, *, partial: bool = False) -> dict[
 
 def _off_grid(case: Case, name: str, result: Result, partial: bool) -> Array:
     """Frequencies of a reference inside the grid's ends, and not in it."""
-    grid = np.sort(case.sweep.frequency)
-    there = np.unique([point.frequency for point in case.references[name].points()])
-    near = np.clip(np.searchsorted(grid, there), 1, len(grid) - 1) if len(grid) > 1 else np.zeros(len(there), int)
-    distance = np.minimum(np.abs(grid[near] - there), np.abs(grid[near - 1] - there))
-    off = distance > SAME_FREQUENCY * there
+    grid, there = case.sweep.frequency, np.unique([point.frequency for point in case.references[name].points()])
+    off = np.abs(there[:, None] - grid).min(axis=1) > SAME_FREQUENCY * there
     if partial and not off.all():
         return np.empty(0)
-    return np.asarray(there[off & (there > grid[0]) & (there < grid[-1])])
+    return np.asarray(there[off & (there > grid.min()) & (there < grid.max())])
 
 
 def _swept(case: Case, fidelity: str, further: Array) -> Branches:

@@ -42,7 +42,7 @@ class CurveRegistration:
 
     ``shift_hz``: the shift at the median frequency of the points. ``before`` and ``residual``: rms orthogonal distance
     relative to the largest value, as it is and after shift and amplitude error are taken out. ``separable``: whether
-    the points tell the two apart. ``points``: number of points.
+    the points tell the two apart.
     """
 
     shift: float
@@ -53,7 +53,6 @@ class CurveRegistration:
     before: float
     residual: float
     separable: bool
-    points: int
 
     @property
     def sentence(self) -> str:
@@ -86,22 +85,18 @@ def register(pieces: Sequence[Piece], frequency: Array, value: Array) -> CurveRe
     def vectors(errors: Array) -> Array:
         return _to_curve(points, segments / np.array([1 + errors[0], 1 + errors[1]]) / scale)
 
-    def cost(errors: Array) -> float:
-        return float(np.sum(np.sqrt(1 + np.sum(vectors(errors) ** 2, axis=1) / ROBUST**2) - 1))
-
     def weighted(errors: Array) -> Array:
         found = vectors(errors)
         z = np.sum(found**2, axis=1) / ROBUST**2
         share = np.sqrt(2 * (np.sqrt(1 + z) - 1) / np.where(z > 1e-12, z, 1.0))
         return np.asarray((found * np.where(z > 1e-12, share, 1.0)[:, None]).ravel())
 
-    start = min((np.array([shift, 0.0]) for shift in SHIFTS), key=cost)
+    start = min((np.array([shift, 0.0]) for shift in SHIFTS), key=lambda errors: float(np.sum(weighted(errors) ** 2)))
     found = least_squares(
         weighted, start, bounds=([-0.5, -0.95], [1.0, 20.0]), x_scale=[0.01, 0.1], xtol=1e-12, ftol=1e-12
     )
     free = max(len(points) - 2, 1)
     separable, spread = _spread(found.jac.reshape(-1, 2, 2), found.fun.reshape(-1, 2))
-    low, high = vectors(np.zeros(2)), vectors(found.x)
     shift, amplitude = found.x
     width = float(t.ppf(0.975, free))
     return CurveRegistration(
@@ -110,10 +105,9 @@ def register(pieces: Sequence[Piece], frequency: Array, value: Array) -> CurveRe
         shift_hz=float(shift * np.median(frequency)),
         amplitude=float(amplitude),
         amplitude_interval=width * spread[1],
-        before=_rms(low),
-        residual=_rms(high),
+        before=_rms(vectors(np.zeros(2))),
+        residual=_rms(vectors(found.x)),
         separable=separable,
-        points=len(points),
     )
 
 

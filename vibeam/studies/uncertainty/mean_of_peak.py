@@ -31,7 +31,6 @@ import numpy as np
 
 from vibeam.studies.uncertainty.samples import (
     ClosedFormPeaks,
-    Coarse,
     Responses,
     Sampler,
     Surface,
@@ -108,18 +107,13 @@ def _allocated(pilot: Pilot, names: tuple[str, ...]) -> Allocation | None:
     squares = [1.0, *(pilot.correlation(name) ** 2 for name in names[1:]), 0.0]
     steps = [max(one - other, 0.0) for one, other in pairwise(squares)]
     costs = [pilot.seconds[name] for name in names]
-    if min(steps) <= 0 or not _ordered(costs, steps):
+    pairs = zip(pairwise(costs), pairwise(steps), strict=True)
+    if min(steps) <= 0 or not all(w / other > step / further for (w, other), (step, further) in pairs):
         return None
     ratios = [float(np.sqrt(costs[0] * step / (cost * steps[0]))) for cost, step in zip(costs, steps, strict=True)]
     weights = [pilot.correlation(name) * pilot.deviation(names[0]) / pilot.deviation(name) for name in names[1:]]
     gain = costs[0] / sum(np.sqrt(cost * step) for cost, step in zip(costs, steps, strict=True)) ** 2
     return Allocation(names, tuple(ratios), (1.0, *weights), float(gain))
-
-
-def _ordered(costs: Sequence[float], steps: Sequence[float]) -> bool:
-    return all(
-        costs[i - 1] / costs[i] > steps[i - 1] / steps[i] for i in range(1, len(costs))
-    )  # with steps[i] = ρ_i² − ρ_{i+1}²
 
 
 @dataclass(frozen=True)
@@ -141,16 +135,11 @@ def estimate(chosen: Allocation, values: Mapping[str, Array], seconds: float, se
     rng = np.random.default_rng(seed)
     counts = [len(values[name]) for name in chosen.names]
     parts = list(pairwise([0, *counts]))
-    once = _means(chosen, values, parts, [np.ones((1, high - low)) for low, high in parts])
-    drawn = _means(
-        chosen, values, parts, [rng.multinomial(high - low, _even(high - low), RESAMPLES) for low, high in parts]
-    )
+    sizes = [high - low for low, high in parts]
+    once = _means(chosen, values, parts, [np.ones((1, size)) for size in sizes])
+    drawn = _means(chosen, values, parts, [rng.multinomial(n, np.full(n, 1 / max(n, 1)), RESAMPLES) for n in sizes])
     low, high = np.quantile(drawn, [0.025, 0.975])
     return MeanEstimate(float(once[0]), float(low), float(high), float(drawn.std(ddof=1)), seconds)
-
-
-def _even(count: int) -> Array:
-    return np.full(count, 1 / max(count, 1))
 
 
 def _means(
@@ -161,11 +150,9 @@ def _means(
     for place, name in enumerate(chosen.names):
         known = np.isfinite(values[name])
         filled = np.where(known, values[name], 0.0)
-        sums = np.cumsum([w @ filled[low:high] for w, (low, high) in zip(weights, parts[: place + 1], strict=False)], 0)
-        numbers = np.cumsum(
-            [w @ known[low:high] for w, (low, high) in zip(weights, parts[: place + 1], strict=False)], 0
-        )
-        mean = sums / np.maximum(numbers, 1)
+        own = list(zip(weights, parts[: place + 1], strict=False))
+        sums = np.cumsum([w @ filled[low:high] for w, (low, high) in own], 0)
+        mean = sums / np.maximum(np.cumsum([w @ known[low:high] for w, (low, high) in own], 0), 1)
         found += chosen.weights[place] * (mean[-1] - (mean[-2] if place else 0.0))
     return found
 
@@ -264,7 +251,7 @@ def _models(sampler: Sampler, found: Mapping[str, Responses], finest: str, seed:
         name: _PeakModel(sampler, name, found[name], float(np.mean(found[name].seconds)))
         for name in (finest, *(name for name in found if name != finest))
     }
-    coarse = replace(sampler, coarse=Coarse())
+    coarse = replace(sampler, coarse=True)
     models |= {f"{name}, coarse sweep": timed(coarse, name) for name in found if name != finest}
     closed = ClosedFormPeaks(sampler.case, sampler.keys)
     models |= {f"{name}, closed form": timed(closed, name) for name in found if known(sampler.case, name)}

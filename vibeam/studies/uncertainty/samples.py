@@ -77,13 +77,7 @@ class Responses:
         return int(np.count_nonzero(np.isnan(self.amplitude).any(axis=1)))
 
 
-@dataclass(frozen=True)
-class Coarse:
-    """A cheaper sweep: every so many frequencies, at most so many periods left out and read."""
-
-    every: int = 8
-    settle: int = 60
-    hold: int = 10
+EVERY, SETTLE, HOLD = 8, 60, 10  # of a coarse sweep: every so many frequencies, most periods left out and read
 
 
 @dataclass(frozen=True)
@@ -92,7 +86,7 @@ class Sampler:
 
     case: Case
     keys: tuple[str, ...]
-    coarse: Coarse | None = None
+    coarse: bool = False
 
     def nominal(self, fidelity: str) -> Responses:
         """Response at the case's own values."""
@@ -131,14 +125,14 @@ class Sampler:
     def _swept(self, model: Model) -> FrequencyResponse:
         fidelity, plan, coarse = model.fidelity, self.case.sweep, self.coarse
         scene = model.scene()
-        omega = np.sort(2 * np.pi * plan.frequency)[:: coarse.every if coarse else 1]
+        omega = np.sort(2 * np.pi * plan.frequency)[:: EVERY if coarse else 1]
         found: Any = sweep(
             system(scene, fidelity),
             omega=omega,
             amplitude=drive_amplitude(scene, omega),
             direction="down" if plan.direction == "down" else "up",
-            settle=min(plan.settle, coarse.settle) if coarse else plan.settle,
-            hold=min(plan.hold, coarse.hold) if coarse else plan.hold,
+            settle=min(plan.settle, SETTLE) if coarse else plan.settle,
+            hold=min(plan.hold, HOLD) if coarse else plan.hold,
             solver=fidelity.solver,
             options=fidelity.options,
             output=plan.output,
@@ -216,12 +210,13 @@ class Surface:
         """Surface through a model's peaks at ``inputs`` (m, d); None where too few of them have a peak."""
         found = model(fidelity, inputs)
         known = np.isfinite(found.peak)
-        middle, scale = inputs.mean(axis=0), inputs.std(axis=0)
-        rows = terms((inputs - middle) / np.where(scale > 0, scale, 1.0))
+        middle, spread = inputs.mean(axis=0), inputs.std(axis=0)
+        scale = np.where(spread > 0, spread, 1.0)
+        rows = terms((inputs - middle) / scale)
         if known.sum() < 2 * rows.shape[1]:
             return None
         coefficients = np.asarray(np.linalg.lstsq(rows[known], found.peak[known], rcond=None)[0], dtype=float)
-        return cls(middle, np.where(scale > 0, scale, 1.0), coefficients, float(found.seconds.sum()))
+        return cls(middle, scale, coefficients, float(found.seconds.sum()))
 
     def __call__(self, fidelity: str, inputs: Array) -> Responses:
         """Responses to inputs (m, d): their peaks alone."""
