@@ -150,3 +150,11 @@ def same(one: FrequencyResponse, other: FrequencyResponse, but: tuple[str, ...] 
     """Equal to the last bit, NaN included."""
     names = [field.name for field in fields(FrequencyResponse) if field.name not in but]
     return all(np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True) for name in names)
+
+
+def two_modes(gap: float = 0.0, restitution: float = 0.72, **more: Any) -> ImpactSystem:
+    """Two modes of the neutral rig, about."""
+    return ImpactSystem.from_modes(
+        [47.9, 636.0], [0.017, 0.017], [2.14, 1.3], [0.47, 0.38], gap=gap, restitution=restitution,
+        outputs={"sensor": [1.36, 2.2]}, **more,
+    )  # fmt: skip

@@ -100,10 +100,8 @@ def _frames_for(periods: int) -> int:
 
 
 def _recorded(begin: Settled, periods: int) -> Recorded:
-    if begin.state is None:
-        raise NoMotion(begin.fault)
     if begin.samples:
-        found = begin.solver.motion(begin.drive, begin.state, 0.0, periods * begin.period)
+        found = begin.solver.motion(begin.drive, begin.reached, 0.0, periods * begin.period)
         hits = np.stack((found.impact_times, found.impact_velocities), axis=1)
         return Recorded(begin, None, found.times, found.values, hits, np.zeros(len(hits), dtype=np.int64))
     path = exact_motion(begin, periods)

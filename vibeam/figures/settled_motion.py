@@ -46,6 +46,13 @@ class Settled:
     samples: bool = False  # motion of the solver that consists of samples
 
     @property
+    def reached(self) -> State:
+        """State at the drive's phase 0; NoMotion, with the reason, without one."""
+        if self.state is None:
+            raise NoMotion(self.fault)
+        return self.state
+
+    @property
     def period(self) -> float:
         """Drive period, s."""
         return 2 * np.pi / self.drive.omega
@@ -100,9 +107,7 @@ def exact_motion(begin: Settled, periods: float) -> Trajectory:
 
     A motion found in closed form continues by itself.
     """
-    if begin.state is None:
-        raise NoMotion(begin.fault)
-    path = simulate(begin.system, begin.drive, periods * begin.period, begin.state)
+    path = simulate(begin.system, begin.drive, periods * begin.period, begin.reached)
     if path.ended is not Ended.COMPLETE:
         raise NoMotion(path.ended.value)
     return path
@@ -120,23 +125,16 @@ def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, peri
 
 
 def exact_columns(begin: Settled, periods: int, output: str) -> Columns:
-    """Compute ``periods`` drive periods of the settled motion itself, without a measuring chain."""
-    if begin.state is None:
-        raise NoMotion(begin.fault)
+    """Compute ``periods`` drive periods of the settled motion itself, at its solver's samples where it has them."""
     if begin.samples:
-        return _stepped(begin, begin.state, periods, output)
+        found = begin.solver.motion(begin.drive, begin.reached, 0.0, periods * begin.period)
+        values = found.values @ begin.system.output(output)
+        return _columns(found.times, values[:, 0], values[:, 1], found.impact_times, found.impact_velocities, None)
     path = exact_motion(begin, periods)
     curve = phase_portrait(path, output, periods=periods, points=SAMPLES)
     hits = impacts_within(path, *last_periods(path, periods))
     jumps = curve.velocity[curve.jumps + 1] - curve.velocity[curve.jumps]
     return _columns(curve.time, curve.displacement, curve.velocity, hits[:, 0], hits[:, 1], jumps)
-
-
-def _stepped(begin: Settled, state: State, periods: int, output: str) -> Columns:
-    """Motion at the solver's own samples."""
-    found = begin.solver.motion(begin.drive, state, 0.0, periods * begin.period)
-    values = found.values @ begin.system.output(output)
-    return _columns(found.times, values[:, 0], values[:, 1], found.impact_times, found.impact_velocities, None)
 
 
 def _measured(found: MeasuredWindow) -> Columns:

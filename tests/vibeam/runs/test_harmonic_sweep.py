@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
+from stand_in import two_modes as rig
 
 import vibeam
 from vibeam.runs.sweep import march
@@ -21,13 +22,6 @@ from vibeam_models.laws.compliant import LinearStop
 OMEGA, SIZE = 2 * np.pi * 15.3, 8e-5
 PERIOD = 2 * np.pi / OMEGA
 FURTHER = ((2, 0.4, 0.7), (3, 0.3, -1.1))
-
-
-def rig(gap: float = 0.0, restitution: float = 0.72, **more: Any) -> vibeam.ImpactSystem:
-    return vibeam.ImpactSystem.from_modes(
-        [47.9, 636.0], [0.017, 0.017], [2.14, 1.3], [0.47, 0.38], gap=gap, restitution=restitution,
-        outputs={"sensor": [1.36, 2.2]}, **more,
-    )  # fmt: skip
 
 
 def point(system: vibeam.ImpactSystem, **more: Any) -> FrequencyResponse:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from stand_in import two_modes as rig
 
 import vibeam
 from vibeam.solvers.several_harmonics import Harmonic, SeveralHarmonics
@@ -14,13 +15,6 @@ OMEGA, SIZE = 2 * np.pi * 15.3, 8e-5
 FIRST = OMEGA**2 * SIZE
 FURTHER = (Harmonic(2, 0.4 * FIRST, 0.7), Harmonic(3, 0.3 * FIRST, -1.1))
 PERIOD = 2 * np.pi / OMEGA
-
-
-def rig(gap=0.0, restitution=0.72, **more):
-    return vibeam.ImpactSystem.from_modes(
-        [47.9, 636.0], [0.017, 0.017], [2.14, 1.3], [0.47, 0.38], gap=gap, restitution=restitution,
-        outputs={"sensor": [1.36, 2.2]}, **more,
-    )  # fmt: skip
 
 
 def true_motion(system, harmonics, y, end):

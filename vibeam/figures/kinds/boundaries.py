@@ -1,9 +1,6 @@
-"""Figure kind ``boundaries``: existence limits by averaging beside the exact folds (paper eq. 24, 26).
+"""Figure kind ``boundaries``: existence limits over the sweep (``solvers.existence_limits``; paper eq. 24, 26).
 
-At each frequency of the sweep, for an averaging fidelity: Q*, the least stable reach at the fidelity's gap, or Δ_MAX,
-the largest gap, loose or tight, at its drive; beside Q* the reach of its motions, beside Δ_MAX its gap. For any other
-fidelity the exact ones: both are folds of the orbit
-with one impact a drive period, Q* its reach where it folds as the drive grows weaker, Δ_MAX the gap at which it folds.
+Averaging's are drawn beside the exact ones; beside Q* the reach of the motions, beside Δ_MAX the gap.
 """
 
 from __future__ import annotations

@@ -1,8 +1,4 @@
-"""Figure kind ``impact``: one collision with the stop at given velocities, and the restitution that comes of it.
-
-The system moves toward the stop in the mode that takes most of the impulse, all other modes at rest, without drive,
-load or gap. What the contact and that mode keep of their velocities is read off the collision that follows.
-"""
+"""Figure kind ``impact``: what contact and mode keep of their velocities in one collision (``solvers.collision``)."""
 
 from __future__ import annotations
 

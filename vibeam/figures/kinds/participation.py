@@ -39,17 +39,13 @@ def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     periods = plan.periods or PERIODS
     path = exact_motion(settled(case, name, frequency, plan), periods)
     found = modal_participation(path, plan.output, periods=periods)
-    columns = {
-        "mode": Column(np.arange(1.0, len(found.frequency) + 1), "1", "number of the mode, by frequency"),
-        "mode_frequency": Column(found.frequency, "Hz", "natural frequency of the mode"),
-        "energy": Column(found.energy, "E", "time-mean energy of the mode"),
-    }
     order = np.argsort(found.frequency)
-    shares = {share: Column(getattr(found, share), "1", MEANING[share]) for share in SHARES}
-    sorted_columns = {
-        key: Column(column.values[order], column.unit, column.long_name) for key, column in (columns | shares).items()
+    return {
+        "mode": Column(np.arange(1.0, len(order) + 1), "1", "number of the mode, by frequency"),
+        "mode_frequency": Column(found.frequency[order], "Hz", "natural frequency of the mode"),
+        "energy": Column(found.energy[order], "E", "time-mean energy of the mode"),
+        **{share: Column(getattr(found, share)[order], "1", MEANING[share]) for share in SHARES},
     }
-    return sorted_columns | {"mode": columns["mode"]}
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:

@@ -14,7 +14,6 @@ from vibeam.figures.style import name_of
 from vibeam.figures.units import motion_of, units_for
 from vibeam.observe.phase_plane import stroboscopic_section
 from vibeam.system.response import Ended
-from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -30,10 +29,8 @@ PLACES = 32  # largest number of points drawn with large marks
 def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     """Points of the section at one ``frequency``, Hz."""
     begin, periods = settled(case, name, frequency, plan), plan.periods or PERIODS
-    if begin.state is None:
-        raise NoMotion(begin.fault)
     if begin.samples:
-        displacement, velocity = _stepped(begin, begin.state, periods, plan.output)
+        displacement, velocity = _stepped(begin, periods, plan.output)
     else:
         found = stroboscopic_section(exact_motion(begin, periods), plan.output, periods=periods)
         displacement, velocity = found.displacement, found.velocity
@@ -43,9 +40,9 @@ def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     }
 
 
-def _stepped(begin: Settled, state: State, periods: int, output: str) -> tuple[Array, Array]:
+def _stepped(begin: Settled, periods: int, output: str) -> tuple[Array, Array]:
     """Section by the solver itself, period by period."""
-    row, points = begin.system.output(output), []
+    row, points, state = begin.system.output(output), [], begin.reached
     omega = np.array([begin.drive.omega])
     for _ in range(periods):
         points.append([row @ state.displacement, row @ state.velocity])

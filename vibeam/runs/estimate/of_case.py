@@ -100,7 +100,7 @@ def _of_branches(
     """Both directions at once: what they have in common is computed once."""
     system, full = models
     parts = dict(branches.items())
-    response = join(list(parts.values())) if len(parts) > 1 else next(iter(parts.values()))
+    response = join(list(parts.values()))
     known = [after.get(way) or StatesAfter.unknown(len(part), system.size) for way, part in parts.items()]
     states = StatesAfter(*(np.concatenate([getattr(each, f.name) for each in known]) for f in fields(StatesAfter)))
     amplitude = case.amplitude_of(name, 2 * np.pi * response.frequency)

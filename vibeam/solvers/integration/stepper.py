@@ -98,10 +98,10 @@ def first_state(system: ImpactSystem, state: State | None) -> State:
     """Initial state, static equilibrium for None; ValueError where its shape is wrong."""
     if state is None:
         return equilibrium(system)
-    both = [np.asarray(row, dtype=float) for row in (state.displacement, state.velocity)]
-    if any(row.shape != (system.size,) or not np.all(np.isfinite(row)) for row in both):
+    both = np.array([state.displacement, state.velocity])
+    if both.shape != (2, system.size) or not np.all(np.isfinite(both)):
         raise ValueError(f"state: displacement and velocity must be {system.size} finite numbers each")
-    return State(both[0], both[1], state.resting)
+    return state
 
 
 def slack(system: ImpactSystem, displacement: Array) -> float:
