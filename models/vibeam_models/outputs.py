@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam_models.beams.beam import Beam
+from vibeam_models.keys import flag, word
+from vibeam_models.keys import quantity as number
 
 if TYPE_CHECKING:
     from vibeam_models.arrays import Array
@@ -54,10 +56,19 @@ class Output:
     """
 
     name: str
-    position: float
-    quantity: str = "displacement"
-    distance: float | None = None
-    absolute: bool = False
+    position: float = number("m", "from x = 0, in [0, length]", "5 mm", least=0)
+    quantity: str = word(
+        tuple(OUTPUT_QUANTITIES),
+        "displacement, its rate or acceleration, the slope, or the strain: distance times curvature",
+        "strain", DISPLACEMENT.name,
+    )  # fmt: skip
+    distance: float | None = number(
+        "m", "of a strain gauge from the neutral axis, positive on the face that a bend toward the stop stretches; "
+        "absent = half the section's height", "0.517 mm", None,
+    )  # fmt: skip
+    absolute: bool = flag(
+        "of an acceleration: with the base's added, as an accelerometer reads; absent = true", True, False
+    )
 
     @property
     def kind(self) -> OutputQuantity:

@@ -39,10 +39,7 @@ def beam_scene(case: AnyCase, folder: Path) -> Scene:
 
 def _outputs(tables: Mapping[str, Any] | None) -> tuple[Output, ...]:
     """The outputs of a case; an acceleration is absolute unless it says otherwise."""
-    return tuple(
-        Output(name, each.position, each.quantity, each.distance, _is_absolute(each))
-        for name, each in (tables or {}).items()
-    )
+    return tuple(plan_of(Output, each, name=name, absolute=_is_absolute(each)) for name, each in (tables or {}).items())
 
 
 def _is_absolute(table: Any) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Annotated, Any
 
@@ -10,11 +11,9 @@ from pydantic import Field
 
 from vibeam.case.grid_keys import FREQUENCY, STARTS, MapPlan
 from vibeam.case.plans import MOST_POINTS
-from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import TEXT, Count, Quantity, ValueEntry, names
-from vibeam.casefile.quantities import POSITIVE
+from vibeam.casefile.fields import TEXT, Count, ValueEntry, names
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
-from vibeam.casefile.tables.table import Table, key, plan_keys, table
+from vibeam.casefile.tables.table import Table, declared_key, key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.keys import keys_of
 
@@ -64,8 +63,8 @@ MEANING = (
     "A map over any keys of the case, one table each, [map] where there is one: what vibeam map computes and draws."
 )
 MapTable: Any = _map_table("MapTable")
-_SPREAD = key(keys_of(MapPlan)["spread"].meaning, 0.01, None)
-SdofMapTable: Any = _map_table("SdofMapTable", spread=(Annotated[Any, Quantity(units.RATIO, POSITIVE)], _SPREAD))
+_SPREAD = declared_key(replace(keys_of(MapPlan)["spread"], unit="", example=0.01), None)
+SdofMapTable: Any = _map_table("SdofMapTable", spread=_SPREAD)
 
 
 def random_complaints(path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:

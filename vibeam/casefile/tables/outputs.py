@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
-from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import FLAG, TEXT, Quantity, ValueEntry, Word
-from vibeam.casefile.quantities import NOT_NEGATIVE
+from vibeam.casefile.fields import TEXT, ValueEntry, Word
 from vibeam.casefile.tables.effects import platform_output
-from vibeam.casefile.tables.table import NAME, OUTPUTS, Table, key
+from vibeam.casefile.tables.table import NAME, OUTPUTS, declared_key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggestion
 from vibeam.figures import OF_OUTPUT
 from vibeam.figures.declaration import FigureKind
 from vibeam.solvers import SOLVERS
+from vibeam_models.keys import keys_of
 from vibeam_models.laws import CONSTANT, LAWS
-from vibeam_models.outputs import DISPLACEMENT, OUTPUT_QUANTITIES, OutputQuantity
+from vibeam_models.outputs import DISPLACEMENT, OUTPUT_QUANTITIES, Output, OutputQuantity
 
 RESERVED = (*OUTPUTS, "opposite", "opposite_tip")
 
@@ -29,49 +28,37 @@ OUTPUT_NAME = ValueEntry(
 )
 
 
-class OutputTable(Table):
-    """A further output, one table each: what a sensor reads at a place, relative to the base but for absolute."""
-
-    position: Annotated[float, Quantity(units.LENGTH, NOT_NEGATIVE)] = key("from x = 0, in [0, length]", "5 mm")
-    quantity: Annotated[str, Word(tuple(OUTPUT_QUANTITIES))] = key(
-        "displacement, its rate or acceleration, the slope, or the strain: distance times curvature", "strain",
-        DISPLACEMENT.name,
-    )  # fmt: skip
-    distance: Annotated[float | None, Quantity(units.LENGTH)] = key(
-        "of a strain gauge from the neutral axis, positive on the face that a bend toward the stop stretches; absent = "
-        "half the section's height",
-        "0.517 mm",
-        None,
-    )
-    absolute: Annotated[bool | None, FLAG] = key(
-        "of an acceleration: with the base's added, as an accelerometer reads; absent = true", True, None
-    )
+OutputTable: Any = table(
+    "OutputTable",
+    "A further output, one table each: what a sensor reads at a place, relative to the base but for absolute.",
+    plan_keys(Output) | {"absolute": declared_key(keys_of(Output)["absolute"], None)},
+)
 
 
 def output_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about every [output.NAME]."""
-    for name, table in (case.output or {}).items():
+    for name, each in (case.output or {}).items():
         path: KeyPath = ("output", name)
         if name in RESERVED:
             yield path, f'the name "{name}" is that of an output that cases have of themselves: choose another'
         elif not NAME.fullmatch(name):
             yield path, f"the name {as_shown_in_message(name)} must be 1 to 64 letters, digits, - or _"
         length = case.beam.length
-        if None not in (length, table.position) and table.position > length:
-            yield (*path, "position"), f"{table.position:g} m is beyond the tip: beam.length is {length:g} m"
-        yield from _keys(case, path, table)
+        if None not in (length, each.position) and each.position > length:
+            yield (*path, "position"), f"{each.position:g} m is beyond the tip: beam.length is {length:g} m"
+        yield from _keys(case, path, each)
 
 
-def _keys(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
-    if table.quantity == "strain":
-        unknown = "" if table.distance is not None or table.position is None else _unknown(case, table.position)
+def _keys(case: SimpleNamespace, path: KeyPath, said: SimpleNamespace) -> Iterator[Complaint]:
+    if said.quantity == "strain":
+        unknown = "" if said.distance is not None or said.position is None else _unknown(case, said.position)
         if unknown:
             yield (*path, "distance"), f'missing ({unknown}): write distance = "0.5 mm"'
-        if table.distance == 0:
+        if said.distance == 0:
             yield (*path, "distance"), "is 0: the neutral axis is not strained by bending"
-    elif table.distance is not None:
+    elif said.distance is not None:
         yield (*path, "distance"), 'is of a strain gauge: write quantity = "strain", or leave it away'
-    if table.absolute is not None and table.quantity != "acceleration":
+    if said.absolute is not None and said.quantity != "acceleration":
         yield (*path, "absolute"), 'goes with quantity = "acceleration" alone: all else is relative to the base'
 
 
@@ -109,8 +96,8 @@ def beam_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Ite
 
 def quantity_named(case: Any, output: str | None) -> OutputQuantity:
     """Quantity that an output of a case reads, by its name; a displacement where it is none of [output.NAME]."""
-    table = (getattr(case, "output", None) or {}).get(output)
-    return OUTPUT_QUANTITIES[(table and table.quantity) or DISPLACEMENT.name]
+    said = (getattr(case, "output", None) or {}).get(output)
+    return OUTPUT_QUANTITIES[(said and said.quantity) or DISPLACEMENT.name]
 
 
 def shown_output(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
