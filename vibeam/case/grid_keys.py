@@ -159,11 +159,7 @@ class MapPlan:
         None,
     )
     periods: int = declare.count(
-        1,
-        100,
-        'drive periods from impact to impact, of picture = "stability"; absent = 1',
-        1,
-        None,
+        1, 100, 'drive periods from impact to impact, of picture = "stability"; absent = 1', 1, None
     )
     strobes: int = declare.count(
         1,
@@ -175,11 +171,7 @@ class MapPlan:
     starts: int | None = declare.count(1, 100_000, "random starts of every point: what coexists is counted", 50, None)
     seed: int = declare.count(0, 2**31 - 1, "of the random starts", 1, 1)
     spread: float | None = declare.quantity(
-        "m",
-        "how far from 0 the contact starts at random, its velocity within Ω times that",
-        "1 mm",
-        None,
-        above=0,
+        "m", "how far from 0 the contact starts at random, its velocity within Ω times that", "1 mm", None, above=0
     )
     boundaries: bool = declare.flag(
         "whether exact boundaries of motions with one impact a period are laid over, where there are any", False, True

@@ -47,16 +47,10 @@ class ResultNumber:
         above=0,
     )
     show: str | None = declare.text(
-        "the [show.NAME] that the quantity is read off, its mean unless number chooses one",
-        "ringing",
-        None,
+        "the [show.NAME] that the quantity is read off, its mean unless number chooses one", "ringing", None
     )
     number: float | None = declare.quantity(
-        "",
-        "number of the mode, or order of the harmonic, that is read off the figure of show",
-        2,
-        None,
-        least=0,
+        "", "number of the mode, or order of the harmonic, that is read off the figure of show", 2, None, least=0
     )
     against: str | None = declare.text(
         "another fidelity: the value is then the relative difference to it", "beam", None
@@ -212,11 +206,7 @@ class ShowPlan:
     )
     output: str = declare.text("the output that is shown; absent = the sweep's output", "contact", None)
     near: float | None = declare.quantity(
-        "Hz",
-        "of ringing: where it is looked for; modes below two thirds of it are taken off",
-        "101 Hz",
-        None,
-        above=0,
+        "Hz", "of ringing: where it is looked for; modes below two thirds of it are taken off", "101 Hz", None, above=0
     )
     own: Mapping[str, Any] = field(default_factory=dict, hash=False)
     format: tuple[str, ...] = ()

@@ -37,9 +37,7 @@ class CostPlan:
         several=True,
     )
     reference: str | None = declare.text(
-        "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity",
-        "exact",
-        None,
+        "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity", "exact", None
     )
     repeats: int = declare.count(1, 1000, "how often a run is timed, where that is short", 3, 3)
     budget: float = declare.quantity("s", "CPU time of the runs compared", "60 s", 60.0, above=0)

@@ -82,10 +82,10 @@ def suggestion(wrong: str, known: Iterable[str]) -> str | None:
 
 
 def suggest(wrong: str, known: Iterable[str]) -> str:
-    """``did you mean 'density'?``, or the list of known names where none is near."""
+    """``did you mean 'density'?``, or the list of known names, none perhaps, where none is near."""
     names = list(known)
     near = suggestion(wrong, names)
-    return f"did you mean '{near}'?" if near else f"{KNOWN}{', '.join(names)}"
+    return f"did you mean '{near}'?" if near else f"{KNOWN}{', '.join(names) or 'none'}"
 
 
 def printable(text: str) -> str:

@@ -86,10 +86,7 @@ class AnyCase(Table):
         **ASIDE,
     )
     accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
-        "the quantities that this holds for; absent = the amplitude alone",
-        ["amplitude", "reach"],
-        None,
-        **ASIDE,
+        "the quantities that this holds for; absent = the amplitude alone", ["amplitude", "reach"], None, **ASIDE
     )
 
 

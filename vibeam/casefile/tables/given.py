@@ -218,9 +218,7 @@ class ModesTable(Table):
         "of each mode, or one of all; absent = the file's", [0.01, 0.012], None
     )
     modal_mass: Annotated[tuple[float, ...] | None, Several(Quantity(MASS, POSITIVE), alone=True)] = key(
-        "of each mode, or one of all, in the scale of the shapes; absent = 1 kg, or the file's",
-        "1 kg",
-        None,
+        "of each mode, or one of all, in the scale of the shapes; absent = 1 kg, or the file's", "1 kg", None
     )
     contact: Annotated[Any, SHAPE] = key("shapes where it meets the stop, positive toward it, kg^-½", [0.6755, 0.4586])
     sensor: Annotated[Any, SHAPE] = key("shapes at the sensor; absent = at the contact", [0.3972, -0.585], None)

@@ -12,6 +12,7 @@ from vibeam.casefile.fields import Each, Word
 from vibeam.casefile.tables.table import named_fidelity, not_there, plan_keys, table
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS
+from vibeam_reductions.declaration import REDUCTIONS
 
 
 def study_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -20,7 +21,16 @@ def study_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     if getattr(case, "influence", None) is not None:
         yield from named_fidelity(case, ("influence", "fidelity"), case.influence.fidelity)
     yield from _numbers(case)
+    yield from _bases(case)
     yield from _accuracy(case)
+
+
+def _bases(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about bases that are no reduction that counts, nor a fidelity that says the keys of one."""
+    known = [name for name, declared in REDUCTIONS.items() if declared.counts and not declared.needs]
+    for name in getattr(case.modes_needed, "bases", None) or ():
+        if name not in (*known, *case.fidelity):
+            yield ("modes_needed", "bases"), f"no basis {not_there(name, known)}"
 
 
 POWERS_OF_TWO = (("uncertainty", "samples"), ("modes_needed", "modes"))
