@@ -1,4 +1,4 @@
-"""The nondimensional coefficient-of-restitution model from geometry (paper eq. 43–47) and its way to and from SI.
+"""The nondimensional coefficient-of-restitution model from geometry (paper eq. 43–46).
 
 q̈ + 2βq̇ + q = Ω²B sin Ωt for q < Δ, q̇⁺ = −R q̇⁻ at q = Δ; q is the sensor's displacement over L, time is ω_n t.
 """
@@ -72,15 +72,14 @@ def _(scene: SdofScene) -> Structure:
 
 @dataclass(frozen=True)
 class SdofModel:
-    """The paper's model of one scene: eq. 43–47 for a massless beam under a point mass.
+    """The paper's model of one scene: eq. 43–46 for a massless beam under a point mass.
 
-    ``length`` L m; ``shape`` φ(L_m) and ``contact_shape`` φ at the stop, both 1 at the sensor; ``stiffness`` K_S N/m;
-    ``mass`` M_S kg; ``damping_ratio`` β_S; ``gap`` Δ; ``restitution`` R.
+    ``length`` L m; ``shape`` φ(L_m), φ = 1 at the sensor; ``stiffness`` K_S N/m; ``mass``
+    M_S kg; ``damping_ratio`` β_S; ``gap`` Δ; ``restitution`` R.
     """
 
     length: float
     shape: float
-    contact_shape: float
     stiffness: float
     mass: float
     damping_ratio: float
@@ -92,11 +91,6 @@ class SdofModel:
         """ω_n = √(K_S/M_S) in rad/s (eq. 45)."""
         return sqrt(self.stiffness / self.mass)
 
-    @property
-    def damping_time(self) -> float:
-        """D = 2β_S/ω_n in s, of C = D K (eq. 45)."""
-        return 2 * self.damping_ratio / self.omega
-
     def gain(self, base_per_volt: float) -> float:
         """γ = γ̃/(φ(L_m) L) in 1/V (eq. 46); ``base_per_volt`` γ̃ in m/V. The same turns a base amplitude into B."""
         return base_per_volt / (self.shape * self.length)
@@ -104,14 +98,6 @@ class SdofModel:
     def base_per_volt(self, gain: float) -> float:
         """γ̃ = γ φ(L_m) L in m/V, the inverse of ``gain``. The same turns B into a base amplitude in m."""
         return gain * self.shape * self.length
-
-    def from_si(self, displacement: float, time: float = 0.0) -> tuple[float, float]:
-        """(q, nondimensional time) of a sensor ``displacement`` in m and a ``time`` in s (eq. 47, the factor is L)."""
-        return displacement / self.length, time * self.omega
-
-    def to_si(self, q: float, time: float = 0.0) -> tuple[float, float]:
-        """Sensor displacement q L in m and time in s, the inverse of ``from_si``."""
-        return q * self.length, time / self.omega
 
     def scene(self, base_amplitude: float) -> SdofScene:
         """The nondimensional scene (ω = 1) under a base motion of ``base_amplitude`` m."""
@@ -136,7 +122,6 @@ def sdof_model(scene: Scene) -> SdofModel:
     return SdofModel(
         length=beam.length,
         shape=shape,
-        contact_shape=contact,
         stiffness=static.stiffness,
         mass=scene.mass.mass * shape**2,
         damping_ratio=beam.damping.ratios[0],

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from tests.models.bench import RIG, STEEL, deflection, with_effects
 from tests.models.test_effects import EI, PLAIN, end_flexibility
 from vibeam_models.beam import assemble, assemble_with_space
-from vibeam_models.effects.gravity import AxialGravity, Gravity, TransverseGravity
+from vibeam_models.effects.gravity import AxialGravity, Gravity
 from vibeam_models.effects.masses import AddedMass, MasslessBeam
 from vibeam_models.effects.supports import Clamp
 from vibeam_models.effects.torsion import StVenantTorsion, Torsion, torsion_constant
@@ -157,7 +157,7 @@ def test_a_mass_between_the_nodes_pulls_on_what_is_above_it_alone():
 
 def test_weight_across_a_bare_beam():
     """wL⁴/8EI at the tip."""
-    structure, _ = TransverseGravity(9.81).apply(*bare_beam(STEEL))
+    structure, _ = Gravity("transverse", 9.81).apply(*bare_beam(STEEL), RIG)
     tip = structure.outputs["tip"] @ np.linalg.solve(structure.K, structure.static)
     assert tip == pytest.approx(STEEL.mass_per_length * 9.81 * L**4 / (8 * EI), rel=1e-9)
 

@@ -48,11 +48,6 @@ class Plate:
         """kg/m, of all sides."""
         return self.sides * self.density * self.width * self.thickness
 
-    @property
-    def mass(self) -> float:
-        """kg, of all sides."""
-        return self.mass_per_length * (self.end - self.start)
-
     def rigidity(self, height: Any, axial: Any) -> Any:
         """Addition to EI (N m²) of a beam of ``height`` m with EA = ``axial`` N, their strains linear across both.
 
@@ -79,11 +74,6 @@ class Stretch:
     far: Shape | None = None
     added: float = 0.0
     plates: tuple[Plate, ...] = ()
-
-    @property
-    def uniform(self) -> bool:
-        """True where its section is the same all along."""
-        return self.far is None
 
     def section(self, x: Array) -> Shape:
         """The section at ``x`` (any shape) m."""

@@ -46,9 +46,9 @@ class Gravity(Effect):
             yield "acceleration", f'is negative: for the other way up write direction = "{other}"'
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
-        """As ``TransverseGravity.apply`` or ``AxialGravity.apply``."""
+        """As ``AxialGravity.apply``; across the axis static + g M r: as a base that is accelerated away for ever."""
         if self.direction == "transverse":
-            return TransverseGravity(self.acceleration).apply(structure, space)
+            return structure.with_(static=structure.static - self.acceleration * structure.load), space
         downward = 1 if self.direction == "hanging" else -1
         return AxialGravity(downward * self.acceleration, scene.carrier, scene.weights).apply(structure, space)
 
@@ -100,14 +100,3 @@ class AxialGravity:
                 f"gravity: the standing beam buckles under its weight: it bears {bearable:.4g} m/s², "
                 f"not {-self.acceleration:.4g} m/s²; take a stiffer beam, a smaller mass, or hang it"
             )
-
-
-@dataclass(frozen=True)
-class TransverseGravity:
-    """``acceleration`` m/s² across the axis, positive toward the stop."""
-
-    acceleration: float
-
-    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
-        """static + g M r: weight acts as a base would that is accelerated the other way for ever."""
-        return structure.with_(static=structure.static - self.acceleration * structure.load), space

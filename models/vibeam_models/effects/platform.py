@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -21,9 +21,6 @@ from vibeam_models.arrays import Array
 from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Effect
 from vibeam_models.structure import Structure
-
-if TYPE_CHECKING:
-    from vibeam_models.space import BeamSpace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,10 +119,6 @@ class MovingPlatform:
     damping: float
     stiffness: float
     carried: float
-
-    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
-        """As ``under``, with a space whose last coordinate bends nothing."""
-        return self.under(structure), space.widened(1)
 
     def under(self, structure: Structure) -> Structure:
         """The platform as last coordinate b under any Structure, reduced or not; output ``"platform"`` reads it.

@@ -60,14 +60,6 @@ class Restitution(StopLaw):
         """R twice."""
         return self.coefficient * np.ones(len(speeds)), self.coefficient * np.ones(len(speeds))
 
-    def after(self, velocity: float) -> float:
-        """Contact velocity in m/s just after, from ``velocity`` just before."""
-        return -self.coefficient * velocity
-
-    def impulse(self, velocity: float, mobility: float) -> float:
-        """Impulse p = −(1+R) v⁻/S in N s on the contact coordinate; ``mobility`` S = w M⁻¹ wᵀ in 1/kg."""
-        return -(1 + self.coefficient) * velocity / mobility
-
 
 @dataclass(frozen=True)
 class TableRestitution(StopLaw):

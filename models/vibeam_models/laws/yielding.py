@@ -11,6 +11,18 @@ from vibeam_models.laws import EXPONENT, HERTZ_STIFFNESS, RESTITUTION, VELOCITY,
 from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
 
 
+def _lost(law: str, stop: Any) -> Iterator[tuple[str, str]]:
+    if stop.restitution == 0:
+        yield "restitution", f'0 is more than law = "{law}" can lose: write a number above 0'
+
+
+def _said_once(law: str, stop: Any) -> Iterator[tuple[str, str]]:
+    if (stop.damping is None) == (stop.restitution is None):
+        said = "is not said" if stop.damping is None else "is said twice"
+        yield "damping", f"the loss of the linear stop {said}: write damping, or restitution"
+    yield from _lost(law, stop)
+
+
 @dataclass(frozen=True)
 class Linear(ContactLaw):
     """F = k d + c d′, the damping as given or from the restitution of a free mass 1/S."""
@@ -40,11 +52,7 @@ class Linear(ContactLaw):
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """The loss, said once."""
-        if (stop.damping is None) == (stop.restitution is None):
-            said = "is not said" if stop.damping is None else "is said twice"
-            yield "damping", f"the loss of the linear stop {said}: write damping, or restitution"
-        if stop.restitution == 0:
-            yield "restitution", f'0 is more than law = "{cls.name}" can lose: write a number above 0'
+        yield from _said_once(cls.name, stop)
 
     def contact(self, mobility: float) -> LinearStop:
         """The stop with the damping, or with what gives a free mass 1/S the restitution."""
@@ -70,7 +78,7 @@ class LeafSpring(ContactLaw):
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """The loss, said once."""
-        yield from Linear.faults(stop)
+        yield from _said_once(cls.name, stop)
 
     @property
     def stiffness(self) -> float:
@@ -124,8 +132,7 @@ class Damped(ContactLaw):
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """A loss that no damping gives, an exponent below 1."""
-        if stop.restitution == 0:
-            yield "restitution", f'0 is more than law = "{cls.name}" can lose: write a number above 0'
+        yield from _lost(cls.name, stop)
         yield from _soft(stop)
 
     def contact(self, mobility: float) -> HuntCrossley:

@@ -107,7 +107,7 @@ def test_plates_by_mass_and_by_density_are_one():
     plate = '[[plate]]\nstart = "100 mm"\nend = "200 mm"\nwidth = "20 mm"\nthickness = "2 mm"\nsides = "both"\n'
     by_mass = parse(PLAIN + plate + f"mass = {2 * 7850 * 0.02 * 0.002 * 0.1}\n").scene.carrier
     by_density = parse(PLAIN + plate + "density = 7850\n").scene.carrier
-    assert by_mass.plates[0].mass == pytest.approx(by_density.plates[0].mass, rel=1e-15)
+    assert by_mass.plates[0].mass_per_length == pytest.approx(by_density.plates[0].mass_per_length, rel=1e-15)
     assert by_mass.mass == pytest.approx(7850 * (0.02 * 0.005 + 2 * 0.02 * 0.002 * 0.1), rel=1e-14)
 
 
@@ -128,6 +128,8 @@ def test_timoshenkos_beam_is_softer():
 
 NAMES = " | ".join(f'"{name}"' for name in SHAPES)
 LAW_NAMES = " | ".join(f'"{name}"' for name in LAWS)
+LEAF = 'law = "leaf spring"\nleaf_length = "57 mm"\nleaf_width = "40 mm"\nleaf_thickness = "1 mm"\n'
+LEAF += 'leaf_modulus = "210 GPa"\n'
 
 FAULTS = [
     (PLAIN.replace('width = "20 mm"\n', ""), 'beam.width: missing (width of the section): write width = "… mm"'),
@@ -142,6 +144,8 @@ FAULTS = [
      f"beam.shape: 'tub' is not one of {NAMES}; did you mean 'tube'?"),
     (PLAIN.replace("restitution = 0.7", 'law = "leaf_spring"\nleaf_length = "20 mm"\nrestitution = 0.7'),
      f"stop.law: 'leaf_spring' is not one of {LAW_NAMES}; did you mean 'leaf spring'?"),
+    (PLAIN.replace("restitution = 0.7", LEAF + "restitution = 0"),
+     'stop.restitution: 0 is more than law = "leaf spring" can lose: write a number above 0'),
     (PLAIN.replace('amplitude = "0.1 mm"', 'force = ["1 N", "2 N"]\nfrequency = [6, 4]\nat = "0.5 m"'),
      "drive.frequency: the list must ascend, each number once; the direction is said elsewhere"),
     (PLAIN.replace('amplitude = "0.1 mm"', 'moment = "1 N m"\nat = "0 mm"'), "drive.at: '0 mm' must be > 0"),
