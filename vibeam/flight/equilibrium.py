@@ -13,7 +13,7 @@ import numpy as np
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Flags
 
 NOISE = 16 * 2.220446049250313e-16  # share of the parts of a sum below which it is their round-off
 #: rate of a mode without stiffness, as a share of the slowest other one, where the least energy is asked for
@@ -123,18 +123,34 @@ def equilibrium(system: ImpactSystem) -> State:
         return equilibrium_on_contacts(system)
     if system.beyond_plain:
         return equilibrium_with_law(system)
+    (pose,), (resting,) = equilibria(system, np.array([system.gap]))
+    return State(pose[0], pose[1], bool(resting))
+
+
+def equilibria(system: ImpactSystem, gaps: Array) -> tuple[Array, Flags]:
+    """Static equilibria of a plain system for each of ``gaps`` (m,): poses (m, 2, n), and whether on the stop (m,)."""
     moving, free = system.omega > 0, without_stop(system)
-    beyond = float(system.contact @ free) - system.gap
-    if beyond <= 0:
-        return State(free, np.zeros(system.size))
+    poses = np.zeros((len(gaps), 2, system.size))
+    poses[:, 0] = free
+    beyond = float(system.contact @ free) - gaps
+    on = beyond > 0
+    if not on.any():
+        return poses, on
     loose = ~moving & (system.contact != 0)
     softly = system.contact / np.where(moving, system.omega, 1.0) ** 2
     shape = np.where(loose, system.contact, 0.0) if loose.any() else softly
-    held = free - shape * (beyond / float(system.contact @ shape))
-    left = float(system.contact @ held) - system.gap
-    if abs(left) > LOST * abs(system.gap):  # round-off of a free displacement far beyond the stop
-        held -= shape * (left / float(system.contact @ shape))
-    return State(held, np.zeros(system.size), resting=True)
+    over = float(system.contact @ shape)
+    at = free - shape * (beyond / over)[:, None]
+    left = products(at, system.contact) - gaps
+    off = np.abs(left) > LOST * np.abs(gaps)  # round-off of a free displacement far beyond the stop
+    at[off] -= shape * (left[off] / over)[:, None]
+    poses[on, 0] = at[on]
+    return poses, on
+
+
+def products(rows: Array, row: Array) -> Array:
+    """Products of ``rows`` (m, n) with one row, each summed as if it were alone."""
+    return np.asarray((np.ascontiguousarray(rows)[:, None, :] @ np.ascontiguousarray(row)[:, None])[:, 0, 0])
 
 
 def without_stop(system: ImpactSystem) -> Array:

@@ -1,4 +1,4 @@
-"""Readout of the points of a sweep: the kernels' rows of each, read as a frequency response."""
+"""Readout of a trace's rows, and of the points of a sweep: the kernels' rows of each as a frequency response."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam_models.arrays import Array, Flags, Index
 
+STRUCK = (layout.IMPACT, layout.CHATTER, layout.STUCK)  # ends of segments that are impacts
 OUTCOMES = {
     layout.COMPLETE: Ended.COMPLETE,
     layout.EVENT_LIMIT: Ended.EVENT_LIMIT,
@@ -25,6 +27,23 @@ AGES = (np.arange(layout.KEPT) + np.arange(layout.KEPT)[:, None]) % layout.KEPT
 #: number of velocities there must have been for the first of them to stand there
 FIRST = layout.KEPT - np.arange(layout.KEPT)
 CODES = np.array([OUTCOMES.get(outcome, Ended.NOT_RUN).code for outcome in range(max(OUTCOMES) + 1)])
+
+
+def struck(trace: Array) -> Flags:
+    """True for the segments (m,) of a trace that end with an impact."""
+    return np.isin(trace[:, layout.END], STRUCK)
+
+
+def rests(trace: Array) -> Flags:
+    """True for the segments (m,) of a trace that are rests and take time."""
+    return np.asarray((trace[:, layout.WHAT] == layout.RESTING) & (trace[:, layout.DURATION] > 0))
+
+
+def sides(trace: Array) -> Index:
+    """Stop (m,) that each segment of a trace starts at or ends at; 0 where the kernels know one alone."""
+    if trace.shape[1] <= regime_layout.AT_SIDE:
+        return np.zeros(len(trace), dtype=np.int64)
+    return np.asarray(trace[:, regime_layout.AT_SIDE], dtype=np.int64)
 
 
 class PointReadout:

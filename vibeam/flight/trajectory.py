@@ -14,13 +14,14 @@ from numpy.typing import ArrayLike
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.readout import sides, struck
 from vibeam.flight.solver import exact_solver, warm_up_motion
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.rows import TimeDerivative
 from vibeam.system.state import State
 from vibeam_models.arguments import count, counted, floats, number, refuse, require
-from vibeam_models.arrays import Array, Flags, Index, ValueRecord
+from vibeam_models.arrays import Array, Index, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
@@ -57,17 +58,6 @@ class Outcome(Enum):
     PENETRATED = Ended.PENETRATED.value
     NOT_FINITE = Ended.NOT_FINITE.value
     UNRESOLVED = Ended.UNRESOLVED.value
-
-
-def outcome_of(path: Trajectory) -> Outcome:
-    """The outcome of ``path``; how often it chattered to rest on the way is ``len(path.chatters)``."""
-    if path.ended is Ended.EVENT_LIMIT and _endless(path):
-        return Outcome.ENDLESS_CHATTER
-    if path.ended is not Ended.COMPLETE:
-        return Outcome[path.ended.name]
-    if path.drive.amplitude == 0 and _still(path):
-        return Outcome.SETTLED_ON_STOP if path.state.resting or _pressed(path) else Outcome.SETTLED
-    return Outcome.RESTING if path.state.resting else Outcome.MOVING
 
 
 def _endless(path: Trajectory) -> bool:
@@ -129,8 +119,14 @@ class Trajectory(ValueRecord):
 
     @property
     def outcome(self) -> Outcome:
-        """Outcome of the motion."""
-        return outcome_of(self)
+        """Outcome of the motion; how often it chattered to rest on the way is ``len(path.chatters)``."""
+        if self.ended is Ended.EVENT_LIMIT and _endless(self):
+            return Outcome.ENDLESS_CHATTER
+        if self.ended is not Ended.COMPLETE:
+            return Outcome[self.ended.name]
+        if self.drive.amplitude == 0 and _still(self):
+            return Outcome.SETTLED_ON_STOP if self.state.resting or _pressed(self) else Outcome.SETTLED
+        return Outcome.RESTING if self.state.resting else Outcome.MOVING
 
     @cached_property
     def errors(self) -> ImpactErrors:
@@ -148,12 +144,13 @@ class Trajectory(ValueRecord):
         trace = self.segments.trace
         ends = trace[:, layout.START] + trace[:, layout.DURATION]
         ends[:-1] = trace[1:, layout.START]  # where the next segment begins, to the bit
-        return np.asarray(ends[self._struck()])
+        return np.asarray(ends[struck(trace)])
 
     @property
     def impact_velocities(self) -> Array:
         """Contact velocities (m,) just before the impacts, positive toward the stop, m/s."""
-        return np.asarray(self.segments.trace[self._struck(), layout.BEFORE])
+        trace = self.segments.trace
+        return np.asarray(trace[struck(trace), layout.BEFORE])
 
     @property
     def chatters(self) -> Array:
@@ -195,9 +192,8 @@ class Trajectory(ValueRecord):
     @property
     def impact_contacts(self) -> Index:
         """Index (m,) of the contact that each impact strikes: 0 the first stop, then as in ``gaps``."""
-        trace, side = self.segments.trace[self._struck()], regime_layout.AT_SIDE
-        struck = trace[:, side] if trace.shape[1] > side else np.zeros(len(trace))
-        return struck.astype(np.int64)
+        trace = self.segments.trace
+        return sides(trace)[struck(trace)]
 
     def holds(self, contact: int | None = None) -> Array:
         """(m, 2): begin and end of each hold of a contact, None: of any, s; with several contacts alone.
@@ -267,10 +263,6 @@ class Trajectory(ValueRecord):
         flat, states = times.ravel(), poses.reshape(-1, 2, self.system.size)
         found = derivative_along(self.system, self.drive, self.segments.trace, flat, states, wanted, more)
         return np.asarray(found.reshape(times.shape))
-
-    def _struck(self) -> Flags:
-        """True for the segments (m,) that end with an impact."""
-        return np.isin(self.segments.trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK))
 
 
 def simulate(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -117,11 +117,6 @@ class Line:
         rows = {name: np.full(len(values), getattr(self, name)) for name in NAMES} | {self.name: values}
         omega, amplitude, gap = (rows[name] for name in NAMES)
         return motions(self.system, self.periods, omega, amplitude * driven(self.per_level, omega), gap)
-
-    def moved(self, name: str, value: float) -> Line:
-        """Line with one of its held parameters changed."""
-        changed: dict[str, Any] = {name: value}
-        return replace(self, **changed)
 
     def test(self, kind: Kind, branch: int, points: MotionsAt) -> Array:
         """Test function on the line; see ``test_function``."""

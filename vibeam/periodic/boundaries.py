@@ -5,7 +5,8 @@ They are bracketed along one parameter, and followed along a second one (``follo
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -220,7 +221,8 @@ def _continued(
     line: Line, parameter: str, last: Boundary, known: list[tuple[float, float]], value: float, halvings: int
 ) -> Boundary | None:
     """Boundary at ``value``, by way of the middle where the step is too long; ``known`` takes intermediate ones."""
-    found = _nearest_root(line.moved(parameter, value), last, known, value)
+    held: dict[str, Any] = {parameter: value}
+    found = _nearest_root(replace(line, **held), last, known, value)
     if found is not None:
         known.append((value, float(getattr(found, line.name))))
         return found

@@ -189,7 +189,7 @@ def _curves(
     share = np.array([known[edge] for edge in chain])
     omega, values = plane.between(chain, share)
     points = plane.at(omega, values)
-    beside = _motions_beside_fold(plane, chain, share, points) if kind is Kind.FOLD else points
+    beside = _motions_beside_fold(plane, chain, share) if kind is Kind.FOLD else points
     grazing = kind is Kind.GRAZING
     strikes = np.ones(len(chain), dtype=bool) if grazing else beside.roots.impulse[:, branch] < 0
     clear = points.gap > points.total.offset if grazing else clearances(plane.system, beside, branch) > -TOUCH
@@ -200,8 +200,8 @@ def _curves(
             yield BoundaryCurve(kind, branch, *rows)
 
 
-def _motions_beside_fold(plane: Plane, chain: list[Edge], share: Array, points: MotionsAt) -> MotionsAt:
+def _motions_beside_fold(plane: Plane, chain: list[Edge], share: Array) -> MotionsAt:
     """Motions beside the points of a fold, on the side where they are real."""
-    before, after = (plane.at(*plane.between(chain, share + side * NUDGE)) for side in (-1, 1))
+    before = plane.at(*plane.between(chain, share - NUDGE))
     inside = np.where(np.isfinite(before.roots.impulse[:, 0]), -1, 1)
-    return plane.at(*plane.between(chain, share + inside * NUDGE)) if len(points.gap) else after
+    return plane.at(*plane.between(chain, share + inside * NUDGE))

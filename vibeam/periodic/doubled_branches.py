@@ -86,15 +86,11 @@ def _doublings(branch: TrainBranch, points: Sequence[Array]) -> Iterator[Array]:
         length = float(np.linalg.norm(way))
         if not tests[at] * tests[at + 1] < 0 or not length > 0:
             continue
-        stretch = BranchStretch(partial(_beside, branch, points[at], way / length), way / length, 0.0, length)
+        stretch = BranchStretch(partial(branch.beside, points[at], way / length), way / length, 0.0, length)
         place = root_on(branch, Kind.DOUBLING, stretch)
         found = None if place is None else stretch.point(place)
         if found is not None:
             yield found
-
-
-def _beside(branch: TrainBranch, z: Array, along: Array, length: float) -> Array | None:
-    return branch.corrected(z + length * along, along)
 
 
 def _antisymmetric(branch: TrainBranch, begin: Array) -> Array:
@@ -114,7 +110,7 @@ def _followed(branch: TrainBranch, begin: Array, low: float, high: float) -> Ite
     yield begin
     along, z = _antisymmetric(branch, begin), begin
     for part in FIRST:
-        ahead = branch.corrected(begin + part * along, along)
+        ahead = branch.beside(begin, along, part)
         if ahead is None or not low <= ahead[-1] <= high:
             continue
         z = ahead
@@ -139,7 +135,7 @@ def _continued(branch: TrainBranch, z: Array, along: Array, low: float, high: fl
         following = {kind: branch.test(kind, ahead, along) for kind in ENDS}
         ended = [kind for kind in ENDS if tests[kind] * following[kind] < 0]
         if ended:
-            stretch = BranchStretch(partial(_beside, branch, z, along), along, 0.0, length)
+            stretch = BranchStretch(partial(branch.beside, z, along), along, 0.0, length)
             places = [at for kind in ended if (at := root_on(branch, kind, stretch, END)) is not None]
             last = stretch.point(min(places)) if places else None
             if last is not None and low <= last[-1] <= high:

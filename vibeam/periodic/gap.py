@@ -53,8 +53,8 @@ class SpanGap:
     @classmethod
     def of(cls, system: ImpactSystem, total: Sums, roots: Roots, amplitude: Array, branch: int) -> SpanGap:
         """Gap of one branch."""
-        pairs = zip(system.omega, system.zeta, strict=True)
-        start = np.array([green(natural, zeta * natural, pair(natural, zeta, total.span)) for natural, zeta in pairs])
+        modes = zip(system.omega, system.zeta, strict=True)
+        start = np.array([green(natural, pair(natural, zeta, total.span)) for natural, zeta in modes])
         part = total.unit * amplitude * np.exp(1j * roots.phase[:, branch])
         return cls(system, total.omega, total.span, part, roots.impulse[:, branch], start)
 
@@ -119,15 +119,13 @@ def _mode(natural: float, zeta: float, start: Array, times: Array, span: Array) 
     """One mode's g − g(0), g', g'' and the bound on g''''; without stiffness g = t(nT − t)/(2nT) + const."""
     if natural == 0:
         return Gap(times / 2 - times**2 / (2 * span), 0.5 - times / span, -1 / span, np.zeros_like(times))
-    sigma, p = zeta * natural, pair(natural, zeta, times)
-    value, slope = p.p01 * start[1] - p.rise * start[0], p.p10 * start[0] + p.p11 * start[1]
-    bend, fourth = _derivatives(natural, sigma, start[0], value, slope)
-    return Gap(value, slope, bend, _two_decays(natural, sigma, zeta, times, span) if zeta > APART else fourth)
+    mode = _free_mode(natural, zeta, start[0], start[1], times)
+    return mode._replace(fourth=_two_decays(natural, zeta, times, span)) if zeta > APART else mode
 
 
-def _two_decays(natural: float, sigma: float, zeta: float, times: Array, span: Array) -> Array:
+def _two_decays(natural: float, zeta: float, times: Array, span: Array) -> Array:
     """Overdamped mode: g = (e^{−st}/(1 − e^{−snT}) − e^{−ft}/(1 − e^{−fnT}))/(f − s), each decay bounded separately."""
-    fast = sigma + natural * np.sqrt((zeta - 1) * (zeta + 1))
+    fast = zeta * natural + natural * np.sqrt((zeta - 1) * (zeta + 1))
     slow = natural * natural / fast
     parts = [rate**4 * np.exp(-rate * times) / -np.expm1(-rate * span) for rate in (slow, fast)]
     return np.asarray((parts[0] + parts[1]) / (fast - slow))

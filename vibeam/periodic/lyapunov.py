@@ -22,7 +22,7 @@ import numpy as np
 
 from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.engine.threads import pause
-from vibeam.flight.kernels import layout
+from vibeam.flight.readout import rests, struck
 from vibeam.periodic.stroboscopic import DECAY, Cycle, Flown, StroboscopicMap
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
@@ -146,15 +146,14 @@ def _of_cycle(section: StroboscopicMap, cycle: Cycle, wanted: int) -> LyapunovSp
     time = cycle.periods * section.period
     with np.errstate(divide="ignore"):
         found = np.log(np.abs(cycle.multipliers[:wanted])) / time
-    impacts, rests = _events(cycle.flown)
     return LyapunovSpectrum(
-        found, np.zeros(wanted), cycle.periods, time, impacts, rests, cycle.state, section.time
+        found, np.zeros(wanted), cycle.periods, time, *_events(cycle.flown), cycle.state, section.time
     )  # fmt: skip
 
 
 def mean_exponents(section: StroboscopicMap, start: State, periods: int, wanted: int) -> LyapunovSpectrum:
     """The largest ``wanted`` exponents of a motion as means over ``periods``, whether it repeats or not."""
-    walk, impacts, rests = _Disturbances(section, wanted), 0, 0
+    walk, events = _Disturbances(section, wanted), np.zeros(2, dtype=np.int64)
     for step in _pieces(ALIGNED):
         flown = section.flown(start, step)
         walk.along(flown)
@@ -166,8 +165,7 @@ def mean_exponents(section: StroboscopicMap, start: State, periods: int, wanted:
             flown = section.flown(start, step)
             walk.along(flown)
             start = flown.state
-            struck, rested = _events(flown)
-            impacts, rests = impacts + struck, rests + rested
+            events += _events(flown)
         batches.append(walk.logs / (int(size) * section.period))
     with np.errstate(invalid="ignore"):
         rates, weights = np.array(batches), taken / taken.sum()
@@ -177,7 +175,7 @@ def mean_exponents(section: StroboscopicMap, start: State, periods: int, wanted:
     order = np.argsort(-np.where(lost, -np.inf, mean), kind="stable")
     return LyapunovSpectrum(
         np.where(lost, -np.inf, mean)[order], np.where(lost, 0.0, error)[order], 0, periods * section.period,
-        impacts, rests, start, section.time,
+        int(events[0]), int(events[1]), start, section.time,
     )  # fmt: skip
 
 
@@ -217,6 +215,4 @@ class _Disturbances:
 
 def _events(flown: Flown) -> tuple[int, int]:
     """Numbers of impacts and of rests."""
-    trace = flown.segments.trace
-    rests = (trace[:, layout.WHAT] == layout.RESTING) & (trace[:, layout.DURATION] > 0)
-    return int(np.isin(trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK)).sum()), int(rests.sum())
+    return int(struck(flown.segments.trace).sum()), int(rests(flown.segments.trace).sum())

@@ -124,7 +124,7 @@ def offsets(system: ImpactSystem) -> Array:
     return np.where(stiff, system.static / np.where(stiff, system.omega, 1.0) ** 2, 0.0)
 
 
-def green(natural: float | Array, sigma: float | Array, p: Pair) -> tuple[Array, Array]:
+def green(natural: float | Array, p: Pair) -> tuple[Array, Array]:
     """Periodic Green's function g(0), g'(0⁺) of one mode, or of several as rows; 0 and ½ without stiffness."""
     with np.errstate(divide="ignore", invalid="ignore"):
         g0, g1 = p.p01 / p.closing, p.rise / p.closing
@@ -134,7 +134,7 @@ def green(natural: float | Array, sigma: float | Array, p: Pair) -> tuple[Array,
 
 
 def _green(natural: Array, sigma: Array, p: Pair, span: Array) -> tuple[Array, Array, Array]:
-    g0, g1 = green(natural, sigma, p)
+    g0, g1 = green(natural, p)
     with np.errstate(invalid="ignore"):
         return g0, g1, np.where(natural == 0, -1 / span, -2 * sigma * (g1 - 1) - natural * natural * g0)
 

@@ -11,7 +11,7 @@ the map from impact to impact, in time and velocities, is M seen in other coordi
 
 Since U Vᵀ has rank two, det(λ − M) = det(λ − P) D(λ) with a 2×2 determinant of sums over the modes
 
-    D(λ) = (1 − k11)(1 + s t22) + s t12 k21 − (a/v) s t12,    T = P(λ − P)⁻¹, k as in ``sums.Transfer`` times s,
+    D(λ) = (1 − k11)(1 + s t22) + s t12 k21 − (a/v) s t12,    T = P(λ − P)⁻¹, k as in ``modal_sums.Transfer`` times s,
 
 so that D(1) < 0 or D(−1) < 0 proves a real multiplier beyond 1 or −1 at a cost linear in n.
 """

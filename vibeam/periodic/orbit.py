@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.flight.kernels import layout
+from vibeam.flight.readout import rests, struck
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.modal_sums import Roots, Sums, balance, resonant, sums
 from vibeam.periodic.multipliers import multipliers
@@ -42,13 +43,9 @@ class AdmissibilityCheck:
     ) -> tuple[Array, Array]:
         """Times (m,), s, and velocities of the impacts harder than ``least``; empty where the motion comes to rest."""
         trace = self.flight.simulate(drive, start, begin, end, limit)[3].trace
-        if ((trace[:, layout.WHAT] == layout.RESTING) & (trace[:, layout.DURATION] > 0)).any():
+        if rests(trace).any():
             return np.zeros(0), np.zeros(0)
-        last = trace[:, layout.END]
-        hit = trace[
-            ((last == layout.IMPACT) | (last == layout.CHATTER) | (last == layout.STUCK))
-            & (trace[:, layout.BEFORE] > least)
-        ]
+        hit = trace[struck(trace) & (trace[:, layout.BEFORE] > least)]
         return hit[:, layout.START] + hit[:, layout.DURATION], hit[:, layout.BEFORE]
 
     def slack(self, drive: Drive, velocity: float, span: float) -> float:

@@ -73,8 +73,9 @@ def orbit_curve(system: ImpactSystem, omega: ArrayLike, amplitude: float, period
     impulse, phase, velocity, plus, minus = (
         np.where(real, row, np.nan) for row in (found.impulse, found.phase, found.velocity, *beyond)
     )
-    stable = _stable(system, total, found, real & ~proven(beyond[0]) & ~proven(beyond[1]))
-    return OrbitCurve(grid, int(periods), impulse, phase, velocity, stable, plus, minus)
+    return OrbitCurve(
+        grid, int(periods), impulse, phase, velocity, stability(system, total, found, real), plus, minus
+    )  # fmt: skip
 
 
 def stability(system: ImpactSystem, total: Sums, found: Roots, asked: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -83,18 +84,13 @@ def stability(system: ImpactSystem, total: Sums, found: Roots, asked: NDArray[np
     for side in (total.plus, total.minus):
         for k in (0, 1):
             open_[:, k] &= ~proven(real_crossing(system, side, found.relative_acceleration[:, k]))
-    return _stable(system, total, found, open_)
-
-
-def proven(beyond: Array) -> NDArray[np.bool_]:
-    """Test for D < 0 beyond doubt: near the double pole of an undamped mode its sign is round-off."""
-    return (beyond < 0) & (beyond > -CERTAIN)
-
-
-def _stable(system: ImpactSystem, total: Sums, found: Roots, open_: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Stability of the motions marked by ``open_``, by their multipliers; False for the others."""
     stable = np.zeros(open_.shape, dtype=bool)
     rows, _ = np.nonzero(open_)
     values = multipliers(system, total.span[rows], found.relative_acceleration[open_])
     stable[open_] = np.abs(values[:, 0]) < 1
     return stable
+
+
+def proven(beyond: Array) -> NDArray[np.bool_]:
+    """Test for D < 0 beyond doubt: near the double pole of an undamped mode its sign is round-off."""
+    return (beyond < 0) & (beyond > -CERTAIN)

@@ -1,6 +1,6 @@
 """Periodic motions with one impact a span, and their exact derivatives by parameters (implicit function theorem).
 
-The equations of ``impulse_balance``, with y = Δ − p G₀ and x = p κ/Ω, are Q(p; θ) = y² + x² − |H|² = 0 and
+The equation of ``modal_sums``, with y = Δ − p G₀ and x = p κ/Ω, are Q(p; θ) = y² + x² − |H|² = 0 and
 φ = arg(x + iy) − arg H. Where ∂Q/∂p ≠ 0,
 
     dp = −(y (dΔ − p dG₀) + x p d(κ/Ω) − |H| d|H|) / (x κ/Ω − y G₀),

@@ -41,14 +41,13 @@ class NearbyOrbits(NamedTuple):
     """Orbits of the other model: ``trains`` within [0, 2πn), in the order of the first model's impacts.
 
     ``found``: Newton's method contracts to an orbit on the same side of any fold, all of its impacts push away from
-    the stop. ``first``: size of the first correction, rad and share of the impulse; ``contraction`` Θ; (points,).
+    the stop. ``first``: size of the first correction, rad and share of the impulse, (points,).
     ``acceleration`` (points, m): of the contact just before each impact, m/s².
     """
 
     trains: Trains
     found: Flags
     first: Array
-    contraction: Array
     acceleration: Array
 
 
@@ -74,7 +73,7 @@ def nearby_orbits(system: ImpactSystem, start: Trains) -> NearbyOrbits:
     turned = response[:, None] * np.exp(1j * now.phases)
     acceleration = (sums.bend @ now.impulses[:, :, None])[:, :, 0] - start.omega[:, None] ** 2 * turned.imag
     whole = now.moved(np.mod(now.phases, 2 * np.pi * now.periods), now.impulses)
-    return NearbyOrbits(whole, found, first, contraction, acceleration)
+    return NearbyOrbits(whole, found, first, acceleration)
 
 
 def _solved(slopes: Array, value: Array) -> tuple[Array, Array]:
@@ -91,9 +90,7 @@ def _solved(slopes: Array, value: Array) -> tuple[Array, Array]:
 def _in_order(start: Trains, now: Trains) -> Flags:
     """Test whether the impacts follow one another as before, none overtaken."""
     order = np.argsort(start.phases, axis=1)
-    turned = np.take_along_axis(now.phases, order, axis=1)
-    whole = np.concatenate([turned, turned[:, :1] + 2 * np.pi * now.periods], axis=1)
-    return np.asarray(np.all(np.diff(whole, axis=1) > 0, axis=1))
+    return np.asarray(np.all(ahead(np.take_along_axis(now.phases, order, axis=1), now) > 0, axis=1))
 
 
 TOGETHER = 1024  # motions computed at once, to bound the memory

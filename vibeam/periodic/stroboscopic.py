@@ -63,12 +63,8 @@ def _eigenvalues(factors: list[Array], frame: Array) -> Complex:
     values = np.linalg.eigvals(frame.T @ carried).astype(complex)
     if np.abs(values).min() >= WEAK * np.abs(values).max():
         return values
-    return _by_frames(factors, frame @ np.linalg.qr(_shuffled(frame.shape[1]))[0])
-
-
-def _shuffled(size: int) -> Array:
-    """A matrix without any direction of its own."""
-    return np.random.default_rng(0).standard_normal((size, size))
+    shuffled = np.random.default_rng(0).standard_normal((frame.shape[1],) * 2)  # without any direction of its own
+    return _by_frames(factors, frame @ np.linalg.qr(shuffled)[0])
 
 
 def _by_frames(factors: list[Array], frame: Array) -> Complex:
@@ -121,19 +117,17 @@ class MotionEnded(ValueError, ArithmeticError):
 class StroboscopicMap:
     """Stroboscopic map of one system and drive; ValueError where its tangent maps are not known, or without a period.
 
-    ``time``: of the drive at which states are taken, s; ``runner``: the system's solver, made already.
+    ``time``: of the drive at which states are taken, s.
     """
 
-    def __init__(
-        self, system: ImpactSystem, drive: Drive, time: float = 0.0, runner: EventDrivenSolver | None = None
-    ) -> None:
+    def __init__(self, system: ImpactSystem, drive: Drive, time: float = 0.0) -> None:
         if not drive.omega > 0:
             raise ValueError("drive: omega must be > 0: without a drive period there is no stroboscopic map")
-        made = exact_solver(system, drive.omega) if runner is None else runner
+        runner = exact_solver(system, drive.omega)
         if reason := tangent_fault(system):
             raise ValueError(f"system: Lyapunov exponents are not known for {reason}")
-        assert isinstance(made, EventDrivenSolver)
-        self.system, self.drive, self.runner, self.time = system, drive, made, time
+        assert isinstance(runner, EventDrivenSolver)
+        self.system, self.drive, self.runner, self.time = system, drive, runner, time
         self.period = 2 * np.pi / drive.omega
         self.units = np.concatenate([np.where(system.omega > 0, system.omega, drive.omega), np.ones(system.size)])
 

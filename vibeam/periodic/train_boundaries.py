@@ -91,7 +91,7 @@ def _follow(branch: TrainBranch, begin: Array, towards: float, step: float, long
         if ahead is None:
             return
         following = {kind: branch.test(kind, ahead, along) for kind in KINDS}
-        stretch = BranchStretch(partial(_off, branch, z, along), along, 0.0, length)
+        stretch = BranchStretch(partial(branch.beside, z, along), along, 0.0, length)
         for found in _crossed(branch, stretch, tests, following):
             if _within(found.place, begin[-1], towards):
                 yield found.boundary
@@ -106,7 +106,7 @@ def _follow(branch: TrainBranch, begin: Array, towards: float, step: float, long
 def stepped(branch: TrainBranch, z: Array, along: Array, length: float) -> tuple[float, Array | None]:
     """A step along the tangent and back to the branch, halved until it lands where it was going: length, point."""
     for _ in range(HALVINGS):
-        ahead = branch.corrected(z + length * along, along)
+        ahead = branch.beside(z, along, length)
         if ahead is not None and np.linalg.norm(ahead - z - length * along) < STRAY * length:
             return length, ahead
         length /= 2
@@ -132,11 +132,6 @@ class BranchStretch(NamedTuple):
     along: Array
     low: float
     high: float
-
-
-def _off(branch: TrainBranch, z: Array, along: Array, length: float) -> Array | None:
-    """The point of the branch by the plane through z + length · along."""
-    return branch.corrected(z + length * along, along)
 
 
 def _crossed(branch: TrainBranch, stretch: BranchStretch, tests: Tests, following: Tests) -> list[_Located]:

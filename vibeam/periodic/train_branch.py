@@ -91,6 +91,10 @@ class TrainBranch:
             last = size
         return None
 
+    def beside(self, z: Array, along: Array, length: float) -> Array | None:
+        """Point of the branch by the plane through z + length · along."""
+        return self.corrected(z + length * along, along)
+
     def test(self, kind: Kind, z: Array, along: Array) -> float:
         """Test function that changes sign at a boundary of that kind."""
         system, drive, span, train = self.at(z)

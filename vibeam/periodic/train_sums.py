@@ -16,6 +16,8 @@ from vibeam.periodic.modal_sums import green, offsets, phasor
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Complex
 
+REPEATED = 1e-6  # difference of the impacts of a motion that repeats, rad and share of the impulse
+
 
 class Trains(NamedTuple):
     """Impact trains: drive phases Ωt (points, m), rad, and impulses (points, m), N s, over ``periods`` drive periods
@@ -55,7 +57,7 @@ def green_sums(system: ImpactSystem, trains: Trains) -> GreenSums:
     seen = system.contact != 0
     natural, zeta, square = (row[seen] for row in (system.omega, system.zeta, system.contact**2))
     span, m = trains.span, trains.phases.shape[1]
-    g0, g1 = green(natural[:, None], (zeta * natural)[:, None], pairs(natural, zeta, span))
+    g0, g1 = green(natural[:, None], pairs(natural, zeta, span))
     if m == 1:
         value, slope = g0, g1 - 1
     else:
@@ -82,11 +84,8 @@ def lags(trains: Trains) -> tuple[Array, Array]:
     return between, np.broadcast_to(own, between.shape)
 
 
-def repeats_sooner(trains: Trains, within: float = 1e-6) -> NDArray[np.bool_]:
-    """Test (points,) whether a motion repeats after fewer drive periods than the trains' ``periods``.
-
-    ``within``: largest difference of its impacts, rad and share of the impulse.
-    """
+def repeats_sooner(trains: Trains) -> NDArray[np.bool_]:
+    """Test (points,) whether a motion repeats after fewer drive periods than the trains' ``periods``."""
     order = np.argsort(trains.phases, axis=1)
     phases, impulses = (np.take_along_axis(row, order, axis=1) for row in (trains.phases, trains.impulses))
     n, m, found = trains.periods, phases.shape[1], np.zeros(len(phases), dtype=bool)
@@ -96,7 +95,7 @@ def repeats_sooner(trains: Trains, within: float = 1e-6) -> NDArray[np.bool_]:
             later = np.concatenate([phases, phases + 2 * np.pi * n], axis=1)[:, impacts : impacts + m]
             off = np.abs(later - phases - 2 * np.pi * sooner)
             off = np.maximum(off, np.abs(np.roll(impulses, -impacts, axis=1) / impulses - 1))
-            found |= np.all(off <= within, axis=1)
+            found |= np.all(off <= REPEATED, axis=1)
     return found
 
 

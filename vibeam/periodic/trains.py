@@ -52,7 +52,7 @@ def state_after(system: ImpactSystem, drive: Drive, periods: int, phase: float, 
 def _green(system: ImpactSystem, span: Array) -> tuple[Array, Array]:
     """Periodic Green's functions g(0), g'(0⁺) (n,) over a ``span`` (1,) s, 0 for modes not seen by the contact."""
     natural = system.omega[:, None]
-    g0, g1 = green(natural, system.zeta[:, None] * natural, pairs(system.omega, system.zeta, span))
+    g0, g1 = green(natural, pairs(system.omega, system.zeta, span))
     struck = system.contact != 0
     return np.where(struck, g0[:, 0], 0.0), np.where(struck, g1[:, 0], 0.0)
 
@@ -98,20 +98,16 @@ class Lags(NamedTuple):
     slope: Array
 
 
-def lags(system: ImpactSystem, span: float, times: Array, after: bool = False) -> Lags:
-    """Compute the Green's functions between all impacts; ``after``: a zero lag is just after the impact instead."""
-    whole = propagators(system.omega, system.zeta, np.array([span]))
-    start = np.zeros((2, system.size))
-    for i, (natural, zeta) in enumerate(zip(system.omega, system.zeta, strict=True)):
-        start[:, i] = [g[0] for g in green(natural, zeta * natural, type(whole)(*(field[:, i] for field in whole)))]
+def lags(system: ImpactSystem, span: float, times: Array) -> Lags:
+    """Green's functions between all impacts."""
+    start = _green(system, np.array([span]))
     between = np.mod(times[:, None] - times[None, :], span)
     np.fill_diagonal(between, 0.0)
     p = propagators(system.omega, system.zeta, between.ravel())
     value, slope = p.p00 * start[0] + p.p01 * start[1], p.p10 * start[0] + p.p11 * start[1]
     m = len(times)
     value, slope = value.reshape(m, m, -1), slope.reshape(m, m, -1)
-    if not after:
-        slope[np.arange(m), np.arange(m)] -= 1.0
+    slope[np.arange(m), np.arange(m)] -= 1.0
     return Lags(value, slope)
 
 

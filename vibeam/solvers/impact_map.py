@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from vibeam.flight.kernels import layout
+from vibeam.flight.readout import struck
 from vibeam.flight.solver import FlightSolver
 from vibeam.solvers.one_mode import Oscillator
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -61,11 +62,11 @@ class ImpactMap:
         place = State(np.array([model.gap]), np.array([-model.restitution * impact.velocity]))
         drive = Drive(self.omega, model.drive)
         trace = self.solver.simulate(drive, place, start, start + HORIZON * self.period, 0)[3].trace
-        struck = np.flatnonzero(np.isin(trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK)))
-        if not len(struck):
+        hits = np.flatnonzero(struck(trace))
+        if not len(hits):
             return Impact(nan, nan)
-        flight = float(np.sum(trace[: struck[0] + 1, layout.DURATION]))
-        return Impact(impact.time + flight, float(trace[struck[0], layout.BEFORE]), flight)
+        flight = float(np.sum(trace[: hits[0] + 1, layout.DURATION]))
+        return Impact(impact.time + flight, float(trace[hits[0], layout.BEFORE]), flight)
 
     def iterate(self, impact: Impact, count: int) -> list[Impact]:
         """Next ``count`` impacts."""

@@ -300,7 +300,7 @@ def test_a_damaged_manifest_is_named_and_numba_steps_in(
     assert len(said) == 1
     assert said[0].startswith(f"the list of compiled kernels, {place}, is damaged (")
     assert said[0].endswith("install vibeam again: numba compiles the kernels")
-    assert entries.description(move.library, move.module, move.name) == "numba"
+    assert entries.origin() == "numba"
 
 
 @needs_library

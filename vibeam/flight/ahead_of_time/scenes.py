@@ -19,6 +19,9 @@ PLAIN = ImpactSystem.from_modes(
     [47.7, 635.0], 0.017, contact=[2.12, 0.31], load=[0.46, 0.09], gap=0.0, restitution=0.72
 )
 
+ONE = np.ones(1)
+POINT = PlainPoints([PLAIN], np.zeros(1, dtype=np.int64), DRIVE.omega * ONE, DRIVE.amplitude * ONE, ONE, 0.7 * ONE)
+
 
 def fly() -> None:
     """Tables, motions, poses and certificates of the plain engine."""
@@ -32,16 +35,12 @@ def fly_in_regimes() -> None:
 
 def fly_side_by_side() -> None:
     """Points of a batch."""
-    one = np.ones(1)
-    points = PlainPoints([PLAIN], np.zeros(1, dtype=np.int64), DRIVE.omega * one, DRIVE.amplitude * one, one, 0.7 * one)
-    compute(points, PointSettings(settle=1, hold=1, output="contact", strobes=0, elastic=False, most_modes=2))
+    compute(POINT, PointSettings(settle=1, hold=1, output="contact", strobes=0, elastic=False, most_modes=2))
 
 
 def disturb() -> None:
     """Disturbances of a batch's points."""
-    one = np.ones(1)
-    points = PlainPoints([PLAIN], np.zeros(1, dtype=np.int64), DRIVE.omega * one, DRIVE.amplitude * one, one, 0.7 * one)
-    carry(points, False, np.ones(1, dtype=np.int64), np.ones((1, 1, 2, 2)), single=True)
+    carry(POINT, False, np.ones(1, dtype=np.int64), np.ones((1, 1, 2, 2)), single=True)
 
 
 def step() -> None:

@@ -18,6 +18,7 @@ import numpy as np
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.linear.regimes import damper_of
+from vibeam.flight.readout import sides
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
@@ -126,7 +127,7 @@ def exact(values: Array) -> Sum:
 
 
 def derivative_along(
-    system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int = 0
+    system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int
 ) -> Array:
     """The output ``wanted`` (m,), or its rate (``more`` 1), at ``times`` (m,) with their ``poses`` (m, 2, n).
 
@@ -149,14 +150,9 @@ def _of_base(drive: Drive, clocks: Array, order: int, share: float) -> Array:
 
 def _modal(system: ImpactSystem, drive: Drive, rows: Array, clocks: Array, poses: Array, order: int) -> Array:
     """η'' or η''' (m, n) at states in the segments ``rows`` (m, columns) of a trace."""
-    sides = (
-        rows[:, regime_layout.AT_SIDE].astype(np.int64)
-        if rows.shape[1] > layout.TRACE_COLUMNS
-        else np.zeros(len(rows), dtype=np.int64)
-    )
-    found = np.empty((len(rows), system.size))
-    for kind, side in {(float(kind), int(side)) for kind, side in zip(rows[:, layout.WHAT], sides, strict=True)}:
-        here = (rows[:, layout.WHAT] == kind) & (sides == side)
+    at, found = sides(rows), np.empty((len(rows), system.size))
+    for kind, side in {(float(kind), int(side)) for kind, side in zip(rows[:, layout.WHAT], at, strict=True)}:
+        here = (rows[:, layout.WHAT] == kind) & (at == side)
         found[here] = _in_regime(system, drive, kind, side, poses[here], clocks[here], order)
     return found
 

@@ -30,6 +30,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.linear.propagator import Pair, propagators
 from vibeam.flight.linear.regimes import damper_of
+from vibeam.flight.readout import sides
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -63,6 +64,7 @@ class TangentMaps:
         self.trace, self.poses = segments.trace, segments.poses
         last = np.stack([state.displacement, state.velocity])
         self.ends = np.concatenate([self.poses[1:], last[None]])
+        self.sides = sides(segments.trace)
 
     def __len__(self) -> int:
         return len(self.trace)
@@ -73,7 +75,7 @@ class TangentMaps:
         if what == layout.RESTING:
             return np.asarray(_exponential(self._held * duration)) @ self.projection()
         if what == regime_layout.CONTACT:
-            return _exponential(self._pushed(self.side(i)) * duration)
+            return _exponential(self._pushed(self.sides[i]) * duration)
         return self._free(i, duration, parts)
 
     def over(self, i: int) -> Array:
@@ -118,10 +120,6 @@ class TangentMaps:
         none = np.zeros((n, whole.shape[1]))
         return np.block([[across, none], [np.zeros((n, n - 1)), whole]])
 
-    def side(self, i: int) -> int:
-        """The stop struck or touched: 0 the first, 1 the second."""
-        return int(self.trace[i, regime_layout.AT_SIDE]) if self.trace.shape[1] > regime_layout.AT_SIDE else 0
-
     def acceleration(self, i: int) -> float:
         """The contact's acceleration towards the stop just before the event that ends segment i."""
         return float(self._accelerations[i])
@@ -129,9 +127,8 @@ class TangentMaps:
     @cached_property
     def _rows(self) -> Array:
         """Row of the stop of each segment, (m, n)."""
-        sides = [self.side(i) for i in range(len(self))] if self.system.second_gap is not None else [0] * len(self)
-        stops = [stop_of(self.system, side).row for side in range(max(sides, default=0) + 1)]
-        return np.array(stops)[sides]
+        stops = [stop_of(self.system, side).row for side in range(1 if self.system.second_gap is None else 2)]
+        return np.array(stops)[self.sides]
 
     @cached_property
     def _accelerations(self) -> Array:
@@ -159,21 +156,24 @@ class TangentMaps:
     def _free(self, i: int, duration: float, parts: int) -> Array:
         if self.system.coupling is not None:
             return _exponential(state_matrix(self.system) * duration)
-        p, i = (self._flights, i) if parts == 1 else (self._over(np.array([duration])), 0)
+        p = self._flights
+        if parts > 1:
+            p, i = propagators(self.system.omega, self.system.zeta, np.array([duration])), 0
         matrix, mode = np.zeros((2, self.system.size, 2, self.system.size)), np.arange(self.system.size)
         matrix[:, mode, :, mode] = np.array([[p.p00[i], p.p01[i]], [p.p10[i], p.p11[i]]]).transpose(2, 0, 1)
         return matrix.reshape(2 * self.system.size, -1)
 
     @cached_property
     def _flights(self) -> Pair:
-        return self._over(np.ascontiguousarray(self.trace[:, layout.DURATION]))
-
-    def _over(self, durations: Array) -> Pair:
+        durations = np.ascontiguousarray(self.trace[:, layout.DURATION])
         return propagators(self.system.omega, self.system.zeta, durations)
 
     @cached_property
     def _held(self) -> Array:
-        return held_matrix(self.system)
+        """State matrix while the contact is held: accelerations without their part along its row."""
+        n, c, matrix = self.system.size, self.system.contact, state_matrix(self.system)
+        matrix[n:] -= np.outer(c, c @ matrix[n:]) / (c @ c)
+        return matrix
 
     def _pushed(self, side: int) -> Array:
         """State matrix while a linear stop pushes."""
@@ -185,7 +185,7 @@ class TangentMaps:
         return matrix
 
     def _entry(self, i: int) -> Array:
-        spring, n, row = self.system.contact_law.spring, self.system.size, stop_of(self.system, self.side(i)).row
+        spring, n, row = self.system.contact_law.spring, self.system.size, stop_of(self.system, self.sides[i]).row
         assert spring is not None
         matrix = np.eye(2 * n)
         matrix[n:, :n] -= spring.damping * np.outer(row, row)
@@ -229,14 +229,6 @@ def state_matrix(system: ImpactSystem) -> Array:
     matrix[:n, n:] = np.eye(n)
     matrix[n:, :n] = -np.diag(system.omega**2)
     matrix[n:, n:] = -damper_of(system)
-    return matrix
-
-
-def held_matrix(system: ImpactSystem) -> Array:
-    """State matrix (2n, 2n) while the contact is held: accelerations without their part along its row."""
-    n, c = system.size, system.contact
-    matrix = state_matrix(system)
-    matrix[n:] -= np.outer(c, c @ matrix[n:]) / (c @ c)
     return matrix
 
 

@@ -64,19 +64,6 @@ def compiled(module: str, name: str) -> Callable[..., Any]:
     return found
 
 
-def description(library: str, module: str, name: str) -> str:
-    """Origin of that function in this process: ``library`` and its level, or ``numba``."""
-    wanted = os.environ.get(VARIABLE, "")
-    try:
-        if wanted == "numba":
-            return wanted
-        level = wanted if wanted in LEVELS else None
-        function_of(library, module, name, level)
-        return f"library {level_of(library, module, name, level)}"
-    except LibraryUnavailable:
-        return "numba"
-
-
 @dataclass(frozen=True)
 class EntryPoint:
     """A compiled function, found at its first call."""
@@ -111,4 +98,12 @@ ENTRIES = (tabulate, move, poses_at, cover, *REGIMES, run_points, carry_disturba
 
 def origin() -> str:
     """Origin of the kernels in this process: ``library`` and its level, or ``numba``."""
-    return description(move.library, move.module, move.name)
+    wanted, place = os.environ.get(VARIABLE, ""), (move.library, move.module, move.name)
+    try:
+        if wanted == "numba":
+            return wanted
+        level = wanted if wanted in LEVELS else None
+        function_of(*place, level)
+        return f"library {level_of(*place, level)}"
+    except LibraryUnavailable:
+        return "numba"

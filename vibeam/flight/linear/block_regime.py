@@ -74,11 +74,6 @@ class SignalRow:
     over: float = 1.0
 
 
-def held_at(contact: Array, gap: float) -> Array:
-    """The least displacement (n,) with contact·η = gap."""
-    return np.asarray(contact * (gap / float(contact @ contact)))
-
-
 def free_regime(linear: LinearSystem, static: Array, load: Array, top: int) -> Regime:
     """z'' + Dz' + Λz = static + load Ω²B sin φ, pushed by the stop of ``linear`` or not; longest panel 2^top s."""
     return _in_blocks(linear, np.zeros(len(static)), static, load, top)
@@ -87,7 +82,7 @@ def free_regime(linear: LinearSystem, static: Array, load: Array, top: int) -> R
 def held_regime(linear: LinearSystem, static: Array, load: Array, gap: float, top: int) -> tuple[Regime, SignalRow]:
     """The same with contact·η = gap held, and the contact force F = contact·(f − Dη' − Λη)/S as a signal of it."""
     contact, mobility = linear.contact, float(linear.contact @ linear.contact)
-    held = held_at(contact, gap)
+    held = contact * (gap / mobility)  # the least displacement
     constant = static - linear.spring * held
     along, across = float(contact @ constant) / mobility, float(contact @ load) / mobility
     found = _in_blocks(linear, held, constant - contact * along, load - contact * across, top)

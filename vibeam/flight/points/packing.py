@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.flight.equilibrium import LOST, without_stop
+from vibeam.flight.equilibrium import products
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import ELASTIC, Engine
 from vibeam.flight.linear.block_regime import set_output
@@ -55,7 +55,7 @@ def held(engine: Engine, row: Array, gaps: Array) -> tuple[Array, Array, Array]:
     mobility = float(engine.drive[layout.MOBILITY])
     at = contact * (gaps / mobility)[:, None]
     constant = modes[layout.STATIC] - engine.pairs[layout.OMEGA] ** 2 * at
-    along = _dots(constant, contact) / mobility
+    along = products(constant, contact) / mobility
     pushed = constant - contact * along[:, None]
     found = (engine.rest.into[:, n:] @ pushed[:, :, None])[:, :, 0]
     constants = np.ascontiguousarray(found.reshape(len(gaps), -1, 2).swapaxes(1, 2))
@@ -63,27 +63,3 @@ def held(engine: Engine, row: Array, gaps: Array) -> tuple[Array, Array, Array]:
     for k in range(n):
         output = output + row[k] * at[:, k]
     return at, constants, np.stack([along, output], axis=1)
-
-
-def equilibria(system: ImpactSystem, gaps: Array) -> tuple[Array, Array]:
-    """Poses (m, 2, n) of ``flight.equilibrium`` for each of ``gaps`` (m,), and whether FREE or RESTING, (m,)."""
-    moving, free = system.omega > 0, without_stop(system)
-    poses = np.zeros((len(gaps), 2, system.size))
-    poses[:, 0] = free
-    beyond = float(system.contact @ free) - gaps
-    on = beyond > 0
-    loose = ~moving & (system.contact != 0)
-    softly = system.contact / np.where(moving, system.omega, 1.0) ** 2
-    shape = np.where(loose, system.contact, 0.0) if loose.any() else softly
-    over = float(system.contact @ shape)
-    at = free - shape * (beyond / over)[:, None]
-    left = _dots(at, system.contact) - gaps
-    off = np.abs(left) > LOST * np.abs(gaps)
-    at[off] -= shape * (left[off] / over)[:, None]
-    poses[on, 0] = at[on]
-    return poses, np.where(on, layout.RESTING, layout.FREE)
-
-
-def _dots(rows: Array, row: Array) -> Array:
-    """Products of ``rows`` (m, n) with one row, each summed as if it were alone."""
-    return np.asarray((np.ascontiguousarray(rows)[:, None, :] @ np.ascontiguousarray(row)[:, None])[:, 0, 0])

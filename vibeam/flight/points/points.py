@@ -12,12 +12,13 @@ import numpy as np
 
 from vibeam.flight.engine.entries import run_points
 from vibeam.flight.engine.threads import pause
+from vibeam.flight.equilibrium import equilibria
 from vibeam.flight.event_driven import LONGEST_PERIOD, ROWS
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Engine, Watch, watch_of
 from vibeam.flight.linear.packing import PackedSystem
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.packing import blank, equilibria, held, packed, stacked
+from vibeam.flight.points.packing import blank, held, packed, stacked
 from vibeam.flight.readout import PointReadout
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
@@ -62,8 +63,8 @@ class PlainPoints:
     def rest(self, which: Index) -> tuple[Array, Array]:
         """The same in static equilibrium."""
         gaps, places = np.unique(self.gap[which], return_inverse=True)
-        poses, kinds = equilibria(self.systems[self.system[which[0]]], gaps)
-        return poses[places], kinds[places]
+        poses, resting = equilibria(self.systems[self.system[which[0]]], gaps)
+        return poses[places], np.where(resting[places], layout.RESTING, layout.FREE)
 
 
 @dataclass(frozen=True)

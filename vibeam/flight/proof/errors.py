@@ -37,6 +37,7 @@ from vibeam.flight.equilibrium import size_of_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import BRISK, FAR, FAR_DRIVEN
 from vibeam.flight.linear.regimes import damper_of
+from vibeam.flight.readout import STRUCK
 from vibeam.observe.motion import Path
 from vibeam_models.arrays import Array, Flags
 
@@ -48,7 +49,6 @@ if TYPE_CHECKING:
 PLACES = 512  # at which the force is read off over a rest
 EPSILON = float(np.finfo(float).eps)
 LOST = 0.1  # error of an impact's velocity, as a share of what is usual, from which on it says nothing
-STRUCK = (layout.IMPACT, layout.CHATTER, layout.STUCK)
 
 
 def endless(trace: Array) -> Flags:

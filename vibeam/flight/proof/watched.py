@@ -16,6 +16,7 @@ from vibeam.flight.disturbance.derivatives import FREE as FLYING
 from vibeam.flight.disturbance.derivatives import HELD, PUSHED, RegimeDerivatives, StopRow, Sum, stop_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.readout import sides, struck
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array, Flags, Index
 
@@ -49,8 +50,7 @@ def motion_of(system: ImpactSystem, drive: Drive, trace: Array, poses: Array) ->
     if spring is not None and spring.damping > 0:
         let_go = (trace[:-1, layout.WHAT] == regime_layout.CONTACT) & (trace[:-1, layout.END] == layout.RELEASE)
         kinds[1:][let_go & (trace[1:, layout.WHAT] == layout.FREE)] = regime_layout.INSIDE
-    sides = trace[:, regime_layout.AT_SIDE] if trace.shape[1] > layout.TRACE_COLUMNS else np.zeros(len(trace))
-    return WatchedMotion(system, drive, trace, poses, kinds, sides.astype(np.int64))
+    return WatchedMotion(system, drive, trace, poses, kinds, sides(trace))
 
 
 def watch_list(motion: WatchedMotion) -> Array:
@@ -76,10 +76,8 @@ def _rows(which: Index, signal: int, starts: tuple[Array, Array], closing: Flags
 def _gaps(motion: WatchedMotion, side: int) -> Array:
     """The gap to one stop over every flight."""
     which = np.flatnonzero(motion.lasting & (motion.kinds == layout.FREE))
-    struck = np.isin(motion.trace[which, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK)) & (
-        motion.sides[which] == side
-    )
-    return _rows(which, layout.GAP_SIGNAL + side, _openings(motion, side, which), struck)
+    closing = struck(motion.trace[which]) & (motion.sides[which] == side)
+    return _rows(which, layout.GAP_SIGNAL + side, _openings(motion, side, which), closing)
 
 
 def _forces(motion: WatchedMotion, side: int, kind: float) -> Array:
@@ -143,11 +141,11 @@ def _openings(motion: WatchedMotion, side: int, which: Index) -> tuple[Array, Ar
     trace, system, stop = motion.trace, motion.system, stop_of(motion.system, side)
     ended, before = _ended_before(motion)[which], np.maximum(which - 1, 0)
     left = (which > 0) & (motion.sides[before] == side) & (motion.kinds[before] != layout.FREE)
-    struck = ~np.bool_(motion.yields) & (ended == layout.IMPACT) & (motion.sides[before] == side)
+    hit = ~np.bool_(motion.yields) & (ended == layout.IMPACT) & (motion.sides[before] == side)
     after = -motion.poses[which, 1] @ stop.row
     thrown = after > (ROUND_OFF * (np.abs(motion.poses[which, 1]) @ np.abs(stop.row)) if motion.yields else 0)
-    after[struck] = system.contact_law.rebound(trace[before[struck], layout.BEFORE])
-    thrown[struck] = after[struck] > 0
+    after[hit] = system.contact_law.rebound(trace[before[hit], layout.BEFORE])
+    thrown[hit] = after[hit] > 0
     known = left | _on_stop(stop, motion.poses[which])
     thrown &= known & (motion.yields | (ended != layout.RELEASE) | (which == 0))
     order, rise = np.where(thrown, 1.0, 0.0), np.where(thrown, after, 0.0)

@@ -50,9 +50,6 @@ class HeldRegime:
         self.signals = np.concatenate(
             [self._filled(each) for each in (*_gaps(contacts, self), *_forces(contacts, self))]
         )
-        self._buffers()
-
-    def _buffers(self) -> None:
         m = len(self.regime.held)
         self.trace = np.zeros((1, regime_layout.TRACE_COLUMNS))
         self.room = watch_of(np.zeros(m), 0, self.trace, np.zeros((1, 2, m)))
@@ -60,10 +57,6 @@ class HeldRegime:
 
     def _filled(self, row: SignalRow) -> Array:
         return with_signals(self.regime, [row]).signals[:1]
-
-    def set_motion(self, size: float) -> None:
-        """About how large the modal displacements are; inf where that is not known."""
-        self.engine.drive[layout.MOTION] = size
 
     def inward(self, poses: Array) -> Array:
         """Poses (…, 2, n) in the coordinates left free (…, 2, m)."""

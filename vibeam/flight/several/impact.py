@@ -54,7 +54,7 @@ def strikes(contacts: Contacts, velocity: Array, touched: list[int], held: list[
         velocity = difference(velocity, impulse * direction)
         size = np.abs(contacts.rows) @ np.abs(direction)
         pressed = [j for j in pressed if along[j] <= NOISE * size[j]]
-        velocity = _stopped(contacts, velocity, pressed)
+        velocity = stopped(contacts.rows[pressed], velocity) if pressed else velocity
         found.append(Strike(struck, before, velocity))
     return found
 
@@ -75,11 +75,6 @@ def _direction(contacts: Contacts, struck: int, pressed: list[int]) -> Array:
         return row
     rows = contacts.rows[pressed]
     return np.asarray(row + one_sided(rows, -row) @ rows)
-
-
-def _stopped(contacts: Contacts, velocity: Array, pressed: list[int]) -> Array:
-    """The velocity with none at the contacts that stay."""
-    return stopped(contacts.rows[pressed], velocity) if pressed else velocity
 
 
 def stopped(rows: Array, velocity: Array) -> Array:

@@ -75,7 +75,7 @@ class ContactFlights:
         made = self._own.made
         if held not in made:
             made[held] = HeldRegime(self.contacts, held, floor(log2(PANEL / self.slowest)))
-        made[held].set_motion(self._own.size)
+        made[held].engine.drive[layout.MOTION] = self._own.size
         return made[held]
 
     def for_size(self, size: float) -> None:
@@ -201,16 +201,11 @@ class ContactFlights:
         motion.pose = np.array([motion.pose[0], stopped(contacts.rows[[*held, which]], motion.pose[1])])
         pull = Pull.of(contacts, drive, motion.pose, motion.clock)
         motion.state = next_state(contacts, pull, touched, least=NOISE * after)
-        if which in motion.state.held and not self._disturbed(drive, motion, left):
+        soon = left * self.slowest < SOON  # no event is told from its end
+        if which in motion.state.held and (soon or self._first(drive, motion, left).signal < 0):
             return left, remainder, motion.state
         motion.pose, motion.state = before
         return -1.0, 0.0, state
-
-    def _disturbed(self, drive: Drive, motion: ContactMotion, left: float) -> bool:
-        """True where another event falls within what is left of an accumulation, and is told from its end."""
-        if left * self.slowest < SOON:
-            return False
-        return self._first(drive, motion, left).signal >= 0
 
     def _trace(
         self, motion: ContactMotion, segment: Segment, struck: list[Strike], end: int, left: float, remainder: float

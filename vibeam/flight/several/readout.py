@@ -8,6 +8,7 @@ from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import REPEATS, SAME
 from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.readout import STRUCK
 from vibeam.flight.several.held import HeldRegime, Unfollowed
 from vibeam.flight.several.motion import HELD, ContactFlights, ContactMotion
 from vibeam.flight.several.state import Pull
@@ -72,7 +73,7 @@ class PointReader:
         return np.hypot(self.flights.contacts.system.omega, self.drive.omega)
 
     def _count(self, row: Array) -> None:
-        if row[layout.END] not in (layout.IMPACT, layout.CHATTER, layout.STUCK):
+        if row[layout.END] not in STRUCK:
             return
         self.result[layout.VELOCITY + int(self.result[layout.STRUCK]) % layout.KEPT] = row[layout.BEFORE]
         self.result[layout.STRUCK] += 1
@@ -129,7 +130,7 @@ def repetition(omega: Array, drive: float, strobes: Array, longest: int) -> int:
 
 
 def derivative_along(
-    system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int = 0
+    system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int
 ) -> Array:
     """As that of ``disturbance.derivatives``: the output (m,), or its rate, at ``times`` with their ``poses``."""
     order, contacts = wanted.order + more, Contacts.of(system)

@@ -41,7 +41,8 @@ class ContactsSolver:
         begun, pose = time.thread_time(), self._pose(state)
         size = size_of_motion(self.system, drive, pose)
         self.flights.for_size(size)
-        motion, outcome = self.flights.begin(drive, pose, _clock(drive, start))
+        clock = start % (2 * np.pi / drive.omega) if drive.omega > 0 else start
+        motion, outcome = self.flights.begin(drive, pose, clock)
         done = 0.0
         if outcome == layout.COMPLETE:
             outcome, done = self.flights.advance(drive, motion, end - start, limit)
@@ -129,11 +130,6 @@ class ContactsSolver:
                 strobes.append(motion.pose)
         passed = np.array(strobes)
         return motion, outcome, repetition(self.system.omega, drive.omega, passed, LONGEST_PERIOD), passed
-
-
-def _clock(drive: Drive, start: float) -> float:
-    """The time within the drive's period."""
-    return start % (2 * np.pi / drive.omega) if drive.omega > 0 else start
 
 
 def _state(motion: ContactMotion) -> State:

@@ -111,7 +111,7 @@ def _starts(
     settled: dict[int, Start | None] = {}
     implied: set[int] = set()
     for place, j in enumerate(held):
-        settled[j] = _pressing(rows, place, pull, size, jerk)
+        settled[j] = _pressing(rows, place, pull, size)
     for j in still:
         if j in held:
             continue
@@ -125,7 +125,7 @@ def _starts(
     return settled, implied
 
 
-def _pressing(rows: Array, place: int, pull: Pull, size: Array, jerk: Array) -> Start | None:
+def _pressing(rows: Array, place: int, pull: Pull, size: Array) -> Start | None:
     """Start of the force of a held contact; None where it is to be let go."""
     each = multipliers(rows)[place]
     force = _seen(each @ pull.acceleration, np.abs(each) @ pull.size)
