@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,29 +16,8 @@ if TYPE_CHECKING:
     from vibeam_models.structure import Structure
 
 
-class StaticShape(Protocol):
-    """φ: deflection under a load at ``load_at``, 1 at ``unit_at`` (m)."""
-
-    def at(self, x: float) -> float:
-        """φ(x)."""
-        ...
-
-    def slope(self, x: float) -> float:
-        """φ'(x) in 1/m."""
-        ...
-
-    @property
-    def stiffness(self) -> float:
-        """K_S = φ(L_m)²/flexibility at the load, N/m (eq. 45 for any beam)."""
-        ...
-
-    def beam_mass(self, carrier: Beam) -> float:
-        """∫ρAφ² dx of ``carrier`` in kg: what the beam's own mass adds to M_S."""
-        ...
-
-
-def static_shape_of(beam: Beam, load_at: float, unit_at: float) -> StaticShape:
-    """φ of ``beam``: eq. 44 for a uniform cantilever, finite elements for every other beam."""
+def static_shape_of(beam: Beam, load_at: float, unit_at: float) -> CantileverShape | FiniteElementShape:
+    """φ under a load at ``load_at``, 1 at ``unit_at`` (m): eq. 44 for a uniform cantilever, else by finite elements."""
     kind = CantileverShape if beam.is_uniform_cantilever else FiniteElementShape
     return kind(beam, load_at, unit_at)
 
@@ -52,11 +31,11 @@ class CantileverShape:
     unit_at: float
 
     def at(self, x: float) -> float:
-        """As ``StaticShape.at``."""
+        """φ(x)."""
         return _deflection(x, self.load_at) / _deflection(self.unit_at, self.load_at)
 
     def slope(self, x: float) -> float:
-        """As ``StaticShape.slope``."""
+        """φ'(x) in 1/m."""
         reached = min(x, self.load_at)
         return 3 * reached * (2 * self.load_at - reached) / _deflection(self.unit_at, self.load_at)
 
@@ -66,7 +45,7 @@ class CantileverShape:
         return 3 * self.beam.bending_stiffness * self.at(self.load_at) ** 2 / self.load_at**3
 
     def beam_mass(self, carrier: Beam) -> float:
-        """As ``StaticShape.beam_mass``."""
+        """∫ρAφ² dx of ``carrier`` in kg: what the beam's own mass adds to M_S."""
         a, rest = self.load_at, self.beam.length - self.load_at
         bent = 33 * a**7 / 35
         straight = a**4 * (4 * a**2 * rest + 6 * a * rest**2 + 3 * rest**3)
@@ -99,23 +78,25 @@ class FiniteElementShape:
         return structure, space, np.asarray(np.linalg.solve(structure.K, space.row(self.load_at)))
 
     def at(self, x: float) -> float:
-        """As ``StaticShape.at``."""
-        _, space, deflection = self._solved
-        return float(space.row(x) @ deflection / (space.row(self.unit_at) @ deflection))
+        """φ(x)."""
+        return self._read(x, 0)
 
     def slope(self, x: float) -> float:
-        """As ``StaticShape.slope``."""
+        """φ'(x) in 1/m."""
+        return self._read(x, 1)
+
+    def _read(self, x: float, derivative: int) -> float:
         _, space, deflection = self._solved
-        return float(space.row(x, 1) @ deflection / (space.row(self.unit_at) @ deflection))
+        return float(space.row(x, derivative) @ deflection / (space.row(self.unit_at) @ deflection))
 
     @property
     def stiffness(self) -> float:
-        """As ``StaticShape.stiffness``."""
+        """K_S = φ(L_m)²/flexibility at the load, N/m."""
         _, space, deflection = self._solved
         return float(self.at(self.load_at) ** 2 / (space.row(self.load_at) @ deflection))
 
     def beam_mass(self, carrier: Beam) -> float:
-        """As ``StaticShape.beam_mass``."""
+        """∫ρAφ² dx of ``carrier`` in kg: what the beam's own mass adds to M_S."""
         from vibeam_models.space import bare_beam
 
         _, space, deflection = self._solved

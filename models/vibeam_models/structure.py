@@ -139,8 +139,12 @@ class Structure(ValueRecord):
         return in_coordinates(self, basis, C=np.zeros((basis.shape[1],) * 2)), basis
 
     def congruent(self, name: str, basis: Array) -> Array:
-        """BᵀAB of the matrix ``name``, for a ``basis`` B (n, fewer)."""
-        return congruent(getattr(self, name), basis)
+        """BᵀAB of the matrix ``name``, for a ``basis`` B (n, fewer); symmetric to the bit."""
+        matrix = getattr(self, name)
+        if not matrix.any():  # no damping yet
+            return np.zeros((basis.shape[1], basis.shape[1]))
+        product = basis.T @ matrix @ basis
+        return np.asarray((product + product.T) / 2)
 
     def ritz_stiffness(self, basis: Array, forces: Array) -> Array:
         """ΦᵀKΦ (n, n) of a ``basis`` Φ (size, n) whose ``forces`` KΦ (size, n) are known, without that product's loss.
@@ -253,14 +257,6 @@ def side_by_side(one: Structure, two: Structure, contact: Array) -> Structure:
 def _blocks(one: Array, two: Array) -> Array:
     empty = np.zeros((len(one), len(two)))
     return np.block([[one, empty], [empty.T, two]])
-
-
-def congruent(matrix: Array, basis: Array) -> Array:
-    """BᵀAB (fewer, fewer) of a symmetric matrix, symmetric to the bit."""
-    if not matrix.any():  # no damping yet
-        return np.zeros((basis.shape[1], basis.shape[1]))
-    product = basis.T @ matrix @ basis
-    return (product + product.T) / 2
 
 
 def natural_modes(K: Array, M: Array) -> tuple[Array, Array]:

@@ -77,8 +77,7 @@ def batch(
     [2.0, 2.0]
     """
     points = points_of(systems, omega, amplitude, gap, restitution, damping, state)
-    plan = _plan(points, settle, hold, output, strobes, bool(lanes), lyapunov)
-    workers = None if threads is None else _count("threads", threads, least=1)
+    plan = _plan(points, settle, hold, output, strobes, bool(lanes), lyapunov, threads)
     record, compiled = BatchRecord(len(points.base), points.size, plan.strobes), is_compiled(points, plan.output)
     tasks = [(run_task, which) for which in tasks_of(points, np.flatnonzero(compiled))]
     tasks += [(run_points, which) for which in _one_by_one(points, np.flatnonzero(~compiled), plan)]
@@ -86,11 +85,11 @@ def batch(
     def task(item: tuple[Callable[..., None], Index], stop: Event) -> None:
         item[0](points, item[1], plan, record)
 
-    if workers == 1 or len(tasks) == 1:
+    if threads == 1 or len(tasks) == 1:
         for run, which in tasks:
             run(points, which, plan, record)
     else:
-        run_parallel(task, tasks, workers)
+        run_parallel(task, tasks, threads if threads is None else int(threads))
     return record.response(points.shape)
 
 
@@ -104,7 +103,8 @@ def _one_by_one(points: BatchPoints, which: Index, plan: BatchPlan) -> list[Inde
 
 
 def _plan(
-    points: BatchPoints, settle: int, hold: int, output: str | None, strobes: int, lanes: bool, lyapunov: int
+    points: BatchPoints, settle: int, hold: int, output: str | None, strobes: int, lanes: bool, lyapunov: int,
+    threads: int | None,
 ) -> BatchPlan:  # fmt: skip
     faults: list[str] = []
     settle = count("settle", settle, faults, most=LONGEST)
@@ -115,19 +115,14 @@ def _plan(
     if strobes and any(each is not None and each.order == 2 for each in derivatives):
         faults.append("strobes: an acceleration is not read at the ends of periods: take its displacement or velocity")
     periods = count("lyapunov", lyapunov, faults)
+    if threads is not None:
+        count("threads", threads, faults, least=1)
     if periods:
         from vibeam.batches.exponents import exponent_faults
 
         faults += exponent_faults(points, periods)
     refuse("batch", faults)
     return BatchPlan(settle, hold, name, lanes, strobes, periods)
-
-
-def _count(name: str, value: int, least: int) -> int:
-    faults: list[str] = []
-    found = count(name, value, faults, least=least)
-    refuse("batch", faults)
-    return found
 
 
 def is_compiled(points: BatchPoints, output: str) -> Flags:

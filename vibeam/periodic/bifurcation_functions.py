@@ -117,7 +117,3 @@ class Line:
         rows = {name: np.full(len(values), getattr(self, name)) for name in NAMES} | {self.name: values}
         omega, amplitude, gap = (rows[name] for name in NAMES)
         return motions(self.system, self.periods, omega, amplitude * driven(self.per_level, omega), gap)
-
-    def test(self, kind: Kind, branch: int, points: MotionsAt) -> Array:
-        """Test function on the line; see ``test_function``."""
-        return test_function(self.system, kind, branch, points)

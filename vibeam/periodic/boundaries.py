@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from vibeam.periodic.bifurcation_functions import NAMES, DrivePerLevel, Kind, Line, MotionsAt
+from vibeam.periodic.bifurcation_functions import NAMES, DrivePerLevel, Kind, Line, MotionsAt, test_function
 from vibeam.periodic.multipliers import multipliers
 from vibeam.periodic.orbit_curve import checked
 from vibeam.system.impact_system import ImpactSystem
@@ -89,7 +89,7 @@ def crossings(line: Line, kind: Kind, branch: int, grid: Array) -> list[Found]:
     """Parameter values on ``grid`` at which the branch's test function passes through zero."""
     with np.errstate(invalid="ignore", over="ignore"):
         points = line.at(grid)
-        values = np.where(points.amplitude != 0, line.test(kind, branch, points), np.nan)
+        values = np.where(points.amplitude != 0, test_function(line.system, kind, branch, points), np.nan)
         steps = np.flatnonzero(values[:-1] * values[1:] < 0)
     found = [bracketed(line, kind, branch, grid[i], grid[i + 1]) for i in steps]
     between = [value for value in found if value is not None]
@@ -111,7 +111,7 @@ def bracketed(line: Line, kind: Kind, branch: int, low: float, high: float) -> f
     """Root between two parameter values, to round-off; None where the sign changes by a jump or a pole."""
 
     def test(value: float) -> float:
-        return float(line.test(kind, branch, line.at(np.array([value])))[0])
+        return float(test_function(line.system, kind, branch, line.at(np.array([value])))[0])
 
     first, last = test(low), test(high)
     if not first * last < 0:
@@ -145,7 +145,7 @@ def _clear(line: Line, kind: Kind, branch: int, points: MotionsAt) -> bool:
     """Test whether the motion clears the stop; a grazing motion must hang clear under static forces alone."""
     if kind is Kind.GRAZING:
         return bool(points.gap[0] > points.total.offset)
-    return bool(line.test(Kind.TOUCHING, branch, points)[0] > -TOUCH)
+    return bool(test_function(line.system, Kind.TOUCHING, branch, points)[0] > -TOUCH)
 
 
 def _motions_at_fold(line: Line, value: float) -> MotionsAt:

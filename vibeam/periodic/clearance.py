@@ -9,12 +9,11 @@ exactly one minimum, found by Newton's method; every other is halved. No minimum
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vibeam.periodic.gap import Gap
+from vibeam.periodic.gap import SpanGap, TrainGap
 from vibeam_models.arrays import Array, Flags, Index
 
 FIRST = 8  # initial intervals a drive period
@@ -23,29 +22,7 @@ SMALLEST = 1e-15  # share of the motion's size taken as round-off
 STEPS = 60
 
 
-class GapFlights(Protocol):
-    """Flights from impact to impact: ``SpanGap`` or ``TrainGap``."""
-
-    @property
-    def omega(self) -> Array:
-        """Drive frequency, rad/s."""
-        ...
-
-    @property
-    def span(self) -> Array:
-        """Time from impact to impact, s."""
-        ...
-
-    @property
-    def part(self) -> NDArray[np.complex128]:
-        """Drive's part y + ix of the contact at the first impact, m."""
-        ...
-
-    def __len__(self) -> int: ...
-
-    def gap(self, which: Index, times: Array) -> Gap:
-        """Gap d of the flights ``which`` (m,) at ``times`` (m,) after their first impact."""
-        ...
+GapFlights = SpanGap | TrainGap  # flights from impact to impact
 
 
 class GapMinimum(NamedTuple):

@@ -2,17 +2,7 @@
 
 A rigid stop turns the contact's velocity round in an instant, v⁺ = −R(v) v⁻; one that yields lasts, and pushes with a
 force F(d, d′). A law says what it knows: it needs ``name`` and, where it is rigid, ``at``. A room that asks for more is
-refused by the law's name, with the cure.
-
-| asked for | by |
-|---|---|
-| ``at`` | time integration, an accumulation without end |
-| ``kernel_numbers`` | exact flight: the kernels' own formulas |
-| ``rebound``, ``rebound_slope`` | certificates; tangent maps, exponents, Newton's method on stroboscopic maps |
-| ``accumulation``, ``accumulation_loss``, ``converges`` | bounds of an accumulation of impacts |
-| ``spring`` | closed forms of a stop that pushes linearly |
-| ``force``, ``balance`` | accelerations in a contact that is integrated; static equilibrium in the stop |
-| ``in_series`` | reductions that leave the contact without mass |
+refused by the law's name, with the cure; which room asks for what is on this package's page.
 """
 
 from __future__ import annotations

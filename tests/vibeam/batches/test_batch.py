@@ -139,6 +139,7 @@ def test_what_makes_no_sense_is_refused() -> None:
         "settle: .*; batch: hold: 0 must be a whole number": {"hold": 0, "settle": -1},
         "strobes: 60 must be a whole number from 0 to 50": {"strobes": 60},
         "threads: 0 must be a whole number ≥ 1": {"threads": 0},
+        "hold: 0 .*; batch: threads: 1.5 must": {"hold": 0, "threads": 1.5},
     }
     usual = {"systems": OWN, "omega": 1.0, "amplitude": 0.05}
     assert other_answers(lambda changes: vibeam.batch(**usual | changes), wrong) == []

@@ -186,18 +186,11 @@ def _packed(key: _Same, top: int) -> PackedSystem:
     return PackedSystem(key.system, top)
 
 
-def lasting_rates(system: ImpactSystem) -> Array:
-    """Rates of the modes with stiffness: ω, or the slow decay ω/(ζ + √(ζ² − 1)) beyond critical damping."""
-    moving = system.omega > 0
-    own, zeta = system.omega[moving], np.maximum(system.zeta[moving], 1.0)
-    return np.asarray(own / (zeta + np.sqrt((zeta - 1.0) * (zeta + 1.0))))
-
-
 def slowest_rate(system: ImpactSystem, omega: float, span: float) -> float:
-    """The lowest rate (rad/s) that panels must serve."""
+    """The lowest rate (rad/s) that panels must serve: of a mode ω, or ω/(ζ + √(ζ² − 1)) beyond critical damping."""
     if omega > 0:
         return omega
-    moving = lasting_rates(system)
-    once = 1.0 / span if span > 0 else 0.0
-    slowest = float(moving.min(initial=np.inf))
+    moving, once = system.omega > 0, 1.0 / span if span > 0 else 0.0
+    own, zeta = system.omega[moving], np.maximum(system.zeta[moving], 1.0)
+    slowest = float(np.min(own / (zeta + np.sqrt((zeta - 1.0) * (zeta + 1.0))), initial=np.inf))
     return slowest if SLOW * once < slowest < np.inf else once or 1.0
