@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from stand_in import curve
 
 from vibeam.studies.cost.measure import AperiodicSample, Measurement, Plan
-from vibeam.studies.cost.reference import RunErrors, errors, sample_distance
+from vibeam.studies.cost.reference import errors, sample_distance
 from vibeam.studies.cost.row import front
 from vibeam.studies.cost.trajectories import ComparedPath, distance, hausdorff, matched
 from vibeam.system.impact_system import Drive
@@ -145,7 +145,3 @@ def test_the_front_is_what_nothing_beats(points: list[tuple[float, float]]) -> N
     kept = {points[i] for i in front(points)}
     beaten = {p for p in points if any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points)}
     assert kept == set(points) - beaten
-
-
-def test_errors_of_nothing_are_no_numbers() -> None:
-    assert np.isnan(RunErrors().amplitude.worst)

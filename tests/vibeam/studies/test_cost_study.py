@@ -56,11 +56,10 @@ class Clock:
 
 
 def test_every_solver_takes_its_settings() -> None:
-    case = parse(SDOF)
-    for rung in [rung for name in SOLVERS for ladder in series_of(name, 1e-3) for rung in ladder]:
+    case, rungs = parse(SDOF), [rung for name in SOLVERS for ladder in series_of(name, 1e-3) for rung in ladder]
+    for rung in rungs:
         solver(rung.solver, case.system("sdof"), 1.5, **rung.options)
-    labels = [rung.label for name in SOLVERS for ladder in series_of(name, 1e-3) for rung in ladder]
-    assert len(set(labels)) == len(labels)
+    assert len({rung.label for rung in rungs}) == len(rungs)
 
 
 def test_the_cheapest_next_and_the_rest_is_named() -> None:
@@ -131,7 +130,6 @@ def test_a_study_of_one_degree_of_freedom(whole: CostStudy) -> None:
     assert rows["zhuravlev DOP853 rtol 1e-10"].numerical.impact_times < 1e-8
     assert rows["zhuravlev DOP853 rtol 1e-10"].work.evaluations > rows["flight"].work.impacts > 100
     assert all(row.work.cpu_min <= row.work.cpu_median for row in whole.rows)
-    assert "flight" in {whole.rows[i].label for i in whole.front} | {"flight"}
 
 
 def test_the_work_counts_all_that_is_timed() -> None:

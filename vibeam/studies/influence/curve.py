@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Literal
@@ -151,11 +151,9 @@ class Curve:
 def swept(case: Case, fidelity: str, system: ImpactSystem) -> Curve:
     """Branches of the fidelity, to the bit those of an ordinary run."""
     curve = Curve(case, fidelity, system, {})
-    up = np.sort(case.sweep.frequency)
-    grids = {"up": up, "down": up[::-1].copy()}
-    state: State | None = None
+    up, state = np.sort(case.sweep.frequency), None
     for direction in ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,):
-        curve.branches[direction] = curve.on(grids[direction], state)
+        curve.branches[direction] = curve.on(up if direction == "up" else up[::-1].copy(), state)
         state = curve.branches[direction][-1].state
     return curve
 
@@ -247,5 +245,4 @@ def _crossing(curve: Curve, before: Step, after: Step) -> float:
 
 def nearest(curve: Curve, frequency: float) -> Step:
     """Point of the first branch nearest to a frequency in Hz."""
-    steps: Iterator[Step] = iter(next(iter(curve.branches.values())))
-    return min(steps, key=lambda step: abs(step.frequency - frequency))
+    return min(next(iter(curve.branches.values())), key=lambda step: abs(step.frequency - frequency))
