@@ -39,22 +39,27 @@ class Base:
         above=0,
     )  # fmt: skip
     amplitude: float | tuple[float, ...] | None = quantity(
-        "m", "of the base, instead of voltage and gain", "0.05 mm", None, least=0,
+        "m", "amplitude of the base's displacement", "0.05 mm", None, least=0,
         plain=("of the base B, in the unit of the motion", 0.5e-3, ""),
     )  # fmt: skip
     velocity: float | tuple[float, ...] | None = quantity(
-        "m/s", "of the base, its amplitude, instead", "5 mm/s", None, least=0,
+        "m/s", "amplitude of the base's velocity, in place of amplitude", "5 mm/s", None, least=0,
         plain=("ΩB, instead: the same at every Ω", 1e-3, ""),
     )  # fmt: skip
     acceleration: float | tuple[float, ...] | None = quantity(
-        "m/s^2", "of the base, its amplitude, instead; g is 9.80665 m/s^2", "0.05 g", None, least=0,
+        "m/s^2", "amplitude of the base's acceleration, in place of amplitude; g is 9.80665 m/s^2",
+        "0.05 g", None, least=0,
         plain=("Ω²B, instead: a force over the mass that is the same at every Ω", 2e-3, ""),
     )  # fmt: skip
     force: float | tuple[float, ...] | None = quantity(
-        "N", "on the beam where at says, or on the platform, instead of all of these", "5 N", None, least=0
+        "N",
+        "of a force on the beam at drive.at, or on the platform, in place of a moving base",
+        "5 N",
+        None,
+        least=0,
     )
     moment: float | tuple[float, ...] | None = quantity(
-        "N m", "on the beam where at says, instead of all of these", "0.1 N m", None, least=0
+        "N m", "of a moment on the beam at drive.at, in place of a moving base", "0.1 N m", None, least=0
     )
     at: float | None = quantity(
         "m", "where the force or the moment acts on the beam, whose base is then at rest; from x = 0, in (0, length]",

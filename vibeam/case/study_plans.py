@@ -169,7 +169,9 @@ STAGES = ("modes", "effects", "solvers", "map")
 class VerdictPlan:
     """Plan of ``vibeam verdict``: largest relative error ``accuracy``, stages, plane, ``budget`` in CPU seconds."""
 
-    accuracy: float = declare.quantity("", "largest error of the amplitude that is allowed", "5 %", 0.05, above=0)
+    accuracy: float = declare.quantity(
+        "", "largest error of the amplitude that is allowed", "5 %", 0.05, above=0, most=1
+    )
     only: tuple[str, ...] = declare.word(
         STAGES, "stages: modes, effects, solvers, map; absent = all", ["modes"], STAGES, several=True, alone=True
     )

@@ -79,8 +79,10 @@ class Range:
     def check(self, number: float, value: Any) -> None:
         """ValueError, with the value as it was written, if the number is outside."""
         if not (self.low <= number <= self.high) or (number == self.low and not self.closed):
+            share = self.high == 1 and 2 <= number <= 100 and "%" not in str(value)
             raise ValueError(
                 f"{as_shown_in_message(value)} {'is outside' if math.isfinite(self.high) else 'must be'} {self}"
+                + f": if it is a percentage, write '{number:g} %'" * share
             )
 
     def describe(self) -> str:
@@ -237,7 +239,8 @@ def _from_text(text: str, kind: Dimension) -> float:
     if not found:
         if _NOT_FINITE.fullmatch(text):
             return math.nan
-        raise UnitError(f"{as_shown_in_message(text)} is not a number with a unit: write {_example(kind)}")
+        what = "a number with a unit" if kind.unit else "a number or a percentage"
+        raise UnitError(f"{as_shown_in_message(text)} is not {what}: write {_example(kind)}")
     number, unit = found[1], found[2].replace("μ", "µ")
     if not unit and kind.unit:
         raise UnitError(_without_unit(number, kind, as_shown_in_message(text)))

@@ -72,9 +72,9 @@ def load(path: Path, settings: list[str] | None) -> Case:
     from vibeam.casefile.read import load as read
 
     parts = [text.partition("=") for text in settings or []]
-    wrong = [key for key, equals, _ in parts if not (equals and key.strip())]
+    wrong = ["".join(part) for part in parts if not (part[1] and part[0].strip())]
     if wrong:
-        raise UsageError("\n".join(f"--set {key}: write --set key=value" for key in wrong))
+        raise UsageError("\n".join(f"--set {text}: write --set KEY=VALUE, stop.restitution=0.7 say" for text in wrong))
     return read(path, {key.strip(): value.strip() for key, _, value in parts})
 
 

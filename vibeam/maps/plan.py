@@ -78,5 +78,5 @@ def _share(given: str | float) -> float:
     except UnitError as fault:
         raise ValueError(f"--accuracy: {fault}") from None
     if not 0 < share < 1:
-        raise ValueError(f"--accuracy: must lie between 0 and 100 %, not {given}")
+        raise ValueError(f"--accuracy: must lie between 0 and 100 %, not {given}: write '5 %' or 0.05")
     return float(share)

@@ -77,7 +77,7 @@ def answer(study: InfluenceStudy) -> str:
 def _needed(names: Sequence[str], count: int) -> str:
     if len(names) == count:
         return f"all of its {count} effects" if count > 1 else f"its one effect, {names[0]}"
-    return f"{listed(names) if names else 'none'} of its {count} effects"
+    return f"{listed(names) if names else 'none'} of its {count} effects" if count > 1 else "no effect"
 
 
 def _loss(study: InfluenceStudy, row: EffectRow) -> str:

@@ -11,7 +11,7 @@ from vibeam.report.maps import verdict as fidelity_map
 from vibeam.report.maps.page import map_figure
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
-from vibeam.studies.verdict import plan_of_modes
+from vibeam.studies.verdict import plan_of_modes, require_plane
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -52,7 +52,7 @@ def sheet(found: Verdict) -> StudySheet:
     answer = next((row.answer for row, (stage, _) in zip(rows, sheets, strict=True) if not stage.why), rows[0].answer)
     return StudySheet(
         answer,
-        [_answers(rows)],
+        [_answers(rows, answer)],
         notes,
         [note for _, made in sheets for note in [*made.notes[1:], *made.details]],
         [table for _, made in sheets for table in [*made.tables, *made.more]],
@@ -78,11 +78,13 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
 def first_answer(case: Case) -> str:
     """Answer of the first stage that is known before anything is flown; empty where it is not asked for."""
     plan: VerdictPlan = case.asked["verdict"]
+    require_plane(case, plan)
     return modes_needed.first_answer(case, plan_of_modes(case, plan)) if "modes" in plan.only else ""
 
 
-def _answers(rows: Sequence[StageRow]) -> ReportTable:
+def _answers(rows: Sequence[StageRow], answer: str) -> ReportTable:
     table = blank("How much model", "question", "answer", "CPU|")
     for row in rows:
-        table.add_row(row.question, row.answer, f"{row.cpu_seconds:.2g} s")
+        said = "the first sentence says it" if row.answer == answer else row.answer
+        table.add_row(row.question, said, f"{float(f'{row.cpu_seconds:.2g}'):g} s")
     return table

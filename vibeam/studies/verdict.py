@@ -15,6 +15,7 @@ from vibeam.case.source import of_source
 from vibeam.case.study_plans import STAGES, ModesNeededPlan, VerdictPlan
 from vibeam.casefile.tables.table import plan_with
 from vibeam.exchange.faults import CaseError, suggest
+from vibeam.maps.axes import axes_over
 from vibeam.studies.cost.study import cost
 from vibeam.studies.fidelity_map.study import fidelity_map
 from vibeam.studies.influence.study import influence
@@ -87,7 +88,14 @@ def verdict(
     2
     """
     asked = plan_with(plan or case.asked["verdict"], settings)
+    require_plane(case, asked)
     return Verdict(case, asked, tuple(_stage(name, case, asked, tell, progress) for name in _names(asked)))
+
+
+def require_plane(case: Case, plan: VerdictPlan) -> None:
+    """ValueError where the second key of the plane is no key that a case has: before the stages in front of the map."""
+    if "map" in plan.only and plan.over != VerdictPlan.over:
+        axes_over(case, plan.over, None, None, (plan.points,), next(iter(case.fidelities)))
 
 
 def _names(plan: VerdictPlan) -> list[str]:

@@ -194,7 +194,7 @@ def test_all_faults_come_at_once_in_the_order_of_lines():
     )
     assert faults_of(text, {"beam.elements": 0}).splitlines() == [
         "mine.toml:7: beam.densty: unknown key; did you mean 'density'?",
-        "mine.toml:15: stop.restitution: 7 is outside [0, 1]",
+        "mine.toml:15: stop.restitution: 7 is outside [0, 1]: if it is a percentage, write '7 %'",
         "mine.toml:19: drive.voltage: '6 m' is a length, not a voltage",
         "mine.toml:24: sweep.hold: -5 is outside [1, 1000000]",
         "--set beam.elements: 0 is outside [1, 2000]",

@@ -68,7 +68,7 @@ def test_a_quantity_in_si(value, kind, expected):
         ("180", units.LENGTH, "'180' has no unit: write '180 mm' or '180 m'"),
         ("9" * 400, units.LENGTH, f"'{'9' * 55} …' has no unit: write '180 mm'"),
         ("mm", units.LENGTH, "'mm' is not a number with a unit: write '180 mm'"),
-        ("", units.RATIO, "'' is not a number with a unit: write 0.5"),
+        ("", units.RATIO, "'' is not a number or a percentage: write 0.5"),
         ("nan mm", units.LENGTH, "'nan mm' is not a finite number"),
         ("-inf", units.RATIO, "'-inf' is not a finite number"),
         (math.nan, units.LENGTH, "nan is not a finite number"),

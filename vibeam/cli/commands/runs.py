@@ -65,6 +65,8 @@ def run(
     from vibeam.casefile.quantities import RATIO
 
     within = None if accuracy is None else number("--accuracy", accuracy, RATIO, positive=True)
+    if within is not None and within >= 1:
+        raise UsageError(f"--accuracy {accuracy}: must lie between 0 and 100 %: write '5 %' or 0.05")
     if len(cases) > 1:
         _run_several(cases, (set_, out, fidelity), fresh, within)
         return

@@ -201,8 +201,10 @@ def _top(curve: Curve, three: list[Step]) -> Step:
     At a jump a parabola has a top as well, but the motion there differs from it.
     """
     y = np.array([step.amplitude for step in three])
+    if not np.all(np.isfinite(y)):
+        return three[1]
     bend = y[0] - 2 * y[1] + y[2]
-    if not (np.all(np.isfinite(y)) and bend < 0):
+    if not bend < 0:
         return three[1]
     aside = (y[0] - y[2]) / (2 * bend)
     frequency = three[1].frequency + aside * (three[2].frequency - three[0].frequency) / 2
