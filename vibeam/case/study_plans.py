@@ -173,7 +173,13 @@ class VerdictPlan:
         "", "largest error of the amplitude that is allowed", "5 %", 0.05, above=0, most=1
     )
     only: tuple[str, ...] = declare.word(
-        STAGES, "stages: modes, effects, solvers, map; absent = all", ["modes"], STAGES, several=True, alone=True
+        STAGES,
+        "this stage: modes (how many), effects (which matter), solvers (error against time), map (where it holds); "
+        "repeatable; absent = all",
+        ["modes"],
+        STAGES,
+        several=True,
+        alone=True,
     )
     over: str = declare.text("second key of the plane beside the frequency", "gap", "gap")
     points: int = declare.count(2, MOST_POINTS, "values of each key of the plane", 31, 31)

@@ -74,9 +74,9 @@ def _marked(row: KeyRow, kind: str) -> KeyRow:
 
 
 def tables_of() -> list[TableRow]:
-    """The tables of a case, each with its meaning in a few words; those of commands together, at the end."""
+    """The tables of a case, each with its meaning in a few words; those of studies together, at the end."""
     counts = Counter(_place(row.table)[:1] for row in reference_table())
-    meanings = {"": "title, source, units, accuracy; what is uncertain"}
+    top, meanings = "above all tables", {"": "title, source, units, accuracy; what is uncertain"}
     declared = {name: field for kind in KINDS.values() for name, field in fields_of(kind.declaration()).items()}
     for name, table in ((name, table_of(field)) for name, field in declared.items()):
         words = " ".join((table.__doc__ or "").split()).removeprefix("Effect: ").rstrip(".") if table else ""
@@ -85,12 +85,12 @@ def tables_of() -> list[TableRow]:
         meanings |= {name: few.rstrip(",")} if table else {}
     plans = [name for name, meaning in meanings.items() if meaning.startswith("plan of vibeam")]
     rows = [
-        TableRow(_header("", name, declared[name]) if name else "", counts[(name,) if name else ()], meaning)
+        TableRow(_header("", name, declared[name]) if name else top, counts[(name,) if name else ()], meaning)
         for name, meaning in meanings.items()
         if name not in plans
     ]
-    commands = f"plans of vibeam {', '.join(plans)}"
-    return [*rows, TableRow("[COMMAND]", sum(counts[(name,)] for name in plans), commands)]
+    commands = f"plan of a study: {', '.join(f'[{name}]' for name in plans)}"
+    return [*rows, TableRow("[STUDY]", sum(counts[(name,)] for name in plans), commands)]
 
 
 def lines_of(rows: Iterable[KeyRow]) -> list[KeyLine]:

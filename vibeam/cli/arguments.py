@@ -42,7 +42,7 @@ CaseFile = Annotated[
 _SAID = "A key of the case, in place of the file's. Repeatable."
 Overrides = Annotated[list[str] | None, option(_SAID, "--set", "-s", metavar="KEY=VALUE", complete=completion.settings)]
 
-_FILE = "The results file (.h5), or its folder; new folders are made; absent = the current folder, of check none."
+_FILE = "The results file (.h5), or its folder; new folders are made; absent = the current folder (check: none)."
 ResultsFile = Annotated[str | None, out_option(_FILE)]
 
 _ONE = "This one alone. Repeatable; absent = all."

@@ -15,7 +15,8 @@ from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, table_pat
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet, put_lines
 from vibeam.cli.verbosity import verbosity
-from vibeam_models.keys import Key, keys_of
+from vibeam.system.number_text import begun
+from vibeam_models.keys import Key, defaults_of, keys_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 def study_command(study: StudyDeclaration) -> Callable[..., None]:
     """Command ``vibeam NAME CASE`` of a study."""
     keys = keys_of(study.asks) if study.asks is not None else {}
+    defaults = defaults_of(study.asks) if study.asks is not None else {}
 
     def command(case: Path, set_: list[str] | None = None, out: str | None = None, **asked: Any) -> None:
         given = {key: value for key, value in asked.items() if value not in (None, [])}
@@ -39,7 +41,7 @@ def study_command(study: StudyDeclaration) -> Callable[..., None]:
         inspect.Parameter("case", _KIND, annotation=CaseFile),
         inspect.Parameter("set_", _KIND, default=None, annotation=Overrides),
         inspect.Parameter("out", _KIND, default=None, annotation=TableFile),
-        *(_option(name, key) for name, key in keys.items()),
+        *(_option(name, key, defaults.get(name)) for name, key in keys.items()),
     ]
     command.__name__, command.__doc__ = study.name, help_of(study)
     command.__signature__ = inspect.Signature(own)  # type: ignore[attr-defined]
@@ -50,10 +52,11 @@ def study_command(study: StudyDeclaration) -> Callable[..., None]:
 _KIND = inspect.Parameter.POSITIONAL_OR_KEYWORD
 
 
-def _option(name: str, key: Key) -> inspect.Parameter:
-    """Option of a key; its text is read as a case's is."""
+def _option(name: str, key: Key, default: Any) -> inspect.Parameter:
+    """Option of a key; its text is read as a case's is, and its default is shown as the example writes it."""
     shown = "|".join(key.words) if key.words else key.unit.upper() or ("TEXT" if key.text else "NUMBER")
-    said = typer.Option(f"--{name.replace('_', '-')}", metavar=shown, help=key.meaning[:1].upper() + key.meaning[1:])
+    usual = "" if default is None or key.several else f"; absent = {key.example}"
+    said = typer.Option(f"--{name.replace('_', '-')}", metavar=shown, help=begun(key.meaning) + usual)
     kind = list[str] | None if key.several else str | None
     return inspect.Parameter(name, _KIND, default=None, annotation=Annotated[kind, said])
 
@@ -86,7 +89,7 @@ def _named_as_options(table: str, given: Sequence[str]) -> Iterator[None]:
 def help_of(study: StudyDeclaration) -> str:
     """Help of a study's command: its meaning, and examples."""
     examples = "\n".join(f"  {line}" for line in study.examples)
-    return f"{study.meaning[:1].upper()}{study.meaning[1:]}." + (f"\n\n\b\nExamples:\n{examples}" if examples else "")
+    return f"{begun(study.meaning)}." + (f"\n\n\b\nExamples:\n{examples}" if examples else "")
 
 
 ENDINGS = (".csv", ".html")

@@ -11,6 +11,7 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.quantities import UnitError, to_si
 from vibeam.exchange.faults import CaseError
 from vibeam.periodic.modal_sums import sums
+from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -133,7 +134,9 @@ def _axis(
             raise ValueError(f"{flag}: missing, for {key} has no usual range: write {flag} with its unit")
         ends.append(default if given is None else _value(case, flag, given, key))
     if not ends[0] < ends[1]:
-        raise ValueError(f"--from, --to: {key} must ascend, not go from {ends[0]:.4g} to {ends[1]:.4g}")
+        texts = [with_unit(end, unit) for end in ends]
+        cure = ": the other end is the usual one: write both" * (None in (low, high))
+        raise ValueError(f"--from, --to: {key} must ascend, not go from {texts[0]} to {texts[1]}{cure}")
     return AxisPlan(key, tuple(np.linspace(ends[0], ends[1], count).tolist()), unit)
 
 

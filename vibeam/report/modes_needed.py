@@ -127,9 +127,9 @@ def answer(found: ModesNeeded) -> str:
 
 def _known(claim: Claim) -> str:
     """Points at which a motion of all modes is known."""
-    closed = f"{claim.closed} of {claim.frequencies} frequencies in closed form, {claim.struck} with impacts"
-    flown = f"{claim.repeating} of {claim.flown} points of the sweep, flown"
-    return " and ".join([closed] * bool(claim.closed) + [flown] * bool(claim.flown))
+    closed = f"{claim.closed} of {claim.frequencies} frequencies in closed form ({claim.struck} of them with impacts)"
+    flown = f"{claim.repeating} of {claim.flown} points of the sweep that were flown"
+    return " and at ".join([closed] * bool(claim.closed) + [flown] * bool(claim.flown))
 
 
 def _fewer(found: ModesNeeded) -> str:

@@ -157,7 +157,7 @@ def _from_limit(group: PhysicsGroup) -> str:
         return "flown exactly"
     side = "above" if group.own > 0 else "below"
     peak = group.compared is not None and isfinite(group.compared.limit.held.peak)
-    return f"{_size(group.own)} {f'{side} its own limit at the peak' if peak else 'off its own limit (rms)'}"
+    return f"{_size(group.own)} {f'{side} its own limit at the peak' if peak else 'rms off its own limit'}"
 
 
 def _reason(group: PhysicsGroup) -> str:

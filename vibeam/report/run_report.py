@@ -34,7 +34,7 @@ def run_report(result: Result, accuracy: float | None = None) -> StudySheet:
     """
     rows, units, estimated = compare(result), units_for(result), estimate_texts(result.estimates)
     choice = [] if result.accuracy is None else [*result.accuracy.sentences()][1:]
-    uncertain = [*choice, *remarks(result), *_faults(rows)]
+    uncertain = [*choice, *remarks(result), *_faults(rows), *_at_ends(result, rows)]
     certain: list[str] = []
     groups = groups_of(result, rows)
     for each in result.comparisons:
@@ -66,6 +66,15 @@ def _faults(rows: Sequence[Summary]) -> Iterator[str]:
         yield f"points failed of {listed(failed)}: the results file says why, ended"
     if irregular := [row.fidelity for row in rows if _irregular(row)]:
         yield f"{listed(irregular)}: no motion that repeats at the peak: its height hangs on sweep.hold, hold longer"
+
+
+def _at_ends(result: Result, rows: Sequence[Summary]) -> Iterator[str]:
+    """Sentence on peaks at the first or the last frequency of a sweep, beyond which the curve may go on rising."""
+    grid, units = result.case.sweep.frequency, units_for(result)
+    for end in (grid.min(), grid.max()):
+        if len(grid) > 1 and (there := [row.fidelity for row in rows if row.peak.frequency == end]):
+            at = units.frequencies(float(end))
+            yield f"{listed(there)}: the peak is at the end of the sweep, {at}, and may rise beyond it: sweep further"
 
 
 def fidelities(

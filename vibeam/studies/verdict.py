@@ -95,7 +95,13 @@ def verdict(
 def require_plane(case: Case, plan: VerdictPlan) -> None:
     """ValueError where the second key of the plane is no key that a case has: before the stages in front of the map."""
     if "map" in plan.only and plan.over != VerdictPlan.over:
-        axes_over(case, plan.over, None, None, (plan.points,), next(iter(case.fidelities)))
+        try:
+            axes_over(case, plan.over, None, None, (plan.points,), next(iter(case.fidelities)))
+        except ValueError as fault:
+            if not str(fault).startswith("--from"):
+                raise
+            cure = f"vibeam map CASE --picture verdict --over {plan.over} --from … --to …"
+            raise ValueError(f"--over: {plan.over} has no usual range: {cure} takes one") from None
 
 
 def _names(plan: VerdictPlan) -> list[str]:

@@ -71,13 +71,14 @@ def without_round_off(value: float, of: float) -> float:
 
 
 def signed(value: float) -> str:
-    """Signed share as percent, to three digits; a power of ten where it is below 10⁻⁵, 0 where it is round-off."""
-    value = without_round_off(value, 1.0)
+    """Signed share as percent, to three digits, one where it is below 10⁻⁵; 0 below 10⁻⁶, which is dust."""
     if not math.isfinite(value):
         return "–"
     if value > MOST:
         return f"> +{100 * MOST:.0f} %"
-    return f"{_three_digits(100 * value):+g} %" if abs(value) >= 1e-5 else "0" if value == 0 else f"{value:+.0e}"
+    if abs(value) >= 1e-5:
+        return f"{_three_digits(100 * value):+g} %"
+    return f"{float(f'{100 * value:.0e}'):+.4f} %" if abs(value) >= 1e-6 else "0"
 
 
 WORDS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")

@@ -122,3 +122,12 @@ def test_an_accuracy_says_which_fidelity_is_taken_with_its_estimate_and_the_othe
     refused = vibeam_run("--set", "accuracy=1 %", code=2)
     assert "the nearest is beam, 5." in refused.stderr
     assert "add a fidelity with more modes, or allow more than 5." in refused.stderr
+
+
+def test_a_peak_at_the_end_of_the_sweep_is_told() -> None:
+    said = "the peak is at the end of the sweep, 15.2 Hz, and may rise beyond it: sweep further"
+    cut = ("--set", 'sweep.frequency={from="14.9 Hz",to="15.2 Hz",points=7}')
+    assert [line for line in vibeam_run(*cut).stdout.splitlines() if said in line] == [
+        f"sdof, two_modes and beam: {said}"
+    ]
+    assert said not in vibeam_run("--fresh").stdout

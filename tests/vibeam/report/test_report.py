@@ -216,8 +216,8 @@ def test_what_is_off_altogether_is_capped_and_no_percentage_is_a_power_of_ten() 
     assert [percent(each) for each in (8e4, 99.9, 0.123456, np.inf, np.nan)] == [
         "> 10000 %", "9990 %", "12.3 %", "∞", "–",
     ]  # fmt: skip
-    shares = (8e4, 12.34, -0.5, 3e-9, 9e-13, 0)
-    assert [signed(each) for each in shares] == ["> +10000 %", "+1230 %", "-50 %", "+3e-09", "0", "0"]
+    shares = (8e4, 12.34, -0.5, -5.9e-6, 3e-9, 9e-13, 0)
+    assert [signed(each) for each in shares] == ["> +10000 %", "+1230 %", "-50 %", "-0.0006 %", "0", "0", "0"]
 
 
 def test_seven_impacts_tell_no_cost_of_an_impact_and_a_family_has_no_finest() -> None:

@@ -12,8 +12,11 @@ from stand_in import RIG, SDOF
 from typer.testing import CliRunner
 
 import vibeam
+from vibeam.casefile.quantities import dimension, to_si
 from vibeam.cli.main import app
+from vibeam.report.declaration import STUDIES
 from vibeam.report.verdict import first_answer, sheet
+from vibeam_models.keys import defaults_of, keys_of
 
 FEW = {"sweep.frequency.points": 5, "sweep.settle": 20, "sweep.hold": 4, "modes_needed.most": 3}
 
@@ -81,6 +84,35 @@ def test_one_stage_is_its_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     )
     assert earlier.stderr.splitlines()[0] == "vibeam reduce is now: vibeam verdict --only modes"
     assert earlier.stdout.startswith("Three modes suffice for 1 %")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ("limit", "CASE", "--linear", "3 N/m"),
+            "vibeam limit --linear is now: vibeam verdict --only modes CASE --set",
+        ),
+        (("reduce", "CASE", "--from=3 Hz"), "vibeam reduce --from is now: vibeam verdict --only modes CASE --set"),
+        (("reduce", "CASE", "--within=50"), "--accuracy: 50 is outside [0, 1]"),
+        (("stability", "CASE", "--frequencies", "9"), "write --points 61,9"),
+        (("verdict", "CASE", "--quantity", "speed"), "--quantity: 'speed' is none of amplitude, reach"),
+        (("verdict", "CASE", "--over", "restitution"), "vibeam map CASE --picture verdict --over restitution --from"),
+    ],
+)
+def test_options_of_earlier_versions_say_what_they_are_now(words: tuple[str, ...], said: str) -> None:
+    done = CliRunner().invoke(app, [str(RIG) if word == "CASE" else word for word in words])
+    assert (done.exit_code, said in done.stderr, done.stdout) == (2, True, "")
+
+
+def test_the_default_of_an_option_is_shown_as_its_example() -> None:
+    for study in STUDIES.values():
+        for name, usual in defaults_of(study.asks).items() if study.asks else ():
+            key = keys_of(study.asks)[name]
+            if isinstance(usual, float):
+                assert to_si(key.example, dimension(key.unit)) == usual, f"{study.name}.{name}"
+            elif usual is not None and not key.several:
+                assert key.example == usual, f"{study.name}.{name}"
 
 
 def test_a_stage_that_cannot_be_had_says_why_and_the_others_answer(tmp_path: Path) -> None:

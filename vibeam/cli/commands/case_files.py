@@ -54,8 +54,8 @@ def keys(
 
     \b
     Examples:
-    vibeam keys stop
-    vibeam keys sweep.frequency
+      vibeam keys stop
+      vibeam keys sweep.frequency
     """
     from vibeam.casefile.documentation import case_schema, reference_table, rows_of
     from vibeam.report.output import to_json, write_csv
@@ -105,8 +105,8 @@ def new(
 
     \b
     Examples:
-    vibeam new mine.toml --rig tube --short
-    vibeam new --from relay
+      vibeam new mine.toml --rig tube --short
+      vibeam new --from relay
     """
     from vibeam.report.output import StudySheet
 
@@ -182,8 +182,8 @@ def doctor() -> None:
 
     \b
     Examples:
-    vibeam doctor
-    vibeam doctor --json
+      vibeam doctor
+      vibeam doctor --json
     """
     from vibeam.studies.doctor import Severity, examine, verdict
 

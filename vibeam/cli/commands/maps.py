@@ -37,13 +37,17 @@ Out = Annotated[
 ]  # fmt: skip
 Picture = Annotated[
     str | None,
-    _option("--picture", "For a case without such a table: period, values, bifurcation, spectra, stability, verdict."),
+    _option(
+        "--picture",
+        "For a case without such a table: period, values, bifurcation, spectra, stability, verdict.",
+        metavar="NAME",
+    ),
 ]
 Over = Annotated[
     str | None, _option("--over", "gap, drive, restitution, frequency or a dotted key.", metavar="KEY[,KEY]")
 ]
 Points = Annotated[str | None, _option("--points", "Values of each key, one number for all.", metavar="N[,M]")]
-Named = Annotated[list[str] | None, _option("--fidelity", "This fidelity. Repeatable; absent = all.")]
+Named = Annotated[list[str] | None, _option("--fidelity", "This fidelity. Repeatable; absent = all.", metavar="NAME")]
 Workers = Annotated[
     str | None, _option("--cluster", "Workers of this Dask scheduler, or its scheduler file.", metavar="ADDRESS")
 ]
@@ -56,14 +60,20 @@ def map(
     out: Out = None,
     picture: Picture = None,
     over: Over = None,
-    low: Annotated[str | None, _option("--from", "First value of the key, with its unit.")] = None,
-    high: Annotated[str | None, _option("--to", "Its last value.")] = None,
+    low: Annotated[str | None, _option("--from", "First value of the key, with its unit.", metavar="VALUE")] = None,
+    high: Annotated[str | None, _option("--to", "Its last value.", metavar="VALUE")] = None,
     points: Points = None,
     frequencies: Annotated[int | None, typer.Option("--frequencies", hidden=True)] = None,
-    accuracy: Annotated[str | None, _option("--accuracy", "Of verdict: how near the finest model.")] = None,
-    quantity: Annotated[str | None, _option("--quantity", "Of values and verdict: amplitude, reach, …")] = None,
-    periods: Annotated[int | None, _option("--periods", "Of stability: from impact to impact.", min=1)] = None,
-    verify: Annotated[int | None, _option("--verify", "Of verdict: places flown anew.", min=0)] = None,
+    accuracy: Annotated[
+        str | None, _option("--accuracy", "Of verdict: how near the finest model; absent = 1 %.", metavar="PERCENT")
+    ] = None,
+    quantity: Annotated[
+        str | None, _option("--quantity", "Of values and verdict: amplitude, reach, …", metavar="NAME")
+    ] = None,
+    periods: Annotated[
+        int | None, _option("--periods", "Of stability: from impact to impact.", min=1, metavar="N")
+    ] = None,
+    verify: Annotated[int | None, _option("--verify", "Of verdict: places flown anew.", min=0, metavar="N")] = None,
     fidelity: Named = None,
     fresh: Fresh = False,
     cluster: Workers = None,
@@ -98,6 +108,10 @@ def map(
 
 def _counts(points: str | None, frequencies: int | None) -> tuple[int, ...] | None:
     """Numbers of ``--points``, each 2 or more."""
+    if points is None and frequencies is not None:
+        raise UsageError(
+            f"--frequencies {frequencies}: is the second number of --points: write --points 61,{frequencies}"
+        )
     if points is None:
         return None
     try:
@@ -123,7 +137,7 @@ def _plans(case: Case, names: list[str], picture: str | None, asked: dict[str, A
     if asked or (picture and not tables):
         return [plan_over(case, picture or "period", **asked)]
     if not tables or unknown:
-        cure = "write vibeam map CASE --picture stability (verdict, period, …), or add a table [map.NAME]"
+        cure = f"write vibeam map {case.path} --picture stability (verdict, period, …), or add a table [map.NAME]"
         raise UsageError(f"{case.path}: the case has no map: {cure} (vibeam keys map)")
     return [case.maps[name] for name in names] or tables
 

@@ -32,17 +32,27 @@ def fit(
     ] = None,
     key: Annotated[
         list[str] | None,
-        typer.Option("--key", help="Of a case: a key, from its modal frequencies. Repeatable.", show_default=False),
+        typer.Option(
+            "--key", metavar="KEY", help="Of a case: a key, from its modal frequencies. Repeatable.", show_default=False
+        ),
     ] = None,
     measured: Annotated[
         list[str] | None,
         typer.Option(
-            "--measured", help="With --key: a [measured.NAME] to use; absent = all modes.", show_default=False
+            "--measured",
+            metavar="NAME",
+            help="With --key: a [measured.NAME] to use; absent = all modes.",
+            show_default=False,
         ),
     ] = None,
     of: Annotated[
         str | None,
-        typer.Option("--of", help="Of a signal: decay, spectrum or response; absent = found out.", show_default=False),
+        typer.Option(
+            "--of",
+            metavar="KIND",
+            help="Of a signal: decay, spectrum or response; absent = found out.",
+            show_default=False,
+        ),
     ] = None,
     x: Annotated[
         str | None, typer.Option("--x", metavar="HEAD", help="Its column of time or frequency.", show_default=False)
@@ -53,11 +63,17 @@ def fit(
     drive: Annotated[
         str | None,
         typer.Option(
-            "--drive", help="Of a response: base displacement, base acceleration or force.", show_default=False
+            "--drive",
+            metavar="KIND",
+            help="Of a response: base displacement, base acceleration or force.",
+            show_default=False,
         ),
     ] = None,
     level: Annotated[
-        float | None, typer.Option("--level", help="Of a response: amplitude of the drive, or 1.", show_default=False)
+        float | None,
+        typer.Option(
+            "--level", metavar="NUMBER", help="Of a response: amplitude of the drive, or 1.", show_default=False
+        ),
     ] = None,
 ) -> None:
     """Estimate parameters from measurements, with intervals.

@@ -24,7 +24,7 @@ def modes(
     set_: Overrides = None,
     out: Annotated[str | None, out_option("Mode shapes: .vtu, or .pvd with a step for each; or a folder.")] = None,
     matrices: Annotated[str | None, option(_MATRICES, "--matrices", metavar="FILE")] = None,
-    count: Annotated[int, typer.Option("--count", min=1, help="How many modes.")] = 10,
+    count: Annotated[int, typer.Option("--count", metavar="N", min=1, help="How many modes.")] = 10,
 ) -> None:
     """Modal table; mode shapes and matrices as files.
 

@@ -75,7 +75,7 @@ def _crossings(found: Stability, units: DisplayUnits) -> ReportTable:
     table.add("multipliers|")
     table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
     for row in found.crossings:
-        place = f"{row.frequency * units.frequency_factor:.10g} {units.frequency}".strip()
+        place = f"{row.frequency * units.frequency_factor:.6g} {units.frequency}".strip()
         table.add_row(row.fidelity, row.boundary, row.motion, place, units.speeds(row.velocity), row.multipliers)
     return table
 

@@ -66,7 +66,7 @@ def _notes(found: FidelityMap) -> Iterator[str]:
     if found.thinned is not None:
         (rows, columns), (few, fewer) = found.thinned
         kept = f"{few} x {fewer} places in place of {rows} x {columns}"
-        yield f"{kept}, for the budget (13 x 13 are left at least): a larger one refines the map."
+        yield f"{kept}, for the budget (13 x 13 are left at least): a larger --budget refines the map."
     if found.doubtful:
         yield (
             f"On {percent(found.doubtful)} of the map the choice hangs on the scatter of motions that do not repeat: "

@@ -88,8 +88,8 @@ def _of_reference(case: Case, name: str) -> tuple[list[Points], list[str]]:
     without = [each for each in kept if not each.uncertainty]
     if without:
         raise ValueError(
-            f"reference.{name}: line {without[0].line} has no uncertainty, which its weight is: write "
-            'uncertainty = "1 %", or what it is, in the table, or give the file a column'
+            f"reference.{name}: line {without[0].line} has no uncertainty, by which its point is weighted: write "
+            f'uncertainty = "1 %", or what it is, into [reference.{name}], or give the file such a column'
         )
     lost = len(points) - len(kept)
     notes = [f"{name}: {lost} points without a period are left out"] if lost else []
