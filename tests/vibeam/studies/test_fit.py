@@ -16,9 +16,10 @@ import vibeam
 from vibeam.exchange.curves.record import ReferenceCurve
 from vibeam.report.fit import fit_answer
 from vibeam.studies.fit.estimate import minimise, settled
-from vibeam.studies.fit.judgement import patterns
+from vibeam.studies.fit.judgement import Judgement, patterns
 from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import LEVEL, profile
+from vibeam.studies.fit.words import on_misfit
 
 CASES = Path(__file__).parents[3] / "cases"
 
@@ -65,6 +66,9 @@ def test_an_independent_integration_is_met_without_residual():
     assert problem.values(found.x) == pytest.approx([5.16e-4, 0.72], rel=1e-6)
     assert found.actual.all()
     assert not any(each.significant for each in patterns(problem, found))  # of what is far within the uncertainty
+    told = list(on_misfit(problem, replace(found, x=np.array([1.0, 0.5])), Judgement(False, [])))
+    assert "drive.gain is at a bound of [fit.keys]: widen it." in told
+    assert not any("stop.restitution is at a bound" in each for each in told)
 
 
 def test_a_peak_alone_fixes_the_ridge_and_no_point_on_it():

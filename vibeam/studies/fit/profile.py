@@ -215,21 +215,23 @@ def _variants(problem: Problem, minimum: Minimum, group: Points) -> Iterator[tup
             yield {**settings, "stop.gap": gap + off}, _moved(changed, "stop.gap", gap + off, values)
 
 
+def _place(forward: Forward, key: str) -> int | None:
+    """Place of a key that is estimated and changes the model; None of any other."""
+    return next((k for k, each in enumerate(forward.keys) if each.key == key and forward.changed[k]), None)
+
+
 def _current(forward: Forward, values: Array, key: str) -> float:
-    for k, each in enumerate(forward.keys):
-        if each.key == key and forward.changed[k]:
-            return float(values[k])
-    return float(forward.model.value(key))
+    k = _place(forward, key)
+    return float(forward.model.value(key) if k is None else values[k])
 
 
 def _moved(forward: Forward, key: str, value: float, values: Array) -> Forward:
     """Forward model with a key at another value; an estimated one is still varied, about that value."""
-    for k, each in enumerate(forward.keys):
-        if each.key == key and forward.changed[k]:
-            offsets = list(forward.offsets)
-            offsets[k] += value - float(values[k])
-            return replace(forward, offsets=tuple(offsets))
-    return replace(forward, model=forward.model.at({key: value}))
+    k, offsets = _place(forward, key), list(forward.offsets)
+    if k is None:
+        return replace(forward, model=forward.model.at({key: value}))
+    offsets[k] += value - float(values[k])
+    return replace(forward, offsets=tuple(offsets))
 
 
 def _candidates(

@@ -20,7 +20,7 @@ from vibeam.observe.restitution import first_mode_restitution
 from vibeam.studies.fit.estimate import Minimum, probability
 from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
 from vibeam.studies.fit.problem import MOTIONS, Problem
-from vibeam.studies.fit.profile import LEVEL, FitRow, Profile
+from vibeam.studies.fit.profile import BOUND, LEVEL, FitRow, Profile
 from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import with_unit
 from vibeam_models.arguments import counted
@@ -55,6 +55,8 @@ def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Itera
     yield from _on_outliers(problem, judgement)
     if not judgement.described:
         yield from _on_cause(problem, judgement)
+        bound = [each.key for each, x in zip(problem.keys, minimum.x, strict=True) if min(x, 1 - x) < BOUND]
+        yield from (f"{key} is at a bound of [fit.keys]: widen it." for key in bound)
         yield _on_intervals(judgement)
     if not any(each.met for each in judgement.others):
         yield from _on_patterns(judgement)

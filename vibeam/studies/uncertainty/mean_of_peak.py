@@ -157,7 +157,6 @@ def _means(
     return found
 
 
-Progress = Callable[[str], None]
 PILOT = 32  # samples from which correlations are taken
 MOST = 20_000  # runs of any model
 TIMED = 12  # further samples from which costs are taken
@@ -207,7 +206,7 @@ class _PeakModel:
 
 
 def mean_of_peak(
-    sampler: Sampler, found: Mapping[str, Responses], finest: str, count: int, seed: int, tell: Progress
+    sampler: Sampler, found: Mapping[str, Responses], finest: str, count: int, seed: int, tell: Callable[[str], None]
 ) -> MeanPeak | None:
     """Mean of the finest one's peak, by a quarter of its runs and as many of cheaper models as serve it best.
 
