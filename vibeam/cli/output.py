@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
-from vibeam.cli.streams import put, put_json, reader_gone, stdout_is_terminal
+from vibeam.cli.streams import put, put_json, reader_gone
 from vibeam.cli.verbosity import verbosity
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), first: str = "", 
     """
     form = verbosity()
     if form.json:
-        print_json({"answer": sheet.answer, "notes": sheet.notes, **sheet.data} | ({"files": files} if files else {}))
+        print_json(as_object(sheet, files))
     elif form.quiet:
         put_lines([sheet.answer])
     elif form.verbose or whole:
@@ -43,6 +44,11 @@ def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), first: str = "", 
         put_lines([*sheet.notes, *sheet.details, *map(str, files)])
     else:
         _put_screen(sheet, files, first)
+
+
+def as_object(sheet: StudySheet, files: Sequence[Path]) -> dict[str, Any]:
+    """Content of the JSON object of a study with the ``files`` written."""
+    return {"answer": sheet.answer, "notes": sheet.notes, **sheet.data} | ({"files": files} if files else {})
 
 
 def _answer(sheet: StudySheet, first: str) -> list[str]:
@@ -92,7 +98,7 @@ def put_lines(texts: Iterable[str]) -> None:
 def _lines(texts: Iterable[str]) -> list[str]:
     """Lines of sentences, broken between words where a terminal shows them."""
     parts = [line for text in texts for line in text.split("\n")]
-    if not stdout_is_terminal():
+    if not sys.stdout.isatty():
         return parts
     width = get_terminal_size().columns
     return [line for part in parts for line in wrap(part, width, break_long_words=False) or [""]]

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from vibeam.cli.verbosity import verbosity
+from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -115,14 +116,10 @@ def _bar(console: Console, doing: str) -> Progress:
         def render(self, task: progress.Task) -> Text:
             return Text(f"points · {float(f'{task.speed:.3g}'):g} points/s" if task.speed else "points")
 
-    words, speed, line = [text(f"{doing} on up to {_cores(cores())}")], [Speed()], [progress.BarColumn()]
+    words, speed, line = [text(f"{doing} on up to {counted(cores(), 'core')}")], [Speed()], [progress.BarColumn()]
     wide, narrow = console.width >= WIDE, console.width >= NARROW
     columns = [*words * wide, *line * narrow, progress.MofNCompleteColumn(), *speed * wide, text("·")]
     times = progress.TimeElapsedColumn(), text("· remaining" if narrow else "·"), progress.TimeRemainingColumn()
     bar = progress.Progress(*columns, *times, console=console, transient=True)
     bar.add_task("points", total=None)
     return bar
-
-
-def _cores(count: int) -> str:
-    return "1 core" if count == 1 else f"{count} cores"

@@ -62,11 +62,6 @@ def discard_stdout() -> None:
     os.close(nowhere)
 
 
-def stdout_is_terminal() -> bool:
-    """Test whether somebody looks at stdout."""
-    return sys.stdout.isatty()
-
-
 def say(text: str) -> None:
     """Print lines on stderr, control characters as escapes."""
     print("\n".join(map(printable, text.split("\n"))), file=sys.stderr)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.report.output import plain, write_rows
+from vibeam.report.output import plain, write_csv
 from vibeam.runs.result import output_units
 
 if TYPE_CHECKING:
@@ -23,12 +23,12 @@ def write_curves(result: Result, path: Path) -> list[Path]:
         heads = [_head(name, units.get(name, "1")) for name in part]
         rows = zip(*(plain(values) for values in part.values()), strict=True)
         points += (dict(zip(heads, row, strict=True)) for row in rows)
-    write_rows(points, path)
+    write_csv(points, path)
     known = [plain(row) for row in motions(result)]
     if not known:
         return [path]
     beside = path.with_name(f"{path.stem.removesuffix('_curves')}_motions.csv")
-    write_rows(known, beside)
+    write_csv(known, beside)
     return [path, beside]
 
 

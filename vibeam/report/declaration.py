@@ -123,10 +123,3 @@ def register_study(declaration: StudyDeclaration) -> None:
         STUDIES.remove(declaration.name)
         raise ValueError(f"study {declaration.name!r}: a case has a table of that name: choose another name")
     STUDY_PLANS.add(Home(declaration.name, declaration.asks))
-
-
-def forget_study(name: str) -> None:
-    """Take out a study that was registered; KeyError for one that was not."""
-    STUDIES.remove(name)
-    if name in STUDY_PLANS:
-        STUDY_PLANS.remove(name)

@@ -32,16 +32,11 @@ def to_json(value: Any) -> str:
 
 
 def write_csv(rows: Sequence[Any], path: Path) -> None:
-    """Write rows of one dataclass as CSV, a column a field."""
-    write_rows([plain(row) for row in rows], path)
-
-
-def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Write rows of mappings as CSV, a column a name, in the order of first appearance."""
-    text = StringIO(newline="")
-    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
+    """Write rows as CSV, mappings or records: a column a name, in the order of first appearance."""
+    text, found = StringIO(newline=""), [row if isinstance(row, Mapping) else plain(row) for row in rows]
+    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in found for name in row)))
     writer.writeheader()
-    writer.writerows(rows)
+    writer.writerows(found)
     write_whole(path, text.getvalue().encode())
 
 
@@ -93,7 +88,7 @@ class StudySheet:
             from vibeam.figures.page import DOTS, write_page
 
             write_page(self.draw, figures, dots=COARSE if self.coarse else DOTS)
-        write_rows([row if isinstance(row, Mapping) else plain(row) for row in self.rows], table)
+        write_csv(self.rows, table)
         if self.page is None:
             return [table, *figures]
         page = table.with_suffix(".html")

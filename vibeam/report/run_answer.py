@@ -181,7 +181,7 @@ def _miss(row: Summary, accuracy: float) -> str:
     off = _off(row)
     if not isfinite(off.rms):
         return f"{row.fidelity} has no point to compare"
-    if isfinite(off.peak) and abs(off.peak) > accuracy:
+    if isfinite(off.peak) and abs(off.peak) > accuracy and off.rms <= 2 * abs(off.peak):
         return f"{row.fidelity} is {_signed(off.peak)}"
     beside = f", {_signed(off.peak)} at the peak" if isfinite(off.peak) else ""
     return f"{row.fidelity} is {_size(off.rms)} off (rms){beside}"

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from hashlib import sha256
 from threading import Event, Lock
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -47,9 +47,8 @@ class Recorder:
     def add(self, block: FrequencyResponse, states: Sequence[State]) -> None:
         """Add the points of ``block``, and the states after the last of them."""
         points = slice(self._done, self._done + len(block))
-        for field in fields(FrequencyResponse):
-            if field.name != "frequency":  # keep the grid's own value, to the last bit
-                getattr(self._response, field.name)[points] = getattr(block, field.name)
+        for name, values in block.quantities.items():  # the grid's own frequencies stay, to the last bit
+            getattr(self._response, name)[points] = values
         self._done = points.stop
         for point, state in enumerate(states, points.stop - len(states)):
             self._after.displacement[point], self._after.velocity[point] = state.displacement, state.velocity
@@ -62,14 +61,12 @@ class Recorder:
     def write(self) -> None:
         """Write all points not written yet."""
         if self._store and self._done > self._written:
-            block = _part(self._response, slice(self._written, self._done))
+            points = slice(self._written, self._done)
+            columns: dict[str, Any] = {name: values[points] for name, values in self._response.quantities.items()}
+            block = FrequencyResponse(self._response.frequency[points], **columns)
             self._store.write(self._branch, self._written, block, self._states)
         self._states.clear()
         self._written, self._due = self._done, monotonic() + WRITE_EVERY
-
-
-def _part(response: FrequencyResponse, points: slice) -> FrequencyResponse:
-    return FrequencyResponse(**{field.name: getattr(response, field.name)[points] for field in fields(response)})
 
 
 class PointCount:

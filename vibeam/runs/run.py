@@ -16,7 +16,7 @@ from vibeam.runs.fidelity_sweep import Job, PointCount, Progress, job_of, known_
 from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.result import Result
-from vibeam.runs.run_plan import RunStorage, restricted
+from vibeam.runs.run_plan import planned, restricted
 from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.store.file import Store
 from vibeam.runs.store.records import COMPARISONS, ESTIMATED
@@ -78,8 +78,8 @@ def run(
     {'sdof': 0.39, 'two_modes': 0.42, 'beam': 0.42}
     """
     case = restricted(case, fidelities)
-    systems, storage = Systems(case), RunStorage(None if out is None else Path(out), fresh, tell)
-    with storage.opened(case, systems) as (store, plan), telling(progress, "sweeping") as told:
+    systems, path = Systems(case), None if out is None else Path(out)
+    with planned(case, systems, path, fresh, tell) as (store, plan), telling(progress, "sweeping") as told:
         names = list(plan.branches) if case.accuracy is None else by_cost(case, plan.modes)
         jobs = [job_of(case, name, systems, plan.branches[name], store) for name in names]
         records = None if store and store.has(set(case.own) - set(case.fidelities)) else store  # theirs
@@ -101,7 +101,7 @@ def run(
             shown = _shown(case, records) if show else {}
             branches = {job.name: job.gathered(curves.get(job.name)) for job in jobs}
             _keep_models(case, models, records)
-            result = Result(case, branches, storage.path, sum(job.found for job in jobs), shown, models=models)
+            result = Result(case, branches, path, sum(job.found for job in jobs), shown, models=models)
             if case.accuracy is not None:
                 result.estimates, result.accuracy = known, required_choice(case, names, known)
             if not compare:
@@ -109,7 +109,7 @@ def run(
             result.estimates = known or _estimated(result, systems, {job.name: job.after for job in jobs}, records)
             return _compared(result, systems, records)
         except KeyboardInterrupt:
-            raise Interrupted(_how_to_go_on(count, storage.path)) from None
+            raise Interrupted(_how_to_go_on(count, path)) from None
 
 
 def _sweep(case: Case, *jobs: Job, store: Store | None, count: PointCount) -> None:

@@ -92,26 +92,20 @@ def _branches(case: Case, name: str, modes: int) -> tuple[BranchPlan, ...]:
     return tuple(BranchPlan(name, direction, grids[direction], modes, keys[direction]) for direction in wanted)
 
 
-@dataclass(frozen=True)
-class RunStorage:
-    """Storage of a run: the results file (None: nowhere), and how it is opened."""
+@contextmanager
+def planned(
+    case: Case, systems: Mapping[str, ImpactSystem], path: Path | None, fresh: bool, tell: Tell | None
+) -> Iterator[tuple[Store | None, RunPlan]]:
+    """Results file (None: nowhere) opened for all branches of the case, and the plan."""
+    if path is None:
+        yield None, _plan(case, systems, {})
+        return
 
-    path: Path | None
-    fresh: bool
-    tell: Tell | None
+    def wanted(stored: Keyed) -> Requirements:
+        branches = [each for several in _plan(case, systems, stored).branches.values() for each in several]
+        return Requirements(
+            case.numbers, case.key, case.shared, branches, output_units(case), case.text, case.path.name
+        )
 
-    @contextmanager
-    def opened(self, case: Case, systems: Mapping[str, ImpactSystem]) -> Iterator[tuple[Store | None, RunPlan]]:
-        """Open the file for all branches of the case, and make the plan."""
-        if self.path is None:
-            yield None, _plan(case, systems, {})
-            return
-
-        def wanted(stored: Keyed) -> Requirements:
-            branches = [each for several in _plan(case, systems, stored).branches.values() for each in several]
-            return Requirements(
-                case.numbers, case.key, case.shared, branches, output_units(case), case.text, case.path.name
-            )
-
-        with opened(self.path, wanted, fresh=self.fresh, tell=self.tell or warn) as store:
-            yield store, _plan(case, systems, store.models)
+    with opened(path, wanted, fresh=fresh, tell=tell or warn) as store:
+        yield store, _plan(case, systems, store.models)

@@ -26,7 +26,6 @@ from vibeam.runs.store.records import (
 )
 from vibeam.store.blocks import Values
 from vibeam.store.errors import reading
-from vibeam.store.provenance import read_provenance
 from vibeam.system.response import Branches
 from vibeam.system.state import State
 
@@ -90,7 +89,7 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
         models,
     )
     result.estimates, result.accuracy = estimates, choice
-    provenance = read_provenance(stored["provenance"])
+    provenance = {name: str(value) for name, value in stored["provenance"].attrs.items()}
     states = {at: _states(values) for at, values in rows.items()}
     return StoredResult(result, states, provenance, result.total - result.found, stored["case/text"][()].decode())
 

@@ -38,11 +38,6 @@ def note_continued(group: h5py.Group) -> None:
     notes[slot] = ", ".join(f"{name} {value}" for name, value in provenance().items()).encode()[:NOTE]
 
 
-def read_provenance(group: h5py.Group) -> dict[str, str]:
-    """Origin of the numbers, by name."""
-    return {name: str(value) for name, value in group.attrs.items()}
-
-
 def _version(package: str) -> str:
     try:
         return version(package)

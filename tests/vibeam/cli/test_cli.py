@@ -140,6 +140,8 @@ def test_several_cases_are_run_each_into_its_own_file(command: Command, sdof: Pa
     places = [done.stderr.index(said) for said in ("titl", "drag", f"{sdof}:\n", f"{other}:\n")]
     assert places == sorted(places), "all faults are told before anything is run"
     assert {each.name for each in (sdof.parent / "results").glob("*.h5")} == {"sdof.h5", "other.h5"}
+    unknown = command("run", sdof, other, "--fidelity", "no", expect=2).stderr.splitlines()
+    assert unknown == [f"{each}: --fidelity no: no such fidelity; known here: sdof" for each in (sdof, other)]
     data = json.loads(command("run", sdof, wrong, "--out", "results", "--json", expect=2).stdout)
     assert data["schema"] == "vibeam.run/1"
     assert [("error" in each, each.get("found")) for each in data["runs"]] == [(False, 10), (True, None)]

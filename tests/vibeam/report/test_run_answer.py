@@ -35,6 +35,7 @@ def answer(ours: Any, theirs: Any = TOP, ours_has: str = "", theirs_has: str = "
         (TOP * [1.06, 1, 1, 1, 1], "One mode suffices for 5 % (ours, off by less than 0.01 % at the peak, up to 6 %"),
         (TOP * [1.5, 1, 1, 1, 1.5], "; ours is 31.6 % off (rms), off by less than 0.01 % at the peak."),
         (TOP * [40, 1, 1, 1, 1], "; ours is 900 % too high."),
+        (TOP * [2, 1, 1.1, 1, 2], "; ours is 63.4 % off (rms), 10 % too high at the peak."),  # √(2.01/5)
     ],
 )  # fmt: skip
 def test_what_suffices_is_named_with_what_it_misses(ours: Any, said: str) -> None:

@@ -391,7 +391,7 @@ def test_what_is_no_file_is_refused_at_once(tmp_path: Path) -> None:
             read(path)
 
 
-OTHER = "import h5py, sys; f = h5py.File(sys.argv[1], 'r'); print('held', flush=True); sys.stdin.read()"
+OTHER = "import h5py, sys; f = h5py.File({file!r}, 'r'); print('held', flush=True); sys.stdin.read()"
 HOLDER = """
 import sys
 sys.path[:0] = {path!r}
@@ -405,8 +405,9 @@ with test_store.opened(Path({file!r}), test_store.CASE) as store:
 
 
 @contextmanager
-def held(script: str, *words: str) -> Iterator[subprocess.Popen[str]]:
-    command = [sys.executable, "-c", script, *words]
+def held(path: Path, script: str = HOLDER) -> Iterator[subprocess.Popen[str]]:
+    places = [str(Path(__file__).parents[2] / "support"), *sys.path]
+    command = [sys.executable, "-c", script.format(path=places, file=str(path))]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as holder:
         assert holder.stdout is not None
         assert holder.stdout.readline() == "held\n"
@@ -417,7 +418,7 @@ def held(script: str, *words: str) -> Iterator[subprocess.Popen[str]]:
 def test_a_file_that_another_program_has_open_is_replaced(tmp_path: Path) -> None:
     """That program keeps the one that it has."""
     path = written(tmp_path / "a.h5")
-    with held(OTHER, str(path)):
+    with held(path, OTHER):
         written(path, points=3)
     assert read(path)["beam", "up"].amplitude[2] == 2.1
 
@@ -427,8 +428,7 @@ def test_a_second_run_is_told_who_holds_the_file(tmp_path: Path, fresh: bool) ->
     """From before the file is there on: the two would make it, and one result would be lost."""
     path, link = tmp_path / "a.h5", tmp_path / "b.h5"
     link.symlink_to(path)
-    script = HOLDER.format(path=[str(Path(__file__).parents[2] / "support"), *sys.path], file=str(path))
-    with held(script) as holder:
+    with held(path) as holder:
         for name in (path, link):
             wanted = rf"^{name}: process {holder.pid} on {platform.node()} is writing it"
             with pytest.raises(StoreError, match=wanted), opened(name, CASE, fresh=fresh):
@@ -440,8 +440,7 @@ def test_a_second_run_is_told_who_holds_the_file(tmp_path: Path, fresh: bool) ->
 
 def test_the_lock_of_a_process_that_was_killed_does_not_hold(tmp_path: Path) -> None:
     path = tmp_path / "a.h5"
-    script = HOLDER.format(path=[str(Path(__file__).parents[2] / "support"), *sys.path], file=str(path))
-    with held(script) as holder:
+    with held(path) as holder:
         holder.kill()
     assert (tmp_path / ".a.h5.lock").exists()
     with opened(path, CASE) as store:

@@ -12,18 +12,18 @@ from pathlib import Path
 import pytest
 
 from vibeam.exchange.whole_files import regular, write_whole
-from vibeam.report.output import write_rows
+from vibeam.report.output import write_csv
 
 LIMITED = """
 import resource, sys
 sys.path[:0] = {path!r}
 from pathlib import Path
 from matplotlib.figure import Figure
-from vibeam.report.output import write_rows
+from vibeam.report.output import write_csv
 from vibeam.figures.page import write_page
 resource.setrlimit(resource.RLIMIT_FSIZE, (256, resource.RLIM_INFINITY))
 folder, failed = Path({folder!r}), 0
-writers = [lambda: write_rows([{{"a": number}} for number in range(9999)], folder / "a.csv")]
+writers = [lambda: write_csv([{{"a": number}} for number in range(9999)], folder / "a.csv")]
 writers += [lambda name=name: write_page(Figure, [folder / name]) for name in ("a.png", "a.svg", "a.pdf")]
 for write in writers:
     try:
@@ -54,7 +54,7 @@ def test_what_is_no_file_is_refused_and_not_waited_for(tmp_path: Path) -> None:
         server.bind(str(place))
         for path, what in ((pipe, "a pipe"), (link, "a pipe"), (place, "a socket"), (Path("/dev/null"), "a device")):
             with pytest.raises(OSError, match=f"is {what}, not a file") as caught:
-                write_rows([{"a": 1}], path)
+                write_csv([{"a": 1}], path)
             assert caught.value.filename == str(path)
     with pytest.raises(OSError, match="is a folder"):
         write_whole(tmp_path, b"")

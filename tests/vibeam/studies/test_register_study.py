@@ -13,8 +13,9 @@ from stand_in import SDOF
 from typer.testing import CliRunner
 
 import vibeam
+from vibeam.case.study_plans import STUDY_PLANS
 from vibeam.cli.main import app
-from vibeam.report.declaration import STUDIES, StudyDeclaration, forget_study
+from vibeam.report.declaration import STUDIES, StudyDeclaration
 from vibeam_models.keys import quantity
 
 MODULE = """
@@ -44,8 +45,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.delitem(__import__("sys").modules, "my_gaps", raising=False)
     yield tmp_path
     for name in ("gaps", "narrower"):
-        if name in STUDIES:
-            forget_study(name)
+        for registry in (STUDIES, STUDY_PLANS):
+            if name in registry:
+                registry.remove(name)
 
 
 def test_a_registered_study_runs_from_the_command_line(folder: Path) -> None:

@@ -27,7 +27,7 @@ from vibeam.cli.arguments import (
     run_case,
 )
 from vibeam.cli.errors import UsageError, fault_of, of_case
-from vibeam.cli.output import print_json, print_sheet, put_lines
+from vibeam.cli.output import as_object, print_json, print_sheet, put_lines
 from vibeam.cli.streams import WRONG, say
 from vibeam.cli.verbosity import verbosity
 
@@ -120,8 +120,7 @@ def _run_several(
             if not verbosity().quiet:
                 say(f"{path}:")
             with _noting(found, path):
-                sheet, files = _swept(case, place / f"{path.stem}.h5", fresh, within)
-                found[path] = {"answer": sheet.answer, "notes": sheet.notes, **sheet.data, "files": files}
+                found[path] = as_object(*_swept(case, place / f"{path.stem}.h5", fresh, within))
     if verbosity().json:
         print_json({"runs": [{"case": path, **found[path]} for path in paths]})
     else:
@@ -139,8 +138,9 @@ def _noting(found: dict[Path, dict[str, Any]], path: Path) -> Iterator[None]:
         fault = fault_of(error)
         if fault is None:
             raise
-        say(fault[0])
-        found[path] = {"error": fault[0], "faults": getattr(error, "faults", ())}
+        said = fault[0] if str(path) in fault[0] else f"{path}: {fault[0]}"
+        say(said)
+        found[path] = {"error": said, "faults": getattr(error, "faults", ())}
 
 
 def _line(path: Path, found: Mapping[str, Any]) -> str:
