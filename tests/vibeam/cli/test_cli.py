@@ -276,7 +276,7 @@ def test_check_refuses_what_run_would(command: Command, sdof: Path) -> None:
 def test_derive_prints_and_writes_its_table(command: Command, tmp_path: Path) -> None:
     shown = command("derive", RIG).stdout.splitlines()
     assert shown[0] == (
-        "One degree of freedom: k = 1219 N/m, m = 0.5355 kg, f = 7.593 Hz (0.0488 % below the finite-element value), "
+        "One degree of freedom: k = 1219 N/m, m = 535.5 g, f = 7.593 Hz (0.0488 % below the finite-element value), "
         "ζ = 1.7 %, with R₁ = 0.72 of mode 1."
     )
     assert max(map(len, shown[1:])) <= 100
@@ -368,6 +368,7 @@ def test_new_writes_a_sound_case_once(command: Command, tmp_path: Path) -> None:
     assert "is there already" in command("new", expect=2).stderr
     assert (tmp_path / "case.toml").read_bytes() == before
     assert json.loads(command("new", "--out", "b.toml", "--json").stdout)["written"] == "b.toml"
+    assert "is c.toml already" in command("new", "c.toml", "--out", "d.toml", expect=2).stderr
     command("new", ".", expect=2)
     assert command("new", "a/folder").stdout.startswith("wrote a/folder/case.toml: ")
     assert ".toml, or a folder" in command("new", "case.tml", expect=2).stderr
@@ -471,6 +472,8 @@ def test_keys_prints_the_schema_of_a_case(command: Command) -> None:
     from vibeam.casefile.documentation import case_schema
 
     assert json.loads(command("keys", "--schema").stdout) == case_schema()
+    assert "leave NAME and --out away" in command("keys", "stop", "--schema", expect=2).stderr
+    assert "leave NAME and --out away" in command("keys", "--schema", "--out", "a.csv", expect=2).stderr
 
 
 def test_version_and_help(command: Command) -> None:

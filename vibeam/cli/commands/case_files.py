@@ -60,6 +60,8 @@ def keys(
     from vibeam.casefile.documentation import case_schema, reference_table, rows_of
     from vibeam.report.output import to_json, write_csv
 
+    if schema and (name is not None or out is not None):
+        raise UsageError("--schema prints the schema of all keys: leave NAME and --out away")
     if schema:
         put_json(to_json(case_schema()))
         return
@@ -115,6 +117,8 @@ def new(
     if example == "list":
         print_sheet(_examples_sheet())
         return
+    if path is not None and out is not None:
+        raise UsageError(f"--out {out}: the file is {path} already: name one of them")
     text, beside = _of_rig("cantilever" if rig is None else rig, short) if example is None else _of_example(example)
     name = f"{example or 'case'}.toml"
     target = output_path(out or path or name, name, (".toml",), "a case file")
