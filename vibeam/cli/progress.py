@@ -28,10 +28,10 @@ def stderr() -> Console:
 
 
 def tell_overview(overview: Overview) -> None:
-    """Print rig and sweep on stderr, and what is implausible of them, broken between words."""
+    """Print rig and sweep on stderr, and what is implausible of them, broken between words in a terminal."""
     console = stderr()
     for said in (str(overview), *(f"warning: {each}" for each in overview.warnings())):
-        for line in wrap(said, console.width):
+        for line in wrap(said, console.width) if console.is_terminal else [said]:
             console.print(line)
 
 

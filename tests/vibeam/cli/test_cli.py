@@ -349,7 +349,7 @@ def test_modes_needed_answers_first_and_writes_its_losses(command: Command, tmp_
         (("--accuracy", "3 Hz"), "is a frequency, not a plain number"),
         (("--accuracy", ""), "--accuracy: '' is not a number"),
         (("--band", "9 Hz", "--band", "8 Hz"), "the list must ascend"),
-        (("--bases", "modl"), "basis: no modl: there are modal"),
+        (("--bases", "modl"), "no basis 'modl'; did you mean 'modal'?"),
         (("--modes", "12"), "modes: 12 is no power of two"),
         (("--speed", "0 m/s"), "must be > 0"),
     ],

@@ -17,6 +17,7 @@ import typer
 from rich.console import Console
 from typer.testing import CliRunner
 
+from vibeam.cli import progress
 from vibeam.cli.errors import mistakes
 from vibeam.cli.main import app
 from vibeam.cli.progress import Bar
@@ -91,6 +92,31 @@ def test_progress_keeps_count_elapsed_and_remaining_in_a_narrow_terminal(width: 
     assert re.search(r"12345/123456 .*· 0:00:00 · (remaining )?(-:--:--|\d:\d\d:\d\d)", last), last
     assert "…" not in last
     assert ("sweeping on up to" in last, "remaining" in last) == (width >= 120, width >= 60)
+
+
+class Rig:
+    """Stands in for the overview of a case."""
+
+    def __str__(self) -> str:
+        return "beam 180 mm long; mode 1 at 15 Hz"
+
+    def warnings(self) -> list[str]:
+        return ["look at the units"]
+
+
+@pytest.mark.parametrize(
+    ("terminal", "first"), [(True, ["beam 180 mm long;", "mode 1 at 15 Hz"]), (False, [str(Rig())])]
+)
+def test_the_overview_is_broken_in_a_terminal_alone(
+    terminal: bool, first: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown = io.StringIO()
+    console = Console(file=shown, force_terminal=terminal, width=20, color_system=None, soft_wrap=True)
+    monkeypatch.setattr(progress, "stderr", lambda: console)
+    progress.tell_overview(Rig())  # type: ignore[arg-type]
+    said = shown.getvalue().splitlines()
+    assert said[: len(first)] == first
+    assert "".join(said[len(first) :]).replace(" ", "") == "warning:lookattheunits"
 
 
 def test_lines_of_progress_are_printed() -> None:
