@@ -18,6 +18,7 @@ def main() -> None:
         usual = signal.getsignal(signal.SIGINT)  # ignored in a background job: it stays so
         outside = _leave if usual is signal.default_int_handler else usual
         signal.signal(signal.SIGINT, outside)
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # tiny matrices: more threads take hundreds of times as long
         from vibeam.cli.main import main as command
 
         signal.signal(signal.SIGINT, usual)

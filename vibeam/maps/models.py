@@ -38,8 +38,8 @@ class MappedModels:
 def models_of(case: Case, plan: MapPlan) -> MappedModels:
     """Models of a map.
 
-    KeyError for an unknown fidelity; of a fidelity map ValueError where fewer than two models remain; of a stability
-    map CaseError, at their lines, where no model has a closed form.
+    ValueError for an unknown fidelity, and of a fidelity map where fewer than two models remain; of a stability map
+    CaseError, at their lines, where no model has a closed form.
     """
     unknown = [name for name in plan.fidelities if name not in case.fidelities]
     if unknown:

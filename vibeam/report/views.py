@@ -112,12 +112,11 @@ def _orbit(orbit: Orbit) -> StudySheet:
 
 
 def _map(found: Any) -> StudySheet:
-    """Sheet of a map; the picture of a plain one without what is known in closed form, which may take long."""
-    from vibeam.report.maps.page import map_figure, sheet_of
+    """Sheet of a map; of a stored one without what is flown or known in closed form, which may take long."""
+    from vibeam.report.maps.page import map_figure, sheet_of, still
 
-    plain = type(found).__name__ == "MapResult"
-    drawn = replace(found, plan=replace(found.plan, boundaries=False)) if plain else found
-    return replace(sheet_of(found), draw=lambda: map_figure(drawn))
+    shown = still(found, exact=False) if type(found).__name__ == "MapResult" else found
+    return replace(sheet_of(shown), draw=lambda: map_figure(shown))
 
 
 def _grid(response: GridResponse) -> StudySheet:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from contextvars import copy_context
 from threading import Event, Thread, current_thread, main_thread
 from time import process_time
 from typing import TypeVar
@@ -21,7 +22,7 @@ def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], wor
 
     The first failure, or Ctrl-C, sets ``stop``, waits until the running tasks have left (by raising ``Stopped``, as
     solvers do within a fraction of a second), and is raised. One task at a time within a thread that another call has
-    begun runs in that thread, where the signal of that call reaches it.
+    begun runs in that thread, where the signal of that call reaches it. The end of a time (``ending_at``) holds in all.
     """
     from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 
@@ -34,7 +35,7 @@ def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], wor
             return task(item, stop)
 
     with ThreadPoolExecutor(workers or cores(), thread_name_prefix="vibeam") as pool:
-        futures = [pool.submit(stoppable, item) for item in items]
+        futures = [pool.submit(copy_context().run, stoppable, item) for item in items]
         try:
             wait(futures, return_when=FIRST_EXCEPTION)
         finally:

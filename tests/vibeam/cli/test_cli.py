@@ -10,6 +10,7 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -650,6 +651,19 @@ def test_ctrl_c_ends_the_process_where_imported_code_would_swallow_it(tmp_path: 
     script = f"import sys\nsys.path[:0] = {sys.path!r}\n{SWALLOWED}"
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+@pytest.mark.parametrize("given", [None, "3"])
+def test_linear_algebra_has_one_thread_unless_more_are_asked_for(
+    given: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", given or "")
+    if given is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    seen = list[str]()
+    monkeypatch.setattr("vibeam.cli.main.main", lambda: seen.append(os.environ["OPENBLAS_NUM_THREADS"]))
+    import_module("vibeam.__main__").main()
+    assert seen == [given or "1"]
 
 
 def test_the_package_imports_next_to_nothing_before_the_first_line_of_the_command(tmp_path: Path) -> None:

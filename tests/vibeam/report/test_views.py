@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from html.parser import HTMLParser
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -101,6 +102,18 @@ def test_a_notebook_shows_answer_table_and_figure(made: Callable[[str], Any], ki
 def test_a_stop_that_yields_has_no_coefficient() -> None:
     text = vibeam.load(CASE.parent / "rigs" / "tube.toml")._repr_html_()
     assert "nan" not in Words(text).texts
+
+
+def test_a_stored_map_of_models_is_shown_without_a_flight(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    axes = [{"key": "stop.gap", "values": ["0 mm", "0.1 mm"]}, {"key": "sweep.frequency", "values": ["14 Hz", "15 Hz"]}]
+    own = case(**{"map.m": {"axes": axes, "picture": "verdict", "fidelities": ["sdof", "two_modes"]}})
+    stored = vibeam.run_map(own, "m", tmp_path / "m.h5")
+    monkeypatch.setattr(
+        import_module("vibeam.studies.fidelity_map.between"), "batch", lambda *_, **__: pytest.fail("flown")
+    )
+    text = stored._repr_html_()
+    assert "two_modes is needed" in text
+    assert "<img" in text
 
 
 def test_every_view_is_of_a_function_that_is_there() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import chain, repeat
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -336,19 +337,35 @@ def test_a_drive_of_several_harmonics_is_refused_at_its_key() -> None:
     )
 
 
-def test_a_budget_leaves_places_out_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A clock that goes on by 1 s a reading: 13 by 13 places take 1 s, of which 40 by 20 need 4.7."""
-    case = parse(TEXT, set={"fidelity.other.set": {"stop.restitution": 0.8}, "sweep.settle": 2, "sweep.hold": 2})
-    asked: Any = {"fidelities": ["one", "other"], "points": 40, "frequencies": 20, "verify": 0, "low": 0, "high": 2e-4}
+def test_a_budget_holds_leaves_places_out_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A clock that goes on by so many seconds a place, at first and from the second map on; nothing is struck."""
+    case = parse(TEXT, set={"fidelity.other.set": {"stop.restitution": 0.8}})
+    asked: Any = {"fidelities": ["one", "other"], "points": 40, "frequencies": 20, "low": 1, "high": 2}
+    whole, now, each = study.run_map, [0.0], iter([])
 
-    def sizes(budget: float) -> tuple[int, ...]:
-        ticks = iter(range(9))
-        monkeypatch.setattr(study, "process_time", lambda: next(ticks))
-        found = vibeam.fidelity_map(case, **asked, budget=budget)
-        left = [note for note in sheet(found).notes if "in place of 40 x 20" in note]
-        assert len(left) == (found.label.shape != (40, 20))
-        return found.label.shape
+    def flown(case: Case, plan: Any, *given: Any, **more: Any) -> vibeam.MapResult:
+        now[0] += next(each) * len(plan.axes[0].values) * len(plan.axes[1].values)
+        return whole(case, plan, *given, **more)
 
-    assert sizes(1.5) == (13, 13)
-    assert sizes(1 + 800 / 169 / 4) == (20, 13)
-    assert sizes(100.0) == (40, 20)
+    monkeypatch.setattr(study, "run_map", flown)
+    monkeypatch.setattr(study, "process_time", lambda: now[0])
+    monkeypatch.setattr(study, "boundaries_of", lambda *_: ([], ""))
+
+    def made(budget: float, *seconds: float, verify: int = 0) -> tuple[tuple[int, ...], list[str]]:
+        nonlocal each
+        now[0], each = 0.0, chain(seconds, repeat(seconds[-1]))
+        found = vibeam.fidelity_map(case, **asked, verify=verify, budget=budget)
+        return found.label.shape, [note for note in sheet(found).notes if "budget" in note]
+
+    assert made(100.0, 0.01) == ((40, 20), [])
+    left = "places in place of 40 x 20, for the budget: a larger --budget refines the map."
+    assert made(1.5, 0.01) == ((9, 8), [f"9 x 8 {left}"])
+    unverified = "No place between those of the map was flown anew, for the budget: a larger --budget verifies it."
+    assert made(1.5, 0.01, 1.0, verify=2) == ((3, 3), [f"3 x 3 {left}", unverified])
+    with pytest.raises(ValueError, match="3 x 3 places of a fidelity map take longer than"):
+        made(0.05, 0.01)
+
+
+def test_a_kind_s_share_is_written_as_others_are() -> None:
+    finest = motions([[CHAOTIC, CHAOTIC, 1, 1]] * 2, [[1.0] * 4] * 2, [1] * 4)
+    assert judgement._kinds(finest, np.array([[True, True, True, False]])) == "chaos (67 %), period 1 (33 %)"

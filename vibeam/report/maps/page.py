@@ -24,6 +24,12 @@ CAPTIONS = {
 IN_PLANE = ("period", "values")  # pictures that ``plane`` draws; each other has a module of its name
 
 
+def still(result: MapResult, exact: bool) -> Any:
+    """A stored map as its picture takes it, nothing flown for it; ``exact``: with closed forms, which take seconds."""
+    plan = replace(result.plan, verify=0, boundaries=exact and result.plan.boundaries)
+    return study_of(replace(result, plan=plan))
+
+
 def study_of(result: MapResult) -> Any:
     """A finished map as its picture takes it: itself where motions are shown, else the study of them."""
     if result.plan.picture == "verdict":
@@ -49,10 +55,8 @@ def write_map(found: Any, *paths: Path, exact: bool = True) -> list[str]:
 
 def map_figure(found: Any, exact: bool = True) -> Figure:
     """The figure of a finished map, or of a study of one; ``exact``: with closed forms, which may take seconds."""
-    if isinstance(found, MapResult):
-        plan = replace(found.plan, verify=0, boundaries=exact and found.plan.boundaries)  # nothing is flown for it
-        found = study_of(replace(found, plan=plan))
-    return _figure(found, exact and found.plan.boundaries, [])
+    shown = still(found, exact) if isinstance(found, MapResult) else found
+    return _figure(shown, exact and shown.plan.boundaries, [])
 
 
 def _figure(found: Any, exact: bool, notes: list[str]) -> Figure:
@@ -77,11 +81,10 @@ def _caption(found: MapResult) -> str:
 
 
 def sheet_of(found: Any, notes: Sequence[str] = ()) -> StudySheet:
-    """Sheet of a finished map, or of a study of one; ``notes`` on its picture."""
-    shown = study_of(found) if isinstance(found, MapResult) else found
-    if isinstance(shown, MapResult):
-        return _module("swept").sheet(shown, notes)  # type: ignore[no-any-return]
-    return _module(shown.plan.picture).sheet(shown)  # type: ignore[no-any-return]
+    """Sheet of a map as ``study_of`` has it; ``notes`` on its picture."""
+    if isinstance(found, MapResult):
+        return _module("swept").sheet(found, notes)  # type: ignore[no-any-return]
+    return _module(found.plan.picture).sheet(found)  # type: ignore[no-any-return]
 
 
 def one_sheet(found: Sequence[tuple[str, StudySheet]]) -> StudySheet:

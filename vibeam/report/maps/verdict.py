@@ -66,7 +66,7 @@ def _notes(found: FidelityMap) -> Iterator[str]:
     if found.thinned is not None:
         (rows, columns), (few, fewer) = found.thinned
         kept = f"{few} x {fewer} places in place of {rows} x {columns}"
-        yield f"{kept}, for the budget (13 x 13 are left at least): a larger --budget refines the map."
+        yield f"{kept}, for the budget: a larger --budget refines the map."
     if found.doubtful:
         yield (
             f"On {percent(found.doubtful)} of the map the choice hangs on the scatter of motions that do not repeat: "
@@ -79,6 +79,8 @@ def _notes(found: FidelityMap) -> Iterator[str]:
             f"Flown anew at {count} places between those of the map: {decided} are decided, {checked.right} of them as "
             "the map says; more --points bring these numbers together."
         )
+    elif found.plan.verify:
+        yield "No place between those of the map was flown anew, for the budget: a larger --budget verifies it."
     yield from found.refused
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.maps.irregular import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT
+from vibeam.system.number_text import percent
 from vibeam_models.arrays import Array, Flags, ValueRecord
 
 if TYPE_CHECKING:
@@ -244,7 +245,7 @@ def _kinds(finest: Motions, places: NDArray[np.bool_]) -> str:
         return ""
     kinds, counts = np.unique(found, return_counts=True)
     order = np.argsort(-counts, kind="stable")[:2]
-    return ", ".join(f"{kind_name(int(kinds[i]))} ({counts[i] / found.size:.0%})" for i in order)
+    return ", ".join(f"{kind_name(int(kinds[i]))} ({percent(round(counts[i] / found.size, 2))})" for i in order)
 
 
 def _ranges(
@@ -266,9 +267,9 @@ def _use(finest: bool, share: float, other: float, rms: float, gain: float) -> s
     if share >= 0.5:
         parts.append("its own regions of the map")
     if other <= 1 - EVERYWHERE:
-        parts.append(f"which motion there is; sizes to {rms:.1%} (rms)")
+        parts.append(f"which motion there is; sizes to {percent(rms)} (rms)")
     elif other < 0.5 and np.isfinite(rms):
-        parts.append(f"sizes to {rms:.1%} (rms) where the motion is the same")
+        parts.append(f"sizes to {percent(rms)} (rms) where the motion is the same")
     if gain >= WORTH:
         parts.append(f"a control variate: {gain:.1f} times less variance")
     return "; ".join(parts) or "nothing here"

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from math import prod, sqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
@@ -14,6 +15,7 @@ import numpy as np
 
 from vibeam.case.grid_keys import MapPlan
 from vibeam.case.source import of_source
+from vibeam.flight.engine.threads import OutOfTime, ending_at
 from vibeam.maps.axes import points_of
 from vibeam.maps.boundaries import PlaneBoundary, boundaries_of
 from vibeam.maps.models import models_of
@@ -39,7 +41,8 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.maps.result import MapResult
 
-LEAST = 13  # values of each axis that a budget leaves at least
+FIRST, GROWTH = 3, 3  # places a side of the first map under a budget, and how many times as many the next has at most
+WORTH = 1.5  # times as many places as the map before it that make another one worth its time
 
 
 @dataclass(frozen=True)
@@ -133,7 +136,8 @@ def fidelity_map(
     contact) against the fidelity with most modes. ``fidelities``: which, also where they change the rig; None: all that
     do not. ``verify``: at how many places, drawn at random from the whole plane, all models are flown anew. ``out``,
     ``fresh``, ``progress``: as in ``run_map``; without ``out`` no file is kept. ``budget``: CPU seconds that the map
-    may take: its time is predicted from a map of 13 by 13 places, and places left out until it fits, down to these.
+    may take: maps of 3 by 3 places and more are computed, each foreseen by the one before it, and the last that ends in
+    time is the answer; it is not verified where no time is left.
 
     ValueError for arguments or a case that make no sense, fewer than two models included; CaseError for values of the
     key that the case may not have; StoreError for a file of another map.
@@ -167,22 +171,37 @@ def _kept(out: str | Path | None) -> Iterator[Path]:
 
 
 def _within(case: Case, plan: MapPlan, budget: float, progress: Progress | bool | None) -> FidelityMap:
-    """The map on as many places as the budget allows, its time predicted from the smallest."""
-    full = tuple(len(axis.values) for axis in plan.axes[-2:])
-    least = tuple(min(LEAST, count) for count in full)
-    begun = process_time()
-    with _kept(None) as path:
-        result = run_map(case, _thinned(plan, least), path)
-    spent = process_time() - begun
-    flights = LONGER * plan.verify  # of the verification, in places of the map
-    place = spent / (least[0] * least[1])
-    share = np.sqrt(max(budget - spent - place * flights, 0.0) / (place * full[0] * full[1]))
-    chosen = tuple(max(few, min(count, int(share * count))) for few, count in zip(least, full, strict=True))
-    if chosen != least:
-        with _kept(None) as path:
-            result = run_map(case, _thinned(plan, chosen), path, progress=progress)
-    found = fidelity_map_of(result)
-    return found if chosen == full else replace(found, thinned=((full[0], full[1]), (chosen[0], chosen[1])))
+    """The map on as many places as the budget allows: maps of more and more, each foreseen by the one before it."""
+    deadline, result = process_time() + budget, None
+    full = [len(axis.values) for axis in plan.axes]
+    size = [min(FIRST, count) for count in full]
+    while True:
+        begun = process_time()
+        try:
+            with ending_at(process_time, deadline), _kept(None) as path:
+                result = run_map(case, _thinned(plan, size), path, progress=progress)
+        except OutOfTime:
+            break
+        place = (process_time() - begun) / prod(size)
+        left = deadline - process_time() - place * LONGER * plan.verify
+        larger = _larger(size, full, max(left, 0.0) / place)
+        if size == full or prod(larger) < min(WORTH * prod(size), prod(full)):
+            break
+        size = larger
+    if result is None:
+        raise ValueError(f"{size[0]} x {size[1]} places of a fidelity map take longer than {budget:g} s: allow more")
+    found = compared_of(result)
+    made = found.label.shape
+    found = found if list(made) == full else replace(found, thinned=((full[0], full[1]), (made[0], made[1])))
+    with suppress(OutOfTime), ending_at(process_time, deadline):
+        return _checked(found)
+    return found
+
+
+def _larger(size: Sequence[int], full: Sequence[int], places: float) -> list[int]:
+    """Places a side of a map of about so many in all, at most ``GROWTH`` times as many a side as now."""
+    share = sqrt(places / prod(full))
+    return [max(now, min(count, GROWTH * now, int(share * count))) for now, count in zip(size, full, strict=True)]
 
 
 def _thinned(plan: MapPlan, counts: Sequence[int]) -> MapPlan:
@@ -196,6 +215,16 @@ def _thinned(plan: MapPlan, counts: Sequence[int]) -> MapPlan:
 
 def fidelity_map_of(result: MapResult) -> FidelityMap:
     """Fidelity map of a finished map with ``picture = "verdict"``, verified as its plan says."""
+    return _checked(compared_of(result))
+
+
+def _checked(found: FidelityMap) -> FidelityMap:
+    """The map with places between its own flown anew, as its plan says."""
+    return replace(found, verification=verified(found, found.plan.verify)) if found.plan.verify else found
+
+
+def compared_of(result: MapResult) -> FidelityMap:
+    """Fidelity map of a finished map, nothing flown."""
     case, plan = result.case, result.plan
     flown = [
         motions(name, case.system(name).size, dict(each.values), plan.quantity)
@@ -205,9 +234,8 @@ def fidelity_map_of(result: MapResult) -> FidelityMap:
     models, finest = compared.models, compared.finest
     drawn = flown if plan.boundaries else []
     bounds = run_parallel(lambda model, _: boundaries_of(case, model.name, plan.axes)[0], drawn)
-    found = FidelityMap(
+    return FidelityMap(
         result, models, cheapest(models, plan.accuracy), tuple(difference(model, finest) for model in models),
         tuple(relative(model, finest) for model in models), tuple(fidelity_row(model, compared) for model in models),
         tuple(boundary for each in bounds for boundary in each), models_of(case, plan).notes,
     )  # fmt: skip
-    return replace(found, verification=verified(found, plan.verify)) if plan.verify else found
