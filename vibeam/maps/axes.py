@@ -12,7 +12,6 @@ from vibeam.casefile.quantities import UnitError, to_si
 from vibeam.exchange.faults import CaseError
 from vibeam.periodic.modal_sums import sums
 from vibeam.system.number_text import with_unit
-from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -157,19 +156,13 @@ def _usual(case: Case, key: str, fidelity: str) -> tuple[float, float]:
         return float("nan"), float("nan")
     grid = case.sweep.frequency
     omega = np.asarray(2 * np.pi * np.linspace(grid.min(), grid.max(), 101))
-    free = _swing(case, fidelity, omega)
-    half = max(WIDE * free / _at_contact(case), 2 * abs(own))
+    swing = np.abs(sums(case.system(fidelity), omega, 1).unit) * case.amplitude_of(fidelity, omega)
+    half = max(WIDE * float(np.median(swing)) / _at_contact(case), 2 * abs(own))
     try:
         case.model(fidelity).at({GAP: -half}).checked()
     except CaseError:  # nothing would fit between two stops
         return 0.0, half
     return -half, half
-
-
-def _swing(case: Case, fidelity: str, omega: Array) -> float:
-    """Median amplitude of the contact without the stop at ``omega`` (points,), m."""
-    drive = case.amplitude_of(fidelity, omega)
-    return float(np.median(np.abs(sums(case.system(fidelity), omega, 1).unit) * drive))
 
 
 def _at_contact(case: Case) -> float:

@@ -153,7 +153,9 @@ def _orbits(grid: Grid, points: GridPoints) -> Values:
 
 def _back_on_stop(points: GridPoints, column: int, before: BatchResponse | None) -> BatchResponse | None:
     """States admissible to the stops of the next column: one beyond its stop, or that rested on it, is put onto it."""
-    if before is None or np.array_equal(points.gap[:, column], points.gap[:, column - 1]) or _yields(points):
+    if before is None or np.array_equal(points.gap[:, column], points.gap[:, column - 1]):
+        return before
+    if any(system.contact_law.yields for system in points.systems):  # a contact may lie beyond its stop
         return before
     return replace(before, state=onto_stops(points, np.s_[:, column], before.state, before.resting))
 
@@ -167,11 +169,6 @@ def onto_stops(points: GridPoints, part: Any, state: Array, resting: Flags | boo
     shift = np.where((beyond > 0) | resting, beyond, 0.0) / np.sum(contacts**2, axis=1)
     moved[:, :n] -= shift[:, None] * contacts
     return moved
-
-
-def _yields(points: GridPoints) -> bool:
-    """Test whether a stop yields, so that a contact may lie beyond it."""
-    return any(system.contact_law.yields for system in points.systems)
 
 
 def _apart(grid: Grid, points: GridPoints, first: int, threads: int | None) -> Values:
@@ -208,11 +205,11 @@ def _flown(
     def rows(values: Any) -> Any:
         return values[part][:, None] if wide else values[part]
 
-    system = points.systems[0] if len(points.systems) == 1 else rows(points.system)
     restitution = None if points.restitution is None else rows(points.restitution)
     return batch(
-        system, rows(points.omega), rows(points.amplitude), gap=rows(points.gap), restitution=restitution, state=state,
-        settle=grid.settle, hold=grid.hold, output=grid.output, strobes=grid.strobes, lanes=grid.lanes,
+        points.systems_of(rows(points.which)), rows(points.omega), rows(points.amplitude), gap=rows(points.gap),
+        restitution=restitution, state=state, settle=grid.settle, hold=grid.hold, output=grid.output,
+        strobes=grid.strobes, lanes=grid.lanes,
         lyapunov=max(grid.hold, LEAST) if "lyapunov" in grid.quantities else 0, threads=threads,
     )  # fmt: skip
 

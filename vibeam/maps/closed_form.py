@@ -129,15 +129,13 @@ def _known(points: GridPoints, at: int, periods: int) -> tuple[Orbit | None, Orb
 
 def _single(line: _Line, periods: int, motions: Sequence[Orbit | None]) -> ClosedForm:
     """Motions with one impact."""
-    strobes = [np.full(periods, np.nan) if each is None else _strobes_of(line, each) for each in motions]
-    return ClosedForm(
-        1, periods, line.values, np.array(strobes), np.array([each is not None and each.stable for each in motions])
-    )
-
-
-def _strobes_of(line: _Line, orbit: Orbit) -> Array:
-    train = Train(np.array([orbit.time]), np.array([orbit.impulse]))
-    return _strobes(orbit.system, orbit.drive, orbit.periods, train, line.output)
+    strobes = np.full((len(motions), periods), np.nan)
+    for at, orbit in enumerate(motions):
+        if orbit is not None:
+            train = Train(np.array([orbit.time]), np.array([orbit.impulse]))
+            strobes[at] = _strobes(orbit.system, orbit.drive, periods, train, line.output)
+    stable = np.array([each is not None and each.stable for each in motions])
+    return ClosedForm(1, periods, line.values, strobes, stable)
 
 
 def _strobes(system: ImpactSystem, drive: Drive, periods: int, train: Train, output: str) -> Array:

@@ -16,8 +16,6 @@ from vibeam.runs.comparison.differences import listed
 from vibeam.runs.systems import Systems
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
 
@@ -108,11 +106,7 @@ def _known(case: Case, plan: MapPlan) -> MappedModels:
         wrong = [(name, told.format(why)) for why, names in refused.items() for name in names]
         raise CaseError([case.fault("fidelity", name, message=message) for name, message in wrong])
     notes = [f"{listed(names)}: no map, for no closed form knows {why}" for why, names in refused.items()]
-    apart = _otherwise_driven(case, plan.axes[-2].key, list(found))
-    notes += [f"{listed(found[name])}: no map, for its drive is not said by {plan.axes[-2].key}" for name in apart]
+    key = plan.axes[-2].key
+    apart = [name for name in found if key in LEVELS and case.model(name).value(key) is None]
+    notes += [f"{listed(found[name])}: no map, for its drive is not said by {key}" for name in apart]
     return MappedModels({name: tuple(found[name]) for name in found if name not in apart}, tuple(notes))
-
-
-def _otherwise_driven(case: Case, key: str, names: Sequence[str]) -> list[str]:
-    """Models that do not have the key of a drive's level."""
-    return [name for name in names if key in LEVELS and case.model(name).value(key) is None]

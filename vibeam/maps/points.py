@@ -95,10 +95,9 @@ class GridPoints:
     restitution: Array | None
     index: Indices
 
-    @property
-    def system(self) -> ImpactSystem | NDArray[np.object_]:
-        """The one system, or that of each point."""
-        return self.systems[0] if len(self.systems) == 1 else _objects(self.systems)[self.which]
+    def systems_of(self, which: NDArray[np.int64]) -> ImpactSystem | NDArray[np.object_]:
+        """The one system, or ``which`` of them."""
+        return self.systems[0] if len(self.systems) == 1 else np.array(self.systems)[which]
 
     def system_at(self, place: int) -> ImpactSystem:
         """The system of one point, ``place``: its number in the flattened arrays."""
@@ -174,12 +173,6 @@ def _require_known(model: Model) -> None:
     found += [f'the solver "{fidelity.solver}"'] if fidelity.solver != "flight" else []
     if found:
         raise ValueError(f"fidelity {fidelity.name}: a map cannot take {' or '.join(found)}")
-
-
-def _objects(systems: Sequence[ImpactSystem]) -> NDArray[np.object_]:
-    found = np.empty(len(systems), dtype=object)
-    found[:] = systems
-    return found
 
 
 @dataclass(frozen=True)

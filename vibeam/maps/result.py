@@ -69,12 +69,8 @@ class MapRow:
     failed: float
 
 
-def rows_of(result: MapResult) -> list[MapRow]:
+def rows_of(result: MapResult) -> Iterator[MapRow]:
     """Rows of a map; of one that is read back every so many points, of these."""
-    return list(_rows(result))
-
-
-def _rows(result: MapResult) -> Iterator[MapRow]:
     plan = result.plan
     outer = plan.axes[0] if len(plan.axes) > 2 else None
     for fidelity, response in result.responses.items():
@@ -83,12 +79,7 @@ def _rows(result: MapResult) -> Iterator[MapRow]:
             period, ended = (response.values[name][number] for name in ("period", "ended"))
             resting = np.zeros(period.shape) if rest is None else rest[number]
             found = classes(period, resting, ended)
-            for at, part in [("", found)] if outer is None else zip(map(_text, outer.values), found, strict=True):
+            places = [""] if outer is None else [f"{outer.key} = {value:.6g}" for value in outer.values]
+            for at, part in zip(places, found if outer else [found], strict=True):
                 shares = [float(np.mean(part == each)) for each in Class if each is not Class.NOT_RUN]
-                yield MapRow(
-                    plan.name, fidelity, way, at and f"{outer.key if outer else ''} = {at}", part.size, *shares
-                )
-
-
-def _text(value: float) -> str:
-    return f"{value:.6g}"
+                yield MapRow(plan.name, fidelity, way, at, part.size, *shares)

@@ -199,14 +199,12 @@ def test_a_list_over_frequency_is_scaled_as_it_is() -> None:
     grid = {"drive": {"amplitude": ["0.04 mm", "0.05 mm"], "frequency": ["14 Hz", "17 Hz"]}}
     found = stability(vibeam.load(RIG, set=grid), "drive", points=3, frequencies=3, fidelities=["sdof"])
     assert (found.plan.axes[0].key, found.plan.axes[0].values, found.own) == ("drive.share", (0.2, 1.1, 2.0), 1.0)
-    whole, more = (
-        vibeam.load(RIG, set=grid),
-        vibeam.load(RIG, set={"drive": grid["drive"] | {"amplitude": ["0.08 mm", "0.1 mm"]}}),
-    )
+    doubled = {"drive": grid["drive"] | {"amplitude": ["0.08 mm", "0.1 mm"]}}
+    whole, more = (vibeam.load(RIG, set=each) for each in (grid, doubled))
     rows = {"drive.share": [0.5, 2.0], "sweep.frequency": [14.0, 15.5, 17.0]}
-    doubled = vibeam.evaluate(whole, "sdof", rows, quantities=("amplitude",))["amplitude"][1]
+    twice = vibeam.evaluate(whole, "sdof", rows, quantities=("amplitude",))["amplitude"][1]
     given = vibeam.evaluate(more, "sdof", {"sweep.frequency": rows["sweep.frequency"]}, quantities=("amplitude",))
-    np.testing.assert_allclose(doubled, given["amplitude"], rtol=1e-6)
+    np.testing.assert_allclose(twice, given["amplitude"], rtol=1e-6)
 
 
 def test_a_model_without_closed_forms_is_told_at_its_line(command: Command, tmp_path: Path) -> None:

@@ -184,7 +184,7 @@ def motions(kind: Any, value: Any, count: Any, error: float = 0.0) -> Motions:
     blank: Any = None
     return Motions(
         "one", 1, values, np.full(values.shape, error), kinds, np.full(values.shape, np.nan),
-        np.array(count)[None, :], blank, blank, 1e-3,
+        np.array(count)[None, :], blank, 1e-3,
     )  # fmt: skip
 
 
@@ -266,16 +266,8 @@ def test_the_command_prints_the_map_and_writes_its_files(tmp_path: Path, as_json
 
 
 def test_a_mistake_leaves_no_file(tmp_path: Path) -> None:
-    asked = [
-        "map",
-        str(CASES / "dtu_neutral.toml"),
-        "--picture",
-        "verdict",
-        "--over",
-        "gap,drive",
-        "--out",
-        f"{tmp_path}/",
-    ]
+    words = ["--picture", "verdict", "--over", "gap,drive", "--out", f"{tmp_path}/"]
+    asked = ["map", str(CASES / "dtu_neutral.toml"), *words]
     printed = CliRunner().invoke(app, asked)
     assert printed.exit_code == 2
     assert "--over" in printed.stderr

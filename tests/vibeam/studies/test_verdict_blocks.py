@@ -46,7 +46,7 @@ def assert_same(one: vibeam.FidelityMap, other: vibeam.FidelityMap) -> None:
     """Equal to the bit, times aside."""
     np.testing.assert_array_equal(one.label, other.label)
     for mine, theirs in zip(one.models, other.models, strict=True):
-        for name in ("value", "error", "kind", "exponent", "count", "state", "resting"):
+        for name in ("value", "error", "kind", "exponent", "count", "state"):
             np.testing.assert_array_equal(getattr(mine, name), getattr(theirs, name), err_msg=name)
     for mine_, theirs_ in zip(one.boundaries, other.boundaries, strict=True):
         np.testing.assert_array_equal(mine_.frequency, theirs_.frequency)

@@ -78,12 +78,7 @@ def _starts(axes: Axes, result: MapResult, found: Labelled, x: Any, names: dict[
     """Draw the basins over the plane of starts, or along one axis."""
     shades = [FAILED, *_colours(found, names)]
     which = found.which if found.which.ndim == 2 else found.which[None, :]
-    response = next(iter(result.responses.values()))
-    plan = result.plan
-    y = np.zeros(1)
-    if len(plan.axes) > 1:
-        upward = shown_axis(result.case, plan.axes[-2])
-        y = response.axes[upward.key] * upward.factor
+    y = _upward(result) if len(result.plan.axes) > 1 else np.zeros(1)
     axes.pcolormesh(
         edges(x), edges(y), which, cmap=ListedColormap(shades), vmin=-1.5, vmax=len(shades) - 1.5, rasterized=True
     )
@@ -91,6 +86,12 @@ def _starts(axes: Axes, result: MapResult, found: Labelled, x: Any, names: dict[
         axes.set_yticks([])
     failed = [Patch(facecolor=FAILED, label="starts beyond the stop, or failed")] if np.any(which < 0) else []
     return [*_legend(names, found), *failed]
+
+
+def _upward(result: MapResult) -> Any:
+    """Values of the axis upward as they are shown."""
+    upward = shown_axis(result.case, result.plan.axes[-2])
+    return next(iter(result.responses.values())).axes[upward.key] * upward.factor
 
 
 def _shares(axes: Axes, found: Labelled, x: Any, names: dict[str, str]) -> list[Any]:
@@ -107,9 +108,7 @@ def _shares(axes: Axes, found: Labelled, x: Any, names: dict[str, str]) -> list[
 
 def _numbers(axes: Axes, result: MapResult, found: Labelled, x: Any) -> list[Any]:
     """Draw how many motions are found over a plane."""
-    upward = shown_axis(result.case, result.plan.axes[-2])
-    y = next(iter(result.responses.values())).axes[upward.key] * upward.factor
-    number = counted(found)
+    y, number = _upward(result), counted(found)
     most = max(int(number.max()), 1)
     shades = ["#FFFFFF", *SHADES[:most]] if most <= MOST else None
     cmap = ListedColormap(shades) if shades else "viridis"

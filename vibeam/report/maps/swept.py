@@ -21,7 +21,7 @@ CLASSES = {
 
 def sheet(found: MapResult, notes: Sequence[str]) -> StudySheet:
     """Sheet of a map; ``notes`` on its picture."""
-    rows = rows_of(found)
+    rows = list(rows_of(found))
     motions = motions_of(found) if found.plan.picture == "basins" else []
     units = units_of(found.case, length=max((each.amplitude for each in motions), default=0.0))
     return StudySheet(

@@ -11,7 +11,6 @@ It is verified at places drawn at random, flown anew with more time to settle.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -197,12 +196,11 @@ def _flown(found: ComparedModels, model: Motions, hertz: Array, values: Array) -
     points, plan = _points(found, model, hertz, values), found.plan
     rows = np.abs(found.values[:, None] - values).argmin(axis=0)
     left = np.clip(np.searchsorted(found.frequency, hertz) - 1, 0, len(found.frequency) - 2)
-    systems: Any = points.systems[0] if len(points.systems) == 1 else points.system[0]  # type: ignore[index]
     responses = []
     for way, columns in enumerate((left, left + 1)):
         state = onto_stops(points, 0, model.state[way, rows, columns])
         responses.append(batch(
-            systems, points.omega[0], points.amplitude[0], gap=points.gap[0],
+            points.systems_of(points.which[0]), points.omega[0], points.amplitude[0], gap=points.gap[0],
             restitution=None if points.restitution is None else points.restitution[0], state=state,
             settle=LONGER * plan.settle, hold=plan.hold, output=plan.output,
         ))  # fmt: skip

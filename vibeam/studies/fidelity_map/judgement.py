@@ -50,7 +50,6 @@ class Motions:
     exponent: Array
     count: NDArray[np.int64]
     state: Array
-    resting: NDArray[np.bool_]
     cpu: float
 
 
@@ -59,7 +58,7 @@ def motions(name: str, modes: int, found: Values, quantity: str) -> Motions:
     value, error, kind = found[quantity], found["error"], found["kind"].astype(np.int64)
     return Motions(
         name, modes, value, error, kind, found["exponent"], _coexisting(value, error, kind),
-        found["state"], found["resting"] > 0, float(np.mean(found["cpu_seconds"])),
+        found["state"], float(np.mean(found["cpu_seconds"])),
     )  # fmt: skip
 
 
@@ -233,11 +232,6 @@ def control_variate_gain(rho: float, ratio: float) -> float:
     return max(1.0, 1 / (sqrt(max(1 - rho * rho, 0.0)) + sqrt(rho * rho / ratio)) ** 2)
 
 
-def kind_name(kind: int) -> str:
-    """A kind of motion in words."""
-    return KINDS.get(kind, f"period {kind}")
-
-
 def _kinds(finest: Motions, places: NDArray[np.bool_]) -> str:
     """The commonest kinds of the finest model at some places, with their shares."""
     found = finest.kind[:, places].ravel()
@@ -245,7 +239,8 @@ def _kinds(finest: Motions, places: NDArray[np.bool_]) -> str:
         return ""
     kinds, counts = np.unique(found, return_counts=True)
     order = np.argsort(-counts, kind="stable")[:2]
-    return ", ".join(f"{kind_name(int(kinds[i]))} ({percent(round(counts[i] / found.size, 2))})" for i in order)
+    names = [KINDS.get(kind, f"period {kind}") for kind in kinds.tolist()]
+    return ", ".join(f"{names[i]} ({percent(round(counts[i] / found.size, 2))})" for i in order)
 
 
 def _ranges(
