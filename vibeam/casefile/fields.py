@@ -287,7 +287,8 @@ class Each(Entry):
 
     def schema(self) -> JsonSchema:
         """As ``Entry.schema``."""
-        return {"type": "array", "items": self.of.schema(), "minItems": 1, "uniqueItems": True}
+        several = {"type": "array", "items": self.of.schema(), "minItems": 1, "uniqueItems": True}
+        return {"anyOf": [self.of.schema(), several]} if self.alone else several
 
 
 def _items(entry: Entry, values: list[Any], called: str, units: UnitSystem | None = SI) -> Iterator[Any]:

@@ -78,3 +78,9 @@ def test_it_explains_every_key() -> None:
     explained = set(explained_in(SCHEMA))
     assert {(row.key, row.meaning) for row in reference_table()} <= explained
     assert '"written"' not in json.dumps(SCHEMA)
+
+
+def test_one_of_a_list_fits_it_alone_where_a_case_may_have_it_so() -> None:
+    for table, key, value in (("figure", "format", "png"), ("verdict", "only", "modes")):
+        for given in (value, [value]):
+            VALIDATOR.validate(case() | {table: {key: given}})
