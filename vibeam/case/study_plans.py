@@ -174,8 +174,7 @@ class VerdictPlan:
     )
     only: tuple[str, ...] = declare.word(
         STAGES,
-        "this stage: modes (how many), effects (which matter), solvers (error against time), map (where it holds); "
-        "repeatable; absent = all",
+        "stages: modes, effects, solvers or map; repeatable, absent = all",
         ["modes"],
         STAGES,
         several=True,
