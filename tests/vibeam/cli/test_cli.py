@@ -402,7 +402,8 @@ def test_modes_writes_the_matrices_and_the_table_that_reads_them(command: Comman
     assert command("derive", "case.toml", expect=2).stderr.startswith("case.toml: nothing to derive: this case gives")
 
 
-def test_keys_fits_a_screen(command: Command) -> None:
+def test_keys_fits_a_screen(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
     lines = command("keys").stdout.splitlines()
     assert len(lines) <= 40
     assert max(map(len, lines)) <= 100
