@@ -347,6 +347,8 @@ def test_a_budget_holds_leaves_places_out_and_says_so(monkeypatch: pytest.Monkey
         nonlocal each
         now[0], each = 0.0, chain(seconds, repeat(seconds[-1]))
         found = vibeam.fidelity_map(case, **asked, verify=verify, budget=budget)
+        rows, columns = found.label.shape
+        assert (f"of the {rows} x {columns} places of the plane" in sheet(found).answer) is bool(found.thinned)
         return found.label.shape, [note for note in sheet(found).notes if "budget" in note]
 
     assert made(100.0, 0.01) == ((40, 20), [])

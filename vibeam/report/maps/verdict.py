@@ -49,9 +49,12 @@ def _answer(found: FidelityMap) -> str:
     """Shares of the map on which each model suffices, and what is held."""
     finest, upward = found.finest.name, shown_axis(found.case, found.plan.axes[-2])
     accuracy, what = f"{found.plan.accuracy * 100:.3g} %", quantity_of(found)
-    plane = f"of the plane of frequency and {upward.name}"
+    rows, columns = found.label.shape
+    few = f"{rows} x {columns} places of the " if found.thinned else ""
+    plane = f"of the {few}plane of frequency and {upward.name}"
     known = [(share, name) for name, share in found.shares.items() if name != finest and share > 0]
-    held = f"; {held_of(found.case.scene).label} is held."
+    choice = held_of(found.case.scene)
+    held = f"; {'the ' * (choice.coefficient is None)}{choice.label} is held."
     needed = found.shares[finest]
     if not known:
         return f"To {accuracy} of the {what} {finest} is needed everywhere {plane}{held}"
