@@ -85,6 +85,10 @@ def test_nothing_heavy_is_loaded_before_it_is_needed(code: str) -> None:
     assert loaded(code) == []
 
 
+def test_the_help_loads_no_numpy() -> None:
+    assert loaded(HELP.format(words="--help") + "\nassert 'numpy' not in sys.modules") == []
+
+
 def test_the_loading_check_can_fail() -> None:
     assert loaded("import h5py") == ["h5py"]
 

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from vibeam.case.plans import MOST_ELEMENTS
 from vibeam.case.reduced_structure import Flight, reduced_structure, with_snapshots
+from vibeam.case.study_plans import MOST_ELEMENTS
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.rows import TimeDerivative
 from vibeam_models import keys as declare

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from vibeam.case.plans import MOST_POINTS, SweepPlan
+from vibeam.case.plans import SweepPlan
+from vibeam.case.study_plans import MOST_POINTS
 from vibeam_models import keys as declare
 
 FREQUENCY = "sweep.frequency"

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.study_plans import MOST_POINTS
 from vibeam.exchange.curves.record import ReferenceForm
 from vibeam_models import keys as declare
 from vibeam_models.arrays import ValueRecord
@@ -19,11 +20,7 @@ if TYPE_CHECKING:
 
 Direction = Literal["up", "down", "both"]
 DIRECTIONS = ("up", "down", "both")
-EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
-OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
 FORMATS = ("png", "svg", "pdf")  # of figures
-MOST_ELEMENTS = 2000
-MOST_POINTS = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True)

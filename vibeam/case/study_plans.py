@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from vibeam.case.plans import MOST_ELEMENTS, MOST_POINTS, OF_INFLUENCE
 from vibeam_models import keys as declare
 from vibeam_models.registry import Home, Registry
+
+EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
+OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
+MOST_ELEMENTS = 2000
+MOST_POINTS = 1_000_000
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,8 @@ from vibeam.case.grid_keys import (
     planned,
     way_of,
 )
-from vibeam.case.plans import MOST_ELEMENTS, SweepPlan
+from vibeam.case.plans import SweepPlan
+from vibeam.case.study_plans import MOST_ELEMENTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.fields import Count, Entry, OneOrSeveral, Quantity

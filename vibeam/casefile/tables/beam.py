@@ -7,7 +7,7 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.case.plans import MOST_ELEMENTS
+from vibeam.case.study_plans import MOST_ELEMENTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Count, Quantity, Several, Word
 from vibeam.casefile.quantities import POSITIVE, Range

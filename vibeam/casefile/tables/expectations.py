@@ -8,7 +8,8 @@ from decimal import Decimal
 from types import SimpleNamespace
 from typing import Any
 
-from vibeam.case.plans import EXTENTS, Direction, Expectation, MeasuredNumber, ResultNumber
+from vibeam.case.plans import Direction, Expectation, MeasuredNumber, ResultNumber
+from vibeam.case.study_plans import EXTENTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Entry, Word
 from vibeam.casefile.kinds import KINDS

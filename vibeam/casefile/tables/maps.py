@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from vibeam.case.grid_keys import FREQUENCY, STARTS, MapPlan
-from vibeam.case.plans import MOST_POINTS
+from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile.fields import TEXT, Count, ValueEntry, names
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
 from vibeam.casefile.tables.table import Table, declared_key, key, plan_keys, table

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field
 
 from vibeam.case.fidelity import Fidelity
-from vibeam.case.plans import MOST_POINTS, SweepPlan
+from vibeam.case.plans import SweepPlan
+from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
 from vibeam.casefile.fields import Count, Several, Word, names
 from vibeam.casefile.kinds import KINDS

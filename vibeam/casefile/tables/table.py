@@ -14,7 +14,7 @@ from typing import Annotated, Any, TypeVar, cast
 from pydantic import BaseModel, ConfigDict, Field, create_model
 from pydantic.fields import FieldInfo
 
-from vibeam.case.plans import MOST_POINTS
+from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import FLAG, TEXT, Count, Each, Entry, Quantity, Several, Word
 from vibeam.casefile.quantities import NOT_NEGATIVE, POSITIVE, Range

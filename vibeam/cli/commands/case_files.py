@@ -15,7 +15,6 @@ from vibeam.cli.output import print_json, print_sheet
 from vibeam.cli.streams import MISSED, put, put_json
 from vibeam.cli.verbosity import verbosity
 from vibeam.exchange.faults import suggest
-from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
@@ -80,6 +79,7 @@ def _keys_sheet(name: str | None, rows: list[KeyRow], whole: bool) -> StudySheet
     from vibeam.casefile.documentation import lines_of, tables_of
     from vibeam.report import tables
     from vibeam.report.output import StudySheet
+    from vibeam_models.arguments import counted
 
     lines = lines_of(rows)
     if name is None:
@@ -158,6 +158,7 @@ def _examples_sheet() -> StudySheet:
     from vibeam.casefile.examples import meanings
     from vibeam.report.output import StudySheet
     from vibeam.report.tables import blank
+    from vibeam_models.arguments import counted
 
     found, table = meanings(), blank("Examples", "name", "what it is")
     for row in found.items():
