@@ -52,6 +52,22 @@ class MapResult(ValueRecord, LabelledData):
         return next(iter(self.responses.values())).of_case(self.case, self.plan.output).names
 
 
+class StudyOfMap:
+    """Study of a finished map, whose case and plan are those of its ``result``."""
+
+    result: MapResult
+
+    @property
+    def case(self) -> Case:
+        """Case of the map."""
+        return self.result.case
+
+    @property
+    def plan(self) -> MapPlan:
+        """Axes of the map, and what its picture asks for."""
+        return self.result.plan
+
+
 @dataclass(frozen=True)
 class MapRow:
     """One fidelity swept one way, at one value of the outer axis of three: shares of the points by their motion."""

@@ -16,6 +16,7 @@ from vibeam.maps.axes import own_value, points_of
 from vibeam.maps.boundaries import KINDS, PlaneBoundary, along_row, boundaries_of, gaps_at_contact, level_of
 from vibeam.maps.models import models_of
 from vibeam.maps.plan import plan_over
+from vibeam.maps.result import StudyOfMap
 from vibeam.maps.run import run_map
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary
@@ -101,23 +102,13 @@ class ModelMap:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Stability(ValueRecord, ViewedTable):
+class Stability(StudyOfMap, ValueRecord, ViewedTable):
     """Stability maps of a case's models, and the boundaries along the case's own line."""
 
     result: MapResult
     maps: tuple[ModelMap, ...]
     crossings: tuple[Crossing, ...]
     refused: tuple[str, ...] = ()
-
-    @property
-    def case(self) -> Case:
-        """Whose."""
-        return self.result.case
-
-    @property
-    def plan(self) -> MapPlan:
-        """Axes, and drive periods from impact to impact."""
-        return self.result.plan
 
     @property
     def notes(self) -> list[str]:

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.maps.irregular import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT
+from vibeam.maps.result import StudyOfMap
 from vibeam.system.number_text import percent
 from vibeam_models.arrays import Array, Flags, ValueRecord
 
 if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.case.grid_keys import MapPlan
     from vibeam.maps.result import MapResult
     from vibeam.store.blocks import Values
 
@@ -72,21 +71,11 @@ def _coexisting(value: Array, error: Array, kind: Codes) -> NDArray[np.int64]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ComparedModels(ValueRecord):
+class ComparedModels(StudyOfMap, ValueRecord):
     """Map whose ``models``, cheapest first and the finest last, are compared over frequency and a key of the case."""
 
     result: MapResult
     models: tuple[Motions, ...]
-
-    @property
-    def case(self) -> Case:
-        """Whose."""
-        return self.result.case
-
-    @property
-    def plan(self) -> MapPlan:
-        """Accuracy, quantity and axes."""
-        return self.result.plan
 
     @property
     def finest(self) -> Motions:
