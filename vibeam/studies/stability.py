@@ -16,7 +16,7 @@ from vibeam.maps.axes import own_value, points_of
 from vibeam.maps.boundaries import KINDS, PlaneBoundary, along_row, boundaries_of, gaps_at_contact, level_of
 from vibeam.maps.models import models_of
 from vibeam.maps.plan import plan_over
-from vibeam.maps.result import StudyOfMap
+from vibeam.maps.result import MapResult, StudyOfMap
 from vibeam.maps.run import run_map
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from vibeam.case.case import Case
-    from vibeam.maps.result import MapResult
 
 BRANCHES = ("harder", "softer")
 ALONG = 501  # places along the case's own line at which boundaries are looked for

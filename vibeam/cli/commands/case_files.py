@@ -158,12 +158,11 @@ def _examples_sheet() -> StudySheet:
     from vibeam.casefile.examples import meanings
     from vibeam.report.output import StudySheet
     from vibeam.report.tables import blank
-    from vibeam_models.arguments import counted
 
     found, table = meanings(), blank("Examples", "name", "what it is")
     for row in found.items():
         table.add_row(*row)
-    said = f"{counted(len(found), 'example')} to start from: vibeam new --from NAME"
+    said = f"{len(found)} examples to start from: vibeam new --from NAME"
     return StudySheet(said, [table], data={"examples": found})
 
 

@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.maps.irregular import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT
-from vibeam.maps.result import StudyOfMap
+from vibeam.maps.result import MapResult, StudyOfMap
 from vibeam.system.number_text import percent
 from vibeam_models.arrays import Array, Flags, ValueRecord
 
 if TYPE_CHECKING:
-    from vibeam.maps.result import MapResult
     from vibeam.store.blocks import Values
 
 Codes = NDArray[np.int64]
