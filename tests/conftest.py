@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import pytest
 import typer.testing
@@ -26,3 +28,11 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     from vibeam.figures import page
 
     monkeypatch.setattr(page, "composed", Undrawn)
+
+
+@pytest.fixture(scope="session")
+def node() -> Callable[..., Any]:
+    """What a script for node returns: ``node("return 1 + given.x;", {"x": 1})``, see ``support/javascript.py``."""
+    from javascript import evaluated
+
+    return evaluated

@@ -1,0 +1,45 @@
+"""Modules of the page in node: numbers come and go to the bit; texts of numbers."""
+
+import math
+from base64 import b64encode
+
+import numpy as np
+import pytest
+from javascript import ScriptError
+
+PI = math.pi
+
+
+def test_numbers_come_and_go_to_the_bit(node):
+    given = {"x": [PI, 5e-324, 1.7976931348623157e308, -0.0, 2**53], "array": np.array([[1 / 3, 0.1]])}
+    there, back = node("return [given.x, Float64Array.from(given.array[0])];", given)
+    assert [each.hex() for each in map(float, there)] == [each.hex() for each in map(float, given["x"])]
+    assert back == [1 / 3, 0.1]
+    odd = node("return [NaN, -Infinity, -0, 2n ** 70n, undefined, { number: 2 }];")
+    assert math.isnan(odd[0])
+    assert math.copysign(1, odd[2]) == -1
+    assert odd[1:] == [-math.inf, -0.0, 2**70, None, {"number": 2}]
+
+
+def test_an_error_is_its_message_and_the_console_is_a_fault(node):
+    with pytest.raises(ScriptError, match=r"^no such frequency$"):
+        node("throw new Error('no such frequency');")
+    with pytest.raises(ScriptError, match="SyntaxError"):
+        node("return (;")
+    with pytest.raises(ScriptError, match="heard"):
+        node("console.log('heard'); return 1;")
+
+
+def test_texts_of_numbers(node):
+    script = """
+        const { short, metres, percent, withUnit } = await load("page/numbers.js");
+        return [short(given.pi), short(NaN), metres(2e-6), metres(-0.3), percent(0.1234), withUnit("Gap", "mm")];
+    """
+    assert node(script, {"pi": PI}) == ["3.142", "–", "2 µm", "-0.3 m", "12.3 %", "Gap (mm)"]
+
+
+def test_packed_numbers(node):
+    whole = np.array([0, 1, 65535], dtype="<u2")
+    packed = {"data": b64encode(whole.tobytes()).decode(), "low": -1.0, "step": 0.5}
+    script = 'return (await load("page/numbers.js")).unpacked(given);'
+    assert node(script, packed) == (-1.0 + 0.5 * whole).tolist()
