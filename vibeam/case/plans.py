@@ -183,8 +183,8 @@ class ShowPlan:
     """Plan of one [show.NAME] table: frequencies in Hz (none: the sweep's), ``periods`` after ``settle`` drive periods.
 
     ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``; ``output``: whose
-    motion; ``near`` (Hz): of ``ringing``. ``own``: values of the keys that kinds of figure declare; ``format``: endings
-    of the files of one that moves. ``key``: of all that decides the numbers.
+    motion; ``near`` (Hz): of ``ringing``. ``own``: values of the keys that kinds of figure declare. ``key``: of all
+    that decides the numbers.
     """
 
     name: str
@@ -206,4 +206,3 @@ class ShowPlan:
         "Hz", "of ringing: where it is looked for; modes below two thirds of it are taken off", "101 Hz", None, above=0
     )
     own: Mapping[str, Any] = field(default_factory=dict, hash=False)
-    format: tuple[str, ...] = ()

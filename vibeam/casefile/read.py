@@ -206,6 +206,5 @@ def _shows(case: AnyCase, sweep: SweepPlan, shared: Any, seen: Mapping[str, Any]
             output=table.output or sweep.output,
             settle=sweep.settle if table.settle is None else table.settle,
             own=own,
-            format=own.get("format") or kind.formats,
         )
     return found

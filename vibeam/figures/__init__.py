@@ -154,7 +154,7 @@ FIGURES = Registry(
         keys={
             "rate": Key("of chirp: by how much the drive frequency changes a second", "0.1 Hz/s", "Hz/s", above=0),
             "direction": Key(
-                "of chirp: which way, absent = both, up and then down; of animation: on which branch of the sweep, "
+                "of chirp: which way, absent = both, up and then down; of vtu: on which branch of the sweep, "
                 "absent = that reached from rest",
                 "up",
                 words=("up", "down", "both"),
@@ -162,27 +162,20 @@ FIGURES = Registry(
         },
     ),
     _own(
-        "animation",
-        "the beam and the stop in motion beside the frequency response: GIF, MP4, or VTU files for ParaView",
+        "vtu",
+        "the whole beam and its stops in motion: a series of VTU files for ParaView, in place of a picture",
         FREQUENCY,
         ("direction", "periods", "settle"),
         derivatives=True,
-        formats=("gif",),
+        ending="pvd",
         of_beam=True,
         keys={
             "frames": Key(
-                "of animation: pictures a drive period; absent = 36, fewer of a long period",
+                "of vtu: steps a drive period; absent = 36, fewer of a long period",
                 36,
                 least=4,
                 most=1000,
                 whole=True,
-            ),
-            "format": Key(
-                "of animation: gif, mp4 (needs ffmpeg), pvd (VTU files for ParaView), or several; absent = gif",
-                ["gif", "pvd"],
-                words=("gif", "mp4", "pvd"),
-                several=True,
-                alone=True,
             ),
         },
     ),

@@ -25,9 +25,9 @@ class FigureKind:
     True where the motion must be exact between events. ``derivatives``: it shows outputs that are velocities or
     accelerations too. ``transient``: True where no settled motion will do. ``swept``: True where it is drawn of each
     fidelity's own sweep; with an accuracy those beyond the one chosen have none.
-    ``one_harmonic``: True where it knows a drive of one harmonic alone. ``formats``: of one that moves, in place of the
-    case's: ``draw`` then returns its ``Moving``, and other formats than pictures are by ``write(path, plan, sheets,
-    mark)``. ``of_beam``: True where it draws the beam itself. ``refuses``: True where it cannot show all systems:
+    ``one_harmonic``: True where it knows a drive of one harmonic alone. ``ending``: of the file that it has in place of
+    a picture; its module then has ``write(path, sheets, mark)`` in place of ``draw``. ``of_beam``: True where it shows
+    the beam itself. ``refuses``: True where it cannot show all systems:
     ``refusal(case, fidelity, system)`` of its module then says why, or is empty.
 
     >>> import vibeam
@@ -47,7 +47,7 @@ class FigureKind:
     swept: bool = False
     derivatives: bool = False
     one_harmonic: bool = False
-    formats: tuple[str, ...] = ()
+    ending: str = ""
     of_beam: bool = False
     refuses: bool = False
     keys: Mapping[str, Key] = field(default_factory=dict)

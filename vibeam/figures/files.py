@@ -6,11 +6,12 @@ Nothing here needs matplotlib, which is imported only where something is drawn.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from vibeam.figures import FIGURES
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -27,8 +28,8 @@ def paths_of(stem: Path, plan: FigurePlan) -> list[Path]:
 
 def shown_paths(path: Path, case: Case, name: str) -> list[Path]:
     """Files of the figure [show.``name``] beside the results file ``path``."""
-    stem, own = path.with_name(f"{path.stem}_{name}.x"), case.shows[name].format
-    return paths_of(stem, replace(case.figure, format=own) if own else case.figure)
+    stem, own = path.with_name(f"{path.stem}_{name}.x"), FIGURES[case.shows[name].kind].ending
+    return [stem.with_suffix(f".{own}")] if own else paths_of(stem, case.figure)
 
 
 def figure_files(path: Path, case: Case) -> list[Path]:

@@ -39,33 +39,16 @@ def write_shown(result: Comparison, path: Path, mark: str | None = None) -> list
     written = []
     for plan in result.case.shows.values():
         files = shown_paths(path, result.case, plan.name)
-        if plan.format:
-            _write_moving(result, plan, files, mark)
+        if FIGURES[plan.kind].ending:
+            module_of(plan).write(files[0], result.shown.get(plan.name, ()), mark or "")
         else:
             write_page(partial(figure, result, plan), files, mark=mark)
         written += files
     return written
 
 
-def _write_moving(result: Comparison, plan: ShowPlan, files: list[Path], mark: str | None) -> None:
-    """Write a figure that moves, as pictures and as its kind's own files."""
-    from vibeam.figures.moving import PICTURES, write_moving
-
-    drawn = [file for file in files if file.suffix in PICTURES]
-    if drawn:
-        write_moving(partial(_composed, result, plan), drawn, mark)
-    for file in files:
-        if file not in drawn:
-            module_of(plan).write(file, plan, result.shown.get(plan.name, ()), mark)
-
-
 def figure(result: Comparison, plan: ShowPlan) -> Figure:
-    """Figure of one table, of one that moves its first frame."""
-    return _composed(result, plan)[0]
-
-
-def _composed(result: Comparison, plan: ShowPlan) -> tuple[Figure, Any]:
-    """Figure of one table, and what the kind's ``draw`` returns."""
+    """Figure of one table."""
     from matplotlib.lines import Line2D
 
     from vibeam.figures.page import blank_page, legend, titled
@@ -76,15 +59,16 @@ def _composed(result: Comparison, plan: ShowPlan) -> tuple[Figure, Any]:
     spared = [name for name in plan.fidelities if of_sweep and name not in set(result)]
     plan = replace(plan, fidelities=tuple(name for name in plan.fidelities if name not in spared))
     shown = tuple(sheet for sheet in result.shown.get(plan.name, ()) if sheet.fidelity not in spared)
-    moving = module_of(plan).draw(made, result, plan, shown) if plan.fidelities else None
-    if not plan.fidelities:
+    if plan.fidelities:
+        module_of(plan).draw(made, result, plan, shown)
+    else:
         say(made.subplots(), SPARED)
     held = result.held.partition("\n")[0]
     titled(made, result.case.figure, result.case.title, ", ".join(filter(None, [_caption(result.case, plan), held])))
     handles = _handles(made) | name_faults(result.case, plan, shown)
     handles |= {f"{name_of(result.case, name)}: {SPARED}": Line2D([], [], linestyle="") for name in spared}
     legend(made, handles)
-    return made, moving
+    return made
 
 
 def _caption(case: Case, plan: ShowPlan) -> str:

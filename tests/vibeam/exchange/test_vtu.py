@@ -46,9 +46,8 @@ hold = 4
 reduction = "modal"
 modes = 1
 [show.it]
-kind = "animation"
+kind = "vtu"
 frequency = 16.0
-format = "pvd"
 """
 
 TYPES: Any = {"UInt32": np.uint32, "Float64": np.float64, "Int64": np.int64, "Int32": np.int32, "UInt8": np.uint8}

@@ -51,7 +51,7 @@ def test_a_whole_installation_has_no_fault() -> None:
     code, found, stderr = doctor()
     assert (code, [name for name, each in found.items() if each["state"] == "fault"], stderr) == (0, [], "")
     assert found["Python"]["value"].startswith(".".join(map(str, sys.version_info[:3])))
-    assert {"numpy", "scipy", "pillow", "numba", "kernels", "cores", "temporary files"} <= set(found)
+    assert {"numpy", "scipy", "numba", "kernels", "cores", "temporary files"} <= set(found)
     assert {found[name]["state"] for name in CHECKS} == {"ok"}
 
 

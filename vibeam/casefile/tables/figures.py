@@ -63,14 +63,14 @@ def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Co
 
 
 def _of_beam(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace) -> Iterator[Complaint]:
-    """A kind that draws the beam at one frequency, on one branch."""
+    """A kind that shows the beam at one frequency, on one branch."""
     if case.kind != "beam":
-        yield (*path, "kind"), f'"{show.kind}" draws a beam, and this case has none: leave the table away'
+        yield (*path, "kind"), f'"{show.kind}" shows a beam, and this case has none: leave the table away'
     if show.frequency is not None and len(show.frequency) > 1:
-        said = f"{len(show.frequency)} frequencies, and an {show.kind} shows one: write a table for each"
+        said = f'{len(show.frequency)} frequencies, and "{show.kind}" shows one: write a table for each'
         yield (*path, "frequency"), said
     if show.direction == "both":
-        yield (*path, "direction"), f'an {show.kind} shows one motion: write "up" or "down", or leave it away'
+        yield (*path, "direction"), f'"{show.kind}" shows one motion: write "up" or "down", or leave it away'
 
 
 def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:

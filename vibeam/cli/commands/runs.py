@@ -26,7 +26,7 @@ from vibeam.cli.arguments import (
     results_path,
     run_case,
 )
-from vibeam.cli.errors import UsageError, fault_of, of_case
+from vibeam.cli.errors import UsageError, fault_of
 from vibeam.cli.output import as_object, print_json, print_sheet, put_lines
 from vibeam.cli.streams import WRONG, say
 from vibeam.cli.verbosity import verbosity
@@ -75,15 +75,11 @@ def run(
 
 
 def _runnable(path: Path, settings: list[str] | None, fidelities: Sequence[str] | None) -> Case:
-    """The case, with what its run needs beside: its references, programs for its figures."""
+    """The case, whose references can be read."""
     from vibeam.studies.regression.references import require_readable
 
     case = of_fidelities(load(path, settings), fidelities)
     require_readable(case)
-    if any(plan.format for plan in case.shows.values()):
-        from vibeam.figures.moving import require_programs
-
-        of_case(case.path, lambda: require_programs(case))
     return case
 
 

@@ -8,6 +8,7 @@ from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING
 
+from vibeam.figures import FIGURES
 from vibeam.report.checks import check_report
 from vibeam.report.output import StudySheet
 from vibeam.report.page.charts import as_json, chart_data
@@ -90,7 +91,8 @@ def _pictures(result: Result, room: int) -> tuple[list[Picture], list[str]]:
     from vibeam.report.figures import figure
 
     shown, absent = [], []
-    plans = [(name, plan) for name, plan in result.case.shows.items() if name in result.shown]
+    shows = result.case.shows.items()
+    plans = [(name, plan) for name, plan in shows if name in result.shown and not FIGURES[plan.kind].ending]
     made = (picture(name, f"Figure {name}: {plan.kind}", partial(figure, result, plan)) for name, plan in plans)
     for each in chain(made, (_map(result, name) or name for name in result.case.maps)):
         if isinstance(each, str):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import platform
 import re
-import shutil
 import sys
 import tempfile
 from collections.abc import Iterable, Iterator
@@ -94,15 +93,12 @@ def _linear_algebra() -> str:
 
 
 def places() -> Iterator[Finding]:
-    """Findings about folders that must be writable, and about ffmpeg."""
+    """Findings about folders that must be writable."""
     yield _folder("temporary files", tempfile.gettempdir, Severity.FAULT, "set TMPDIR to a folder that is")
     yield _folder("matplotlib's cache", _of_matplotlib, Severity.NOTE, "set MPLCONFIGDIR to one: starts are quicker")
     yield _folder(
         "numba's cache", _of_numba, Severity.NOTE, "set NUMBA_CACHE_DIR to one, or kernels are compiled at each start"
     )
-    found = shutil.which("ffmpeg")
-    cure = "" if found else "if you need that: install it (apt install ffmpeg)"
-    yield Finding(PLACES, "ffmpeg", Severity.GOOD if found else Severity.ABSENT, found or "not found (mp4 files)", cure)
 
 
 def _of_matplotlib() -> str:
@@ -131,7 +127,7 @@ TOPIC = "packages"
 LEAST_PYTHON = (3, 11)
 
 #: names of modules that are not those of their packages
-MODULES = {"scikit-fem": "skfem", "tomli-w": "tomli_w", "pillow": "PIL"}
+MODULES = {"scikit-fem": "skfem", "tomli-w": "tomli_w"}
 
 #: extras that a user has a use for, and that
 EXTRAS = {"jit": "compiles kernels where there is no library of them", "lab": "reads universal files"}

@@ -1,4 +1,4 @@
-"""Loop of a settled motion of the whole beam: equally spaced frames that begin again where they end; its VTU series.
+"""Figure kind ``vtu``: one loop of a settled motion of the whole beam and its stops, as VTU files for ParaView.
 
 Frame k of m a drive period T is at t = kT/m from the drive's phase 0; a motion of period n has nm frames, and the one
 after the last is the first. All is seen from the base, as the beam's coordinates are.
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from vibeam.case.beam_field import Fields, field_system, fields, stop_places
 from vibeam.case.plans import ShowPlan
-from vibeam.exchange.vtu import Step, VtuPiece, centre_line
+from vibeam.exchange.vtu import Step, VtuPiece, centre_line, write_series
 from vibeam.figures.settled_motion import Settled, exact_motion, settled
 from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet
 from vibeam.flight.trajectory import Trajectory
@@ -30,10 +31,9 @@ if TYPE_CHECKING:
 
 LONGEST = 8  # longest period, in drive periods, that a loop follows
 ENDLESS = 4  # drive periods shown of a motion that does not repeat
-REPEATS = 1e-3  # share of the motion by which it may miss its begin at the loop's end: less than a dot of a picture
+REPEATS = 1e-3  # share of the motion by which it may miss its begin at the loop's end
 FRAMES, MOST = 36, 144  # frames a drive period, and most in all, where the table does not say
 MET = "where the opposite beam is met, and its arm"
-FINE = 400  # samples a drive period of the contact's history
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +56,7 @@ class Recorded:
         return found.reshape(len(t), *self.samples.shape[1:])
 
 
-def loop_columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     """Columns of one loop; NoMotion or ValueError, with the reason, where there is none or no beam."""
     system, pointed = _field_system(case, name)
     begin = settled(case, name, frequency, plan, system=system, before=branch(case, name, frequency, plan))
@@ -66,7 +66,7 @@ def loop_columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Col
     seamless = bool(repeats) and periods % repeats == 0
     return {
         **_frames(motion, fields(pointed, begin.system), periods, plan.own["frames"] or _frames_for(periods)),
-        **_contact(motion, case, periods),
+        **_impacts(motion, periods),
         **_stops(pointed, begin.system),
         "periods": Column(np.array([float(periods)]), "1", "drive periods of the loop"),
         "seamless": Column(np.array([float(seamless)]), "1", "1: the motion repeats after the loop, 0: it does not"),
@@ -140,29 +140,14 @@ def _called(beam: str) -> str:
     return "beam" if beam == "beam" else "opposite beam"
 
 
-def _contact(motion: Recorded, case: Case, periods: int) -> Columns:
-    """The contact's displacement over the loop, its impacts, and the amplitude of the sweep's output."""
-    span, system = periods * motion.begin.period, motion.begin.system
-    inside = motion.hits[:, 0] < span
-    fine = np.union1d(np.linspace(0.0, span, FINE * periods + 1), motion.hits[inside, 0])
-    values = motion.at(fine)[:, 0]
+def _impacts(motion: Recorded, periods: int) -> Columns:
+    """Impacts within the loop."""
+    inside = motion.hits[:, 0] < periods * motion.begin.period
     return {
-        "history_time": Column(fine, "s", "times of the contact's displacement"),
-        "contact": Column(values @ system.contact, "m", "displacement at the contact toward the stop"),
         "impact_time": Column(motion.hits[inside, 0], "s", "impacts"),
         "impact_velocity": Column(motion.hits[inside, 1], "m s-1", "just before"),
         "impact_contact": Column(motion.struck[inside].astype(float), "1", "which stop is struck, from 0 on"),
-        "amplitude": Column(_amplitude(motion.begin, case, periods), "q", "½(max − min) of the sweep's output"),
     }
-
-
-def _amplitude(begin: Settled, case: Case, periods: int) -> Array:
-    """½(max − min) (1,) of the sweep's output over the loop, as the solver reads it: between all samples."""
-    drive = begin.drive
-    response, _ = begin.solver.steady(
-        np.array([drive.omega]), drive.amplitude, begin.state, 0, periods, case.sweep.output
-    )
-    return np.array(response.amplitude)
 
 
 def _stops(scene: Scene, system: ImpactSystem) -> Columns:
@@ -175,6 +160,11 @@ def _stops(scene: Scene, system: ImpactSystem) -> Columns:
         "stop_side": Column(side, "1", "1: above the beam, −1: below"),
         **({"met_position": Column(np.array(met[0]), "m", MET)} if met else {}),
     }  # fmt: skip
+
+
+def write(path: Path, shown: Sequence[Sheet], mark: str) -> None:
+    """Write the loops as a VTU series with ``mark`` in it: ``path`` is its PVD file."""
+    write_series(steps_of(shown), path, mark)
 
 
 def steps_of(sheets: Sequence[Sheet]) -> list[Step]:
@@ -194,7 +184,7 @@ def steps_of(sheets: Sequence[Sheet]) -> list[Step]:
     return list(found.items())
 
 
-def opposite_places(sheet: Sheet) -> Array:
+def _opposite_places(sheet: Sheet) -> Array:
     """Places of the opposite beam's points along the beam, m: where they are met stands at the stop."""
     where, arm = sheet["met_position"]
     return np.asarray(sheet["opposite_position"] - where - arm + sheet["stop_position"][0])
@@ -205,7 +195,7 @@ def _pieces(sheet: Sheet, frame: int, named: bool) -> Mapping[str, VtuPiece]:
     made = {f"{prefix}beam": _beam(sheet, "beam", frame, sheet["beam_position"], 0.0)}
     if "met" in sheet.columns:
         lift = float(sheet["stop_height"][0])
-        made[f"{prefix}opposite"] = _beam(sheet, "opposite", frame, opposite_places(sheet), lift)
+        made[f"{prefix}opposite"] = _beam(sheet, "opposite", frame, _opposite_places(sheet), lift)
     return made | {f"{prefix}{name}": piece for name, piece in _stop_pieces(sheet, frame).items()}
 
 
