@@ -10,9 +10,15 @@ export const axis = (label) => ({ label, values: (plot, splits) => splits.map((v
 // The plot's frame for a pen: pixels of values, ``ratio`` of them to one of the page.
 function frameOf(plot, ratio) {
   const scale = ratio / devicePixelRatio, { left, top, width, height } = plot.bbox;
-  const at = (name) => (value) => plot.valToPos(value, name, true) * scale;
+  const at = (name) => {  // scales are linear: two calls a frame, not one a point
+    const { min, max } = plot.scales[name], low = plot.valToPos(min, name, true) * scale, high = plot.valToPos(max, name, true) * scale;
+    return (value) => low + ((high - low) / (max - min)) * (value - min);
+  };
   return { ratio, left: left * scale, top: top * scale, width: width * scale, height: height * scale, x: at("x"), y: at("y"), scales: plot.scales };
 }
+
+// The frame for values in other units: factors to those of the axes.
+export const framed = (at, across, up) => ({ ...at, x: (value) => at.x(value * across), y: (value) => at.y(value * up) });
 
 function inside(pen, at, draw) {
   pen.save();
@@ -47,11 +53,11 @@ export function lines(pen, at, xs, ys, look) {
   pen.setLineDash((look.dash || []).map((each) => each * at.ratio));
   pen.beginPath();
   let joined = false;
-  xs.forEach((x, index) => {
+  for (let index = 0; index < xs.length; index += 1) {
     if (ys[index] === null) joined = false;
-    else if (joined) pen.lineTo(at.x(x), at.y(ys[index]));
-    else { pen.moveTo(at.x(x), at.y(ys[index])); joined = true; }
-  });
+    else if (joined) pen.lineTo(at.x(xs[index]), at.y(ys[index]));
+    else { pen.moveTo(at.x(xs[index]), at.y(ys[index])); joined = true; }
+  }
   pen.stroke();
 }
 

@@ -16,7 +16,7 @@ export function unpacked(packed) {
 
 export function increasing(values) {
   let last = -Infinity;
-  return values.map((value) => (last = value > last ? value : last + 1e-9));
+  return Array.from(values, (value) => (last = value > last ? value : last + 1e-9));
 }
 
 export function spanOf(values) {
@@ -24,4 +24,11 @@ export function spanOf(values) {
   for (const value of values) { if (value < low) low = value; if (value > high) high = value; }
   const room = (high - low || Math.abs(high) || 1) * 0.06;
   return [low - room, high + room];
+}
+
+// Range of an axis for several motions' values times ``factor``: ``before`` (where given) while it still fits them.
+export function keptSpan(before, all, factor) {
+  const [low, high] = spanOf(function* () { for (const values of all) for (const value of values) yield value * factor; }());
+  const fits = before && low >= before[0] && high <= before[1] && high - low > 0.6 * (before[1] - before[0]);
+  return fits ? before : low < high ? [low, high] : [0, 1];
 }

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from vibeam.runs.stored_result import StoredResult
 
 
-VIEWS = ("numbers", "chart", "result", "response", "motion", "participation")
+PICTURES = ("history", "portrait", "beam", "spectrum", "pictures")
+VIEWS = ("numbers", "chart", *PICTURES, "result", "response", "motion", "participation")
 PAGE_BYTES, MAP_BYTES = 1_350_000, 160_000  # of data and pictures together, of a picture that a map has beside it
 PLANES = ("stability", "verdict")  # pictures of maps that a study makes
 
