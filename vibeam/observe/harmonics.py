@@ -67,28 +67,6 @@ def harmonic_amplitudes(
     return Harmonics(order, order * omega / (2 * np.pi), amplitude)
 
 
-def sampled_harmonics(
-    time: ArrayLike, values: ArrayLike, omega: float, *, highest: int = 8, subdivision: int = 1
-) -> Harmonics:
-    """Harmonics of samples (m,) at any times, by least squares; ``omega``: of the drive, rad/s.
-
-    Samples need not fill whole periods. ValueError for fewer samples than unknowns or times over less than
-    ``subdivision`` drive periods, which cannot tell the orders apart.
-    """
-    t, x = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
-    order = _orders(highest, subdivision)
-    if t.shape != x.shape or t.ndim != 1 or len(t) < 2 * len(order):
-        raise ValueError(f"samples: times {t.shape} and values {x.shape} must be one row of {2 * len(order)} or more")
-    step = float(np.ptp(t)) / (len(t) - 1)
-    if not omega > 0 or np.ptp(t) + step < subdivision * 2 * np.pi / omega * (1 - 1e-9):
-        raise ValueError(f"samples: they must span {subdivision} drive periods or more")
-    angles = omega * np.outer(t, order[1:])
-    columns = np.concatenate([np.ones((len(t), 1)), np.cos(angles), np.sin(angles)], axis=1)
-    found = np.linalg.lstsq(columns, x, rcond=None)[0]
-    m = len(order) - 1
-    return Harmonics(order, order * omega / (2 * np.pi), np.append(found[0], found[1 : m + 1] - 1j * found[m + 1 :]))
-
-
 def _orders(highest: int, subdivision: int) -> Array:
     if highest < 1 or subdivision < 1:
         raise ValueError(f"highest {highest} and subdivision {subdivision} must be ≥ 1")

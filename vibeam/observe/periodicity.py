@@ -1,48 +1,15 @@
-"""Period of a motion in drive periods, its contact with the stop, and its class in a map."""
+"""Period of a motion in drive periods, and its class in a map."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.observe.motion import Path, drive_period, impacts_within, last_periods
 from vibeam.system.quantities import Ended
 from vibeam_models.arrays import Array
-
-
-@dataclass(frozen=True)
-class Rhythm:
-    """Period and contact of a motion.
-
-    ``period``: least number of drive periods after which the motion repeats, 0 where it does not within half of
-    the window, −1 where it never touches the stop (as in a FrequencyResponse). ``seconds``: the same in s, NaN
-    where it does not repeat. ``impacts_per_period``, ``rest_per_period`` (s): means over a drive period.
-    """
-
-    period: int
-    seconds: float
-    impacts_per_period: float
-    rest_per_period: float
-
-
-def rhythm(path: Path, *, periods: int, tolerance: float = 1e-6) -> Rhythm:
-    """Rhythm of the last ``periods`` drive periods; ``tolerance``: share of the state by which repeats may differ.
-
-    The longest period found is half of the window, 16 at most. ValueError for more periods than available.
-    """
-
-    begin, end = last_periods(path, periods)
-    hits, rest = impacts_within(path, begin, end), _overlap(path.rests, begin, end)
-    span = drive_period(path)
-    strobes = path.modes_at(strobe_time(hits[:, 0], begin, span) + span * np.arange(periods))
-    found = repetition(strobes, path.system.omega, path.drive.omega, tolerance)
-    seconds = found * span if found else float("nan")
-    touched = len(hits) > 0 or rest > 0
-    return Rhythm(found if touched else -1, seconds, len(hits) / periods, rest / periods)
 
 
 def strobe_time(hits: Array, begin: float, span: float) -> float:
@@ -56,12 +23,6 @@ def strobe_time(hits: Array, begin: float, span: float) -> float:
     gaps = np.diff(np.append(phases, phases[0] + span))
     widest = int(np.argmax(gaps))
     return begin + float(np.mod(phases[widest] + gaps[widest] / 2, span))
-
-
-def _overlap(spans: Array, begin: float, end: float) -> float:
-    """Length of [begin, end] covered by the spans (m, 2), s."""
-    cut = np.clip(spans, begin, end)
-    return float(np.sum(cut[:, 1] - cut[:, 0]))
 
 
 LONGEST_PERIOD = 16

@@ -1,4 +1,4 @@
-"""Phase plane of a motion (paper Fig. 22–24): its portrait with jumps, sections once a drive period and at impacts."""
+"""Phase plane of a motion (paper Fig. 22–24): its portrait with jumps, sections once a drive period."""
 
 from __future__ import annotations
 
@@ -20,15 +20,6 @@ class StroboscopicSection(ValueRecord):
     velocity: Array
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ImpactSection(ValueRecord):
-    """Impacts (m,): ``time`` s, drive ``phase`` 0 … 2π, contact ``velocity`` just before toward the stop, m/s."""
-
-    time: Array
-    phase: Array
-    velocity: Array
-
-
 def stroboscopic_section(
     path: Path, output: str = "sensor", *, periods: int, phase: float = 0.0
 ) -> StroboscopicSection:
@@ -42,25 +33,6 @@ def stroboscopic_section(
     times = (phase + 2 * np.pi * (first + np.arange(periods))) / omega
     times = np.clip(times, path.t_start, path.t_end)
     return StroboscopicSection(times, path.at(times, output), path.velocity_at(times, output))
-
-
-def sampled_section(
-    time: Array, displacement: Array, velocity: Array, omega: float, *, phase: float = 0.0
-) -> StroboscopicSection:
-    """Stroboscopic section of samples (m,), by cubics through values and slopes; ``omega``: of the drive, rad/s."""
-    from scipy.interpolate import CubicHermiteSpline
-
-    first = np.ceil((omega * time[0] - phase) / (2 * np.pi) - 1e-9)
-    last = np.floor((omega * time[-1] - phase) / (2 * np.pi) + 1e-9)
-    times = np.clip((phase + 2 * np.pi * np.arange(first, last + 1)) / omega, time[0], time[-1])
-    curve = CubicHermiteSpline(time, displacement, velocity)
-    return StroboscopicSection(times, np.asarray(curve(times)), np.asarray(curve(times, 1)))
-
-
-def impact_section(path: Path, *, periods: int) -> ImpactSection:
-    """Impact section of the last ``periods`` drive periods; ValueError for more than available."""
-    hits = impacts_within(path, *last_periods(path, periods))
-    return ImpactSection(hits[:, 0], np.mod(path.drive.omega * hits[:, 0], 2 * np.pi), hits[:, 1])
 
 
 JUST = 1e-9  # share of the drive's period

@@ -1,4 +1,4 @@
-"""Harmonics, quadrature, participation, period: closed forms, invariants, and an orbit's own balance of impulses."""
+"""Harmonics, quadrature, participation: closed forms, invariants, and an orbit's own balance of impulses."""
 
 from __future__ import annotations
 
@@ -50,18 +50,6 @@ def test_a_beams_harmonics_are_what_drive_and_impulse_train_make(damping: str, f
     expected = (force / (own.omega**2 - (k * omega) ** 2 + 2j * own.zeta * own.omega * k * omega)) @ row
     size = np.abs(expected).max()
     np.testing.assert_allclose(found.amplitude / size, expected / size, rtol=0, atol=2e-11)
-
-
-def test_sampled_harmonics_of_a_known_signal() -> None:
-    omega, t = 7.0, np.sort(np.random.default_rng(1).uniform(0.0, 3.3, 400))
-    x = 0.3 + np.cos(omega * t + 0.4) + 0.2 * np.sin(3 * omega * t) + 0.05 * np.cos(2.5 * omega * t)
-    found = observe.sampled_harmonics(t, x, omega, highest=4, subdivision=2)
-    assert found.of(0) == pytest.approx(0.3, abs=1e-12)
-    assert found.of(1) == pytest.approx(np.exp(0.4j), abs=1e-12)
-    assert found.of(3) == pytest.approx(-0.2j, abs=1e-12)
-    assert found.subharmonics == pytest.approx(0.05, abs=1e-12)
-    with pytest.raises(ValueError, match="must span 2 drive periods"):
-        observe.sampled_harmonics(t[t < 1.7], x[t < 1.7], omega, highest=4, subdivision=2)
 
 
 def test_faults_of_harmonics_are_told() -> None:
@@ -123,23 +111,3 @@ def test_participation_of_a_beam_is_that_of_very_many_samples() -> None:
     np.testing.assert_allclose(found.displacement, spread, rtol=1e-6)
     np.testing.assert_allclose(found.energy[:2], orbit.watched().mode_energy[0, :2], rtol=1e-6)
     assert found.impulse_share.sum() == pytest.approx(1.0)
-
-
-def test_rhythm_of_a_motion_with_rests_is_that_of_the_sweep() -> None:
-    path = resting()
-    found = observe.rhythm(path, periods=20)
-    frc = vibeam.sweep(path.system, omega=[path.drive.omega], amplitude=path.drive.amplitude, settle=40, hold=20)
-    assert found.period == frc.period[0] == 1
-    rest = frc.rest[0] * 2 * np.pi / path.drive.omega  # counted from the last impact computed, 0.6 µs earlier
-    assert found.rest_per_period == pytest.approx(rest, rel=1e-6)
-    assert found.rest_per_period > 0.1
-    assert found.impacts_per_period == pytest.approx(frc.impacts_per_period[0], rel=0.1)
-
-
-def test_rhythm_counts_impacts_and_says_where_nothing_repeats_or_touches() -> None:
-    found = observe.rhythm(rectified_sine(8), periods=6)
-    assert (found.period, found.impacts_per_period, found.rest_per_period) == (1, 1.0, 0.0)
-    assert found.seconds == pytest.approx(np.pi / OMEGA)
-    system = vibeam.ImpactSystem.from_modes([1.0], 0.0, [1.0], [1.0], gap=1.0)
-    free = vibeam.simulate(system, vibeam.Drive(0.37, 0.1), 200.0)
-    assert observe.rhythm(free, periods=8).period == -1

@@ -1,4 +1,4 @@
-"""Filters against their transfer functions, the chain element by element, the platform against its formulas."""
+"""Filters against their transfer functions, the chain element by element."""
 
 from __future__ import annotations
 
@@ -130,36 +130,6 @@ def test_faults_of_a_chain_come_all_at_once() -> None:
         observe.LowPass("bessel", 4, 500.0, ripple=1.0)
     with pytest.raises(ValueError, match="shorter than three samples"):
         observe.measure(rectified_sine(), observe.Chain(0.1))
-
-
-def test_the_platform_filters_as_its_formula_says() -> None:
-    platform = observe.PlatformDynamics(mass=5.0, frequency=3.25)
-    assert observe.gain_ratio(platform, 15.5, 7.6) == pytest.approx((7.6**2 - 3.25**2) / (15.5**2 - 3.25**2))
-    assert observe.gain_ratio(platform, 15.5, 7.6) == pytest.approx(0.2055, abs=5e-5)  # PHYSICS §4
-    assert observe.gain_ratio(platform, 15.5, 7.6, "velocity") == pytest.approx(0.490, abs=5e-4)
-    damped = observe.PlatformDynamics(mass=2.0, frequency=3.0, damping_ratio=0.1)
-    at_resonance = observe.base_per_volt(damped, 3.0, 7.0)
-    assert np.angle(at_resonance) == pytest.approx(-np.pi / 2)
-    assert abs(at_resonance) == pytest.approx(7.0 / (2.0 * 2 * 0.1 * (2 * np.pi * 3) ** 2))
-    assert abs(observe.base_per_volt(damped, 0.0, 7.0)) == pytest.approx(7.0 / (2.0 * (2 * np.pi * 3) ** 2))
-    with pytest.raises(ValueError, match="constant: 'power'"):
-        observe.base_per_volt(damped, 1.0, 1.0, "power")  # type: ignore[arg-type]
-
-
-def test_an_impacts_jolt_conserves_momentum_and_restitution() -> None:
-    v, r, striking, platform = 0.3, 0.6, 0.2, 5.0
-    jump = float(observe.base_velocity_jump(v, r, 1 / striking, platform))
-    after = v - jump * platform / striking  # momentum of striking mass and platform
-    assert after - jump == pytest.approx(-r * v)
-    assert float(observe.base_velocity_jump(v, r, 1 / striking, 1e12)) == pytest.approx(0.0, abs=1e-12)
-
-
-def test_the_jolt_of_the_rig() -> None:
-    orbit, path = settled("sdof", 15.3)  # PHYSICS §4: 4.8 mm/s of a 5 kg platform against its own 8.3 mm/s
-    mobility = float(np.sum(path.system.contact**2))
-    jump = float(observe.base_velocity_jump(orbit.velocity, path.system.restitution, mobility, 5.0))
-    assert jump == pytest.approx(4.8e-3, abs=0.05e-3)
-    assert path.drive.amplitude * path.drive.omega == pytest.approx(8.3e-3, abs=0.05e-3)
 
 
 def test_a_stop_that_yields_has_no_restitution_to_read() -> None:

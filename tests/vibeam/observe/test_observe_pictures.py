@@ -21,23 +21,6 @@ def test_stroboscopic_section_of_a_rectified_sine() -> None:
     assert len(found.time) == 3
 
 
-def test_a_sampled_section_finds_the_same_points() -> None:
-    path = rectified_sine()
-    exact = observe.stroboscopic_section(path, periods=4, phase=1.0)
-    t = np.linspace(0.0, path.t_end, 4001)
-    found = observe.sampled_section(t, path.at(t, "sensor"), path.velocity_at(t, "sensor"), 2 * OMEGA, phase=1.0)
-    np.testing.assert_allclose(found.time, exact.time, rtol=1e-12)
-    np.testing.assert_allclose(found.displacement, exact.displacement, rtol=1e-10)
-
-
-def test_impact_section_of_an_orbit_is_its_phase_and_velocity() -> None:
-    orbit, path = settled("beam", 15.3, periods=4.4)
-    found = observe.impact_section(path, periods=4)
-    np.testing.assert_allclose(found.phase, orbit.phase, rtol=1e-8)
-    np.testing.assert_allclose(found.velocity, orbit.velocity, rtol=1e-8)
-    assert len(found.time) == 4
-
-
 def test_a_portrait_shows_both_sides_of_a_jump() -> None:
     orbit, path = settled("beam", 15.3, periods=4.4)
     found = observe.phase_portrait(path, "contact", periods=2, points=500)

@@ -154,7 +154,7 @@ def test_times_and_periods_of_other_types_are_refused() -> None:
             path.at(wrong)
     for periods in (1.5, "2", None):
         with pytest.raises(ValueError, match=r"^periods"):
-            vibeam.observe.rhythm(path, periods=periods)
+            vibeam.observe.phase_portrait(path, periods=periods)
         with pytest.raises(ValueError, match=r"^periods"):
             vibeam.orbits(SYSTEM, DRIVE, periods)
 
