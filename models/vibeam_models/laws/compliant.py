@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import acos, acosh, exp, inf, log1p, sinh, sqrt
+from math import acos, acosh, exp, inf, log1p, sqrt
 from typing import ClassVar
 
 import numpy as np
@@ -69,23 +69,6 @@ class LinearStop(StopLaw):
         if self.damping:
             raise without_mass("a damper behind a contact without mass makes a state of the first order")
         return LinearStop(self.stiffness / (1 + self.stiffness * flexibility))
-
-    def damping_ratio(self, mass: float) -> float:
-        """ζ = c / 2√(km) of a free ``mass`` (kg) in contact."""
-        return self.damping / (2 * sqrt(self.stiffness * mass))
-
-    def restitution(self, mass: float) -> float:
-        """R of a free ``mass`` (kg): see ``linear_restitution``."""
-        return linear_restitution(self.damping_ratio(mass))
-
-    def duration(self, mass: float) -> float:
-        """Contact time in s of a free ``mass`` (kg): 2θ / (ω sin θ), ζ = cos θ, or its hyperbolic form."""
-        zeta, omega = self.damping_ratio(mass), sqrt(self.stiffness / mass)
-        if zeta < 1:
-            angle = acos(zeta)
-            return 2 * angle / (omega * sqrt(1 - zeta**2)) if angle > 0 else 2 / omega
-        angle = acosh(zeta)
-        return 2 * angle / (omega * sinh(angle)) if angle > 0 else 2 / omega
 
 
 def linear_restitution(zeta: float) -> float:
@@ -164,18 +147,6 @@ class HuntCrossley(StopLaw):
         if not (real(velocity) or 0.0) > 0:
             raise ValueError("stop: the velocity at which the restitution holds must be a finite number above 0")
         return cls(stiffness, hunt_crossley_product(restitution) / velocity, exponent)
-
-    def restitution(self, velocity: float) -> float:
-        """R of a free mass hitting at ``velocity`` (m/s), whatever its mass, k and p."""
-        x = self.damping * velocity
-        if x == 0:
-            return 1.0
-        return _bisected(lambda r: _loss(x, r), 0.0, min(1.0, (1 - 1e-16) / x))
-
-    def depth(self, mass: float, velocity: float) -> float:
-        """Largest penetration in m of a free ``mass`` (kg) without damping: ½ m v² = k d^{p+1}/(p + 1)."""
-        power = self.exponent + 1
-        return float((power * mass * velocity**2 / (2 * self.stiffness)) ** (1 / power))
 
 
 def Hertz(stiffness: float, exponent: float = 1.5) -> HuntCrossley:
