@@ -1,17 +1,27 @@
 // What the views of a result share: its numbers, the curves that are shown, the frequency that is picked.
 import { address, byId, colourOf, tell } from "./state.js";
+/** @import { Data, Fidelity } from "./types.d.ts" */
 
+/** @type {Data} */
 export const data = JSON.parse(byId("data").textContent);
+/** @typedef {{fidelity: string, way: string}} Branch */
+/** @type {Record<string, Fidelity>} */
 export const fidelity = Object.fromEntries(data.fidelities.map((each) => [each.name, each]));
+/** @type {(curve: Branch) => string} */
 export const title = (curve) => `${fidelity[curve.fidelity].label} ${curve.way === "up" ? "↑" : "↓"}`;
+/** @type {(curve: {fidelity: string}) => string} */
 export const colour = (curve) => colourOf(fidelity[curve.fidelity]);
+/** @type {(curve: Branch) => string} */
 export const shade = (curve) => colour(curve) + (curve.way === "up" ? "" : "88");
 export const FACTOR = data.frequency.factor;
+/** @type {(frequency: number) => string} */
 export const inUnits = (frequency) => `${+(frequency * FACTOR).toPrecision(6)} ${data.frequency.unit}`.trim();
 
 // Curves taken away, by their numbers; those of the same fidelity and way are one in all views.
 const taken = new Set(address.numbers("hide"));
+/** @type {(curve: Branch) => boolean} */
 export const isShown = (curve) => !taken.has(data.curves.findIndex((each) => each.fidelity === curve.fidelity && each.way === curve.way));
+/** @type {(number: number, wanted: boolean) => void} */
 export function show(number, wanted) {
   if (wanted) taken.delete(number); else taken.add(number);
   address.set("hide", [...taken].sort().join(","));
@@ -20,19 +30,22 @@ export function show(number, wanted) {
 
 // The picked frequency (Hz) is one of those at which the page has motions.
 export const kept = [...new Set(data.motions.map((each) => each.frequency))].sort((a, b) => a - b);
+/** @type {(frequency: number) => number} */
 const nearest = (frequency) => kept.reduce((best, value, at) => (Math.abs(value - frequency) < Math.abs(kept[best] - frequency) ? at : best), 0);
 function highest() {
   const { frequency, values: { amplitude } } = data.curves[0];
-  const best = amplitude.reduce((found, value, at) => (value !== null && (found < 0 || value > amplitude[found]) ? at : found), -1);
-  return frequency[Math.max(best, 0)];
+  const known = amplitude.map((value) => value ?? -Infinity);
+  return frequency[known.indexOf(Math.max(...known))];
 }
 const asked = address.numbers("f")[0];
 let at = kept.length ? nearest(asked === undefined ? highest() : asked / FACTOR) : -1;
 export const picked = () => kept[at];
 export const place = () => at;
+/** @type {(index: number) => void} */
 export function pick(index) {
   at = Math.min(Math.max(index, 0), kept.length - 1);
   address.set("f", +(picked() * FACTOR).toPrecision(6));
   tell("picked");
 }
+/** @type {(frequency: number) => void} */
 export const pickNear = (frequency) => pick(nearest(frequency));

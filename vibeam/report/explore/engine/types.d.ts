@@ -1,0 +1,75 @@
+// Types of what a page carries of its case, and of what its engine answers; numbers in SI where nothing else is said.
+
+/** Array to the bit: base64 of little-endian doubles. */
+export type Packed = { f8: string; shape: number[] };
+/** Kind of an argument: "d", "q", an array as "f8:2" or "i8:1", or a tuple of such. */
+export type Kind = string | { tuple: string; fields: [string, Kind][] };
+export type Entry = { arguments: [string, Kind][]; results: string[] };
+/** Entries of the libraries, numbers of their rows by module, first byte of the memory that is the page's own. */
+export type Table = { entries: Record<string, Entry>; rows: Record<string, Record<string, number>>; first: number };
+export type Unit = { unit: string; factor: number };
+
+export type Model = {
+  name: string; label: string; finest: string;
+  /** Engine that flies it, or null with the reason why the page cannot. */
+  engine: "plain" | "regimes" | null; refusal: string;
+  modes: number; omega: Packed; zeta: Packed; contact: Packed; load: Packed; static: Packed;
+  gap: number; restitution: number; damped?: boolean;
+  outputs: Record<string, Packed>; output: string;
+  stations: { places: number[]; rows: Packed; held: boolean } | null;
+  /** Place, height at the case's gap, side, change of the height with the gap. */
+  stops: [number, number, number, number][];
+  /** Share of the drive's amplitude with which the base moves; null where it moves otherwise. */
+  base: number | null;
+  rest: any; regimes?: any; drift?: { frequency: Packed; gap: Packed };
+  /** Base amplitude: level · factor / Ω^power, or from a table. */
+  amplitude: { power: number; factor: number } | { frequency: Packed; amplitude: Packed };
+  look: { colour: string; dark: string; dash: number[] };
+};
+export type SliderName = "frequency" | "drive" | "gap" | "restitution" | "damping";
+/** A key of the case with its range; each fidelity's own number is a + b · value. */
+export type Slider = Unit & {
+  name: SliderName; key: string; label: string; value: number; low: number; high: number; logarithmic: boolean;
+  of: Record<string, [number, number]>;
+};
+export type Payload = {
+  version: string; level: string; digest: string; libraries: Record<string, string>; slots: Table;
+  models: Model[]; sliders: Slider[]; ended: Record<string, string>;
+  sweep: {
+    frequency: number[]; settle: number; hold: number; output: string;
+    units: { frequency: Unit; output: Unit & { name: string }; speed: Unit; contact_speed: Unit };
+  };
+  case: { title: string; name: string; template: string };
+};
+
+/** Values of the keys; what is left out is the case's. */
+export type Place = { [name in SliderName]?: number };
+/** A fidelity's own numbers at a place. */
+export type Settings = { omega: number; amplitude: number; gap: number; restitution: number; damping: number };
+/** A state in the user's order of modes. */
+export type State = { displacement: Float64Array; velocity: Float64Array; resting: boolean };
+export type Flight = {
+  impactTimes: ArrayLike<number>; impactVelocities: ArrayLike<number>; period: number; maximum: number; minimum: number;
+  ended: string;
+};
+export type Poses = { x: Float64Array; v: Float64Array; modes: Float64Array };
+export type Motion = {
+  ended: string; omega: number; turn: number; state: State; start: number;
+  times(points?: number): Float64Array; at(times: ArrayLike<number>): Poses;
+  impacts: [number, number][]; rests: number; contacts: number; counts: Record<string, number>;
+};
+export type Steady = {
+  amplitude: number; maximum: number; minimum: number; impactsPerPeriod: number; impactVelocity: number;
+  period: number; rest: number; ended: string; state: State;
+};
+export type Orbit = {
+  frequency: number; branch: string; amplitude: number; maximum: number; minimum: number; impactVelocity: number;
+  stable: boolean; admissible: boolean; periods: number;
+};
+
+/** A question to the worker: the arguments of the method in its order; the payload for "open". */
+export type Question = { id: number; call: "open" | "response" | "orbits" | "steady"; args: any[] };
+/** Its answers: points from..done of so many, or the sentence of a refusal. */
+export type Answer =
+  | { id: number; done: number; of: number; from?: number; values: any; fault?: undefined }
+  | { id: number; fault: string };

@@ -1,0 +1,95 @@
+// Types that the page's modules share: elements of its templates, the data of a result (charts.py), charts.
+export {};
+
+/** An element of the templates, of whatever kind: fields have a value, drawings a view box. */
+export type PageElement = HTMLInputElement & HTMLButtonElement & HTMLTableElement & SVGSVGElement;
+/** Colour of a line on white paper and on a dark ground. */
+export type Colours = { colour: string; dark: string };
+/** Unit that numbers in SI are shown in, and the factor to it. */
+export type Unit = { unit: string; factor: number };
+/** Numbers in steps of their range. */
+export type Packed = { data: string; low: number; step: number };
+export type Numbers = (number | null)[];
+export type Cell = string | number | null | undefined;
+
+export type Fidelity = Colours & {
+  name: string; label: string; dash: number[]; grazing: number | null; places: number[]; held: boolean;
+};
+export type Quantity = Unit & { name: string; label: string };
+export type Kind = { name: string; width: number; dash: number[]; marker: string; alone: string; size: number };
+export type Curve = {
+  fidelity: string; way: string; frequency: number[]; values: Record<string, Numbers>;
+  pieces: Record<string, [number, number, number][]>; ended: Record<string, string>; shares: Numbers[];
+};
+export type Reference = {
+  name: string; fidelity: string; quantity: string; single: boolean; frequency: number[]; value: Numbers; bar: Numbers;
+};
+export type StoredMotion = {
+  fidelity: string; way: string; frequency: number; fault?: string; window: number;
+  time: Packed; x: Packed; v: Packed; impacts: [number, number][]; section: [Packed, Packed]; spectrum: Packed;
+  shares: number[]; beam: Packed | null; stops: [number, number, number][]; base: number | null;
+};
+export type Data = {
+  frequency: Unit; output: Unit & { name: string }; speed: Unit; contact_speed: Unit; quantities: Quantity[];
+  palette: Colours[]; kinds: Kind[]; upward: { top: number; slight: number; note: string }; fidelities: Fidelity[];
+  curves: Curve[]; references: Reference[]; motions: StoredMotion[]; frames: number; lines: number;
+};
+
+/** Files of a view: texts of numbers and of a drawing, or the data URL of a picture in the drawing's place. */
+export type Files = { csv?: (() => string) | ""; svg?: (() => string) | null | false; image?: string };
+
+/** What a canvas and the writer of SVG both draw with. */
+export type Pen = {
+  lineWidth: number; lineDashOffset: number; strokeStyle: any; fillStyle: any; font: string; textAlign: any;
+  beginPath(): void; moveTo(x: number, y: number): void; lineTo(x: number, y: number): void; closePath(): void;
+  arc(x: number, y: number, r: number, from: number, to: number): void;
+  rect(x: number, y: number, width: number, height: number): void;
+  setLineDash(dash: number[]): void; save(): void; restore(): void; clip(): void; stroke(): void; fill(): void;
+  fillText(text: string, x: number, y: number, turn?: any): void;
+};
+/** The plot's frame for a pen: pixels of values, ``ratio`` of them to one of the page. */
+export type Frame = {
+  ratio: number; left: number; top: number; width: number; height: number;
+  x: (value: number) => number; y: (value: number) => number; scales: Record<string, PlotScale>;
+};
+export type Draw = (pen: Pen, at: Frame) => void;
+export type Look = { colour: string; width?: number; dash?: number[] };
+
+export type PlotScale = { min: number; max: number };
+export type PlotAxis = {
+  label?: string | null; size?: number; stroke?: () => string; grid?: object; ticks?: object;
+  values?: (plot: Plot, splits: Numbers) => (string | number | null)[];
+  splits?: (plot: Plot, axis: number, low: number, high: number) => number[];
+  _splits?: number[]; _values?: Cell[];
+};
+export type PlotSeries = {
+  label?: string; show?: boolean; stroke?: () => string; paths?: () => null; points?: object;
+  value?: (plot: Plot, value: number) => string;
+};
+/** A chart of uPlot: the part of it that the page uses. */
+export type Plot = {
+  ctx: CanvasRenderingContext2D; root: HTMLElement; over: HTMLElement; bbox: DOMRect; width: number; height: number;
+  axes: PlotAxis[]; series: PlotSeries[]; data: Numbers[]; scales: Record<string, PlotScale>;
+  cursor: { idx?: number | null };
+  valToPos(value: number, scale: string, canvas?: boolean): number;
+  posToVal(place: number, scale: string, canvas?: boolean): number;
+  setSize(size: { width: number; height: number }): void;
+  setScale(scale: string, range: PlotScale): void;
+  setData(columns: Numbers[], scaled?: boolean): void;
+  redraw(paths?: boolean, axes?: boolean): void;
+  batch(change: () => void): void;
+  destroy(): void;
+};
+export type PlotRange = (plot: Plot, low: number, high: number) => [number, number];
+export type PlotScales = Record<string, { time?: boolean; range?: PlotRange }>;
+export type PlotHooks = Record<string, ((plot: Plot, key: string) => void)[]>;
+/** What a chart is made of; `draw` is cut off at the frame, `mark` is not. */
+export type ChartParts = {
+  words: string; height?: number; series: PlotSeries[]; columns: Numbers[]; axes: PlotAxis[]; scales?: PlotScales;
+  draw: Draw; mark?: Draw; hooks?: PlotHooks; legend?: boolean; cursor?: object;
+};
+export type Chart = { plot: Plot; words: string; series: PlotSeries[]; drawAll: Draw };
+
+declare global {
+  const uPlot: { new (options: object, columns: Numbers[], host: Element): Plot; join(tables: Numbers[][]): Numbers[] };
+}
