@@ -43,10 +43,14 @@ def damper_of(system: ImpactSystem) -> Array:
     return np.diag(2 * system.zeta * system.omega) if system.coupling is None else system.coupling
 
 
+def fastest_rate(system: ImpactSystem) -> float:
+    """The highest rate (rad/s) that panels must resolve."""
+    return float(np.max(rates(system.omega, system.zeta * system.omega)))
+
+
 def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
     """The arrays for drives of ``slowest`` rad/s and more."""
-    fastest = float(np.max(rates(system.omega, system.zeta * system.omega)))
-    top, n, sides = top_level(slowest, fastest), system.size, 1 if system.second_gap is None else 2
+    top, n, sides = top_level(slowest, fastest_rate(system)), system.size, 1 if system.second_gap is None else 2
     contact = np.stack([system.contact, -system.contact])
     gaps = np.array([system.gap, inf if system.second_gap is None else system.second_gap])
     law, curve = law_of(system)
