@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from math import ceil, isfinite
 from shlex import quote
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.text import Text
 
@@ -40,15 +40,10 @@ def sheet(study: CostStudy, case: Case, within: float = USUAL) -> StudySheet:
         details=[*unsure[MOST_NOTES:], *details(study)],
         more=[runs(study), parts(study)],
         data={"study": study},
-        rows=[_cells(plain(row)) for row in study.rows],
+        rows=[dict(dotted(plain(row))) for row in study.rows],
         draw=lambda: work_precision(study, case),
         coarse=True,
     )
-
-
-def _cells(row: Mapping[str, Any]) -> dict[str, Any]:
-    parts = {part["name"]: {key: part[key] for key in ("mean", "rms", "worst", "peak")} for part in row["parts"]}
-    return dict(dotted({**row, "parts": parts}))
 
 
 def answer(study: CostStudy, case: Case, within: float = USUAL) -> str:

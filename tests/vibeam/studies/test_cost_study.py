@@ -127,7 +127,7 @@ def test_a_study_of_one_degree_of_freedom(whole: CostStudy) -> None:
         < 0.1
     )
     assert rows["flight"].numerical.path == 0
-    assert rows["zhuravlev DOP853 rtol 1e-10"].numerical.impact_times < 1e-8
+    assert rows["zhuravlev DOP853 rtol 1e-10"].numerical.impact_velocities < 1e-8
     assert rows["zhuravlev DOP853 rtol 1e-10"].work.evaluations > rows["flight"].work.impacts > 100
     assert all(row.work.cpu_min <= row.work.cpu_median for row in whole.rows)
 
@@ -223,10 +223,6 @@ def test_the_parts_add_up_exactly(beam: CostStudy) -> None:
     for each in beam.splits:
         assert sum(part.mean for part in each.parts) == pytest.approx(each.total.mean, rel=1e-12, abs=1e-15)
         assert each.points == 2
-    for row in beam.rows:
-        *pieces, whole = row.parts
-        assert sum(part.mean for part in pieces) == pytest.approx(whole.mean, rel=1e-12, abs=1e-15)
-        assert whole.rms == pytest.approx(row.total.amplitude.rms, rel=1e-9, abs=1e-14)
     sdof = next(each for each in beam.splits if each.fidelity == "sdof")
     names = {part.name: part for part in sdof.parts}
     assert sdof.restitution == pytest.approx(0.72)

@@ -6,12 +6,11 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.flight.engine.threads import Clock, OutOfTime
 from vibeam.studies.cost.measure import AperiodicSample, Measurement, Plan, Setting, measure
-from vibeam.studies.cost.trajectories import APART, distance, matched
+from vibeam.studies.cost.trajectories import APART, distance, velocity_error
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Difference, FrequencyResponse, complete, periodic
 from vibeam_models.arrays import Array
@@ -27,46 +26,30 @@ NONE = float("nan")
 class RunErrors:
     """Errors against a reference run, relative unless stated; NaN where there is nothing to compare.
 
-    ``amplitude``, ``velocity`` (mean impact velocity) and ``energy``: over the frequencies where both motions are
-    periodic. ``statistics``: where neither is, the worst of mean and quantiles of amplitude and impact velocity;
-    ``scatter``: that of the reference's first half against its second. ``kind``: frequencies where one repeats and the
-    other does not. ``period_one_end`` in Hz. Impact times and ``path`` (Hausdorff, time in drive periods and
-    displacement in its size) on a path from the same start, ``missed`` and ``invented`` impacts on it.
+    ``amplitude``: over the frequencies where both motions are periodic. ``statistics``: where neither is, the worst of
+    mean and quantiles of amplitude and impact velocity; ``scatter``: that of the reference's first half against its
+    second. ``kind``: frequencies where one repeats and the other does not. ``path`` (Hausdorff, time in drive periods
+    and displacement in its size) and ``impact_velocities`` on a path from the same start.
     """
 
     amplitude: Difference = field(default_factory=Difference)
-    velocity: float = NONE
-    energy: float = NONE
     kind: int = 0
-    period_one_end: float = NONE
     statistics: float = NONE
     scatter: float = NONE
-    impact_times: float = NONE
     impact_velocities: float = NONE
-    missed: int = 0
-    invented: int = 0
     path: float = NONE
 
 
 def errors(found: Measurement, truth: Measurement, plan: Plan) -> RunErrors:
     """Compute the errors of ``found`` against ``truth``, both of one plan."""
     one, other = found.response, truth.response
-    both, ends = periodic(one) & periodic(other), [each.period_one for each in (one, other)]
     kind = np.count_nonzero(complete(one) & complete(other) & (periodic(one) != periodic(other)))
     return RunErrors(
         amplitude=one.off(other),
-        velocity=_worst(one.impact_velocity, other.impact_velocity, both),
-        energy=_worst(one.mode_energy.sum(axis=1), other.mode_energy.sum(axis=1), both),
         kind=int(kind),
-        period_one_end=ends[0][1] - ends[1][1] if ends[0] and ends[1] else NONE,
         **_statistics(found, truth),
         **_path(found, truth, plan),
     )
-
-
-def _worst(values: Array, truth: Array, where: NDArray[np.bool_]) -> float:
-    where = where & np.isfinite(values) & np.isfinite(truth) & (truth != 0)
-    return float(np.max(np.abs(values[where] / truth[where] - 1))) if where.any() else NONE
 
 
 def _statistics(found: Measurement, truth: Measurement) -> dict[str, Any]:
@@ -100,16 +83,13 @@ def _path(found: Measurement, truth: Measurement, plan: Plan) -> dict[str, Any]:
         return {}
     period = 2 * np.pi / plan.drive.omega
     ours, theirs = found.path, truth.path
-    impacts = matched(
+    velocity = velocity_error(
         ours.impact_times, ours.impact_velocities, theirs.impact_times, theirs.impact_velocities, APART * period
     )
     size = float(np.ptp(truth.path.at(truth.path.times))) / 2 or plan.size
     fastest = float(np.max(truth.path.impact_velocities, initial=0.0)) or NONE
     return {
-        "impact_times": impacts.time / period,
-        "impact_velocities": impacts.velocity / fastest,
-        "missed": impacts.missed,
-        "invented": impacts.invented,
+        "impact_velocities": velocity / fastest,
         "path": distance(found.path, truth.path, period, size),
     }
 
@@ -124,13 +104,12 @@ WINDOW = 3  # drive periods of strict integration
 class Bound:
     """Bound on the reference's error: relative difference of two independent solvers from flight.
 
-    ``amplitude``, ``velocity``: the closed-form orbits, at the ``points`` of ``total`` frequencies with one impact a
+    ``amplitude``: the closed-form orbits, at the ``points`` of ``total`` frequencies with one impact a
     period. ``path``, ``impacts``: integration by DOP853 at 1e-12 over three periods, of displacement (Hausdorff) and
     impact velocity. NaN where a comparison is impossible; ``note`` gives the reason.
     """
 
     amplitude: float
-    velocity: float
     points: int
     total: int
     path: float
@@ -163,8 +142,7 @@ def bound(
     by_orbit, refusal = _closed_form(system, exact, plan)
     by_steps, failure = _integrated(system, plan, clock, budget)
     return Bound(
-        abs(by_orbit.amplitude.worst), by_orbit.velocity, by_orbit.amplitude.points, by_orbit.amplitude.total,
-        by_steps.path,
+        abs(by_orbit.amplitude.worst), by_orbit.amplitude.points, by_orbit.amplitude.total, by_steps.path,
         by_steps.impact_velocities, "; ".join(filter(None, [refusal, failure])),
     )  # fmt: skip
 

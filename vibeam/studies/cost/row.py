@@ -152,15 +152,11 @@ def front(points: list[tuple[float, float]]) -> list[int]:
     return kept
 
 
-PARTS = ("solver", "settling", "modelling", "total")
-
-
 @dataclass(frozen=True)
 class RunRow:
     """One run: ``total`` error against the reference, ``numerical`` against the exact motion of its own fidelity.
 
-    ``parts`` of its amplitude's error, which add up: solver, settling, modelling. ``why``: reason of a
-    failure; the errors are then NaN.
+    ``why``: reason of a failure; the errors are then NaN.
     """
 
     fidelity: str
@@ -170,7 +166,6 @@ class RunRow:
     setting: str
     total: RunErrors = field(default_factory=RunErrors)
     numerical: RunErrors = field(default_factory=RunErrors)
-    parts: tuple[Part, ...] = ()
     work: Work | None = None
     found: int = 0  #: frequencies at which it found a motion
     why: str = ""
@@ -191,17 +186,14 @@ def compared(
 ) -> RunRow:
     """Row of a run that ended, with or without failed points.
 
-    ``truths``: its fidelity's exact motion, settled as long as the run, that settled as long as needed, the reference.
+    ``truths``: its fidelity's exact motion, the reference.
     """
     motions = int(np.count_nonzero(complete(found.response)))
     if found.failure:
         return run_row(model, setting, work=work, found=motions, why=found.failure)
-    numerical, total = (errors(found, truth, plan) for truth in truths[1:])
+    numerical, total = (errors(found, truth, plan) for truth in truths)
     why = "" if total.amplitude.points or np.isfinite(total.statistics) else _nothing(found)
-    links = shares([each.response for each in (found, *truths)])
-    parts = tuple(part(name, each) for name, each in zip(PARTS, links, strict=True))
-    kept = {"total": total, "numerical": numerical, "parts": parts, "work": work, "found": motions}
-    return run_row(model, setting, **kept, why=why)
+    return run_row(model, setting, total=total, numerical=numerical, work=work, found=motions, why=why)
 
 
 def _nothing(found: Measurement) -> str:

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 PROBE = 2  # drive periods from which the cost of a first setting is estimated
 SHARE = 0.01  # share of the budget for repeats of a run, and for a warm-up
 STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the fastest mode
-FLIGHTS = 4  # of each model, all exact: as long as the other runs, settled, and two for the parts of its error
+FLIGHTS = 3  # of each model, all exact: settled, and two for the parts of its error
 Tell = Callable[[str], None]
 Progress = Callable[[int, int], None]
 
@@ -162,7 +162,6 @@ class _CostRuns:
         plan = self.planning.plan
         self._predict(self.clock() - self.began)
         self.exact = {model.name: self._exact(model) for model in self.models}
-        self.short = {model.name: measure(model.system, FLIGHT, self.planning.of(model)) for model in self.models}
         top = self.exact[self.finest.name][0]
         hertz = plan.omega / (2 * np.pi)
         self.file = None if self.asked.reference is None else given(self.case, hertz)
@@ -291,7 +290,7 @@ class _CostRuns:
         except OutOfTime as up:
             self.rows.append(run_row(model, setting, why=str(up)))
             return None
-        truths = self.short[fidelity], self.exact[fidelity][0], self.truth
+        truths = self.exact[fidelity][0], self.truth
         self.rows.append(compared(model, setting, self.planning.plan, found, work, truths))
         return work.cpu_median
 
