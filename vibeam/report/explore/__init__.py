@@ -1,0 +1,1 @@
+"""Explore: the exact engine inside a page, and the sliders that move it."""
