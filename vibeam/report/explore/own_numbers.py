@@ -69,16 +69,17 @@ def own_number(case: Case, name: str, key: str, read: Read, probes: Iterable[flo
 
 
 def damping_factor(case: Case, name: str, keys: Mapping[str, float]) -> Affine:
-    """Factor on the damping of a fidelity as a + b·factor on ``keys``; b is 0 where the fidelity says one of them.
+    """Factor on the damping of a fidelity as a + b·factor on ``keys``; b is 0 where the fidelity says them all.
 
     ValueError, with the reason, where twice the keys are not twice its damping, or change anything else.
     """
     fidelity, model = case.fidelities[name], case.model(name)
-    if any(says(fidelity, key) for key in keys):
+    mine = {key: 2 * value for key, value in keys.items() if not says(fidelity, key)}
+    if not mine:
         return 1.0, 0.0
     if REDUCTIONS[fidelity.reduction].flown:
         raise ValueError("its modes are those of a flight, and damping changes that")
-    base, twice = model.system(), _at(model, {key: 2 * value for key, value in keys.items()})
+    base, twice = model.system(), _at(model, mine)
     if twice is None:
         raise ValueError("twice its damping is refused")
     coupled = base.coupling is not None
