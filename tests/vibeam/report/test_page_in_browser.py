@@ -1,15 +1,15 @@
-"""The page in Chromium: toggles, reading, frequency picker, animation, no error, no request, nothing run, accessible.
+"""The page in Chromium and Firefox: toggles, reading, frequency picker, animation, no error, no request, accessible.
 
-pip install 'vibeam[browser]' and Debian's chromium; python -m pytest -m slow tests/vibeam/report
+pip install 'vibeam[browser]' and Debian's chromium and firefox-esr; python -m pytest -m slow tests/vibeam/report
 """
 
 import csv
 import json
 import re
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
+from browsers import Opened
 
 import vibeam
 from tests.vibeam.report.test_page import CASE, HOSTILE, SHEETS
@@ -17,22 +17,6 @@ from vibeam.report.page.page import page, study_page
 from vibeam.studies.stored import stored
 
 pytestmark = pytest.mark.slow
-
-CHROMIUM = Path("/usr/bin/chromium")
-
-OPTIONS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-           "--disable-component-update", "--disable-sync"]  # fmt: skip
-
-
-@pytest.fixture(scope="module")
-def browser():
-    playwright = pytest.importorskip("playwright.sync_api")
-    if not CHROMIUM.exists():
-        pytest.skip("needs Debian's chromium")
-    with playwright.sync_playwright() as started:
-        found = started.chromium.launch(executable_path=str(CHROMIUM), args=OPTIONS)
-        yield found
-        found.close()
 
 
 @pytest.fixture(scope="module")
@@ -44,23 +28,6 @@ def file(tmp_path_factory):
     return folder / "case.html"
 
 
-class Opened:
-    """A page with what it has asked for, said and run."""
-
-    def __init__(self, browser, file, fragment="", **options):
-        self.page = browser.new_page(**options)
-        self.asked, self.said = [], []
-        self.page.on("request", lambda request: self.asked.append(request.url))
-        self.page.on("console", lambda message: self.said.append(message.text))
-        self.page.on("pageerror", lambda error: self.said.append(str(error)))
-        self.page.on("dialog", lambda dialog: (self.said.append("dialog"), dialog.dismiss()))
-        self.page.goto(file.as_uri() + fragment)
-
-    @property
-    def foreign(self):
-        return [url for url in self.asked if not url.startswith(("file:", "data:"))]
-
-
 @pytest.fixture
 def opened(browser, file):
     found = Opened(browser, file)
@@ -68,13 +35,6 @@ def opened(browser, file):
     assert found.said == []
     assert found.foreign == []
     found.page.close()
-
-
-def saved(opened, name):
-    """Content of the file that a button writes."""
-    with opened.page.expect_download() as started:
-        opened.page.get_by_role("button", name=name, exact=True).click()
-    return Path(started.value.path()).read_bytes()
 
 
 def test_opens_in_less_than_a_second_of_its_own(opened):
@@ -112,10 +72,10 @@ def test_the_reader_picks_a_frequency(opened):
     picker.evaluate("each => { each.value = 0; each.dispatchEvent(new Event('input')); }")
     assert opened.page.locator("#picked").inner_text() == "30 Hz"
     clear = opened.page.locator("#numbers").inner_text()
-    portrait = saved(opened, "SVG of phase portrait")
+    portrait = opened.saved("SVG of phase portrait")
     picker.press("End")
     assert opened.page.locator("#picked").inner_text() == "60 Hz"
-    assert saved(opened, "SVG of phase portrait") != portrait
+    assert opened.saved("SVG of phase portrait") != portrait
     assert "no contact" in clear
 
 
@@ -132,7 +92,7 @@ def test_the_beam_moves_when_played_and_stands_still_before(opened):
 
 def labels(opened, name="SVG of frequency response"):
     """Tick labels of a chart, across and up, read off its SVG."""
-    texts = ElementTree.fromstring(saved(opened, name)).findall(".//{*}text")
+    texts = ElementTree.fromstring(opened.saved(name)).findall(".//{*}text")
     across, up = ([each.text for each in texts if each.get("text-anchor") == way] for way in ("middle", "end"))
     return [float(each) for each in across if re.fullmatch(r"[\d.]+", each)], [float(each) for each in up]
 
@@ -197,16 +157,16 @@ def test_every_view_is_saved_as_numbers_and_pictures_on_white_paper(browser, fil
     found = Opened(browser, file, color_scheme="dark")
     before = found.page.locator("#beam polyline").first.get_attribute("stroke")
     for view in ("displacement over time", "phase portrait", "spectrum", "beam", "participation", "Mode shapes"):
-        drawing = ElementTree.fromstring(saved(found, f"SVG of {view}"))
+        drawing = ElementTree.fromstring(found.saved(f"SVG of {view}"))
         assert len(drawing.findall(".//{*}path")) + len(drawing.findall(".//{*}polyline")) > 2
         assert "NaN" not in ElementTree.tostring(drawing, encoding="unicode")
     assert found.page.locator("#beam polyline").first.get_attribute("stroke") == before
-    assert before not in saved(found, "SVG of beam").decode()
-    assert saved(found, "PNG of phase portrait").startswith(b"\x89PNG")
-    rows = list(csv.reader(saved(found, "CSV of frequency response").decode("utf-8-sig").splitlines()))
+    assert before not in found.saved("SVG of beam").decode()
+    assert found.saved("PNG of phase portrait").startswith(b"\x89PNG")
+    rows = list(csv.reader(found.saved("CSV of frequency response").decode("utf-8-sig").splitlines()))
     assert rows[0][:3] == ["fidelity", "sweep", "frequency (Hz)"]
     assert [float(row[2]) for row in rows[1:8]] == list(range(30, 61, 5))
-    assert saved(found, "CSV of Fidelities").decode("utf-8-sig").startswith("fidelity,modes,")
+    assert found.saved("CSV of Fidelities").decode("utf-8-sig").startswith("fidelity,modes,")
     assert found.said == []
     assert found.foreign == []
     found.page.close()
@@ -228,7 +188,7 @@ def test_another_quantity_empties_the_readout(opened):
 
 
 def test_no_tick_of_the_shares_is_zero(opened):
-    texts = ElementTree.fromstring(saved(opened, "SVG of participation")).findall(".//{*}text[@text-anchor='end']")
+    texts = ElementTree.fromstring(opened.saved("SVG of participation")).findall(".//{*}text[@text-anchor='end']")
     assert [each.text for each in texts][:2] == ["100 %", "10 %"]
     assert "0 %" not in [each.text for each in texts]
 
@@ -280,14 +240,32 @@ def test_tab_goes_through_all_that_acts_in_the_order_of_the_page_and_shows_where
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_nothing_is_found_by_axe(browser, file, theme):
     """Of a result, and of studies; nothing minor either."""
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    pytest.importorskip("axe_playwright_python")
     studies = file.with_name("studies.html")
     studies.write_text(study_page("Two <modes>", "One beam.", list(SHEETS)), encoding="utf-8")
     for each in (file, studies):
         found = Opened(browser, each, color_scheme=theme)
         for folded in found.page.locator("details").all():
             folded.evaluate("each => { each.open = true; }")
-        violations = axe.Axe().run(found.page).response["violations"]
-        assert [(at["id"], [node["html"][:120] for node in at["nodes"]]) for at in violations] == []
+        assert found.violations() == []
         assert found.said == []
         found.page.close()
+
+
+def test_firefox_shows_the_same_page(firefox, file):
+    firefox.open(file.as_uri())
+    assert firefox.run("return document.querySelector('h1').textContent;") == HOSTILE
+    firefox.press("#pick", "\ue011")  # Home
+    assert firefox.run("return document.querySelector('#picked').textContent;") == "30 Hz"
+    assert firefox.run("return document.querySelectorAll('#spectrum canvas').length;") == 2
+    assert firefox.heard() == []
+
+
+def test_firefox_hears_faults(firefox, tmp_path):
+    page = tmp_path / "faulty.html"
+    page.write_text("<!DOCTYPE html><title>t</title><script>setTimeout(() => { throw new Error('bang'); });</script>")
+    firefox.open(page.as_uri())
+    assert firefox.run("await new Promise((done) => setTimeout(done, 100)); return 0.1 + 0.2;") == 0.1 + 0.2
+    assert firefox.heard() == ["Error: bang"]
+    with pytest.raises(RuntimeError, match="no such thing"):
+        firefox.run("throw new Error('no such thing');")

@@ -44,7 +44,7 @@ export const address = {
     const parts = [...values].map(([name, each]) => `${name}=${encodeURIComponent(each).replaceAll("%2C", ",")}`);
     history.replaceState(null, "", `#${[section, ...parts].filter(Boolean).join("&")}`);
   },
-  go: () => byId(section)?.scrollIntoView(),
+  go: () => { if (section) byId(section)?.scrollIntoView(); },
 };
 addEventListener("hashchange", () => {
   if (said().some(([, value]) => value)) location.reload();  // the link of another state
