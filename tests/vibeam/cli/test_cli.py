@@ -230,7 +230,7 @@ def test_references_that_are_none_are_told_before_anything_is_computed(command: 
     assert command(name, sdof, "--out", "new/", expect=2).stderr.splitlines() == [
         "curve.csv:1: does not begin with the names of its columns: write frequency_hz,direction,amplitude, or "
         'name its own in the case, columns = { frequency = "…", amplitude = "…" } (numbers from 1 where it has none)',
-        "other.csv:2: is no reference point: direction 'left' is neither up nor down",
+        "other.csv:2: direction 'left' is neither up nor down",
     ]
     assert not (sdof.parent / "new").exists()
 

@@ -41,10 +41,11 @@ class CurveColumn:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Columns by role, of equal length, and the line or row of each entry."""
+    """Columns by role, of equal length, the line or row of each entry, and all ``heads`` of a text."""
 
     columns: Mapping[str, CurveColumn]
     lines: tuple[int, ...]
+    heads: tuple[str, ...] = ()
 
 
 _UNIT = r"[A-Za-zµμ%][\w%µμ²³⁻¹*/·^ -]{0,39}|1 ?/ ?[A-Za-z]+"

@@ -1,23 +1,32 @@
-"""Reading of reference curves: of vibeam's own form here, of other forms by ``foreign``."""
+"""Reading of reference curves, of vibeam's own files and those of other programs: columns by their heads, SI values."""
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator
 from dataclasses import replace
-from math import isfinite
 from os import PathLike
 from pathlib import Path
+from re import fullmatch
 
-from vibeam.exchange.curves.foreign import NO_COLUMNS, heading_of, period_of, read_points
-from vibeam.exchange.curves.read import is_text
-from vibeam.exchange.curves.record import COLUMNS, Point, ReferenceCurve, ReferenceForm
-from vibeam.exchange.faults import CaseError, Fault, as_shown_in_message, fault_in, suggest
-from vibeam.exchange.files import LARGEST_TEXT, FormatError, numbered, reason, state_of
+import numpy as np
 
-LONGEST = 100_000  # characters of a line
-LINES = 2_100_000  # one for each direction of the longest sweep, and comments
+from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn
+from vibeam.exchange.curves.read import read_columns
+from vibeam.exchange.curves.record import COLUMNS, Point, ReferenceCurve, ReferenceForm, factor, given
+from vibeam.exchange.curves.text import TextForm
+from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in, suggest
+from vibeam.exchange.files import FormatError, file_fault
+from vibeam_models.arrays import Array
+
 RECORDED = "# Regression values: recorded by vibeam"  # first line of a file that ``vibeam record`` wrote
+NO_COLUMNS = "does not begin with the names of its columns: write {}"
+OWN = COLUMNS[0]  # head of the frequencies in a file of vibeam's own form
+FREQUENCY_HEADS = ("frequency", "freq", "f")
+
+WAYS = {
+    "up": "up", "down": "down", "forward": "up", "backward": "down", "increasing": "up", "decreasing": "down",
+}  # fmt: skip
+
+ANONYMOUS = "cannot be read as a curve; its lines are not shown, since it lies outside the case's folder"
 
 
 def read_curve(
@@ -34,31 +43,9 @@ def read_curve(
     ('amplitude', 402)
     """
     form, path = form or ReferenceForm(), Path(path)
-    if form.own and (head := _own_head(path, quantity)):
-        points = _own_points(path, quantity, head, quote)
-    else:
-        points = read_points(path, quantity, form, quote)
+    points = _read_points(path, quantity, form, quote)
     treated = tuple(_treated(point, form) for point in points if _inside(point, form))
     return ReferenceCurve(quantity, treated, str(path), _is_recorded(path))
-
-
-def cells_of(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Line number and cells of every line but empty ones and comments; CaseError where the file is unreadable."""
-    number = 0
-    try:
-        state_of(path, LARGEST_TEXT)
-        with path.open(encoding="utf-8-sig") as file:
-            for number, line in numbered(file, LONGEST, LINES):
-                if line.strip() and not line.startswith("#"):
-                    yield number, [cell.strip() for cell in next(csv.reader([line]))]
-    except FormatError as fault:
-        raise CaseError([fault_in(path, fault.line, fault.message)]) from None
-    except UnicodeDecodeError:
-        raise CaseError([fault_in(path, None, "cannot be read: it is not UTF-8 text")]) from None
-    except OSError as error:
-        raise CaseError([fault_in(path, None, f"cannot be read: {reason(error)}")]) from None
-    except csv.Error as error:
-        raise CaseError([fault_in(path, number, f"is no line of a table: {error}")]) from None
 
 
 def _treated(point: Point, form: ReferenceForm) -> Point:
@@ -81,63 +68,118 @@ def _is_recorded(path: Path) -> bool:
         return file.read(len(RECORDED)) == RECORDED.encode()
 
 
-def _own_head(path: Path, quantity: str) -> tuple[int, list[str]] | None:
-    """Line and names of the columns, where a file is of vibeam's own form."""
-    if not is_text(path):
-        return None
+def _read_points(path: Path, quantity: str, form: ReferenceForm, quote: bool) -> list[Point]:
+    """Read the points of a file of any form; CaseError with the place and the cure."""
+    if fault := file_fault(path):
+        raise CaseError([fault_in(path, None, fault)])
     try:
-        line, head = next(cells_of(path), (0, []))
-    except CaseError as fault:
-        if "not UTF-8" in str(fault):
-            return None  # text in another encoding
-        raise
-    return (line, head) if "frequency_hz" in head and {quantity, "direction"} & {*head} else None
+        found = read_columns(path, _wanted(quantity, form), TextForm(form.separator, form.decimal))
+        return _points(found, quantity, form)
+    except FormatError as wrong:
+        raise CaseError([fault_in(path, wrong.line, _told(wrong, quantity, form, quote))]) from None
 
 
-def _own_points(path: Path, quantity: str, heading: tuple[int, list[str]], quote: bool) -> list[Point]:
-    first, head = heading
-    if faults := _column_faults(path, first, head, quantity):
-        raise CaseError(faults if quote else [fault_in(path, first, NO_COLUMNS.format(heading_of(quantity)))])
-    found = []
-    lines = cells_of(path)
-    next(lines)
-    for number, cells in lines:
-        try:
-            found.append(_point(number, (head, cells), quantity))
-        except ValueError as fault:
-            why = str(fault) if quote else "write a frequency in Hz, up or down, and numbers"
-            raise CaseError([fault_in(path, number, f"is no reference point: {why}")]) from None
+def _told(wrong: FormatError, quantity: str, form: ReferenceForm, quote: bool) -> str:
+    """Message of a fault; what the file holds is in it where it may be quoted."""
+    if isinstance(wrong, HeadError) and not form.columns:
+        heads = ", ".join(map(as_shown_in_message, wrong.heads[:SHOWN])) if quote else ""
+        there = f": there are {heads}" if heads else ""
+        cure = f'columns = {{ frequency = "…", {quantity} = "…" }} (numbers from 1 where it has none)'
+        return f"{NO_COLUMNS.format(heading_of(quantity))}, or name its own in the case, {cure}{there}"
+    return wrong.message.replace("value = ", f"{quantity} = ") if quote else ANONYMOUS
+
+
+def _wanted(quantity: str, form: ReferenceForm) -> dict[str, WantedColumn]:
+    """Columns by role: those that the case names, or the usual heads."""
+    columns = dict(form.columns)
+    found = {
+        "frequency": WantedColumn(_names(columns, "frequency", FREQUENCY_HEADS)),
+        "value": WantedColumn(_names(columns, quantity, (quantity,))),
+    }
+    for role, words in (("uncertainty", False), ("direction", True), ("period", True)):
+        found[role] = WantedColumn(_names(columns, role, (role,)), needed=role in columns, words=words)
     return found
 
 
-def _column_faults(path: Path, line: int | None, head: list[str], quantity: str) -> list[Fault]:
-    wrong = [] if quantity in head else [(quantity, "the column is missing")]
-    known = (*COLUMNS, "uncertainty")
-    wrong += [(name, f"unknown column; {suggest(name, known)}") for name in head if name not in known]
-    wrong += [(name, "the column is there twice") for name in known if head.count(name) > 1]
-    return [fault_in(path, line, message, name) for name, message in wrong]
+def _names(columns: dict[str, str | int], role: str, usual: tuple[str, ...]) -> tuple[str | int, ...]:
+    return (columns[role],) if role in columns else usual
 
 
-def _point(number: int, row: tuple[list[str], list[str]], quantity: str) -> Point:
-    head, given = row
-    if len(head) != len(given):
-        raise ValueError(f"{len(given)} cells for {len(head)} columns")
-    cells = dict(zip(head, given, strict=True))
-    direction = cells.get("direction")
-    if direction not in ("up", "down", None):
-        raise ValueError(f"direction {as_shown_in_message(direction)} is neither up nor down")
-    value = _finite(cells[quantity]) if cells[quantity] else None
-    return Point(
-        number, _finite(cells["frequency_hz"]), direction, value, period_of(cells.get("period")),
-        _finite(cells["uncertainty"]) if cells.get("uncertainty") else None,
-    )  # fmt: skip
+def _points(found: Columns, quantity: str, form: ReferenceForm) -> list[Point]:
+    columns, periods = found.columns, found.columns.get("period")
+    if OWN in found.heads:
+        _require_known(found.heads)
+    elif "period" not in form.columns:
+        periods = None  # of other programs, a column of this name may hold seconds
+    frequency = _in_si(columns["frequency"], "frequency", "Hz", form.units.get("frequency"), "")
+    column = columns["value"]
+    value = _in_si(column, quantity, form.unit, form.units.get(quantity), form.scale_unit)
+    uncertainty = _uncertainty(columns.get("uncertainty"), column, value, quantity, form)
+    points = []
+    for row, line in enumerate(found.lines):
+        at = float(frequency[row])
+        if np.isnan(at) and np.isnan(value[row]):
+            continue
+        if not at > 0:
+            raise FormatError(
+                "the frequency is missing" if np.isnan(at) else f"the frequency {at:g} Hz is not above 0", line
+            )
+        way, period = _way(columns.get("direction"), row, line), _period(periods, row, line)
+        points.append(Point(line, at, way, given(float(value[row])), period, given(float(uncertainty[row]))))
+    return points
 
 
-def _finite(text: str) -> float:
+def _require_known(heads: tuple[str, ...]) -> None:
+    """FormatError for a column of a file of vibeam's own form that is none of its columns."""
+    for name in heads:
+        if name not in (*COLUMNS, "uncertainty"):
+            raise FormatError(f"{name}: unknown column; {suggest(name, COLUMNS)}", 1)
+
+
+def _in_si(column: CurveColumn, role: str, wanted: str, said: str | None, scale_unit: str) -> Array:
+    """Values of a column in SI; the case's unit goes before the file's."""
+    unit = column.unit if said is None else said
     try:
-        number = float(text)
-    except ValueError:
-        raise ValueError(f"{as_shown_in_message(text)} is not a number") from None
-    if not isfinite(number):
-        raise ValueError(f"{as_shown_in_message(text)} is not a finite number")
-    return number
+        return column.values * factor(unit, wanted, scale_unit)
+    except ValueError as fault:
+        raise FormatError(f'column {column.head!r}: {fault}; say it in the case: units = {{ {role} = "…" }}') from None
+
+
+def _uncertainty(
+    column: CurveColumn | None, of: CurveColumn, value: Array, quantity: str, form: ReferenceForm
+) -> Array:
+    """Standard uncertainties before the scale: in the unit of the value, its own, or a percentage of the value."""
+    if column is None:
+        return np.full(len(value), np.nan)
+    unit = form.units.get("uncertainty", column.unit)
+    if unit == "%":
+        return np.abs(value) * column.values / 100
+    return np.abs(_in_si(column, "uncertainty", form.unit, unit or form.units.get(quantity, of.unit), form.scale_unit))
+
+
+def _way(column: CurveColumn | None, row: int, line: int) -> str | None:
+    if column is None or not column.words[row]:
+        return None
+    word = column.words[row].casefold()
+    if word not in WAYS:
+        raise FormatError(f"direction {as_shown_in_message(column.words[row])} is neither up nor down", line)
+    return WAYS[word]
+
+
+def _period(column: CurveColumn | None, row: int, line: int) -> int | None:
+    try:
+        return None if column is None else period_of(column.words[row].removesuffix(".0"))
+    except ValueError as fault:
+        raise FormatError(str(fault), line) from None
+
+
+def heading_of(quantity: str) -> str:
+    """First line of a file of vibeam's own form."""
+    return f"frequency_hz,direction,{quantity}"
+
+
+def period_of(text: str | None) -> int | None:
+    """Period as a whole number, None where empty; ValueError for anything else."""
+    if text and not fullmatch("[+-]?[0-9]{1,9}", text):
+        raise ValueError(f"the period {as_shown_in_message(text)} is not a whole number")
+    return int(text) if text else None
