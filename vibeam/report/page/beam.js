@@ -2,7 +2,7 @@
 import { drawn } from "./state.js";
 import { metres, short, spanOf } from "./numbers.js";
 
-/** @import { DrawnMotion } from "./pictures.js" */
+/** @import { DrawnMotion } from "./types.d.ts" */
 
 const FAR = 3;  // a stop further off than so many of the largest deflection is not drawn
 
@@ -72,7 +72,7 @@ export function beam(svg) {
   return {
     move,
     draw(motions) {
-      bent = motions.filter((each) => each.beam);
+      bent = motions.filter((each) => each.beam.length);
       const heights = bent.flatMap((each) => Array.from(each.beam));
       range = [Math.min(...heights), Math.max(...heights)];
       reach = FAR * Math.max(...range.map(Math.abs));

@@ -2,7 +2,7 @@
 import { axis, chart, framed, lines } from "./chart.js";
 import { increasing, keptSpan, short, withUnit } from "./numbers.js";
 
-/** @import { DrawnMotion, Picture, Units } from "./pictures.js" */
+/** @import { Chart, DrawnMotion, Draw, Numbers, Picture, Plot, PlotSeries, Units } from "./types.d.ts" */
 
 const TIME = "Time in drive periods";
 
@@ -10,27 +10,29 @@ const TIME = "Time in drive periods";
 export function history(host, { output }) {
   /** @type {DrawnMotion[]} */
   let current = [];
-  /** @type {any} */
+  /** @type {Chart | null} */
   let made = null;
-  let known = "", span = [0, 1];
+  /** @type {[number, number]} */
+  let span = [0, 1];
+  let known = "";
   const end = () => Math.max(1, ...current.map((each) => each.window));
-  /** @type {(plot: any, number: number) => string} */
+  /** @type {(plot: Plot, number: number) => string} */
   const value = (_, number) => short(number);
-  /** @type {(each: DrawnMotion) => any} */
+  /** @type {(each: DrawnMotion) => PlotSeries} */
   const entry = (each) => ({ label: each.label, stroke: () => each.colour(), value });
 
-  /** @type {(pen: any, at: any) => void} */
+  /** @type {Draw} */
   const paint = (pen, at) => {
     const frame = framed(at, 1, output.factor);
     for (const each of current) lines(pen, frame, each.time, each.x, { colour: each.colour(), dash: each.dash });
   };
   // While a slider moves the chart keeps its series and has no values to read out.
-  /** @type {(still: boolean) => any[]} */
+  /** @type {(still: boolean) => Numbers[]} */
   const columns = (still) => still
     ? uPlot.join(current.map((each) => [increasing(each.time), Array.from(each.x, (value) => value * output.factor)]))
     : [[0, end()], ...current.map(() => [null, null])];
 
-  /** @type {(still: boolean) => any} */
+  /** @type {(still: boolean) => Chart} */
   const make = (still) => chart(host, {
     words: "Displacement of the output over time", height: 250, columns: columns(still), draw: paint,
     series: [{ label: TIME, value }, ...current.map(entry)],

@@ -4,24 +4,23 @@ import { short, unpacked, withUnit } from "./numbers.js";
 import { pictures } from "./pictures.js";
 import { colour, data, fidelity, inUnits, isShown, kept, pick, picked, place, title } from "./result.js";
 
-/** @import { DrawnMotion } from "./pictures.js" */
+/** @import { DrawnMotion, StoredMotion } from "./types.d.ts" */
 
-/** @type {any} */
-let shown = null;
+/** @type {ReturnType<typeof pictures>} */
+let shown;
 const here = () => {
   const way = byId("way").value;
   return data.motions.filter((each) => each.frequency === picked() && each.way === way && isShown(each));
 };
 
-/** The motion as it is drawn, unpacked when it is first. @type {(motion: any) => DrawnMotion} */
+/** The motion as it is drawn, unpacked when it is first. @type {(motion: StoredMotion) => DrawnMotion} */
 function ready(motion) {
   const { label, dash, places, held } = fidelity[motion.fidelity];
-  motion.drawn ||= {
+  return motion.drawn ||= {
     ...motion, label, dash, places, held, colour: () => colour(motion),
     time: unpacked(motion.time), x: unpacked(motion.x), v: unpacked(motion.v), spectrum: unpacked(motion.spectrum),
-    section: motion.section.map(unpacked), beam: motion.beam ? unpacked(motion.beam) : null,
+    section: motion.section.map(unpacked), beam: motion.beam ? unpacked(motion.beam) : [],
   };
-  return motion.drawn;
 }
 
 function draw() {
@@ -38,10 +37,10 @@ function draw() {
 const HEADS = ["fidelity", "repeats after (drive periods)", "impacts shown", "", "modes from 2 on, share of energy"];
 const COUNT = 6;  // velocities that are listed
 
-/** @type {(each: any) => string[]} */
+/** @type {(each: StoredMotion) => string[]} */
 function cells(each) {
   const curve = data.curves.find((one) => one.fidelity === each.fidelity && one.way === each.way);
-  const period = curve.values.period[curve.frequency.indexOf(each.frequency)], { factor } = data.contact_speed;
+  const period = curve?.values.period[curve.frequency.indexOf(each.frequency)], { factor } = data.contact_speed;
   const rest = each.shares.slice(1).reduce((a, b) => a + b, 0);
   return [
     period === 0 ? "does not" : period === -1 ? "1, no contact" : short(period), String(each.impacts.length),
@@ -50,7 +49,7 @@ function cells(each) {
   ];
 }
 
-/** @type {(motions: any[]) => void} */
+/** @type {(motions: StoredMotion[]) => void} */
 function listNumbers(motions) {
   const head = element("tr"), body = element("tbody"), top = element("thead");
   const heads = HEADS.map((name) => name || withUnit("velocities before impact", data.contact_speed.unit));
@@ -68,7 +67,7 @@ function listNumbers(motions) {
 if (kept.length) {
   const ways = new Set(data.curves.map((each) => each.way));
   byId("way").append(...[...ways].map((way) => element("option", { value: way }, way)));
-  if (data.curves.some((each) => each.way === address.get("way"))) byId("way").value = address.get("way");
+  if (data.curves.some((each) => each.way === address.get("way"))) byId("way").value = address.get("way") ?? "";
   byId("way").addEventListener("change", () => { address.set("way", byId("way").value); draw(); });
   byId("pick").max = String(kept.length - 1);
   byId("pick").addEventListener("input", () => pick(+byId("pick").value));

@@ -8,30 +8,7 @@ import { history } from "./history.js";
 import { portrait } from "./portrait.js";
 import { multiple, spectrum } from "./spectrum.js";
 
-/**
- * A motion as it is drawn, stored or just flown; SI, times in drive periods from the start of its ``window``.
- * ``spectrum``: log10 of amplitudes from 0 to 16 times the drive frequency, evenly. ``beam``: deflections, frame by
- * frame, at the places after the first; null where none are known. ``stops``: place, height, 1 above or −1 below.
- * ``base``: amplitude of the base; null where its motion is not harmonic. ``section``: displacements, velocities.
- * @typedef {object} DrawnMotion
- * @property {string} label
- * @property {() => string} colour
- * @property {number[]} dash
- * @property {number} window
- * @property {ArrayLike<number> & Iterable<number>} time
- * @property {ArrayLike<number> & Iterable<number>} x
- * @property {ArrayLike<number> & Iterable<number>} v
- * @property {number[][]} section
- * @property {number[]} spectrum
- * @property {ArrayLike<number> & Iterable<number>} beam
- * @property {number[]} places
- * @property {boolean} held
- * @property {number[][]} stops
- * @property {number | null} base
- */
-/** @typedef {{name: string, unit: string, factor: number}} Unit */
-/** @typedef {{output: Unit, speed: Unit}} Units */
-/** @typedef {{draw: (motions: DrawnMotion[], still: boolean) => void, charts: () => any[]}} Picture */
+/** @import { Cell, DrawnMotion, PageElement, Units } from "./types.d.ts" */
 
 const PACE = 0.7;  // drive periods a second of the moving beam
 const REPEAT = 12;  // drive periods after which motions of 1 to 4 of them are together again
@@ -44,7 +21,7 @@ const SLOW = 6;  // frames from one spectrum to the next while a slider moves
  * @param {() => string} title
  */
 export function pictures(prefix, units, title) {
-  /** @type {(name: string) => HTMLElement} */
+  /** @type {(name: string) => PageElement} */
   const host = (name) => byId(prefix + name);
   const button = host("play"), bent = beam(host("beam"));
   const each = { history: history(host("history"), units), portrait: portrait(host("portrait"), units) };
@@ -67,7 +44,7 @@ export function pictures(prefix, units, title) {
     button.textContent = playing ? "Pause" : "Play";
   });
 
-  /** CSV of all motions drawn. @type {(heads: string[], rows: (one: DrawnMotion) => any[][]) => () => string} */
+  /** CSV of all motions drawn. @type {(heads: string[], rows: (one: DrawnMotion) => Cell[][]) => () => string} */
   const table = (heads, rows) => () => {
     return csv([["fidelity", ...heads], ...current.flatMap((one) => rows(one).map((row) => [one.label, ...row]))]);
   };
@@ -81,7 +58,7 @@ export function pictures(prefix, units, title) {
       return one.spectrum.map((value, at) => [multiple(one, at), 10 ** value * output.factor]);
     });
     const shapes = table([time, "place (m)", "deflection (m)"], (one) => {
-      const frames = one.beam ? one.beam.length / (one.places.length - 1) : 0;
+      const frames = one.beam.length && one.beam.length / (one.places.length - 1);
       const times = Array.from({ length: frames }, (_, at) => (at * one.window) / frames);
       return times.flatMap((now) => shapeAt(one, now).map((value, k) => [now, one.places[k], value]));
     });
@@ -95,7 +72,7 @@ export function pictures(prefix, units, title) {
   offerAll();
 
   return {
-    hideBeam: () => { host("beam").parentElement.hidden = true; },
+    hideBeam: () => host("beam").parentElement?.setAttribute("hidden", ""),
     /**
      * ``still``: at rest, with values to read out; false while a slider moves.
      * @type {(motions: DrawnMotion[], still?: boolean) => void}

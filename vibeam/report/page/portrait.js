@@ -2,17 +2,20 @@
 import { axis, chart, framed, lines } from "./chart.js";
 import { keptSpan, withUnit } from "./numbers.js";
 
-/** @import { DrawnMotion, Picture, Units } from "./pictures.js" */
+/** @import { Chart, DrawnMotion, Draw, Picture, Units } from "./types.d.ts" */
 
 /** @type {(host: HTMLElement, units: Units) => Picture} */
 export function portrait(host, { output, speed }) {
   /** @type {DrawnMotion[]} */
   let current = [];
-  /** @type {any} */
+  /** @type {Chart | null} */
   let made = null;
-  let across = [0, 1], up = [0, 1];
+  /** @type {[number, number]} */
+  let across = [0, 1];
+  /** @type {[number, number]} */
+  let up = [0, 1];
 
-  /** @type {(pen: any, at: any) => void} */
+  /** @type {Draw} */
   const paint = (pen, at) => {
     const frame = framed(at, output.factor, speed.factor);
     for (const each of current) {
@@ -29,7 +32,7 @@ export function portrait(host, { output, speed }) {
 
   const make = () => chart(host, {
     words: "Phase portrait: velocity against displacement", height: 300, legend: false, cursor: { show: false },
-    series: [{}, { stroke: "none" }], columns: [[0, 1], [0, 1]], draw: paint,
+    series: [{}, { stroke: () => "none" }], columns: [[0, 1], [0, 1]], draw: paint,
     axes: [{ ...axis(withUnit(output.name, output.unit)), size: 44 }, axis(withUnit("velocity", speed.unit))],
     scales: { x: { time: false, range: () => across }, y: { range: () => up } },
   });

@@ -2,7 +2,7 @@
 import { axis, chart, lines } from "./chart.js";
 import { element } from "./state.js";
 
-/** @import { DrawnMotion, Picture, Units } from "./pictures.js" */
+/** @import { Cell, Chart, DrawnMotion, Draw, Picture, Plot, Units } from "./types.d.ts" */
 
 const DECADES = 6;  // that are drawn
 export const HARMONICS = 16;  // highest multiple of the drive frequency
@@ -13,19 +13,19 @@ export const multiple = (each, index) => (index * HARMONICS) / (each.spectrum.le
 /** @type {(host: HTMLElement, units: Units) => Picture} */
 export function spectrum(host, { output }) {
   const shift = Math.log10(output.factor);
-  /** @type {any[]} */
+  /** @type {Chart[]} */
   let made = [];
   /** @type {DrawnMotion[]} */
   let current = [];
   let top = 0, known = "";
 
-  /** @type {(each: DrawnMotion) => (number | null)[][]} */
+  /** @type {(each: DrawnMotion) => [number[], (number | null)[]]} */
   const columnsOf = (each) => {
     const values = Array.from(each.spectrum, (value) => (value + shift <= top - DECADES ? null : value + shift));
     return [values.map((_, index) => multiple(each, index)), values];
   };
 
-  /** @type {(place: number) => (pen: any, at: any) => void} */
+  /** @type {(place: number) => Draw} */
   const painter = (place) => (pen, at) => {
     const each = current[place], [places, values] = columnsOf(each), low = at.scales.y.min;
     const ups = values.flatMap((value) => (value === null ? [null, null, null] : [low, value, null]));
@@ -38,13 +38,13 @@ export function spectrum(host, { output }) {
     const first = Math.ceil((top - DECADES) / 2) * 2;
     return Array.from({ length: Math.floor((top + 0.5 - first) / 2) + 1 }, (_, at) => first + 2 * at);
   };
-  /** @type {(write: (value: number) => string) => (plot: any, splits: number[]) => string[]} */
-  const ticks = (write) => (_, splits) => splits.map(write);
+  /** @type {(write: (value: number) => string) => (plot: Plot, splits: Cell[]) => string[]} */
+  const ticks = (write) => (_, splits) => splits.map((each) => write(Number(each)));
   const bare = { ...axis(null), size: 8, values: ticks(() => "") };
   const named = { ...axis("Multiple of the drive frequency"), size: 44 };
   const up = { ...axis(null), size: 50, splits: powers, values: ticks((value) => `1e${value}`) };
 
-  /** @type {(each: DrawnMotion, place: number) => any} */
+  /** @type {(each: DrawnMotion, place: number) => Chart} */
   const strip = (each, place) => {
     const own = element("div", { class: "chart" }), last = place === current.length - 1;
     host.append(own);

@@ -7,6 +7,8 @@ export type PageElement = HTMLInputElement & HTMLButtonElement & HTMLTableElemen
 export type Colours = { colour: string; dark: string };
 /** Unit that numbers in SI are shown in, and the factor to it. */
 export type Unit = { unit: string; factor: number };
+/** Units of the output, with its name, and of its velocity. */
+export type Units = { output: Unit & { name: string }; speed: Unit };
 /** Numbers in steps of their range. */
 export type Packed = { data: string; low: number; step: number };
 export type Numbers = (number | null)[];
@@ -27,7 +29,7 @@ export type Reference = {
 export type StoredMotion = {
   fidelity: string; way: string; frequency: number; fault?: string; window: number;
   time: Packed; x: Packed; v: Packed; impacts: [number, number][]; section: [Packed, Packed]; spectrum: Packed;
-  shares: number[]; beam: Packed | null; stops: [number, number, number][]; base: number | null;
+  shares: number[]; beam: Packed | null; stops: [number, number, number][]; base: number | null; drawn?: DrawnMotion;
 };
 export type Data = {
   frequency: Unit; output: Unit & { name: string }; speed: Unit; contact_speed: Unit; quantities: Quantity[];
@@ -37,6 +39,25 @@ export type Data = {
 
 /** Files of a view: texts of numbers and of a drawing, or the data URL of a picture in the drawing's place. */
 export type Files = { csv?: (() => string) | ""; svg?: (() => string) | null | false; image?: string };
+
+/** Numbers of a motion, as they come. */
+export type Series = ArrayLike<number> & Iterable<number>;
+/** A motion as it is drawn, stored or just flown; SI, times in drive periods from the start of its window. */
+export type DrawnMotion = {
+  label: string; colour: () => string; dash: number[]; window: number; time: Series; x: Series; v: Series;
+  /** Displacements and velocities. */
+  section: number[][];
+  /** log10 of amplitudes from 0 to 16 times the drive frequency, evenly. */
+  spectrum: number[];
+  /** Deflections, frame by frame, at the places after the first; none where they are not known. */
+  beam: Series; places: number[]; held: boolean;
+  /** Place, height, 1 above or −1 below. */
+  stops: number[][];
+  /** Amplitude of the base; null where its motion is not harmonic. */
+  base: number | null;
+};
+/** ``still``: at rest, with values to read out; false while a slider moves. */
+export type Picture = { draw: (motions: DrawnMotion[], still: boolean) => void; charts: () => Chart[] };
 
 /** What a canvas and the writer of SVG both draw with. */
 export type Pen = {
@@ -58,7 +79,7 @@ export type Look = { colour: string; width?: number; dash?: number[] };
 export type PlotScale = { min: number; max: number };
 export type PlotAxis = {
   label?: string | null; size?: number; stroke?: () => string; grid?: object; ticks?: object;
-  values?: (plot: Plot, splits: Numbers) => (string | number | null)[];
+  values?: (plot: Plot, splits: any[]) => Cell[];
   splits?: (plot: Plot, axis: number, low: number, high: number) => number[];
   _splits?: number[]; _values?: Cell[];
 };
@@ -80,7 +101,7 @@ export type Plot = {
   batch(change: () => void): void;
   destroy(): void;
 };
-export type PlotRange = (plot: Plot, low: number, high: number) => [number, number];
+export type PlotRange = (plot: Plot, low: number, high: number) => number[];
 export type PlotScales = Record<string, { time?: boolean; range?: PlotRange }>;
 export type PlotHooks = Record<string, ((plot: Plot, key: string) => void)[]>;
 /** What a chart is made of; `draw` is cut off at the frame, `mark` is not. */
