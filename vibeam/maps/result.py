@@ -1,4 +1,4 @@
-"""Result of a map, or of what is known of it under way, and the shares of its classes of motion."""
+"""Result of a map, and the shares of its classes of motion."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 class MapResult(ValueRecord, LabelledData):
     """A map: quantities of each fidelity (of very many points every so many along the last two axes).
 
-    ``points`` in all, of which ``found`` were in the file; ``done`` of them are computed. ``path``: its file.
+    ``points`` in all, of which ``found`` were on disk before. ``path``: its file.
 
     >>> import vibeam
     >>> axes = [{"key": "sweep.frequency", "values": ["14 Hz", "15 Hz"]}]
     >>> asked = {"axes": axes, "fidelities": ["sdof"], "picture": "values", "direction": "up"}
     >>> result = vibeam.run_map(vibeam.load("cases/dtu_neutral.toml", {"map.line": asked}), "line", "line.h5")
-    >>> result.done, list(result.responses)
+    >>> result.points, list(result.responses)
     (2, ['sdof'])
     """
 
@@ -38,7 +38,6 @@ class MapResult(ValueRecord, LabelledData):
     responses: Mapping[str, GridResponse]
     points: int
     found: int
-    done: int
     path: Path
 
     def __getitem__(self, fidelity: str) -> GridResponse:
@@ -97,5 +96,5 @@ def rows_of(result: MapResult) -> Iterator[MapRow]:
             found = classes(period, resting, ended)
             places = [""] if outer is None else [f"{outer.key} = {value:.6g}" for value in outer.values]
             for at, part in zip(places, found if outer else [found], strict=True):
-                shares = [float(np.mean(part == each)) for each in Class if each is not Class.NOT_RUN]
+                shares = [float(np.mean(part == each)) for each in Class]
                 yield MapRow(plan.name, fidelity, way, at, part.size, *shares)

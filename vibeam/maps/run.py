@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from math import prod
 from pathlib import Path
 from threading import Lock
-from time import monotonic
 from typing import TYPE_CHECKING
 
 from vibeam.case.source import of_source
@@ -15,7 +14,7 @@ from vibeam.maps.block import Block
 from vibeam.maps.cluster import Cluster, evaluate_here
 from vibeam.maps.evaluate import grids_of, key_of, lines_of_block, plan_of
 from vibeam.maps.gathered import finished, gather, is_ours, read_map, stored_keys
-from vibeam.maps.job import MapJob, manifest_of, name_of, points_of, write_block
+from vibeam.maps.job import MapJob, manifest_of, points_of, write_block
 from vibeam.maps.result import MapResult
 from vibeam.runs.parallel import run_parallel
 from vibeam.store.blocks import discard, known_manifest
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["MapResult", "run_map", "stored_map"]
 Progress = Callable[[int, int], None]
-EVERY, SHARE = 5.0, 20.0  # s between partial pictures at least, and how many times as long as one takes
 
 
 @of_source
@@ -43,7 +41,6 @@ def run_map(
     fresh: bool = False,
     workers: int | None = None,
     progress: Progress | bool | None = None,
-    partial: Callable[[MapResult], None] | None = None,
     cluster: Cluster | None = None,
     tell: Tell | None = None,
 ) -> MapResult:
@@ -51,8 +48,7 @@ def run_map(
 
     Blocks of lines lie as files of their own in ``OUT.parts`` until all are there: a run that is killed loses the
     blocks in flight, one for each of the ``workers`` (threads; None: one a core). ``fresh``: keep nothing.
-    ``progress``: True shows a bar; a function is called with the points done and their total. ``partial``: is called
-    with what is known every few seconds. Both are called from any thread.
+    ``progress``: True shows a bar; a function is called, from any thread, with the points done and their total.
     A map of the case before an edit is kept aside, ``OUT.1.h5``; ``tell`` gets one line on that, else it is a warning.
     ``cluster``: other processes that compute the blocks (``vibeam.maps.cluster.connected``); this one writes.
 
@@ -79,12 +75,12 @@ def run_map(
         if not finished(place, keys):
             sizes = {fidelity: lines_of_block(case, grid) for fidelity, grid in grids.items()}
             job = MapJob.begun(case, plan, grids, manifest_of(place.folder, keys, sizes), place)
-            _compute(job, told, partial, workers, cluster)
+            _compute(job, told, workers, cluster)
             found = job.found
         else:
             told(total, total)
         discard(place.folder)
-    return MapResult(case, plan, read_map(place.target, grids), total, found, total, path)
+    return MapResult(case, plan, read_map(place.target, grids), total, found, path)
 
 
 def stored_map(case: Case, name: str, path: Path) -> MapResult | None:
@@ -98,7 +94,7 @@ def stored_map(case: Case, name: str, path: Path) -> MapResult | None:
     except StoreError:
         return None
     points = sum(grid.lines * prod(grid.shape) for grid in grids.values())
-    return MapResult(case, plan, read_map(place.target, grids), points, points, points, path)
+    return MapResult(case, plan, read_map(place.target, grids), points, points, path)
 
 
 def _set_aside(place: Place, keys: Mapping[str, str], tell: Tell) -> None:
@@ -120,15 +116,9 @@ def _remove(place: Place) -> None:
         raise unwritable(place.path, fault, ELSEWHERE) from None
 
 
-def _compute(
-    job: MapJob,
-    progress: Progress,
-    partial: Callable[[MapResult], None] | None,
-    workers: int | None,
-    cluster: Cluster | None,
-) -> None:
+def _compute(job: MapJob, progress: Progress, workers: int | None, cluster: Cluster | None) -> None:
     """Compute the missing blocks, then gather all."""
-    lock, watch = Lock(), _Watch()
+    lock = Lock()
     done, total = job.found, points_of(job.blocks)
     progress(done, total)
     evaluate = evaluate_here if cluster is None else cluster.evaluate
@@ -140,31 +130,8 @@ def _compute(
             raise Stopped
         write_block(job.place.path, job.place.folder, block, job.keys[block.grid.fidelity], values)
         with lock:
-            job.done.add(name_of(block))
             done += block.size
         progress(done, total)
-        if partial and len(job.done) < len(job.blocks) and watch.due():
-            watch.drawn(lambda: partial(job.result()))
 
     run_parallel(task, job.missing, workers if cluster is None else cluster.blocks)
     gather(job.place, job.case, job.plan, job.keys, job.sources())
-
-
-class _Watch:
-    """Clock of the partial pictures: one at a time, and none that would cost more than a twentieth of the run."""
-
-    def __init__(self) -> None:
-        self._lock, self._next = Lock(), monotonic() + EVERY
-
-    def due(self) -> bool:
-        """Test whether a picture is due; True for one thread alone."""
-        return monotonic() >= self._next and self._lock.acquire(blocking=False)
-
-    def drawn(self, draw: Callable[[], None]) -> None:
-        """Draw it."""
-        begun = monotonic()
-        try:
-            draw()
-        finally:
-            self._next = monotonic() + max(EVERY, SHARE * (monotonic() - begun))
-            self._lock.release()

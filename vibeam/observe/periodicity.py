@@ -55,12 +55,10 @@ class Class(IntEnum):
     PERIOD_MORE = 3
     NOT_PERIODIC = 4
     FAILED = 5
-    NOT_RUN = 6
 
 
 def classes(period: NDArray[Any], rest: NDArray[Any], ended: NDArray[Any]) -> NDArray[np.int_]:
     """Class of the motion at every point, of the shape of the arguments: period, share at rest, code of ``Ended``."""
     found = np.select([period > 2, period > 0], [Class.PERIOD_MORE, period], Class.NOT_PERIODIC)
     found = np.where((period < 0) | (rest > RESTING), Class.NO_IMPACT, found)
-    found = np.where(ended == Ended.COMPLETE.code, found, Class.FAILED)
-    return np.where(ended == Ended.NOT_RUN.code, Class.NOT_RUN, found)
+    return np.where(ended == Ended.COMPLETE.code, found, Class.FAILED)

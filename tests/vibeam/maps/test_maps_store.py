@@ -18,10 +18,9 @@ from vibeam.maps import run as running
 from vibeam.maps.block import Block, evaluate_block
 from vibeam.maps.evaluate import grids_of, key_of, lines_of_block
 from vibeam.maps.gathered import finished, steps_of
-from vibeam.maps.job import block_path, partial_response, read_block, write_block
+from vibeam.maps.job import block_path, read_block, write_block
 from vibeam.maps.points import Axis
 from vibeam.store.place import place_of
-from vibeam.system.quantities import Ended
 
 AXES = [
     {"key": "stop.gap", "values": [0.0, 5e-5, 1e-4]},
@@ -267,20 +266,6 @@ def test_a_very_large_map_has_no_more_blocks_than_a_client_can_hand_out() -> Non
     grid = grids_of(rig, rig.maps["m"])["sdof"]
     assert grid.lines / lines_of_block(rig, grid) < 21_000
     assert 300 * lines_of_block(rig, grid) > 14_000  # four seconds and more, for one of a small map
-
-
-def test_what_is_known_of_a_map_under_way_stands_in_its_place() -> None:
-    rig = case()
-    grid = grids_of(rig, rig.maps["m"])["sdof"]
-    block = Block(grid, 5, 7)
-    found = partial_response(grid, [(block, evaluate_block(block)), (Block(grid, 0, 2), None)])
-    memory = expected()
-    np.testing.assert_array_equal(found["amplitude"][:, 1, :2], memory["amplitude"][:, 1, :2])
-    assert np.all(found["ended"][:, 0] == Ended.NOT_RUN.code)
-    assert np.isnan(found["amplitude"][:, 1, 2:]).all()
-    thin = partial_response(grid, [(block, evaluate_block(block))], most=60)
-    assert thin.axes["drive.voltage"].tolist() == memory.axes["drive.voltage"][::2].tolist()
-    np.testing.assert_array_equal(thin["amplitude"][:, 1, 0], memory["amplitude"][:, 1, 0, ::2])
 
 
 def test_few_numbers_of_a_large_map_are_read_back() -> None:

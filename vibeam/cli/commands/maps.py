@@ -156,10 +156,8 @@ def _computed(case: Case, plan: MapPlan, path: Path, fresh: bool, where: str | N
     from vibeam.cli.progress import Bar, stderr
     from vibeam.maps.run import run_map
 
-    shown = None if plan.picture in ("stability", "verdict") else _sketch
     with _workers(where) as cluster, Bar(f"map {plan.name}") as bar:
-        told = stderr().print
-        return run_map(case, plan, path, fresh=fresh, progress=bar, partial=shown, cluster=cluster, tell=told)
+        return run_map(case, plan, path, fresh=fresh, progress=bar, cluster=cluster, tell=stderr().print)
 
 
 @contextmanager
@@ -174,13 +172,6 @@ def _workers(where: str | None) -> Iterator[Cluster | None]:
             yield cluster
     except ClusterError as fault:
         raise UsageError(str(fault)) from None
-
-
-def _sketch(result: MapResult) -> None:
-    """Draw what is known so far."""
-    from vibeam.report.maps.page import write_map
-
-    write_map(result, result.path.with_suffix(".png"), exact=False)
 
 
 def _drawn(result: MapResult) -> tuple[StudySheet, list[Path]]:

@@ -43,13 +43,10 @@ def study_of(result: MapResult) -> Any:
     return result
 
 
-def write_map(found: Any, *paths: Path, exact: bool = True) -> list[str]:
-    """Draw a map to ``paths``, by their endings; ``exact``: with what is known in closed form. Returns notes on it.
-
-    ``found``: as of ``study_of``.
-    """
+def write_map(found: Any, *paths: Path) -> list[str]:
+    """Draw a map, ``found`` as of ``study_of``, to ``paths``, by their endings. Returns notes on it."""
     notes: list[str] = []
-    write_page(lambda: _figure(found, exact and found.plan.boundaries, notes), paths)
+    write_page(lambda: _figure(found, found.plan.boundaries, notes), paths)
     return notes
 
 
@@ -76,8 +73,7 @@ def _module(name: str) -> Any:
 
 
 def _caption(found: MapResult) -> str:
-    shows = CAPTIONS.get(found.plan.picture) or quantity_label(found, found.plan.quantity)
-    return f"{shows}: {found.done} of {found.points} points" if found.done < found.points else shows
+    return CAPTIONS.get(found.plan.picture) or quantity_label(found, found.plan.quantity)
 
 
 def sheet_of(found: Any, notes: Sequence[str] = ()) -> StudySheet:

@@ -47,7 +47,6 @@ SHADES = {
     "period 3 … 16": COLOURS[3],
     "not periodic": "#FFFFFF",
     "failed": "#333333",
-    "not computed yet": "#F7E9C6",
 }  #: classes of the motion, in the order of ``observe.periodicity.Class``
 
 Handles = list[Any]
