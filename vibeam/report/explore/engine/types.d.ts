@@ -22,8 +22,8 @@ export type Model = {
   /** Share of the drive's amplitude with which the base moves; null where it moves otherwise. */
   base: number | null;
   rest: any; regimes?: any; drift?: { frequency: Packed; gap: Packed };
-  /** Base amplitude: level · factor / Ω^power, or from a table. */
-  amplitude: { power: number; factor: number } | { frequency: Packed; amplitude: Packed };
+  /** Base amplitude: level · factor / Ω^power, or level times a table; the level is the case's. */
+  amplitude: { level: number; power: number; factor: number } | { level: number; frequency: Packed; amplitude: Packed };
   look: { colour: string; dark: string; dash: number[] };
 };
 export type SliderName = "frequency" | "drive" | "gap" | "restitution" | "damping";
@@ -31,15 +31,22 @@ export type SliderName = "frequency" | "drive" | "gap" | "restitution" | "dampin
 export type Slider = Unit & {
   name: SliderName; key: string; label: string; value: number; low: number; high: number; logarithmic: boolean;
   of: Record<string, [number, number]>;
+  /** Frequencies (Hz) that the slider keeps to. */
+  places?: Packed;
 };
+/** What no slider changes, why, and the command that does. */
+export type Fixed = { name?: SliderName; key: string; why: string; command: string };
 export type Payload = {
   version: string; level: string; digest: string; libraries: Record<string, string>; slots: Table;
-  models: Model[]; sliders: Slider[]; ended: Record<string, string>;
+  models: Model[]; sliders: Slider[]; fixed: Fixed[];
+  /** Words of an outcome by its code. */
+  ended: Record<string, string>;
   sweep: {
     frequency: number[]; settle: number; hold: number; output: string;
     units: { frequency: Unit; output: Unit & { name: string }; speed: Unit; contact_speed: Unit };
   };
-  case: { title: string; name: string; template: string };
+  /** The template's parts are texts and sliders' values times a factor. */
+  case: { title: string; name: string; file: string; template: (string | { slider: SliderName; times: number })[] };
 };
 
 /** Values of the keys; what is left out is the case's. */
