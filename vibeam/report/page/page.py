@@ -13,7 +13,7 @@ from vibeam.report.checks import check_report
 from vibeam.report.output import StudySheet
 from vibeam.report.page.charts import as_json, chart_data
 from vibeam.report.page.drawing import drawing, mode_shapes
-from vibeam.report.page.parts import KINDS, Picture, embedded, picture, rendered
+from vibeam.report.page.parts import KINDS, LivePart, Picture, embedded, picture, rendered
 from vibeam.report.run_report import run_report
 from vibeam.system.response import modes_of
 
@@ -28,8 +28,8 @@ PAGE_BYTES, MAP_BYTES = 1_350_000, 160_000  # of data and pictures together, of 
 PLANES = ("stability", "verdict")  # pictures of maps that a study makes
 
 
-def page(stored: StoredResult) -> str:
-    """The page as HTML; CaseError where a model of the case cannot be built any more."""
+def page(stored: StoredResult, live: LivePart | None = None) -> str:
+    """The page as HTML, with what is ``live`` of it; CaseError where a model of the case cannot be built any more."""
     from vibeam.figures.response_curve import frc
 
     result = stored.result
@@ -39,6 +39,7 @@ def page(stored: StoredResult) -> str:
     return rendered(
         "results.html",
         ("state", "saving", *VIEWS, "start"),
+        live,
         title=result.case.title,
         result=result,
         case=result.case,

@@ -104,13 +104,17 @@ def as_csv(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return text.getvalue()
 
 
-EXPORT = re.compile(r"^export (\w+) (\w+)", re.MULTILINE)
-IMPORT = re.compile(r'^import (\{.*\}) from "\./(\w+)\.js";$', re.MULTILINE)
+EXPORT = re.compile(r"^export ((?:async )?\w+) (\w+)", re.MULTILINE)
+IMPORT = re.compile(r'^import (\{.*\}) from "\.{1,2}/(?:[\w./]+/)?(\w+)\.js";$', re.MULTILINE)
+HOMES = ("page", "explore", "explore/engine", "explore/views")  # folders of ``vibeam.report`` with files of pages
 
 
-def bundle(names: Sequence[str]) -> str:
-    """Modules of scripts, each after those that it imports from, as one text that needs no files: none is global."""
-    parts = ["const modules = {};"]
+def bundle(names: Sequence[str], first: bool = True) -> str:
+    """Modules of scripts, each after those that it imports from, as one text that needs no files: none is global.
+
+    ``first``: no other text of modules stands before it on the page.
+    """
+    parts = ["const modules = {};"] if first else []
     for name in names:
         text = text_of(f"{name}.js")
         known = ", ".join(each[1] for each in EXPORT.findall(text))
@@ -119,15 +123,62 @@ def bundle(names: Sequence[str]) -> str:
     return "\n".join(parts)
 
 
+def with_imports(names: Sequence[str], known: Sequence[str] = ()) -> tuple[str, ...]:
+    """Modules with all that they import from, each behind those, less those that are ``known`` to stand before.
+
+    ValueError where modules import each other in a circle.
+    """
+    found: list[str] = []
+
+    def add(name: str, above: tuple[str, ...]) -> None:
+        if name in above:
+            raise ValueError(f"{' > '.join([*above, name])}: these modules import each other")
+        if name not in known and name not in found:
+            for _, home in IMPORT.findall(text_of(f"{name}.js")):
+                add(home, (*above, name))
+            found.append(name)
+
+    for each in names:
+        add(each, ())
+    return tuple(found)
+
+
 def text_of(name: str) -> str:
-    """Text of a file of this folder."""
-    return (files(__package__) / name).read_text(encoding="utf-8")
+    """Text of a file of ``HOMES``, in which no two have the same name; FileNotFoundError where none has it."""
+    room = files(__package__.rpartition(".")[0])
+    for home in HOMES:
+        found = room.joinpath(home, name)
+        if found.is_file():
+            return found.read_text(encoding="utf-8")
+    raise FileNotFoundError(f"{name}: in none of {', '.join(HOMES)}")
 
 
-def rendered(template: str, scripts: Sequence[str], **values: object) -> str:
-    """A template of this folder with its values, texts escaped; style and ``scripts`` are part of the page."""
+@dataclass(frozen=True)
+class LivePart:
+    """Part of a page that flies: the ``payload`` as JSON, the scripts of engine and view by which all others come.
+
+    ``refusals``: the sentence on each fidelity that is not flown. An empty ``payload`` is a page without an engine.
+    """
+
+    payload: str
+    refusals: tuple[str, ...] = ()
+    engine: tuple[str, ...] = ("engine", "worker")
+    view: str = "explore"
+
+
+def rendered(template: str, scripts: Sequence[str], live: LivePart | None = None, **values: object) -> str:
+    """A template of ``HOMES`` with its values, texts escaped; style and ``scripts`` are part of the page.
+
+    The scripts of the engine stand in an element of their own, whose text is a worker's too; the last of ``scripts``
+    starts the page.
+    """
     from jinja2 import Environment, FunctionLoader
 
     environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, loader=FunctionLoader(text_of))
     environment.globals |= {"text_of": text_of, "picture_of": picture, "texts": texts}
-    return environment.get_template(template).render(values, scripts=bundle(scripts))
+    values |= {"live": live, "flies": False}
+    if live and live.payload:
+        flown = with_imports(live.engine)
+        scripts = with_imports([*scripts[:-1], live.view, *scripts[-1:]], flown)
+        values |= {"flies": True, "engine": f'"use strict";\n{bundle(flown)}'}
+    return environment.get_template(template).render(values, scripts=bundle(scripts, first=not values["flies"]))
