@@ -2,8 +2,9 @@
 import { address, byId, colourOf, tell } from "./state.js";
 /** @import { Data, Fidelity } from "./types.d.ts" */
 
-/** @type {Data} */
-export const data = JSON.parse(byId("data").textContent);
+const NONE = { frequency: { unit: "", factor: 1 }, fidelities: [], curves: [], references: [], motions: [] };
+/** Of a page without a sweep: no curves, no motions. @type {Data} */
+export const data = byId("data") ? JSON.parse(byId("data").textContent) : NONE;
 /** @typedef {{fidelity: string, way: string}} Branch */
 /** @type {Record<string, Fidelity>} */
 export const fidelity = Object.fromEntries(data.fidelities.map((each) => [each.name, each]));

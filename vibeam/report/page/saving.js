@@ -7,7 +7,7 @@ const INLINE = ["fill", "stroke", "stroke-width", "stroke-dasharray", "font-size
 const slug = (text) => text.normalize("NFKD").replace(/\p{M}/gu, "").replace(/[^\p{L}\p{N}]+/gu, "-").replace(/^-|-$/g, "").toLowerCase().slice(0, 60);
 
 /** @type {(content: BlobPart, type: string, name: string, ending: string) => void} */
-function save(content, type, name, ending) {
+export function save(content, type, name, ending) {
   const link = element("a", { href: URL.createObjectURL(new Blob([content], { type })), download: `${slug(document.title) || "vibeam"}-${slug(name)}.${ending}` });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);

@@ -1,0 +1,106 @@
+// Sliders with their fields, choice of fidelities, buttons.
+import { byId, drawn, element, colourOf, on } from "../../page/state.js";
+import { short } from "../../page/numbers.js";
+import { save } from "../../page/saving.js";
+import { caseText, isFlown, models, move, payload, placesOf, reset, shownText, take, valueAt, valueOf } from "./place.js";
+
+/** @import { Fixed, Model, Slider } from "../engine/types.d.ts" */
+
+const STEPS = 1000;  // of a slider from end to end
+
+/** Value (SI) at a slider's step, rounded to what a step changes. @type {(slider: Slider, step: number) => number} */
+function atStep(slider, step) {
+  const { low, high, factor, logarithmic } = slider, share = step / STEPS, places = placesOf(slider);
+  if (places.length) return places[Math.round(share * (places.length - 1))];
+  if (step <= 0 || step >= STEPS) return step <= 0 ? low : high;
+  const value = logarithmic ? low * (high / low) ** share : low + share * (high - low);
+  const digit = 10 ** Math.floor(Math.log10(((logarithmic ? value : high - low) * Math.abs(factor)) / STEPS));
+  return (Math.round((value * factor) / digit) * digit) / factor;
+}
+
+/** @type {(slider: Slider, value: number) => number} */
+function stepOf(slider, value) {
+  const { low, high, logarithmic } = slider, places = placesOf(slider);
+  if (places.length) return (STEPS * places.findIndex((each) => each >= value)) / Math.max(places.length - 1, 1);
+  return STEPS * (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
+}
+
+/** Rows of one slider; what writes its value into them is returned. @type {(slider: Slider) => () => void} */
+function row(slider) {
+  const { name, key, label, unit, low, high, factor } = slider;
+  const id = `slide-${name}`, fault = byId("slider-fault");
+  const step = slider.places ? STEPS / Math.max(placesOf(slider).length - 1, 1) : 1;
+  const range = element("input", { type: "range", id, min: 0, max: STEPS, step, title: key });
+  const field = element("input", {
+    type: "number", id: `${id}-number`, step: "any", "aria-label": `${label}${unit ? `, ${unit}` : ""}`,
+  });
+  const head = element("label", { for: id }, label), end = element("span", { class: "number-field" });
+  end.append(field, " ", element("span", {}, unit));
+  range.addEventListener("input", () => move(name, atStep(slider, +range.value)));
+  field.addEventListener("input", () => {
+    const value = field.value === "" ? NaN : valueOf(slider, +field.value), known = isFinite(value);
+    field.setAttribute("aria-invalid", String(!known));
+    const ends = [low, high].map((each) => short(each * factor, 6)).join(" to ");
+    fault.textContent = known ? "" : `${label}: a number from ${ends}${unit ? ` ${unit}` : ""}.`;
+    if (known) move(name, value);
+  });
+  field.addEventListener("change", () => { if (field.getAttribute("aria-invalid") === "false") set(); });
+  byId("sliders").append(head, range, end);
+
+  function set() {
+    const value = valueAt(name), text = shownText(slider, value);
+    range.value = String(stepOf(slider, value));
+    range.setAttribute("aria-valuetext", `${text} ${unit}`.trim());
+    if (document.activeElement === field && +field.value === +text) return;
+    if (document.activeElement !== field || field.getAttribute("aria-invalid") !== "true") field.value = text;
+  }
+  return set;
+}
+
+/** Sample of a fidelity's line. @type {(model: Model) => SVGElement} */
+function sample({ look }) {
+  const svg = drawn("svg", { viewBox: "0 0 30 8", width: 30, height: 8, "aria-hidden": "true" });
+  svg.append(drawn("path", { d: "M1 4H29", "stroke-width": 3, "stroke-dasharray": look.dash.join(" ") }));
+  const paint = () => svg.firstChild.setAttribute("stroke", colourOf(look));
+  on("theme", paint);
+  paint();
+  return svg;
+}
+
+/** @type {(model: Model) => Element} */
+function box(model) {
+  const label = element("label"), input = element("input", { type: "checkbox" });
+  input.checked = isFlown(model.name);
+  input.addEventListener("change", () => take(model.name, input.checked));
+  label.append(input, sample(model), ` ${model.label}`);
+  return label;
+}
+
+/** Sentences on what the page cannot fly, and on keys that could have a slider. */
+function limits() {
+  const stored = byId("motion") ? " Its stored motions are below." : "";
+  const refused = payload.models.filter((each) => !each.engine).map((each) => each.refusal + stored);
+  const missing = payload.fixed.filter(({ key }) => !key);
+  return [...refused, ...missing.map(({ name, why }) => `No slider for ${name}: ${why}.`)];
+}
+
+/** What no slider moves: keys of a table, and the command that changes one. @type {(fixed: Fixed) => Element} */
+function unmoved({ key, why, command }) {
+  const item = element("li", {}, `${key}: ${why}. `);
+  item.append(element("code", {}, command));
+  return item;
+}
+
+/** ``save``: writes a file. */
+export function controls() {
+  const sets = payload.sliders.map(row), all = () => sets.forEach((set) => set());
+  byId("flown").append(...models.map(box));
+  const fixed = payload.fixed.filter(({ key }) => key);
+  byId("limits").replaceChildren(...limits().map((text) => element("li", {}, text)));
+  byId("fixed").replaceChildren(...fixed.map(unmoved));
+  byId("unmoved").hidden = !fixed.length;
+  byId("as-case").addEventListener("click", () => { byId("slider-fault").textContent = ""; reset(); });
+  byId("write-case").addEventListener("click", () => save(caseText(), "application/toml", "at these sliders", "toml"));
+  on("moved", all);
+  all();
+}

@@ -1,0 +1,68 @@
+// View: the engine flies again as the sliders move. Without WebAssembly the page stays as it is.
+import { byId, on } from "../../page/state.js";
+import { pictures } from "../../page/pictures.js";
+import { data, picked } from "../../page/result.js";
+import { open } from "../engine/engine.js";
+import { background } from "../engine/worker.js";
+import { controls } from "./controls.js";
+import { flights } from "./flying.js";
+import { begin, models, move, payload, shownText, sliderOf, units, valueAt } from "./place.js";
+import { engineNote, readings } from "./readings.js";
+import { sweeps } from "./sweeping.js";
+
+/** @import { Engine } from "../engine/engine.js" */
+/** @import { Ask, Standing } from "./flying.js" */
+
+/** Questions to the worker, each with who hears its answers. @type {(engine: Engine) => Ask} */
+function asking(engine) {
+  const worker = background(engine, payload, byId("worker").textContent), waiting = new Map();
+  let number = 0;
+  worker.onmessage = ({ data: answer }) => {
+    const hear = waiting.get(answer.id);
+    if (answer.fault !== undefined || answer.done === answer.of) waiting.delete(answer.id);
+    if (hear) hear(answer);
+  };
+  return (call, args, hear) => {
+    number += 1;
+    waiting.set(number, hear);
+    worker.postMessage({ id: number, call, args });
+  };
+}
+
+/** @type {(engine: Engine) => void} */
+function show(engine) {
+  const ask = asking(engine), slider = sliderOf("frequency");
+  const at = () => (slider ? `, ${shownText(slider, valueAt("frequency"))} ${slider.unit}` : "");
+  byId("explore-body").hidden = false;
+  byId("explore-waits").hidden = true;
+  controls();
+  const views = pictures("live-", units, () => document.title + at());
+  if (!models.some((each) => each.stations)) views.hideBeam();
+  /** @type {Standing | null} */
+  let last = null;
+  const read = () => { if (last) readings(last, curves.peak); };
+  const curves = sweeps(ask, () => read());
+  flights(engine, ask, views.draw, (standing) => { last = standing; read(); });
+  byId("engine-note").textContent = engineNote();
+  on("picked", () => { if (picked() !== undefined) move("frequency", picked()); });
+}
+
+/** Sections of stored motions go where all fidelities fly. */
+function replaceStored() {
+  const flies = payload.models.every((each) => each.engine);
+  if (!byId("motion") || !flies) return;
+  byId("motion").hidden = true;
+  document.querySelector('nav a[href="#motion"]')?.setAttribute("hidden", "");
+}
+
+if (byId("engine") && models.length && typeof WebAssembly === "object") {
+  if (data.motions.length) begin(picked());
+  open(payload).then((engine) => {
+    const { version, level } = payload;
+    Object.assign(window, { vibeam: { fly: engine.fly.bind(engine), open, version, level } });
+    replaceStored();
+    show(engine);
+  }).catch((fault) => {
+    byId("explore-waits").textContent = `The engine does not start in this browser: ${fault.message}`;
+  });
+} else byId("explore-waits").textContent = "This browser has no WebAssembly: what was stored is shown below.";
