@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from vibeam.exchange.faults import CaseError
 from vibeam.figures.panels import NOT_FROM_ZERO, SLIGHT, TOP
 from vibeam.figures.response_curve import grazing_heights
-from vibeam.figures.style import COLOURS, DASH, DASHES, DOT, LINES, looks_of, name_of
+from vibeam.figures.style import COLOURS, DASH, DASHES, DOT, LINES, Look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass, pieces
 from vibeam.studies.regression.references import COVERAGE
@@ -139,14 +139,18 @@ def _fidelities(result: Result) -> list[dict[str, Any]]:
         {
             "name": name,
             "label": name_of(case, name),
-            **_colours(looks[name].colour),
-            "dash": [] if looks[name].dash == DASHES[0] else [3 * each for each in looks[name].dash[1]],
+            **look_on_page(looks[name]),
             "grazing": heights.get(name),
             "places": [0.0, *stations(case, name).values()] if name in case.fidelities else [],
             "held": name in case.fidelities and held_at_zero(case, name),
         }
         for name in result
     ]
+
+
+def look_on_page(own: Look) -> dict[str, Any]:
+    """Colours and dashes of a fidelity's lines on the page."""
+    return {**_colours(own.colour), "dash": [] if own.dash == DASHES[0] else [3 * each for each in own.dash[1]]}
 
 
 def _colours(colour: str) -> dict[str, str]:

@@ -1,0 +1,133 @@
+"""Models of a case as numbers for the page: each fidelity's system, or why the page cannot fly it."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.case.beam_field import stop_places
+from vibeam.case.fidelity import gap_wear, system
+from vibeam.figures.style import looks_of, name_of
+from vibeam.flight.linear.held_planes import held_planes, roots_serve
+from vibeam.flight.readout import OUTCOMES
+from vibeam.report.page.charts import look_on_page
+from vibeam.studies.stored_motions import held_at_zero, stations
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
+from vibeam_models.outputs import Output
+from vibeam_models.scene import AnyScene, Scene
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+MOST_MODES = 100  # of a plain system: its motions would no longer follow a slider
+
+
+def model_of(case: Case, name: str) -> dict[str, Any]:
+    """Model of one fidelity for the page, JSON-ready; its ``engine`` is None where ``refusal`` says why.
+
+    Its drive is not part of it. ValueError where the system itself cannot be built.
+    """
+    found, scene = case.system(name), case.scene_of(name)
+    refusal = page_refusal(case, name, found)
+    head = {
+        "name": name,
+        "label": name_of(case, name),
+        "finest": _finest(case, name),
+        "engine": None if refusal else "plain",
+        "refusal": refusal,
+        "modes": found.size,
+        "gap": found.gap,
+        "restitution": found.restitution,
+        "output": case.sweep.output,
+        "base": _base_share(scene),
+        "stops": _stops(scene, found),
+        "look": look_on_page(looks_of(case, case.fidelities)[name]),
+    }
+    if refusal:
+        return head | {"damped": False, "stations": None, "outputs": {}}
+    return head | _stations(case, name) | _plain(found)
+
+
+def page_refusal(case: Case, name: str, found: ImpactSystem) -> str:
+    """Reason why the page cannot fly a fidelity, a sentence; empty where it can."""
+    solver, scene = case.fidelities[name].solver, case.scene_of(name)
+    if solver != "flight":
+        return f'Found by the solver "{solver}": the page has the exact flight alone. Its stored curve stands in grey.'
+    if scene.harmonics:
+        return "Its drive has several harmonics: the page drives by one. The terminal flies it: vibeam run."
+    if gap_wear(scene):
+        return "Its gap wears with each impact: the page knows no wear. The terminal flies it: vibeam run."
+    if scene.stop is not None and scene.stop.drift is not None:
+        return "Its gap drifts over the sweep: the page knows no drift. The terminal flies it: vibeam run."
+    if _in_regimes(case, found):
+        return _beyond_plain_refusal(found)
+    if found.size > MOST_MODES:
+        return f"{found.size} modes are too many for the page, which flies {MOST_MODES} at most: take fewer modes."
+    return ""
+
+
+def ended_words() -> dict[str, str]:
+    """Why a motion ended, in words, by the kernels' code of it."""
+    return {str(code): ended.value for code, ended in OUTCOMES.items()}
+
+
+def array_of(values: Array) -> dict[str, Any]:
+    """An array to the bit: little-endian doubles in base64, and its shape."""
+    whole = np.ascontiguousarray(values, dtype="<f8")
+    return {"f8": b64encode(whole.tobytes()).decode(), "shape": list(whole.shape)}
+
+
+def _in_regimes(case: Case, found: ImpactSystem) -> bool:
+    """Test whether a system is more than plain, or the sweep reads a derivative, which only regimes do."""
+    return bool(found.beyond_plain) or found.derivative(case.sweep.output) is not None
+
+
+def _beyond_plain_refusal(found: ImpactSystem) -> str:
+    what = found.beyond_plain[0] if found.beyond_plain else "an output that is a velocity or an acceleration"
+    return f"It has {what}: the page flies plain systems alone. The terminal flies it: vibeam run."
+
+
+def _plain(found: ImpactSystem) -> dict[str, Any]:
+    """Rows of a plain system, and the system held on its stop where the page does not find it by itself."""
+    rows = {name: array_of(getattr(found, name)) for name in ("omega", "zeta", "contact", "load", "static")}
+    outputs = {name: array_of(row) for name, row in found.outputs.items()}
+    by_roots = roots_serve(found)
+    rest = None if by_roots else {name: array_of(values) for name, values in held_planes(found).items()}
+    return {**rows, "outputs": outputs, "damped": by_roots, "rest": rest}
+
+
+def _finest(case: Case, name: str) -> str:
+    """Fidelity with most modes, the first of several, among those with the same physics: as ``Result.finest``."""
+    own = case.fidelities
+    alike = [each for each in own if own[each].changes == own[name].changes]
+    return max(alike, key=lambda each: case.system(each).size)
+
+
+def _base_share(scene: AnyScene) -> float | None:
+    """Share of the drive's amplitude with which the base moves; None where it moves by itself, or there is no beam."""
+    if not isinstance(scene, Scene) or scene.platform or scene.harmonics:
+        return None
+    return 0.0 if scene.base.on_beam else 1.0
+
+
+def _stops(scene: AnyScene, found: ImpactSystem) -> list[list[float]]:
+    """Stops that stand still as seen from the base: place (m), height (m), side, change of the height with the gap."""
+    if not isinstance(scene, Scene) or scene.named("opposite"):
+        return []
+    return [[*each, 1.0 if i == 0 else 0.0] for i, each in enumerate(stop_places(scene, found))]
+
+
+def _stations(case: Case, name: str) -> dict[str, Any]:
+    """Places along the beam (m), and the rows of its deflections there on the modes."""
+    places, scene = stations(case, name), case.scene_of(name)
+    if not places or not isinstance(scene, Scene):
+        return {"stations": None}
+    asked = tuple(Output(each, position) for each, position in places.items())
+    seen = system(replace(scene, outputs=(*scene.outputs, *asked)), case.fidelities[name])
+    rows = np.stack([seen.output(each) for each in places])
+    held = held_at_zero(case, name)
+    return {"stations": {"places": list(places.values()), "rows": array_of(rows), "held": held}}
