@@ -2,13 +2,14 @@
 
 All of them, or those of one group of ``scenes.SCENES`` alone: the others stay as they are.
 
-Needs numba (extra ``jit``) and LLVM's linker ``ld.lld``. Each group of entry points is compiled in a process of its
-own, since numba reads its settings when it is imported, for x86-64-v3; what numba has optimised is emitted for every
-level.
+Needs numba (extra ``jit``), LLVM's linkers ``ld.lld`` and ``wasm-ld``, and wasi-libc for ``wasm``, the level of web
+pages. Each group of entry points is compiled in a process of its own, since numba reads its settings when it is
+imported, for x86-64-v3; what numba has optimised is emitted for every level.
 """
 
 from __future__ import annotations
 
+import gzip
 import json
 import lzma
 import os
@@ -26,9 +27,11 @@ from typing import Any
 
 from vibeam.flight.ahead_of_time.emit import TARGETS, emitted, linked, linker_version
 from vibeam.flight.ahead_of_time.scenes import SCENES
+from vibeam.flight.ahead_of_time.webassembly import archive_versions, linked_module
 from vibeam.flight.ahead_of_time.wrapper import Compiled, compiled
+from vibeam.flight.engine.browser import LIBRARIES
 from vibeam.flight.engine.entries import ENTRIES
-from vibeam.flight.engine.loading import FOLDER, file_of, manifest, write_manifest
+from vibeam.flight.engine.loading import FOLDER, WASM, file_of, manifest, write_manifest
 from vibeam.flight.kernels.sources import digest, sources_of
 
 GROUPS = ("points", "regimes", "flight", "tangents", "moreau")  # the longest first
@@ -44,6 +47,8 @@ SETTINGS = {
 def build(folder: Path, groups: Sequence[str] = GROUPS) -> None:
     """Make these libraries and their manifest in ``folder``; CalledProcessError, and no change, where a group fails."""
     made_with = {"numba": version("numba"), "llvmlite": version("llvmlite"), "linker": linker_version()}
+    made_with |= archive_versions()
+    folder.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as cache, TemporaryDirectory() as fresh:
         environment = os.environ | SETTINGS | {"NUMBA_CACHE_DIR": cache}  # what numba has cached has no LLVM module
         for process in [_begun(group, fresh, environment) for group in groups]:
@@ -69,24 +74,39 @@ def build_group(group: str, folder: Path) -> None:
     sources = {each.library: digest(sources_of(each.module)) for each in entries}  # before they are compiled
     for scene in scenes:
         scene()
-    about = {}
-    for library in libraries:
-        parts = [compiled(each) for each in entries if each.library == library]
-        about[library] = {"sources": sources[library]} | _written(library, parts, folder)
+    parts = {library: [compiled(each) for each in entries if each.library == library] for library in libraries}
+    about = {library: _about(sources[library], parts[library]) for library in libraries}
+    for level in TARGETS:  # WASM last: once LLVM has emitted it, the same module gives other bytes for x86-64
+        for library in libraries:
+            if level != WASM or library in LIBRARIES:
+                about[library]["levels"][level] = _written(library, parts[library], level, folder)
     (folder / f"{group}.json").write_text(json.dumps(about), encoding="utf-8")
 
 
-def _written(library: str, parts: Sequence[Compiled], folder: Path) -> dict[str, Any]:
-    """Write a library for every level; its part of the manifest."""
-    levels = {}
-    for level in TARGETS:
-        content, path = linked(emitted(library, parts, level), level), file_of(library, level, folder)
-        path.parent.mkdir(exist_ok=True)
-        packed = lzma.compress(content, preset=9 | lzma.PRESET_EXTREME)
-        path.write_bytes(packed)
-        levels[level] = sha256(packed).hexdigest()
-    entries = {part.entry.name: {"arguments": part.arguments, "results": part.results} for part in parts}
-    return {"entries": entries, "levels": levels}
+def _about(sources: str, parts: Sequence[Compiled]) -> dict[str, Any]:
+    """A library's part of the manifest, without its levels."""
+    entries = {
+        part.entry.name: {"arguments": part.arguments, "results": part.results, "names": part.names} for part in parts
+    }
+    return {"sources": sources, "entries": entries, "levels": {}}
+
+
+def _written(library: str, parts: Sequence[Compiled], level: str, folder: Path) -> str:
+    """Write a library for a level; the SHA-256 of its file."""
+    path, packed = file_of(library, level, folder), _packed(library, parts, level)
+    path.parent.mkdir(exist_ok=True)
+    path.write_bytes(packed)
+    return sha256(packed).hexdigest()
+
+
+def _packed(library: str, parts: Sequence[Compiled], level: str) -> bytes:
+    """The compressed library for a level; what pages do not call is left out of theirs."""
+    if level != WASM:
+        content = linked(emitted(library, parts, level), level)
+        return lzma.compress(content, preset=9 | lzma.PRESET_EXTREME)
+    called = [part for part in parts if part.entry.name in LIBRARIES[library]]
+    content = linked_module(emitted(library, called, level), library, [part.entry.name for part in called])
+    return gzip.compress(content, compresslevel=9, mtime=0)
 
 
 def main() -> None:
@@ -100,9 +120,11 @@ def main() -> None:
     if given.group:
         build_group(given.group, folder)
         return
-    folder.mkdir(parents=True, exist_ok=True)
-    build(folder, [given.only] if given.only else GROUPS)
-    size = sum(file.stat().st_size for file in folder.rglob("*.xz"))
+    try:
+        build(folder, [given.only] if given.only else GROUPS)
+    except RuntimeError as missing:
+        sys.exit(str(missing))
+    size = sum(file.stat().st_size for file in folder.glob("*/*z"))
     print(f"{folder}: {size / 1e6:.2f} MB, {perf_counter() - begun:.0f} s")
 
 

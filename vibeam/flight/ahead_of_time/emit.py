@@ -1,6 +1,7 @@
 """A library for one level: object code of the optimised modules of its entry points, linked by LLVM's ``ld.lld``.
 
-It is linked against stand-ins of the system's libraries: the same bytes on every machine.
+It is linked against stand-ins of the system's libraries: the same bytes on every machine. What WebAssembly is linked
+with, is in ``webassembly``.
 """
 
 from __future__ import annotations
@@ -16,9 +17,15 @@ from tempfile import TemporaryDirectory
 import llvmlite.binding as llvm
 
 from vibeam.flight.ahead_of_time.wrapper import Compiled, wrapper
+from vibeam.flight.engine.loading import WASM
 
 LINUX = "unknown-linux-gnu"
 LINKER = "ld.lld"
+WASM_FEATURES = "+simd128,+bulk-memory,+sign-ext,+nontrapping-fptoint"  # in every browser since 2023
+SHRINKING = (  # exact ones; most of it are numba's arguments that no callee reads: a tenth of the bytes
+    "merge_functions", "ipsccp", "dead_arg_elimination", "aggressive_dce", "simplify_cfg", "merge_functions",
+    "global_dead_code_eliminate",
+)  # fmt: skip
 SYSTEM = {  # all that the kernels may call of the system, by its library
     "libm.so.6": ("cos", "cosh", "exp", "expm1", "fmod", "hypot", "ldexp", "pow", "sin", "sincos", "sinh"),
     "libc.so.6": ("memcpy", "memset"),
@@ -33,17 +40,20 @@ class Target:
     processor: str
     features: str
     emulation: str
+    relocation: str = "pic"
+    passes: tuple[str, ...] = ()  # over the whole library before it is emitted
 
 
 TARGETS = {
     "x86-64-v3": Target(f"x86_64-{LINUX}", "x86-64-v3", "", "elf_x86_64"),
     "x86-64-v2": Target(f"x86_64-{LINUX}", "x86-64-v2", "", "elf_x86_64"),
     "aarch64": Target(f"aarch64-{LINUX}", "generic", "", "aarch64linux"),
+    WASM: Target("wasm32-unknown-unknown", "mvp", WASM_FEATURES, "wasm32", "static", SHRINKING),
 }
 
 
 def emitted(library: str, parts: Sequence[Compiled], level: str) -> bytes:
-    """Position-independent object code with one exported function ``library_name`` for each entry point."""
+    """Object code with one exported function ``library_name`` for each entry point."""
     target = TARGETS[level]
     machine = _machine(target)
     exported = {f"{library}_{part.entry.name}": part for part in parts}
@@ -52,8 +62,9 @@ def emitted(library: str, parts: Sequence[Compiled], level: str) -> bytes:
         module = _parsed(part.text, machine, target)
         module.link_in(_parsed(wrapper(part, name), machine, target))
         _hide(module, {name})
-        _drop_unused(module, machine)
+        _run(("global_dead_code_eliminate",), module, machine)
         whole.link_in(module)
+    _run(target.passes, whole, machine)
     return bytes(machine.emit_object(whole))
 
 
@@ -69,7 +80,7 @@ def _machine(target: Target) -> llvm.TargetMachine:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
     return llvm.Target.from_triple(target.triple).create_target_machine(
-        cpu=target.processor, features=target.features, opt=3, reloc="pic", codemodel="default"
+        cpu=target.processor, features=target.features, opt=3, reloc=target.relocation, codemodel="default"
     )
 
 
@@ -91,17 +102,18 @@ def _hide(module: llvm.ModuleRef, exported: set[str]) -> None:
             each.linkage = "internal"
 
 
-def _drop_unused(module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
+def _run(names: Sequence[str], module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
     passes = llvm.create_new_module_pass_manager()
-    passes.add_global_dead_code_eliminate_pass()
+    for name in names:
+        getattr(passes, f"add_{name}_pass")()
     passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=0)))
 
 
-def linker() -> str:
+def linker(name: str = LINKER) -> str:
     """The linker's path; RuntimeError with the cure where there is none."""
-    found = shutil.which(LINKER)
+    found = shutil.which(name)
     if found is None:
-        raise RuntimeError(f"{LINKER} is not installed: apt install lld, or another system's LLVM package")
+        raise RuntimeError(f"{name} is not installed: apt install lld, or another system's LLVM package")
     return found
 
 

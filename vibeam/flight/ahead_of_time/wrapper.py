@@ -9,6 +9,7 @@ it. All that is known here of numba's inside (version as in ``constraints.txt``)
 from __future__ import annotations
 
 from dataclasses import dataclass
+from inspect import signature
 from typing import Any
 
 from numba import types
@@ -29,6 +30,7 @@ class Compiled:
     symbol: str
     arguments: list[Any]
     results: list[str]
+    names: list[Any]  # of the arguments
 
 
 def compiled(entry: EntryPoint) -> Compiled:
@@ -36,12 +38,21 @@ def compiled(entry: EntryPoint) -> Compiled:
     overloads = entry.function.overloads  # type: ignore[attr-defined]
     if len(overloads) != 1:
         raise RuntimeError(f"{entry.module}.{entry.name}: compiled for {len(overloads)} signatures, not one")
-    [(signature, found)] = overloads.items()
+    [(given, found)] = overloads.items()
     answer = found.signature.return_type
     results = [] if answer == types.none else [NAMES[each] for each in answer.types]
-    return Compiled(
-        entry, found.library.get_llvm_str(), found.fndesc.llvm_func_name, [_kind(each) for each in signature], results
-    )
+    names = [_name(*each) for each in zip(signature(entry.function.py_func).parameters, given, strict=True)]  # type: ignore[attr-defined]
+    text, symbol = found.library.get_llvm_str(), found.fndesc.llvm_func_name
+    return Compiled(entry, text, symbol, [_kind(each) for each in given], results, names)
+
+
+def _name(name: str, argument: Any) -> Any:
+    """Name of an argument as the manifest has it: of a named tuple, with its class and its fields."""
+    if isinstance(argument, types.BaseTuple):
+        fields, kinds = argument.fields, iter(argument)  # type: ignore[attr-defined, call-overload]
+        class_name = argument.instance_class.__name__  # type: ignore[attr-defined]
+        return [name, class_name, *(_name(*each) for each in zip(fields, kinds, strict=True))]
+    return name
 
 
 def _kind(argument: Any) -> Any:

@@ -17,7 +17,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
-from vibeam.flight.engine.loading import LEVELS, KernelsUnavailable, LibraryUnavailable, function_of, level_of
+from vibeam.flight.engine.loading import LEVELS, WASM, KernelsUnavailable, LibraryUnavailable, function_of, level_of
 
 LOG = logging.getLogger("vibeam")
 VARIABLE = "VIBEAM_KERNELS"
@@ -31,6 +31,11 @@ def chosen(library: str, module: str, name: str) -> Callable[..., Any]:
     KernelsUnavailable where there is none, or for a wrong VIBEAM_KERNELS.
     """
     wanted = os.environ.get(VARIABLE, "")
+    if wanted == WASM:
+        raise KernelsUnavailable(
+            f"{VARIABLE}: the kernels for {WASM} run in web pages (vibeam explore), not here: "
+            f"leave it out, or choose one of {', '.join(LEVELS)}"
+        )
     if wanted not in ("", "numba", "library", *LEVELS):
         raise KernelsUnavailable(f"{VARIABLE}: {wanted!r} is none of numba, library, {', '.join(LEVELS)}")
     if wanted == "numba":

@@ -28,7 +28,8 @@ from vibeam.flight.kernels.sources import digest, sources_of
 
 FOLDER = Path(__file__).parents[1] / "libraries"
 NAME = "manifest.json"
-LEVELS = ("x86-64-v3", "x86-64-v2", "aarch64")
+LEVELS = ("x86-64-v3", "x86-64-v2", "aarch64")  # of processors
+WASM = "wasm"  # of web pages: see ``browser``
 V2 = {"cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"}
 V3 = V2 | {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"}
 FIRST = 16384  # bytes of /proc/cpuinfo in which the first processor's flags stand
@@ -46,17 +47,17 @@ class KernelsUnavailable(RuntimeError):
 
 
 def file_of(library: str, level: str, folder: Path = FOLDER) -> Path:
-    """The compressed library."""
-    return folder / level / f"{library}.xz"
+    """The compressed library: by gzip, which browsers unpack, where it is for them."""
+    return folder / level / f"{library}.{'gz' if level == WASM else 'xz'}"
 
 
 @cache
 def manifest(folder: Path = FOLDER) -> dict[str, Any]:
-    """{library: {sources, entries {name: {arguments, results}}, levels {level: SHA-256 of its file}}}, ``made_with``.
+    """{library: {sources, entries {name: {arguments, results, names}}, levels {level: SHA-256 of its file}}}.
 
-    LibraryUnavailable for a damaged one.
+    And ``made_with``. LibraryUnavailable for a damaged one.
     ``arguments``: ``f8:2`` an array of doubles with two axes, ``i8:1`` one of int64, ``d`` and ``q`` numbers, a list a
-    tuple of these. ``results``: numbers.
+    tuple of these. ``results``: numbers. ``names``: of the arguments; a list has a tuple's name, its class, its fields.
     """
     path = folder / NAME
     if not path.exists():
@@ -107,7 +108,8 @@ def function_of(library: str, module: str, name: str, level: str | None = None, 
     opened = _opened(file_of(library, found, folder), about["levels"][found])
     function = getattr(opened, f"{library}_{name}")
     function.argtypes, function.restype = (ctypes.c_void_p,), ctypes.c_int32
-    return Call(function, f"{library}.{name}", **about["entries"][name])
+    entry = about["entries"][name]
+    return Call(function, f"{library}.{name}", entry["arguments"], entry["results"])
 
 
 def level_of(library: str, module: str, name: str, level: str | None = None, folder: Path = FOLDER) -> str:
@@ -126,12 +128,7 @@ def level_of(library: str, module: str, name: str, level: str | None = None, fol
 @cache
 def _opened(path: Path, expected: str) -> ctypes.CDLL:
     """The library in a compressed file with this SHA-256; LibraryUnavailable where it cannot be had."""
-    try:
-        packed = path.read_bytes()
-    except OSError as fault:
-        raise LibraryUnavailable(f"the compiled kernels cannot be read ({fault})") from None
-    if sha256(packed).hexdigest() != expected:
-        raise LibraryUnavailable(f"the compiled kernels in {path} are damaged: install vibeam again")
+    packed = _packed(path, expected)
     content = lzma.LZMADecompressor().decompress(packed, MOST)
     faults = list[str]()
     for place in (_in_memory, _in_folder):
@@ -142,6 +139,21 @@ def _opened(path: Path, expected: str) -> ctypes.CDLL:
             large = isinstance(fault, OSError) and fault.errno == errno.EFBIG
             faults.append(f"files may not have their {len(content) >> 10} kB: raise ulimit -f" if large else str(fault))
     raise LibraryUnavailable(f"the compiled kernels cannot be loaded ({'; '.join(dict.fromkeys(faults))})")
+
+
+def packed_of(library: str, level: str, folder: Path = FOLDER) -> bytes:
+    """The compressed library; LibraryUnavailable where it cannot be read or is damaged."""
+    return _packed(file_of(library, level, folder), manifest(folder)["libraries"][library]["levels"][level])
+
+
+def _packed(path: Path, expected: str) -> bytes:
+    try:
+        packed = path.read_bytes()
+    except OSError as fault:
+        raise LibraryUnavailable(f"the compiled kernels cannot be read ({fault})") from None
+    if sha256(packed).hexdigest() != expected:
+        raise LibraryUnavailable(f"the compiled kernels in {path} are damaged: install vibeam again")
+    return packed
 
 
 @contextmanager
