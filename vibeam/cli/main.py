@@ -28,50 +28,17 @@ GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "Case files": (case_files.new, case_files.keys, case_files.doctor),
 }
 
-#: what commands of earlier versions are now
+KEYS = "; --within is --accuracy, its other options are keys (vibeam keys modes_needed)"
+#: what commands of earlier versions are now, and what of their options is to be said
 EARLIER = {
-    "reduce": "verdict --only modes",
-    "limit": "verdict --only modes",
-    "influence": "verdict --only effects",
-    "cost": "verdict --only solvers",
-    "identify": "fit",
-    "record": "check --record",
-    "stability": "map --picture stability",
+    "reduce": ("verdict --only modes", KEYS),
+    "limit": ("verdict --only modes", KEYS),
+    "influence": ("verdict --only effects", ""),
+    "cost": ("verdict --only solvers", ""),
+    "identify": ("fit", ""),
+    "record": ("check --record", ""),
+    "stability": ("map --picture stability", "; --points N,M stands for --frequencies M"),
 }
-#: options of ``reduce`` and ``limit``, of which most are keys of the case now
-OF_MODES = {"--within": "--accuracy", "--basis": "modes_needed.bases"} | {
-    f"--{key.replace('_', '-')}": f"modes_needed.{key}"
-    for key in ("most", "contact_time", "modes", "frequency", "speed")
-}
-
-
-#: options of earlier commands that are no option now, and what is written in their place
-GONE = {
-    ("reduce", "--from"): '--set \'modes_needed.band=["0 Hz", "500 Hz"]\'',
-    ("reduce", "--to"): '--set \'modes_needed.band=["0 Hz", "500 Hz"]\'',
-    ("limit", "--linear"): "--set 'stop.law=\"linear\"' --set 'stop.stiffness=\"2000 N/m\"'",
-    ("limit", "--hertz"): "--set 'stop.law=\"hertz\"' --set 'stop.hertz_stiffness=1e9'",
-}
-
-#: options of ``verdict`` when it was the map alone
-OF_PLANE = {"--from", "--to", "--frequencies", "--quantity", "--verify", "--fidelity", "--fresh"}
-
-
-def _now(name: str, words: list[str]) -> list[str]:
-    """Words of a command by the names that it and its options have now; UsageError for an option that is gone."""
-    options = OF_MODES if name in ("reduce", "limit") else {}
-    said, rest = EARLIER[name].split(), iter(_apart(words))
-    for word in rest:
-        if (name, word) in GONE:
-            raise UsageError(f"vibeam {name} {word} is now: vibeam {EARLIER[name]} CASE {GONE[name, word]}")
-        now = options.get(word, word)
-        said += ["--set", f"{now}={next(rest, '')}"] if word in options and "." in now else [now]
-    return said
-
-
-def _apart(words: list[str]) -> list[str]:
-    """Words with ``--option=value`` as two of them."""
-    return [part for word in words for part in (word.split("=", 1) if word.startswith("--") else [word])]
 
 
 class Commands(TyperGroup):
@@ -82,12 +49,9 @@ class Commands(TyperGroup):
         if args[-1:] == ["--from"]:
             args = [*args, "list"]
         if args and args[0] in EARLIER:
-            say(f"vibeam {args[0]} is now: vibeam {EARLIER[args[0]]}")
-            with mistakes():
-                args = _now(args[0], args[1:])
-        elif args and args[0] == "verdict" and OF_PLANE & {*_apart(args)}:
-            say("vibeam verdict of a plane alone is now: vibeam map --picture verdict")
-            args = ["map", "--picture", "verdict", *args[1:]]
+            now, options = EARLIER[args[0]]
+            say(f"vibeam {args[0]} is now: vibeam {now}{options}")
+            args = [*now.split(), *args[1:]]
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:

@@ -63,7 +63,6 @@ def map(
     low: Annotated[str | None, _option("--from", "First value of the key, with its unit.", metavar="VALUE")] = None,
     high: Annotated[str | None, _option("--to", "Its last value.", metavar="VALUE")] = None,
     points: Points = None,
-    frequencies: Annotated[int | None, typer.Option("--frequencies", hidden=True)] = None,
     accuracy: Annotated[
         str | None, _option("--accuracy", "Of verdict: how near the finest model; absent = 1 %.", metavar="PERCENT")
     ] = None,
@@ -89,7 +88,7 @@ def map(
     """
     loaded = load(case, set_)
     asked = {
-        "over": over, "low": low, "high": high, "points": _counts(points, frequencies), "accuracy": accuracy,
+        "over": over, "low": low, "high": high, "points": _counts(points), "accuracy": accuracy,
         "quantity": quantity, "periods": periods, "verify": verify, "fidelities": fidelity,
     }  # fmt: skip
     given = {name: value for name, value in asked.items() if value is not None}
@@ -106,12 +105,8 @@ def map(
     print_sheet(one_sheet(sheets), files)
 
 
-def _counts(points: str | None, frequencies: int | None) -> tuple[int, ...] | None:
+def _counts(points: str | None) -> tuple[int, ...] | None:
     """Numbers of ``--points``, each 2 or more."""
-    if points is None and frequencies is not None:
-        raise UsageError(
-            f"--frequencies {frequencies}: is the second number of --points: write --points 61,{frequencies}"
-        )
     if points is None:
         return None
     try:
@@ -120,7 +115,7 @@ def _counts(points: str | None, frequencies: int | None) -> tuple[int, ...] | No
         raise UsageError(f"--points {points}: write whole numbers, 61 or 61,41") from None
     if min(found) < 2:
         raise UsageError(f"--points {points}: an axis has 2 values or more")
-    return found if frequencies is None else (*found[:1], frequencies)
+    return found
 
 
 def _plans(case: Case, names: list[str], picture: str | None, asked: dict[str, Any]) -> list[MapPlan]:
