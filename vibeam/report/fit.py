@@ -166,10 +166,6 @@ def as_data(study: FitStudy) -> dict[str, Any]:
         "judgement": study.judgement,
         "covariance": study.covariance,
         "points": study.points,
-        "contour": {
-            "keys": [] if study.pair is None else [study.rows[k].key for k in study.pair],
-            "values": study.contour,
-        },
         "profiles": {
             row.key: [
                 [*study.problem.values(each[:-1]).tolist(), float(each[-1])] for each in found.path
@@ -202,13 +198,12 @@ def _in_toml(row: FitRow) -> str:
 
 
 def fit_figure(study: FitStudy) -> Figure:
-    """Points, fitted branch and band above residuals, a column a reference; the contour of the least known pair."""
+    """Points, fitted branch and band above residuals, a column a reference."""
     from vibeam.figures.page import blank_page, legend, titled
 
     names = list(dict.fromkeys(point.reference for point in study.points))[:PANEL_MOST]
-    columns = len(names) + (study.pair is not None)
-    figure = blank_page((1.4 + 2.9 * columns, 4.6), study.case.figure)
-    grid = figure.add_gridspec(2, columns, height_ratios=[3, 1])
+    figure = blank_page((1.4 + 2.9 * len(names), 4.6), study.case.figure)
+    grid = figure.add_gridspec(2, len(names), height_ratios=[3, 1])
     handles: dict[str, Any] = {}
     first: Axes | None = None
     for column, name in enumerate(names):
@@ -222,8 +217,6 @@ def fit_figure(study: FitStudy) -> Figure:
         lower.set_xlabel("drive frequency in Hz")
         if column == 0:
             lower.set_ylabel("residual in σ")
-    if study.pair is not None:
-        handles |= _contour(study, figure.add_subplot(grid[:, -1]))
     legend(figure, handles)
     titled(figure, study.case.figure, study.case.title, "measured points, fitted branches and 95 % band")
     return figure
@@ -283,26 +276,3 @@ def _residuals(points: Sequence[FittedPoint], axes: Axes) -> None:
     axes.plot(
         [each.frequency for each in points], [each.residual for each in points], "o", color="black", markersize=2.6
     )
-
-
-def _contour(study: FitStudy, axes: Axes) -> dict[str, Any]:
-    assert study.pair is not None
-    k, j = study.pair
-    one, other = study.rows[k], study.rows[j]
-    across, upward = (shown_in(each.unit, *part) for each, part in zip((one, other), study.contour.T, strict=True))
-    scale = np.array([across[1], upward[1]])
-    handles: dict[str, Any] = {}
-    (handles["95 % contour of the pair"],) = axes.plot(*(study.contour * scale).T, color="#AA4499", linewidth=1.1)
-    path = study.profiles[k].path
-    values = study.problem.low + path[path[:, -1] < 6.0, :-1] * study.problem.width
-    (handles["ridge: the other keys at their best"],) = axes.plot(
-        values[:, k] * scale[0], values[:, j] * scale[1], color="#D55E00", linewidth=1.0, linestyle="--"
-    )
-    (handles["least misfit"],) = axes.plot(*(study.best[[k, j]] * scale), "+", color="black", markersize=7)
-    (handles["the case's own"],) = axes.plot(
-        one.start * scale[0], other.start * scale[1], "x", color="0.45", markersize=5
-    )
-    axes.set_xlabel(one.key + (f" in {across[0]}" if across[0] else ""))
-    axes.set_ylabel(other.key + (f" in {upward[0]}" if upward[0] else ""))
-    axes.set_title("least determined pair")
-    return handles

@@ -6,7 +6,6 @@ import csv
 import json
 import os
 import re
-import shlex
 import subprocess
 import sys
 from collections.abc import Callable
@@ -24,7 +23,6 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam import __version__
 from vibeam.casefile.read import parse
-from vibeam.cli import errors
 from vibeam.cli.errors import mistakes
 from vibeam.cli.main import app
 from vibeam.runs import fidelity_sweep
@@ -677,39 +675,6 @@ import vibeam
 print(sorted(set(sys.modules) - before))"""
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout == "['__future__', 'vibeam', 'vibeam.system', 'vibeam.system.public_names']\n"
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="a limit of Unix systems, which macOS does not keep")
-def test_too_little_address_space_is_a_message_at_once(tmp_path: Path) -> None:
-    """OpenBLAS would ask for its buffers without end."""
-    (tmp_path / "sdof.toml").write_text(SDOF, encoding="utf-8")
-    command = f"ulimit -v {225 * 1024}; exec {shlex.quote(sys.executable)} -m vibeam run sdof.toml"
-    own = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "OPENBLAS_NUM_THREADS": "1"}
-    done = subprocess.run(
-        ["sh", "-c", command], cwd=tmp_path, env=own, capture_output=True, text=True, timeout=HANGS, check=False
-    )
-    assert done.returncode == 2
-    assert done.stderr == "the address space is limited to 225 MiB (ulimit -v): allow 448 MiB\n"
-    assert [path.name for path in tmp_path.iterdir()] == ["sdof.toml"]
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="a limit of Unix systems, which macOS does not keep")
-@pytest.mark.parametrize(
-    ("processors", "mebibytes", "words"),
-    [(8, 600, "allow 784 MiB, or 448 MiB with OPENBLAS_NUM_THREADS=1"), (8, 784, ""), (1, 448, ""), (1, -1, "")],
-)
-def test_every_thread_takes_address_space(
-    processors: int, mebibytes: int, words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    import resource
-
-    for name in errors.COUNTS:
-        monkeypatch.delenv(name, raising=False)
-    limit = mebibytes * errors.MIB if mebibytes > 0 else resource.RLIM_INFINITY
-    monkeypatch.setattr(resource, "getrlimit", lambda _: (limit, limit))
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(processors)))
-    assert errors.refusal().endswith(words)
-    assert bool(errors.refusal()) is bool(words)
 
 
 def test_libraries_without_room_are_a_message_and_other_imports_a_defect(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""Intervals of the keys by profile likelihood, the contour of two, and the point to measure next.
+"""Intervals of the keys by profile likelihood, and the point to measure next.
 
 The misfit Σ r² at a held value of key k, minimised over the others, less its minimum, is the likelihood-ratio
 statistic; its root is linear in the key where the model is (Venzon & Moolgavkar, Appl. Statist. 37 (1988)), so that the
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 LEVEL = 3.841458820694124  # χ² of one degree of freedom, 95 %
-TRIES = 24
+TRIES = 24  # for a crossing
 NEAR = 0.01  # of the root's height, where the crossing is found
 BOUND = 1e-3  # share of the bounds within which a key is at one
 STRETCH = 3.0  # of the distance from the minimum, in one step outward
@@ -82,9 +82,9 @@ class FitRow:
 def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> Profile:
     """Profile of key ``k``; ``scale``: factor on all uncertainties."""
     away = minimum.covariance[:, k] / np.sqrt(minimum.covariance[k, k])
-    search = ProfileSearch(scale * float(np.sqrt(LEVEL)), NEAR, TRIES)
+    search = ProfileSearch(scale * float(np.sqrt(LEVEL)))
     (low, low_open, before), (high, high_open, after) = (
-        search.along(problem, minimum, side * away, [k]) for side in (-1.0, 1.0)
+        search.along(problem, minimum, side * away, k) for side in (-1.0, 1.0)
     )
     path = np.array(sorted([np.append(minimum.x, 0.0), *before, *after], key=lambda row: float(row[k])))
     return Profile(float(low[k]), float(high[k]), (low_open, high_open), path)
@@ -92,41 +92,35 @@ def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> P
 
 @dataclass(frozen=True)
 class ProfileSearch:
-    """Search, in some ``tries``, for where the root of the misfit's rise is ``target``, to a share ``near``."""
+    """Search for where the root of the misfit's rise is ``target``."""
 
     target: float
-    near: float
-    tries: int
 
-    def along(
-        self, problem: Problem, minimum: Minimum, away: Array, held: list[int]
-    ) -> tuple[Array, bool, list[Array]]:
+    def along(self, problem: Problem, minimum: Minimum, away: Array, k: int) -> tuple[Array, bool, list[Array]]:
         """Shares (P,) at the crossing, whether a bound comes first, and rows of the path: shares, rise of the misfit.
 
-        From the minimum on in the direction ``away`` (P,) that raises the linearised root as fast as the distance, the
-        keys ``held`` on that line, the others at their best.
+        From the minimum on in the direction ``away`` (P,) that raises the linearised root as fast as the distance, key
+        ``k`` on that line, the others at their best.
         """
-        ray, middle, rows = away[held], minimum.x[held], list[Array]()
-        with np.errstate(divide="ignore"):
-            room = np.where(ray > 0, (1 - middle) / ray, np.where(ray < 0, -middle / ray, np.inf))
-        most, distance = float(room.min()), self.target
+        ray, middle, rows = float(away[k]), float(minimum.x[k]), list[Array]()
+        most, distance = ((1 - middle) / ray if ray > 0 else -middle / ray if ray < 0 else np.inf), self.target
         inside: tuple[float, float, Array] = (0.0, 0.0, minimum.x)
         outside: tuple[float, float] | None = None
-        for _ in range(self.tries):
+        for _ in range(TRIES):
             distance = min(distance, most)
             x = np.clip(inside[2] + (distance - inside[0]) * away, 0.0, 1.0)
-            fixed = dict(zip(held, np.clip(middle + distance * ray, 0.0, 1.0).tolist(), strict=True))
+            fixed = {k: min(max(middle + distance * ray, 0.0), 1.0)}
             x, misfit = minimise(problem, x, minimum.chosen, fixed, tolerance=ENOUGH)
             height = float(np.sqrt(max(misfit - minimum.misfit, 0.0)))
             if height <= 4 * self.target:
                 rows.append(np.append(x, misfit - minimum.misfit))
-            if abs(height - self.target) < self.near * self.target:
+            if abs(height - self.target) < NEAR * self.target:
                 break
             if height < self.target and distance == most:
                 return x, True, rows
             inside, outside = ((distance, height, x), outside) if height < self.target else (inside, (distance, height))
-            distance = self._next(inside[:2], outside, most, NEARLY / float(np.abs(ray).max()))
-        return x, bool(np.any(np.delete(np.minimum(x, 1 - x), held) < BOUND)), rows
+            distance = self._next(inside[:2], outside, most, NEARLY / abs(ray))
+        return x, bool(np.any(np.delete(np.minimum(x, 1 - x), k) < BOUND)), rows
 
     def _next(
         self, inside: tuple[float, float], outside: tuple[float, float] | None, most: float, nearly: float
@@ -140,23 +134,6 @@ class ProfileSearch:
             return (inside[0] + outside[0]) / 2
         share = (self.target - inside[1]) / (outside[1] - inside[1])
         return inside[0] + (share if 0.1 < share < 0.9 else 0.5) * (outside[0] - inside[0])
-
-
-LEVEL_OF_TWO = 5.991464547107979  # χ² of two degrees of freedom, 95 %
-RAYS = 16
-TRIES_OF_TWO = 4
-NEAR_OF_TWO = 0.05
-
-
-def contour_of(problem: Problem, minimum: Minimum, pair: tuple[int, int]) -> Array:
-    """Closed contour (rays + 1, 2) in SI, cut off at the bounds; rays are even in the linearised ellipse."""
-    at, spread = list(pair), minimum.covariance
-    shape = np.linalg.cholesky(spread[np.ix_(at, at)])
-    along = spread[:, at] @ np.linalg.inv(spread[np.ix_(at, at)]) @ shape  # the other keys' best, linearised
-    angles = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
-    search = ProfileSearch(float(np.sqrt(LEVEL_OF_TWO)), NEAR_OF_TWO, TRIES_OF_TWO)
-    found = [search.along(problem, minimum, along @ [np.cos(each), np.sin(each)], at)[0][at] for each in angles]
-    return np.asarray(problem.low[at] + np.array([*found, found[0]]) * problem.width[at])
 
 
 LEVELS = ("voltage", "amplitude", "velocity", "acceleration", "force")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 from math import sqrt
 from typing import TYPE_CHECKING
 
@@ -14,9 +13,9 @@ from vibeam.case.source import of_source
 from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
 from vibeam.studies.fit.judgement import WIDEST, Judgement, alternatives, patterns, unit_factor, without_outliers
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
-from vibeam.studies.fit.profile import FitRow, NextPoint, Profile, contour_of, next_points, profile
+from vibeam.studies.fit.profile import FitRow, NextPoint, Profile, next_points, profile
 from vibeam.studies.fit.profile import in_words as advice_in_words
-from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges, ridges
+from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 from vibeam_models.arguments import counted
@@ -51,7 +50,7 @@ class FittedPoint:
 @dataclass(frozen=True, eq=False, repr=False)
 class FitStudy(ValueRecord, ViewedTable):
     """Fit of a case: rows, points, sentences, of these the ``facts``; ``shared``: relations that are known of keys
-    that make up for each other; ``pair`` of the least known keys.
+    that make up for each other.
 
     ``covariance`` (P, P): linearised, SI. ``best`` (P,): the minimum itself, whether determined or not. ``next``: what
     to measure next, where it was asked for. ``judgement``: whether the model describes the points.
@@ -66,17 +65,11 @@ class FitStudy(ValueRecord, ViewedTable):
     misfit: float
     best: Array
     covariance: Array
-    pair: tuple[int, int] | None
     next: tuple[NextPoint, ...]
     judgement: Judgement
     problem: Problem = field(repr=False, kw_only=True)
     minimum: Minimum = field(repr=False, kw_only=True)
     profiles: tuple[Profile, ...] = field(repr=False, kw_only=True)
-
-    @cached_property
-    def contour(self) -> Array:
-        """Contour (m, 2) of the pair, SI; empty without one."""
-        return contour_of(self.problem, self.minimum, self.pair) if self.pair else np.empty((0, 2))
 
     def branch(self, reference: str, motion: str, frequency: Array) -> tuple[Array, Array]:
         """Quantity of a reference (points,) on one motion at ``frequency`` (points,) Hz, and its standard error.
@@ -127,7 +120,7 @@ def _study(case: Case, tell: Progress, next_point: bool) -> FitStudy:
         case, rows, tuple(_points(problem, minimum, judgement)), tuple(sentences),
         tuple(facts(problem, minimum, judgement)), tuple(shared), minimum.misfit,
         problem.values(minimum.x), minimum.covariance * np.outer(problem.width, problem.width),
-        _pair(problem, minimum), advised, judgement,
+        advised, judgement,
         problem=problem, minimum=minimum, profiles=tuple(profiles),
     )  # fmt: skip
 
@@ -149,17 +142,6 @@ def _judged(case: Case, whole: Problem, tell: Progress) -> tuple[Problem, Minimu
     scale = sqrt(minimum.misfit / minimum.freedom)
     told = scale > WIDEST or factor != 1 or any(each.met for each in others) or any(each.significant for each in found)
     return problem, minimum, Judgement(False, found, (), factor, others, 1.0 if told else scale)
-
-
-def _pair(problem: Problem, minimum: Minimum) -> tuple[int, int] | None:
-    """The least determined pair: of the strongest ridge, or the two widest keys."""
-    if len(problem.keys) < 2:
-        return None
-    found = ridges(problem, minimum)
-    if found:
-        return found[0]
-    first, second = np.argsort(-np.diag(minimum.covariance))[:2].tolist()
-    return first, second
 
 
 def _rows(problem: Problem, minimum: Minimum, profiles: list[Profile], judgement: Judgement) -> Iterator[FitRow]:
