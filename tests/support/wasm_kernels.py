@@ -14,9 +14,9 @@ from tempfile import gettempdir
 
 from wasmtime import Config, Engine, Instance, Limits, Memory, MemoryType, Module, Store
 
-from vibeam.flight.engine.browser import FIRST
+from vibeam.flight.engine.browser import FIRST, LIBRARIES
 from vibeam.flight.engine.call import NUMBERS, Call, Kind, axes_of, leaves
-from vibeam.flight.engine.entries import EntryPoint
+from vibeam.flight.engine.entries import ENTRIES, EntryPoint
 from vibeam.flight.engine.loading import WASM, level_of, manifest, packed_of
 
 PAGE = 65536
@@ -32,14 +32,23 @@ class WasmMemory:
         self.store = Store(self.engine)
         self.memory = Memory(self.store, MemoryType(Limits(FIRST // PAGE, None)))
         self.instances: dict[str, Instance] = {}
+        self.images: list[tuple[str, bytes, bytes]] | None = None  # what is called: page's bytes before and after
 
     def instance(self, library: str) -> Instance:
         """The library, compiled and instantiated once."""
         if library not in self.instances:
-            module = Module(self.engine, gzip.decompress(packed_of(library, WASM)))
+            module = Module(self.engine, self.module_bytes(library))
             assert [(each.module, each.name) for each in module.imports] == [("env", "memory")]
             self.instances[library] = Instance(self.store, module, [self.memory])
         return self.instances[library]
+
+    def module_bytes(self, library: str) -> bytes:
+        """The library as its file has it."""
+        return gzip.decompress(packed_of(library, WASM))
+
+    def image(self, end: int) -> bytes:
+        """The page's bytes up to ``end``, where calls are noted."""
+        return b"" if self.images is None else ctypes.string_at(self.address(end) + FIRST, end - FIRST)
 
     def address(self, end: int) -> int:
         """Address of the memory's first byte, once it has ``end`` bytes."""
@@ -88,7 +97,10 @@ def taken(entry: EntryPoint) -> Call:
         for begin, stop, to in copies:
             ctypes.memmove(base + to, begin, stop - begin)
         ctypes.memmove(base + FIRST, inside, 8 * size)
+        before = within.image(end)
         status = function(within.store, FIRST)
+        if within.images is not None:
+            within.images.append((name, before, within.image(end)))
         for begin, stop, to in copies:
             ctypes.memmove(begin, base + to, stop - begin)
         for at in set(range(size)) - {at for at, _ in places}:
@@ -96,6 +108,19 @@ def taken(entry: EntryPoint) -> Call:
         return status
 
     return Call(called, f"{entry.library}.{entry.name}", arguments, results)
+
+
+def take() -> None:
+    """Let WebAssembly be every entry point that a page has, until ``give_back``."""
+    for each in ENTRIES:
+        if each.name in LIBRARIES.get(each.library, ()):
+            vars(each)["function"] = taken(each)
+
+
+def give_back() -> None:
+    """Let the entry points be found anew."""
+    for each in ENTRIES:
+        vars(each).pop("function", None)
 
 
 def arrays(arguments: list[Kind], results: int) -> Iterator[tuple[int, int]]:
