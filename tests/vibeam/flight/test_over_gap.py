@@ -12,7 +12,6 @@ from vibeam.flight.linear.over_gap import PlanOverGap
 from vibeam.flight.linear.regimes import plan
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
-from vibeam_models.laws.restitution import TableRestitution, ViscousRestitution
 
 COUPLED = np.array([[0.9, 0.2, 0.0], [0.2, 3.0, 0.4], [0.0, 0.4, 8.0]])
 BASE = ImpactSystem.from_modes(
@@ -54,10 +53,3 @@ def test_constants_go_with_the_gap(name: str, more: float) -> None:
             assert np.array_equal(getattr(own.regime, name), getattr(made, name))
         assert np.array_equal(own.regime.signals[:, :-2], made.signals[:, :-2])
         assert np.array_equal(np.delete(own.regime.blocks, rows, axis=0), np.delete(made.blocks, rows, axis=0))
-
-
-def test_the_number_that_a_restitution_sets() -> None:
-    assert PlanOverGap.of(SYSTEMS["coupled"]).coefficient == 0.7
-    assert PlanOverGap.of(replace(BASE, law=ViscousRestitution(0.25))).coefficient == 0.25
-    for law in (TableRestitution((0.1, 1.0), (0.8, 0.6)), LinearStop(1e4), HuntCrossley(1e7)):
-        assert PlanOverGap.of(replace(BASE, law=law)).coefficient is None

@@ -12,7 +12,6 @@ import numpy as np
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime
-from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.linear.packing import slowest_rate
 from vibeam.flight.linear.regimes import fastest_rate, plan
@@ -66,13 +65,3 @@ class PlanOverGap:
         )
         fastest = fastest_rate(system)
         return cls(own, free, upper, lower if second else None, fastest, system.contact_law.integrated)
-
-    @property
-    def coefficient(self) -> float | None:
-        """The number that decides what an impact gives back: R, R₀ of a power of the velocity, a of R = 1 − a v^b.
-
-        None where there is no such number: a table, a stop that yields.
-        """
-        law = self.plan.law
-        one = law[regime_layout.FAMILY] == regime_layout.IMPULSIVE and law[regime_layout.CURVE] != regime_layout.TABLE
-        return float(law[regime_layout.COEFFICIENT]) if one else None

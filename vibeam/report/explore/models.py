@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.beam_field import stop_places
-from vibeam.case.fidelity import gap_wear, system
+from vibeam.case.fidelity import gap_drift, gap_wear, system
 from vibeam.figures.style import looks_of, name_of
 from vibeam.flight.linear.held_planes import held_planes, roots_serve
 from vibeam.flight.readout import OUTCOMES
+from vibeam.report.explore.regime_models import beyond_plain, regimes_refusal
 from vibeam.report.page.charts import look_on_page
 from vibeam.studies.stored_motions import held_at_zero, stations
 from vibeam.system.impact_system import ImpactSystem
@@ -32,12 +33,12 @@ def model_of(case: Case, name: str) -> dict[str, Any]:
     Its drive is not part of it. ValueError where the system itself cannot be built.
     """
     found, scene = case.system(name), case.scene_of(name)
-    refusal = page_refusal(case, name, found)
+    refusal, in_regimes = page_refusal(case, name, found), _in_regimes(case, found)
     head = {
         "name": name,
         "label": name_of(case, name),
         "finest": _finest(case, name),
-        "engine": None if refusal else "plain",
+        "engine": None if refusal else "regimes" if in_regimes else "plain",
         "refusal": refusal,
         "modes": found.size,
         "gap": found.gap,
@@ -49,7 +50,8 @@ def model_of(case: Case, name: str) -> dict[str, Any]:
     }
     if refusal:
         return head | {"damped": False, "stations": None, "outputs": {}}
-    return head | _stations(case, name) | _plain(found)
+    own = packed(beyond_plain(found, case.sweep.output)) if in_regimes else _plain(found)
+    return head | _stations(case, name) | _drift(scene) | own
 
 
 def page_refusal(case: Case, name: str, found: ImpactSystem) -> str:
@@ -61,10 +63,8 @@ def page_refusal(case: Case, name: str, found: ImpactSystem) -> str:
         return "Its drive has several harmonics: the page drives by one. The terminal flies it: vibeam run."
     if gap_wear(scene):
         return "Its gap wears with each impact: the page knows no wear. The terminal flies it: vibeam run."
-    if scene.stop is not None and scene.stop.drift is not None:
-        return "Its gap drifts over the sweep: the page knows no drift. The terminal flies it: vibeam run."
     if _in_regimes(case, found):
-        return _beyond_plain_refusal(found)
+        return regimes_refusal(found, case.sweep.output)
     if found.size > MOST_MODES:
         return f"{found.size} modes are too many for the page, which flies {MOST_MODES} at most: take fewer modes."
     return ""
@@ -81,14 +81,24 @@ def array_of(values: Array) -> dict[str, Any]:
     return {"f8": b64encode(whole.tobytes()).decode(), "shape": list(whole.shape)}
 
 
+def packed(values: Any) -> Any:
+    """A tree of dictionaries, its arrays to the bit."""
+    if isinstance(values, dict):
+        return {name: packed(each) for name, each in values.items()}
+    return array_of(values) if isinstance(values, np.ndarray) else values
+
+
 def _in_regimes(case: Case, found: ImpactSystem) -> bool:
     """Test whether a system is more than plain, or the sweep reads a derivative, which only regimes do."""
     return bool(found.beyond_plain) or found.derivative(case.sweep.output) is not None
 
 
-def _beyond_plain_refusal(found: ImpactSystem) -> str:
-    what = found.beyond_plain[0] if found.beyond_plain else "an output that is a velocity or an acceleration"
-    return f"It has {what}: the page flies plain systems alone. The terminal flies it: vibeam run."
+def _drift(scene: AnyScene) -> dict[str, Any]:
+    """Gap added at the contact (m) at frequencies (Hz), linear between them and constant beyond."""
+    if scene.stop is None or scene.stop.drift_frequency is None:
+        return {}
+    frequency = np.array(scene.stop.drift_frequency)
+    return {"drift": packed({"frequency": frequency, "gap": gap_drift(scene, 2 * np.pi * frequency)})}
 
 
 def _plain(found: ImpactSystem) -> dict[str, Any]:

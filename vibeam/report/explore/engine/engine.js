@@ -1,7 +1,11 @@
 // The engine in a page: its models at any place of the sliders, flown by the compiled kernels. No part of it is the page's
 // own: the same files run in a page, in a worker and in node.
+import { contactsOf } from "./contacts.js";
+import { derivativeAlong } from "./derivatives.js";
+import { driftAt } from "./drift.js";
 import { EventDriven } from "./flight.js";
 import { PackedSystem } from "./plain.js";
+import { PackedRegimes } from "./regimes.js";
 import { impactsOf, readPoint, restsOf, unread } from "./segments.js";
 import { Slots } from "./slots.js";
 
@@ -123,18 +127,21 @@ export class Engine {
   settings(fidelity, place) {
     const model = this.model(fidelity);
     const own = (/** @type {"drive" | "gap" | "restitution" | "damping"} */ name, /** @type {number} */ usual) => {
-      const value = place[name], line = this.sliders.get(name)?.of[fidelity];
+      const value = place[name], slider = this.sliders.get(name);
       if (value === undefined) return usual;
-      if (!line) throw new Error(`${model.label}: its ${name} cannot be changed on this page.`);
-      return line[0] + line[1] * value;
+      if (!slider) throw new Error(`${model.label}: its ${name} cannot be changed on this page.`);
+      const line = slider.of[fidelity]; // none: it has no such number, or one of its own
+      return line ? line[0] + line[1] * value : usual;
     };
     const frequency = place.frequency ?? this.sliders.get("frequency")?.value, omega = 2 * Math.PI * frequency;
+    const drift = model.drift ? driftAt(model.drift, frequency) : 0;
     const found = {
-      omega, amplitude: amplitudeOf(model, frequency, own("drive", model.amplitude.level)), gap: own("gap", model.gap),
-      restitution: own("restitution", model.restitution), damping: own("damping", 1),
+      omega, amplitude: amplitudeOf(model, frequency, own("drive", model.amplitude.level)),
+      gap: own("gap", model.gap) + drift, restitution: own("restitution", model.restitution), damping: own("damping", 1),
     };
     for (const [name, value] of Object.entries(found)) {
-      const key = /** @type {keyof typeof LIMITS} */ (name), [low, high] = LIMITS[key];
+      const key = /** @type {keyof typeof LIMITS} */ (name), [low, most] = LIMITS[key];
+      const high = key === "restitution" && model.regimes ? Infinity : most; // a law's coefficient is no share
       if (!(Number.isFinite(value) && value >= low && value <= high) || (name === "omega" && value === 0))
         throw new Error(`${model.label}: a ${WORDS[key]} of ${Number(value.toPrecision(4))} cannot be.`);
     }
@@ -151,7 +158,9 @@ export class Engine {
   ready(fidelity, settings, slowest = settings.omega) {
     let known = this.packed.get(fidelity);
     if (!known) {
-      const packed = /** @type {Settable} */ (new PackedSystem(this.slots, this.model(fidelity)));
+      const model = this.model(fidelity);
+      const made = model.engine === "regimes" ? PackedRegimes : PackedSystem;
+      const packed = /** @type {Settable} */ (new made(this.slots, model));
       this.packed.set(fidelity, known = { packed, flight: new EventDriven(packed) });
     }
     known.packed.set(settings, slowest);
@@ -231,8 +240,7 @@ export class Motion {
     this.state = flown.state;
     this.impacts = impactsOf(layout, flown.segments);
     this.rests = restsOf(layout, flown.segments, flown.last);
-    /** @type {[number, number][]} */
-    this.contacts = [];
+    this.contacts = contactsOf(engine.slots, flown.segments);
     this.counts = { impacts: flown.impacts, evaluations: flown.evaluations };
   }
 
@@ -256,7 +264,8 @@ export class Motion {
   at(times) {
     const flight = this.engine.ready(this.fidelity, this.settings), { order, size: n } = flight.packed;
     const model = this.engine.model(this.fidelity), k = times.length;
-    const row = model.output === "contact" ? model.contact : model.outputs[model.output];
+    const derivative = model.derivatives?.[model.output];
+    const row = derivative?.row ?? (model.output === "contact" ? model.contact : model.outputs[model.output]);
     const poses = flight.posesAt(this.settings, this.segments, times);
     const x = new Float64Array(k), v = new Float64Array(k), modes = new Float64Array(k * n);
     for (let i = 0; i < k; i++) {
@@ -267,7 +276,10 @@ export class Motion {
         v[i] += row[mode] * poses[2 * n * i + n + j];
       }
     }
-    return { x, v, modes };
+    if (!derivative) return { x, v, modes };
+    const along = (/** @type {0 | 1} */ more) =>
+      derivativeAlong(/** @type {any} */ (flight.packed), this.settings, this.segments, times, poses, derivative, more);
+    return { x: along(0), v: along(1), modes };
   }
 }
 
