@@ -63,7 +63,7 @@ export type Poses = { x: Float64Array; v: Float64Array; modes: Float64Array };
 export type Motion = {
   ended: string; omega: number; turn: number; state: State; start: number;
   times(points?: number): Float64Array; at(times: ArrayLike<number>): Poses;
-  impacts: [number, number][]; rests: [number, number][]; contacts: [number, number][]; counts: Record<string, number>;
+  impacts: [number, number][]; rests: [number, number][]; contacts: [number, number, number][]; counts: Record<string, number>;
 };
 export type Steady = {
   amplitude: number; maximum: number; minimum: number; impactsPerPeriod: number; impactVelocity: number;
