@@ -4,7 +4,9 @@ import { contactsOf } from "./contacts.js";
 import { derivativeAlong } from "./derivatives.js";
 import { driftAt } from "./drift.js";
 import { EventDriven } from "./flight.js";
+import { orbits } from "./orbits.js";
 import { PackedSystem } from "./plain.js";
+import { response } from "./points.js";
 import { PackedRegimes } from "./regimes.js";
 import { impactsOf, readPoint, restsOf, unread } from "./segments.js";
 import { Slots } from "./slots.js";
@@ -213,6 +215,28 @@ export class Engine {
     const read = ended !== layout.COMPLETE
       ? unread() : readPoint(layout, flight.watch.result.data, { period, hold, turn, gap: settings.gap });
     return { ...read, ended: this.ended[ended], state: flight.state() };
+  }
+
+  /**
+   * Steady points at frequencies, Hz: each by itself, or carried from one to the next.
+   * @param {string} fidelity
+   * @param {Place} place
+   * @param {ArrayLike<number>} frequencies
+   * @param {import("./types.d.ts").Schedule} [schedule]
+   */
+  response(fidelity, place, frequencies, schedule) {
+    return response(this, fidelity, place, frequencies, schedule);
+  }
+
+  /**
+   * Periodic motions at frequencies, Hz, stable and unstable, with one impact in each of `periods` drive periods.
+   * @param {string} fidelity
+   * @param {Place} place
+   * @param {ArrayLike<number>} frequencies
+   * @param {number[]} [periods]
+   */
+  orbits(fidelity, place, frequencies, periods) {
+    return orbits(this, fidelity, place, frequencies, periods);
   }
 }
 

@@ -1,38 +1,32 @@
-// Motions with one impact in n drive periods, in closed form for any number of modes, stable and unstable, by the
-// periodic Green's function method of Babitsky and Krupenin: see periodic/modal_sums.py and periodic/trains.py. Contact
-// and restitution at the impact leave one quadratic for the impulse p:
-//
-//     Im(H e^{iψ}) = Δ − p G₀,   Ω Re(H e^{iψ}) = p κ,   hence   (Δ − p G₀)² + (p κ/Ω)² = |H|²
-//
-// Whether a root keeps clear of the stop between its impacts, and its extremes, a flight decides: see orbits.js.
-
-import { isStable, mobility } from "./multipliers.js";
+// Motions with one impact in n drive periods in closed form, for any number of modes, stable and unstable, and the motion
+// without contact. Whether one keeps clear of the stop between its impacts a flight decides: see orbits.js.
+import { green, isResonant, offset, phasor, roots, sumsAt } from "./modal_sums.js";
+import { isStable } from "./multipliers.js";
 import { propagator } from "./propagator.js";
 
+/** @typedef {import("./modal_sums.js").Drive} Drive */
+/** @typedef {import("./modal_sums.js").Root} Root */
+/** @typedef {import("./modal_sums.js").Sums} Sums */
 /** @typedef {import("./multipliers.js").System} System */
-/** @typedef {import("./propagator.js").Propagator} Propagator */
-/** @typedef {{omega: number, amplitude: number}} Drive rad/s, m */
 /**
  * A motion: `phase` of the drive at its impact, `state` at the drive's phase 0, displacements, then velocities (2n,),
  * `growth`: about how much a small change of it grows at the impact. NaN are read off its flight.
- * @typedef {{drive: Drive, frequency: number, periods: number, branch: "harder" | "softer" | "free", phase: number,
+ * @typedef {{drive: Drive, periods: number, branch: "harder" | "softer" | "free", phase: number,
  *   amplitude: number, maximum: number, minimum: number, impactVelocity: number, stable: boolean,
- *   admissible: boolean, state: Float64Array, growth: number}} Orbit
+ *   admissible: boolean, state: Float64Array | null, growth: number}} Motion
  */
-/** @typedef {{span: number, flown: Propagator[], re: number, im: number, g0: number, g1: number, g2: number,
- *   offset: number, fixed: number | null, mobility: number}} Sums */
-/** @typedef {{impulse: number, height: number, turn: number}} Root */
 
-const DOUBLE = 16 * 2.220446049250313e-16; // relative round-off of a discriminant: the root counts as double
-const PARALLEL = 1e-12; // tolerance for the static force on modes without stiffness to point along the contact
+const SAMPLES = 32; // a drive period
+const SEEN = 1e-6; // share of the motion that a sample beyond the stop must be
 
 /**
  * The motions at one drive: both with one impact in `periods` drive periods, the harder first, as far as they exist.
- * `admissible`, `amplitude` and the extremes are for a flight to find.
+ * `admissible`, `amplitude` and the extremes are for a flight to find; one without `state` is seen to pass through the
+ * stop, and is neither admissible nor stable.
  * @param {System} system
  * @param {Drive} drive
  * @param {number} periods
- * @returns {Orbit[]}
+ * @returns {Motion[]}
  */
 export function orbitsAt(system, drive, periods) {
   if (drive.amplitude === 0 || isResonant(system, drive.omega, periods)) return [];
@@ -49,12 +43,12 @@ export function orbitsAt(system, drive, periods) {
  * @param {System} system
  * @param {Drive} drive
  * @param {ArrayLike<number>} output row of what is read off
- * @returns {Orbit | null}
+ * @returns {Motion[]} one or none
  */
 export function freeMotion(system, drive, output) {
   const n = system.omega.length, state = new Float64Array(2 * n), [re, im] = [[0, 0], [0, 0]], rest = [0, 0];
   for (let i = 0; i < n; i++) {
-    if (system.omega[i] === 0 && system.static[i] !== 0) return null;
+    if (system.omega[i] === 0 && system.static[i] !== 0) return [];
     const h = phasor(system, i, drive), still = offset(system, i);
     [state[i], state[n + i]] = [h.im + still, drive.omega * h.re];
     for (const [k, row] of [system.contact, output].entries()) {
@@ -64,130 +58,12 @@ export function freeMotion(system, drive, output) {
     }
   }
   const amplitude = Math.hypot(re[1], im[1]);
-  if (!(Math.hypot(re[0], im[0]) + rest[0] < system.gap) || !state.every(Number.isFinite)) return null;
-  return {
-    drive, frequency: drive.omega / (2 * Math.PI), periods: 1, branch: "free", phase: 0, amplitude,
+  if (!(Math.hypot(re[0], im[0]) + rest[0] < system.gap) || !state.every(Number.isFinite)) return [];
+  return [{
+    drive, periods: 1, branch: "free", phase: 0, amplitude,
     maximum: rest[1] + amplitude, minimum: rest[1] - amplitude, impactVelocity: 0,
     stable: Array.from(system.omega).every((own, i) => own * system.zeta[i] > 0), admissible: true, state, growth: 1,
-  };
-}
-
-/**
- * Why the system has no periodic motion with impacts at any drive; empty where it may.
- * @param {System} system
- */
-export function fault(system) {
-  let along = 0, size = 0, square = 0;
-  for (let i = 0; i < system.omega.length; i++) {
-    if (system.omega[i] > 0) continue;
-    along += system.static[i] * system.contact[i];
-    size += system.static[i] ** 2;
-    square += system.contact[i] ** 2;
-  }
-  if (size + square === 0) return "";
-  const share = along / Math.max(square, Number.MIN_VALUE), across = Math.sqrt(Math.max(size - share * along, 0));
-  if (share > 0 && across <= PARALLEL * Math.sqrt(size)) return "";
-  return "A mode without stiffness needs a static force toward the stop, along the contact, to come back to it.";
-}
-
-/**
- * Whether an undamped mode is driven at its own frequency, or makes a whole number of turns in the span.
- * @param {System} system
- * @param {number} omega
- * @param {number} periods
- */
-function isResonant(system, omega, periods) {
-  return Array.from(system.omega).some((own, i) => {
-    if (own === 0 || system.zeta[i] !== 0) return false;
-    const turns = (own * periods) / omega, driven = own === omega && system.load[i] !== 0;
-    return driven || (system.contact[i] !== 0 && turns === Math.round(turns));
-  });
-}
-
-/**
- * Steady response h of a mode to the drive, Im(h e^{iΩt}).
- * @param {System} system
- * @param {number} i
- * @param {Drive} drive
- */
-function phasor(system, i, drive) {
-  if (system.load[i] === 0) return { re: 0, im: 0 };
-  const own = system.omega[i], damp = 2 * system.zeta[i] * own;
-  const re = (own - drive.omega) * (own + drive.omega), im = damp * drive.omega;
-  const share = (system.load[i] * drive.omega ** 2 * drive.amplitude) / (re * re + im * im);
-  return { re: share * re, im: -share * im };
-}
-
-/**
- * Static displacement of a mode, 0 without stiffness.
- * @param {System} system
- * @param {number} i
- */
-const offset = (system, i) => (system.omega[i] > 0 ? system.static[i] / system.omega[i] ** 2 : 0);
-
-/**
- * Periodic Green's function g(0), g'(0⁺) of a mode; 0 and ½ without stiffness.
- * @param {System} system
- * @param {number} i
- * @param {Propagator} p
- */
-function green(system, i, p) {
-  return system.omega[i] === 0 ? [0, 0.5] : [p.p01 / p.closing, p.rise / p.closing];
-}
-
-/**
- * Sums over the modes: H, G₀, G₁, G₂ and the static contact displacement; `fixed`: the impulse that modes without
- * stiffness ask for.
- * @param {System} system
- * @param {Drive} drive
- * @param {number} periods
- * @returns {Sums}
- */
-function sumsAt(system, drive, periods) {
-  const span = (2 * Math.PI * periods) / drive.omega, flown = [];
-  const sum = { re: 0, im: 0, g0: 0, g1: 0, g2: 0, offset: 0 };
-  let loose = 0, pushed = 0;
-  for (let i = 0; i < system.omega.length; i++) {
-    const own = system.omega[i], c = system.contact[i], p = propagator(own, system.zeta[i], span);
-    flown.push(p);
-    if (c === 0) continue;
-    const [g0, g1] = green(system, i, p), h = phasor(system, i, drive);
-    sum.re += c * h.re;
-    sum.im += c * h.im;
-    sum.g0 += c * c * g0;
-    sum.g1 += c * c * g1;
-    sum.g2 += c * c * (own === 0 ? -1 / span : -2 * system.zeta[i] * own * (g1 - 1) - own * own * g0);
-    sum.offset += c * offset(system, i);
-    if (own > 0) continue;
-    loose += c * c;
-    pushed += c * system.static[i];
-  }
-  return { span, flown, ...sum, fixed: loose > 0 ? (-span * pushed) / loose : null, mobility: mobility(system) };
-}
-
-/**
- * Both roots, the lower impulse first; NaN where they are complex. `height`, `turn`: Im and Re of H e^{iψ}.
- * @param {System} system
- * @param {Sums} sums
- * @param {number} omega
- * @returns {Root[]}
- */
-function roots(system, sums, omega) {
-  const R = system.restitution, turn = ((R * sums.mobility) / (1 + R) - sums.g1) / omega;
-  const size = Math.hypot(sums.re, sums.im), clear = system.gap - sums.offset;
-  if (sums.fixed !== null) {
-    const across = Math.abs(turn * sums.fixed), height = Math.sqrt((size - across) * (size + across));
-    const impulse = isNaN(height) ? NaN : sums.fixed;
-    return [-height, height].map((each) => ({ impulse, height: each, turn: impulse * turn }));
-  }
-  const lead = sums.g0 ** 2 + turn ** 2, middle = clear * sums.g0;
-  const long = size * Math.sqrt(lead), short = Math.abs(clear * turn);
-  const discriminant = (long - short) * (long + short);
-  const root = Math.abs(discriminant) <= DOUBLE * long ** 2 ? 0 : Math.sqrt(discriminant);
-  const below = middle < 0 || Object.is(middle, -0), large = below ? middle - root : middle + root;
-  const near = large === 0 ? 0 : ((clear - size) * (clear + size)) / large, far = large / lead;
-  return (below ? [far, near] : [near, far])
-    .map((impulse) => ({ impulse, height: clear - impulse * sums.g0, turn: impulse * turn }));
+  }];
 }
 
 /**
@@ -198,19 +74,47 @@ function roots(system, sums, omega) {
  * @param {Sums} sums
  * @param {Root} root
  * @param {"harder" | "softer"} branch
- * @returns {Orbit}
+ * @returns {Motion}
  */
 function orbitOf(system, drive, periods, sums, root, branch) {
   const turned = Math.atan2(root.height, root.turn) - Math.atan2(sums.im, sums.re), whole = 2 * Math.PI;
   const phase = turned - whole * Math.floor(turned / whole);
   const velocity = (-root.impulse * sums.mobility) / (1 + system.restitution);
   const relative = (-(drive.omega ** 2) * root.height + root.impulse * sums.g2) / velocity;
+  const through = passesThrough(system, drive, periods, sums, root);
   return {
-    drive, frequency: drive.omega / whole, periods, branch, phase, amplitude: NaN, maximum: NaN, minimum: NaN,
-    impactVelocity: velocity, stable: isStable(system, sums.flown, relative), admissible: false,
-    state: stateAtPhaseZero(system, drive, sums, phase, root.impulse),
+    drive, periods, branch, phase, amplitude: NaN, maximum: NaN, minimum: NaN,
+    impactVelocity: velocity, stable: !through && isStable(system, sums.flown, relative), admissible: false,
+    state: through ? null : stateAtPhaseZero(system, drive, sums, phase, root.impulse),
     growth: Math.max(1, Math.abs(relative) * sums.span),
   };
+}
+
+/**
+ * Whether the gap between two impacts, x (1 − cos Ωτ) − y sin Ωτ − p (G(τ) − G(0)), is seen to be negative: a few
+ * samples tell most of the motions that are none, and spare their flights.
+ * @param {System} system
+ * @param {Drive} drive
+ * @param {number} periods
+ * @param {Sums} sums
+ * @param {Root} root
+ */
+function passesThrough(system, drive, periods, sums, { impulse, height, turn }) {
+  const count = SAMPLES * periods, step = sums.span / count, gap = new Float64Array(count);
+  for (let k = 1; k < count; k++) {
+    const angle = drive.omega * k * step;
+    gap[k] = 2 * height * Math.sin(angle / 2) ** 2 - turn * Math.sin(angle);
+  }
+  for (let i = 0; i < system.omega.length; i++) {
+    const own = system.omega[i], weight = impulse * system.contact[i] ** 2;
+    if (weight === 0) continue;
+    const [g0, g1] = green(system, i, sums.flown[i]), p = propagator(own, system.zeta[i], step);
+    for (let k = 1, x = g0, y = g1; k < count; k++) {
+      [x, y] = [p.p00 * x + p.p01 * y, p.p10 * x + p.p11 * y];
+      gap[k] -= weight * (own > 0 ? x - g0 : k * step * (0.5 - k / (2 * count)));
+    }
+  }
+  return gap.some((each) => each < -SEEN * Math.hypot(height, turn));
 }
 
 /**

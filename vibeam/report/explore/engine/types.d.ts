@@ -69,13 +69,32 @@ export type Steady = {
   amplitude: number; maximum: number; minimum: number; impactsPerPeriod: number; impactVelocity: number;
   period: number; rest: number; ended: string; state: State;
 };
+/**
+ * How points are settled and watched: drive periods; start states, static equilibrium where there is none; `carried`:
+ * each from the state of the point before, as a sweep; `slowest`: drive, rad/s, that panels are made for (none: the
+ * slowest of the points), the same for all pieces of a curve.
+ */
+export type Schedule = {
+  settle?: number; hold?: number; states?: (State | null)[]; carried?: "up" | "down"; slowest?: number;
+};
+/** Steady points over frequency, (points,), as Steady has them one by one; `impacts` of settling and hold. */
+export type Response = {
+  frequency: Float64Array; amplitude: Float64Array; maximum: Float64Array; minimum: Float64Array; reach: Float64Array;
+  impactsPerPeriod: Float64Array; impactVelocity: Float64Array; period: Int32Array; rest: Float64Array;
+  ended: string[]; states: State[]; impacts: number[];
+};
+/**
+ * A motion with one impact in `periods` drive periods, the harder or the softer one, or that without contact, "free".
+ * `phase` of the drive at the impact, 0 … 2π. Not admissible: it passes through the stop, is no motion and has neither
+ * amplitude nor extremes.
+ */
 export type Orbit = {
-  frequency: number; branch: string; amplitude: number; maximum: number; minimum: number; impactVelocity: number;
-  stable: boolean; admissible: boolean; periods: number;
+  frequency: number; periods: number; branch: "harder" | "softer" | "free"; phase: number;
+  amplitude: number; maximum: number; minimum: number; impactVelocity: number; stable: boolean; admissible: boolean;
 };
 
 /** A question to the worker: the arguments of the method in its order; the payload for "open". */
-export type Question = { id: number; call: "open" | "response" | "orbits" | "steady"; args: any[] };
+export type Question = { id: number; call: string; args: any[] };
 /** Its answers: points from..done of so many, or the sentence of a refusal. */
 export type Answer =
   | { id: number; done: number; of: number; from?: number; values: any; fault?: undefined }

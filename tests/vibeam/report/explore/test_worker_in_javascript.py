@@ -1,0 +1,118 @@
+"""Answers beside the page: in pieces, the newest alone; on the page itself where there is no worker."""
+
+from page_payload import page_payload
+
+import vibeam
+
+START = """const { serve, background } = await load("explore/engine/worker.js");
+const until = async (done) => { while (!done()) await new Promise((resolve) => setTimeout(resolve, 1)); };
+const counted = { // an engine whose points take a millisecond each, and say where they are
+  response: (fidelity, place, frequencies, { slowest, states, carried }) => {
+    const end = performance.now() + frequencies.length;
+    while (performance.now() < end);
+    if (place.gap < 0) throw new Error("no such gap");
+    return { frequency: frequencies, slowest, begun: states, carried, states: frequencies.map((f) => `after ${f}`) };
+  },
+  orbits: (fidelity, place, frequencies) => frequencies.length,
+};
+function asked(engine, budget) {
+  const heard = [], port = { postMessage: (answer) => heard.push(answer) };
+  return { heard, stop: serve(port, engine, budget), ask: (data) => port.onmessage({ data }) };
+}
+const frequencies = Array.from({ length: 100 }, (_, i) => 1 + i);
+"""
+
+
+def test_a_curve_comes_in_pieces_as_long_as_the_budget(node):
+    heard = node(
+        START
+        + """const { heard, ask } = asked(counted, 16);
+    ask({ id: 5, call: "response", args: ["beam", {}, frequencies, { settle: 1, states: frequencies }] });
+    await until(() => heard.at(-1)?.done === 100);
+    return heard;"""
+    )
+    bounds = [(each["from"], each["done"]) for each in heard]
+    assert [first for first, _ in bounds[1:]] == [last for _, last in bounds[:-1]]
+    assert bounds[0] == (0, 32)
+    assert all(last - first in (8, 16) for first, last in bounds[1:-1])  # 16 ms at 1 ms a point, whole lanes
+    assert all(each["id"] == 5 and each["of"] == 100 for each in heard)
+    assert [f for each in heard for f in each["values"]["begun"]] == list(range(1, 101))
+    assert {each["values"]["slowest"] for each in heard} == {2 * 3.141592653589793}
+
+
+def test_a_newer_question_ends_the_older_one_of_its_kind(node):
+    heard = node(
+        START
+        + """const { heard, ask } = asked(counted, 8);
+    ask({ id: 1, call: "response", args: ["beam", {}, frequencies] });
+    ask({ id: 2, call: "response", args: ["sdof", {}, frequencies] });
+    await until(() => heard.length > 3);
+    ask({ id: 3, call: "response", args: ["beam", {}, frequencies] });
+    ask({ id: 4, call: "orbits", args: ["beam", {}, frequencies] });
+    await until(() => heard.filter(({ done }) => done === 100).length === 2);
+    return heard;"""
+    )
+    of = {number: [each for each in heard if each["id"] == number] for number in (1, 2, 3, 4)}
+    assert of[1][-1]["done"] < 100
+    assert of[2][-1]["done"] == of[3][-1]["done"] == 100
+    assert [each["values"] for each in of[4]] == [100]
+    order = [each["id"] for each in heard[:4]]
+    assert order in ([1, 2, 1, 2], [2, 1, 2, 1])  # a piece each in turn
+    assert heard.index(of[1][-1]) < heard.index(of[3][0])
+
+
+def test_a_carried_curve_goes_on_from_piece_to_piece(node):
+    heard = node(
+        START
+        + """const { heard, ask } = asked(counted, 16);
+    ask({ id: 1, call: "response", args: ["beam", {}, frequencies, { carried: "up" }] });
+    ask({ id: 2, call: "response", args: ["sdof", {}, frequencies, { carried: "down" }] });
+    await until(() => heard.filter(({ done }) => done === 100).length === 2);
+    return heard;"""
+    )
+    up = [each for each in heard if each["id"] == 1]
+    assert len(up) > 2
+    assert [each["values"]["begun"] for each in up] == [[]] + [[f"after {each['from']}"] for each in up[1:]]
+    assert [(each["from"], each["done"]) for each in heard if each["id"] == 2] == [(0, 100)]
+
+
+def test_faults_are_sentences(node):
+    heard = node(
+        START
+        + """const { heard, ask } = asked(counted, 8), none = asked(null, 8);
+    ask({ id: 1, call: "response", args: ["beam", { gap: -1 }, frequencies] });
+    ask({ id: 2, call: "dance", args: ["beam"] });
+    none.ask({ id: 3, call: "orbits", args: ["beam", {}, []] });
+    none.ask({ id: 4, call: "open", args: [{}] });
+    await until(() => heard.length + none.heard.length === 4);
+    return [...heard, ...none.heard];"""
+    )
+    faults = {each["id"]: each["fault"] for each in heard}
+    assert faults[1] == "no such gap"
+    assert '"dance"' in faults[2]
+    assert "not open yet" in faults[3]
+    assert faults[4]
+
+
+def test_the_page_answers_where_there_is_no_worker(node):
+    beam = vibeam.ImpactSystem.from_modes([47.7, 299.0], 0.02, [2.0, -1.0], [0.5, 0.25], gap=1e-3, restitution=0.7)
+    there, here = node(
+        START
+        + """const { open } = await load("explore/engine/engine.js");
+    const engine = await open(given.payload), alone = background(engine, given.payload, ""), heard = [];
+    alone.onmessage = ({ data }) => heard.push(data);
+    const f = Array.from({ length: 41 }, (_, i) => 6 + 0.4 * i), schedule = { settle: 60, hold: 10, carried: "up" };
+    alone.postMessage({ id: 1, call: "response", args: ["beam", {}, f, schedule] });
+    alone.postMessage({ id: 2, call: "orbits", args: ["beam", {}, f] });
+    await until(() => heard.filter(({ done, of }) => done === of).length === 2);
+    const curve = heard.filter(({ id }) => id === 1).flatMap(({ values }) => [...values.amplitude]);
+    const orbits = heard.find(({ id }) => id === 2).values;
+    alone.terminate();
+    return [
+      { where: alone.where, curve, orbits: orbits.length },
+      { curve: engine.response("beam", {}, f, schedule).amplitude, orbits: engine.orbits("beam", {}, f).length },
+    ];""",
+        {"payload": page_payload({"beam": beam}, 1e-3)},
+    )
+    assert there.pop("where") == "page"
+    assert there == here
