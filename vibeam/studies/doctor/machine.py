@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import os
 import platform
-import re
 import sys
 import tempfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from packaging.requirements import Requirement
 
 
 class Severity(StrEnum):
@@ -131,17 +134,6 @@ MODULES = {"scikit-fem": "skfem", "tomli-w": "tomli_w"}
 
 #: extras that a user has a use for, and that
 EXTRAS = {"jit": "compiles kernels where there is no library of them", "lab": "reads universal files"}
-ENTRY = re.compile(r"([\w.-]+)(?:\[[^\]]*\])?\s*(?:>=\s*([\w.]+))?")
-WANTED_BY = re.compile(r"extra\s*==\s*['\"]([^'\"]+)")
-
-
-@dataclass(frozen=True)
-class Requirement:
-    """Package that is required in version ``least`` or higher (empty: any), ``extra``: by that alone."""
-
-    name: str
-    least: str
-    extra: str = ""
 
 
 def packages() -> Iterator[Finding]:
@@ -151,14 +143,13 @@ def packages() -> Iterator[Finding]:
     state, cure = (Severity.GOOD, "") if new else (Severity.FAULT, f"install {least} or higher")
     yield Finding(TOPIC, "Python", state, f"{platform.python_version()} ({sys.executable})", cure)
     yield _own()
-    yield from (package(each) for each in requirements() if not each.extra or each.extra in EXTRAS)
+    yield from map(package, requirements())
 
 
 def _own() -> Finding:
     place, running = Path(__file__).parents[2], str(vars(sys.modules["vibeam"])["__version__"])
-    try:
-        installed = version("vibeam")
-    except PackageNotFoundError:
+    installed = _version("vibeam")
+    if installed is None:
         return Finding(TOPIC, "vibeam", Severity.NOTE, f"{running} in {place}, run from its sources", "")
     if installed != running:
         said = f"{running} in {place} hides the installed {installed}"
@@ -167,53 +158,31 @@ def _own() -> Finding:
 
 
 def requirements() -> list[Requirement]:
-    """Requirements by the installed metadata, or by pyproject.toml in a checkout; none where there is neither."""
+    """Requirements by the installed metadata, of extras those of ``EXTRAS``; none where vibeam is not installed."""
+    from packaging.requirements import Requirement
+
     try:
-        return once(map(parsed, distribution("vibeam").requires or ()))
+        found = [Requirement(entry) for entry in distribution("vibeam").requires or ()]
     except PackageNotFoundError:
-        return once(_of_checkout(Path(__file__).parents[3] / "pyproject.toml"))
-
-
-def once(found: Iterable[Requirement]) -> list[Requirement]:
-    """Each package once, by the first extra that wants it; the tests' extra, which takes others in, comes last."""
-    kept: dict[str, Requirement] = {}
-    for each in found:
-        if each.name not in kept or kept[each.name].extra == "test":
-            kept[each.name] = each
-    return list(kept.values())
-
-
-def _of_checkout(path: Path) -> list[Requirement]:
-    import tomllib
-
-    try:
-        project = tomllib.loads(path.read_text(encoding="utf-8"))["project"]
-    except (OSError, KeyError, ValueError):
         return []
-    extras = project.get("optional-dependencies", {})
-    return [
-        *map(parsed, project["dependencies"]),
-        *(parsed(f'{entry}; extra == "{extra}"') for extra, entries in extras.items() for entry in entries),
-    ]
+    return [each for each in found if each.marker is None or extra_of(each)]
 
 
-def parsed(entry: str) -> Requirement:
-    """Requirement of one entry, as ``scipy>=1.15`` or ``numba>=0.60; extra == "jit"``."""
-    what, _, condition = entry.partition(";")
-    found, extra = ENTRY.match(what.strip()), WANTED_BY.search(condition)
-    assert found is not None
-    return Requirement(found[1].lower(), found[2] or "", extra[1] if extra else "")
+def extra_of(wanted: Requirement) -> str:
+    """Extra of ``EXTRAS`` that wants a package; empty where all do, or another one."""
+    marker = wanted.marker
+    return next((name for name in EXTRAS if marker and marker.evaluate({"extra": name})), "")
 
 
 def package(wanted: Requirement) -> Finding:
     """Finding about a package: its version, and that it can be imported; one of an extra may be absent."""
-    installed = _version(wanted.name)
+    installed, extra = _version(wanted.name), extra_of(wanted)
     if installed is not None:
         return _imported(wanted, installed) or _judged(wanted, installed)
-    if not wanted.extra:
+    if not extra:
         return Finding(TOPIC, wanted.name, Severity.FAULT, "not installed", f"pip install '{_as_pip(wanted)}'")
-    said = f"not installed ({EXTRAS[wanted.extra]})"
-    return Finding(TOPIC, wanted.name, Severity.ABSENT, said, f"to have it: pip install 'vibeam[{wanted.extra}]'")
+    said = f"not installed ({EXTRAS[extra]})"
+    return Finding(TOPIC, wanted.name, Severity.ABSENT, said, f"to have it: pip install 'vibeam[{extra}]'")
 
 
 def _imported(wanted: Requirement, installed: str) -> Finding | None:
@@ -228,23 +197,14 @@ def _imported(wanted: Requirement, installed: str) -> Finding | None:
 
 
 def _judged(wanted: Requirement, installed: str) -> Finding:
-    if numbers(installed) < numbers(wanted.least):
+    if not wanted.specifier.contains(installed, prereleases=True):
         cure = f"pip install --upgrade '{_as_pip(wanted)}'"
-        return Finding(TOPIC, wanted.name, Severity.FAULT, f"{installed} is older than {wanted.least}", cure)
+        return Finding(TOPIC, wanted.name, Severity.FAULT, f"{installed} is not {wanted.specifier}", cure)
     return Finding(TOPIC, wanted.name, Severity.GOOD, installed)
 
 
-def numbers(written: str) -> tuple[int, ...]:
-    """Numbers of a release, (1, 15, 0) of ``1.15.0rc1``, without zeros at its end."""
-    release = re.match(r"\d+(?:\.\d+)*", written)
-    found = [int(each) for each in release[0].split(".")] if release else []
-    while found and found[-1] == 0:
-        found.pop()
-    return tuple(found)
-
-
 def _as_pip(wanted: Requirement) -> str:
-    return f"{wanted.name}>={wanted.least}" if wanted.least else wanted.name
+    return f"{wanted.name}{wanted.specifier}"
 
 
 def _version(name: str) -> str | None:
