@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from math import isinf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,7 @@ from vibeam_models.effects.field_points import FieldPoints, output_names, points
 from vibeam_models.scene import Scene
 
 if TYPE_CHECKING:
+    from vibeam.case.case import Case
     from vibeam.case.fidelity import Fidelity
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.beams.beam import Beam
@@ -90,3 +92,22 @@ def stop_places(scene: Scene, system: ImpactSystem) -> list[tuple[float, float, 
         side = 1.0 if own.side == "above" else -1.0
         found.append((own.position, side * contact.gap, side))
     return found
+
+
+STATIONS = 25  # places along the beam at which a page draws it
+
+
+def stations(case: Case, name: str) -> dict[str, float]:
+    """Places (m) along the beam at which it is drawn, by name; empty where no places are known."""
+    scene = case.scene_of(name)
+    if not isinstance(scene, Scene):
+        return {}
+    taken = {each.name for each in scene.outputs}
+    places = np.linspace(0, scene.beam.length, STATIONS)[1:]
+    return {made: float(x) for x in places if (made := f"at {x:.6g} m") not in taken}
+
+
+def held_at_zero(case: Case, name: str) -> bool:
+    """Test whether the beam's end at 0 stays at its base."""
+    scene = case.scene_of(name)
+    return isinstance(scene, Scene) and any(each.position == 0 and isinf(each.stiffness) for each in scene.carrier.held)

@@ -15,7 +15,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from vibeam.cli.commands import case_files, checks, maps, measured, modes, runs, studies
+from vibeam.cli.commands import case_files, checks, maps, measured, modes, pages, runs, studies
 from vibeam.cli.errors import UsageError, mistakes
 from vibeam.cli.streams import put, say, standard_streams
 from vibeam.cli.verbosity import with_verbosity
@@ -24,7 +24,7 @@ GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "How much model": (runs.run, studies.verdict, maps.map),
     "Measurements": (checks.check, measured.fit, studies.uncertainty),
     "From geometry": (studies.derive, modes.modes),
-    "Results": (runs.report, studies.study),
+    "Results": (pages.report, pages.explore, studies.study),
     "Case files": (case_files.new, case_files.keys, case_files.doctor),
 }
 

@@ -6,8 +6,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from matplotlib.colors import to_rgb
-
 from vibeam.observe.branches import MotionClass
 
 if TYPE_CHECKING:
@@ -107,6 +105,8 @@ def name_of(case: Case, fidelity: str) -> str:
 
 def shade(colour: Any, direction: str) -> tuple[float, ...]:
     """Colour of a fidelity for the sweep up, a lighter one for the sweep down."""
+    from matplotlib.colors import to_rgb
+
     share = LIGHTER[direction]
     return tuple((1 - share) * channel + share for channel in to_rgb(colour))
 

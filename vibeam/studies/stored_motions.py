@@ -11,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import isinf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.beam_field import stop_places
+from vibeam.case.beam_field import stations, stop_places
 from vibeam.case.fidelity import gap_drift, system
 from vibeam.flight.trajectory import simulate
 from vibeam.observe.harmonics import modal_participation, spectrum_of
@@ -78,7 +77,6 @@ FLOWN = 16  # drive periods flown, of which the spectrum is
 HARMONICS = 16  # highest drive harmonic of the spectrum
 FRAMES = 32  # of the moving beam over the window
 POINTS = 480  # of a sampled motion that are shown
-STATIONS = 25  # places along the beam at which it is drawn
 
 
 def _none() -> Array:
@@ -178,22 +176,6 @@ class _MovingRig:
         if not isinstance(scene, Scene) or scene.platform or scene.harmonics:
             return np.nan
         return 0.0 if scene.base.on_beam else drive.amplitude
-
-
-def stations(case: Case, name: str) -> dict[str, float]:
-    """Places (m) along the beam at which it is drawn, by name; empty where no places are known."""
-    scene = case.scene_of(name)
-    if not isinstance(scene, Scene):
-        return {}
-    taken = {each.name for each in scene.outputs}
-    places = np.linspace(0, scene.beam.length, STATIONS)[1:]
-    return {made: float(x) for x in places if (made := f"at {x:.6g} m") not in taken}
-
-
-def held_at_zero(case: Case, name: str) -> bool:
-    """Test whether the beam's end at 0 stays at its base."""
-    scene = case.scene_of(name)
-    return isinstance(scene, Scene) and any(each.position == 0 and isinf(each.stiffness) for each in scene.carrier.held)
 
 
 def _window(period: int) -> int:

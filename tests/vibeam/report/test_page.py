@@ -22,10 +22,10 @@ from vibeam.figures.units import DisplayUnits
 from vibeam.maps.run import run_map
 from vibeam.report.output import StudySheet
 from vibeam.report.page import charts, parts
-from vibeam.report.page.charts import as_json, packed
+from vibeam.report.page.charts import packed
 from vibeam.report.page.drawing import LEFT, REACH, drawing, mode_shapes
 from vibeam.report.page.page import VIEWS, page, study_page
-from vibeam.report.page.parts import EXPORT, HOMES, IMPORT, LivePart, bundle, text_of, with_imports
+from vibeam.report.page.parts import EXPORT, HOMES, IMPORT, LivePart, as_json, bundle, text_of, with_imports
 from vibeam.report.tables import blank
 from vibeam.store.errors import StoreError
 from vibeam.studies.stored import stored

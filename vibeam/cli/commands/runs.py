@@ -1,4 +1,4 @@
-"""``vibeam run`` and ``report``: results of cases, their page and their tables."""
+"""``vibeam run``: results of cases, of one or of several."""
 
 from __future__ import annotations
 
@@ -21,8 +21,6 @@ from vibeam.cli.arguments import (
     number,
     of_fidelities,
     option,
-    out_option,
-    output_path,
     results_path,
     run_case,
 )
@@ -145,46 +143,3 @@ def _line(path: Path, found: Mapping[str, Any]) -> str:
         return str(found["answer"])
     first, _, rest = found["error"].removeprefix(f"{path}: ").partition("\n")
     return f"not run: {first}" + f" (and {rest.count(chr(10)) + 1} more)" * bool(rest)
-
-
-_BESIDE = "Its case file, where references or other files lie beside that."
-
-
-def report(
-    results: Annotated[Path, typer.Argument(metavar="RESULTS", help="The results file (.h5).", show_default=False)],
-    case: Annotated[Path | None, option(_BESIDE, "--case", metavar="CASE")] = None,
-    out: Annotated[str | None, out_option("The page (.html), the table (.csv), or the folder for it.")] = None,
-    csv: Annotated[bool, typer.Option("--csv", help="Write all curves as a table in place of the page.")] = False,
-) -> None:
-    """Write a page of results, or all curves as CSV.
-
-    The page holds the answer, the scene, curves, motions, cost and checks; it needs no network. The table has a row for
-    every point of every fidelity and way, and a column for every quantity, with its unit.
-
-    \b
-    Examples:
-      vibeam report mine.h5
-      vibeam report mine.h5 --csv --out tables/
-    """
-    from vibeam.casefile.read import load
-    from vibeam.studies.stored import stored
-
-    if results.suffix == ".toml":
-        raise UsageError(f"{results}: is a case: name the results file that vibeam run makes of it")
-    wanted = (f"{results.stem}_curves.csv", (".csv",), "a table")
-    path = output_path(out, *(wanted if csv else (f"{results.stem}.html", (".html", ".htm"), "a page")))
-    found = stored(results, None if case is None else load(case))
-    if csv:
-        from vibeam.report.curve_tables import write_curves
-
-        files = write_curves(found.result, path)
-    else:
-        from vibeam.exchange.whole_files import write_whole
-        from vibeam.report.page.page import page
-
-        write_whole(path, page(found).encode())
-        files = [path]
-    if verbosity().json:
-        print_json({"files": files})
-    else:
-        put_lines(map(str, files))

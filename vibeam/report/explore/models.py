@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.beam_field import stop_places
+from vibeam.case.beam_field import held_at_zero, stations, stop_places
 from vibeam.case.fidelity import gap_drift, gap_wear, system
 from vibeam.figures.style import looks_of, name_of
 from vibeam.flight.linear.held_planes import held_planes, roots_serve
 from vibeam.flight.readout import OUTCOMES
 from vibeam.report.explore.regime_models import beyond_plain, regimes_refusal
-from vibeam.report.page.charts import look_on_page
-from vibeam.studies.stored_motions import held_at_zero, stations
+from vibeam.report.page.parts import look_on_page
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 from vibeam_models.outputs import Output
@@ -58,7 +57,7 @@ def page_refusal(case: Case, name: str, found: ImpactSystem) -> str:
     """Reason why the page cannot fly a fidelity, a sentence; empty where it can."""
     solver, scene = case.fidelities[name].solver, case.scene_of(name)
     if solver != "flight":
-        return f'Found by the solver "{solver}": the page has the exact flight alone. Its stored curve stands in grey.'
+        return f'Found by the solver "{solver}": the page has the exact flight alone. The terminal runs it: vibeam run.'
     if scene.harmonics:
         return "Its drive has several harmonics: the page drives by one. The terminal flies it: vibeam run."
     if gap_wear(scene):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -11,14 +10,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vibeam.case.beam_field import held_at_zero, stations
 from vibeam.exchange.faults import CaseError
 from vibeam.figures.panels import NOT_FROM_ZERO, SLIGHT, TOP
 from vibeam.figures.response_curve import grazing_heights
-from vibeam.figures.style import COLOURS, DASH, DASHES, DOT, LINES, Look, looks_of, name_of
+from vibeam.figures.style import COLOURS, DASH, DOT, LINES, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass, pieces
+from vibeam.report.page.parts import colours_on_page, look_on_page
 from vibeam.studies.regression.references import COVERAGE
-from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions, held_at_zero, stations
+from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions
 from vibeam.system.response import Ended, FrequencyResponse, complete
 from vibeam_models.arrays import Array
 from vibeam_models.outputs import DISPLACEMENT
@@ -46,14 +47,7 @@ def packed(values: ArrayLike) -> dict[str, Any]:
     return {"low": low, "step": step, "data": b64encode(whole.tobytes()).decode()}
 
 
-def as_json(values: Any) -> str:
-    """JSON that may stand in a script element of a page, whatever texts it holds."""
-    text = json.dumps(values, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
-    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e").replace("\u2028", "\\u2028")
-
-
 MOTION_BYTES, MOTIONS_BYTES = 8000, 750_000  # of one motion on the page, and of all of them
-LIGHTER = 0.45  # share of white in a line's colour on a dark ground
 FEWEST, MOST = 3, 41  # frequencies at which motions are kept
 
 
@@ -99,7 +93,7 @@ def chart_data(stored: StoredResult) -> dict[str, Any]:
         "speed": {"unit": units.speed, "factor": units.speed_factor},
         "quantities": [asdict(each) for each in quantities],
         "contact_speed": dict(zip(("unit", "factor"), _contact_speed(units), strict=True)),
-        "palette": [_colours(each) for each in (*COLOURS, "#5E35B1", "#B3261E")],
+        "palette": [colours_on_page(each) for each in (*COLOURS, "#5E35B1", "#B3261E")],
         "kinds": [_kind(each) for each in MotionClass],
         "upward": {"top": TOP, "slight": SLIGHT, "note": NOT_FROM_ZERO},
         "fidelities": _fidelities(result),
@@ -146,17 +140,6 @@ def _fidelities(result: Result) -> list[dict[str, Any]]:
         }
         for name in result
     ]
-
-
-def look_on_page(own: Look) -> dict[str, Any]:
-    """Colours and dashes of a fidelity's lines on the page."""
-    return {**_colours(own.colour), "dash": [] if own.dash == DASHES[0] else [3 * each for each in own.dash[1]]}
-
-
-def _colours(colour: str) -> dict[str, str]:
-    """Colour of a line (#rrggbb) on white paper, and a lighter one on a dark ground."""
-    parts = (int(colour[at : at + 2], 16) for at in (1, 3, 5))
-    return {"colour": colour, "dark": "#" + "".join(f"{round(part + LIGHTER * (255 - part)):02x}" for part in parts)}
 
 
 def _kind(kind: MotionClass) -> dict[str, Any]:

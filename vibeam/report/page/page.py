@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 from vibeam.figures import FIGURES
 from vibeam.report.checks import check_report
 from vibeam.report.output import StudySheet
-from vibeam.report.page.charts import as_json, chart_data
+from vibeam.report.page.charts import chart_data
 from vibeam.report.page.drawing import drawing, mode_shapes
-from vibeam.report.page.parts import KINDS, LivePart, Picture, embedded, picture, rendered
+from vibeam.report.page.parts import KINDS, LivePart, Picture, as_json, embedded, picture, rendered
 from vibeam.report.run_report import run_report
 from vibeam.system.response import modes_of
 

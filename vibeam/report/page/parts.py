@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import re
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Sequence
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.figures.style import DASHES, Look
 from vibeam.report.tables import ReportTable, filled_columns
 
 if TYPE_CHECKING:
@@ -29,6 +31,20 @@ def texts(table: ReportTable) -> dict[str, Any]:
         "rows": list(zip(*([str(cell) for cell in each.cells] for each in columns), strict=True)),
         "numbers": [each.justify == "right" for each in columns],
     }
+
+
+LIGHTER = 0.45  # share of white in a line's colour on a dark ground
+
+
+def look_on_page(own: Look) -> dict[str, Any]:
+    """Colours and dashes of a fidelity's lines on the page."""
+    return {**colours_on_page(own.colour), "dash": [] if own.dash == DASHES[0] else [3 * each for each in own.dash[1]]}
+
+
+def colours_on_page(colour: str) -> dict[str, str]:
+    """Colour of a line (#rrggbb) on white paper, and a lighter one on a dark ground."""
+    parts = (int(colour[at : at + 2], 16) for at in (1, 3, 5))
+    return {"colour": colour, "dark": "#" + "".join(f"{round(part + LIGHTER * (255 - part)):02x}" for part in parts)}
 
 
 DOTS = 110  # dots an inch of a picture of dots
@@ -104,8 +120,14 @@ def as_csv(heads: Sequence[str], rows: Iterable[Sequence[object]]) -> str:
     return text.getvalue()
 
 
+def as_json(values: Any) -> str:
+    """JSON that may stand in a script element of a page, whatever texts it holds."""
+    text = json.dumps(values, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+    return text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e").replace("\u2028", "\\u2028")
+
+
 EXPORT = re.compile(r"^export ((?:async )?\w+) (\w+)", re.MULTILINE)
-IMPORT = re.compile(r'^import (\{.*\}) from "\.{1,2}/(?:[\w./]+/)?(\w+)\.js";$', re.MULTILINE)
+IMPORT = re.compile(r'^import (\{[^}]*\}) from "\.{1,2}/(?:[\w./]+/)?(\w+)\.js";$', re.MULTILINE)
 HOMES = ("page", "explore", "explore/engine", "explore/views")  # folders of ``vibeam.report`` with files of pages
 
 

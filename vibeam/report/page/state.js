@@ -42,6 +42,7 @@ export const address = {
   set(key, value) {
     if (value === null || value === "") values.delete(key); else values.set(key, String(value));
     const parts = [...values].map(([name, each]) => `${name}=${encodeURIComponent(each).replaceAll("%2C", ",")}`);
+    if (location.protocol === "about:") return;  // a frame of a notebook has no address of its own
     history.replaceState(null, "", `#${[section, ...parts].filter(Boolean).join("&")}`);
   },
   go: () => { if (section) byId(section)?.scrollIntoView(); },

@@ -1,0 +1,217 @@
+"""Pages that fly: what they carry, what they may, and what stands in their place where nothing flies."""
+
+import base64
+import gzip
+import json
+import re
+from html import unescape
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import vibeam
+from vibeam.cli.commands import pages
+from vibeam.cli.main import app
+from vibeam.flight.engine.loading import KernelsUnavailable
+from vibeam.report.explore import page as explore_pages
+from vibeam.report.explore.exploration import SANDBOX
+from vibeam.report.explore.page import results_page
+from vibeam.report.explore.payload import guessed_units, payload
+from vibeam.report.page.page import page
+from vibeam.studies.stored import stored
+
+HOSTILE = "</script><img src=x onerror=alert(1)> & {{ 7 * 7 }}"
+STOPPED = "no fidelity of this case can be flown in a page; vibeam run sweeps it:\n"
+
+
+@pytest.fixture(scope="module")
+def case():
+    return vibeam.load("cases/dtu_neutral.toml", {"title": HOSTILE, "sweep.frequency.points": 3})
+
+
+@pytest.fixture(scope="module")
+def made(case):
+    return payload(case)
+
+
+@pytest.fixture(scope="module")
+def html(case):
+    return vibeam.explore(case).html
+
+
+@pytest.fixture
+def run(monkeypatch, tmp_path):
+    """``vibeam …`` in an empty folder."""
+    folder = vibeam.load("cases/dtu_neutral.toml").path.resolve().parent
+    (tmp_path / "cases").symlink_to(folder)
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: CliRunner().invoke(app, list(words))
+
+
+def numbers(packed):
+    return np.frombuffer(base64.b64decode(packed["f8"]), "<f8").reshape(packed["shape"])
+
+
+def script(text, name):
+    return re.search(rf'<script id="{name}"[^>]*>(.*?)</script>', text, re.DOTALL)[1]
+
+
+def policy(text):
+    return re.search(r'Content-Security-Policy" content="([^"]*)"', text)[1]
+
+
+def test_a_payload_has_what_the_page_reads(case, made):
+    assert made.keys() == {
+        "version", "level", "digest", "libraries", "slots", "models", "sliders", "fixed", "ended", "sweep", "case"
+    }  # fmt: skip
+    assert (made["version"], made["level"], len(made["digest"])) == (vibeam.__version__, "wasm", 16)
+    assert made["libraries"].keys() == {"tables", "flight", "points"}
+    for text in made["libraries"].values():
+        assert gzip.decompress(base64.b64decode(text))[:4] == b"\0asm"
+    assert {"tables.tabulate", "flight.move", "points.run"} <= made["slots"]["entries"].keys()
+    assert made["sweep"]["frequency"] == [14.0, 15.5, 17.0]
+    assert made["case"].keys() == {"title", "name", "file", "template"}
+    assert [each["name"] for each in made["sliders"]] == ["frequency", "drive", "gap", "restitution", "damping"]
+    for each in made["sliders"]:
+        assert each["low"] <= each["value"] <= each["high"]
+        assert each["name"] == "frequency" or each["of"].keys() == {"sdof", "two_modes", "beam"}
+    json.dumps(made, allow_nan=False)
+
+
+def test_models_are_the_systems_to_the_bit(case, made):
+    for model in made["models"]:
+        system = case.system(model["name"])
+        assert (model["engine"], model["refusal"], model["finest"]) == ("plain", "", "beam")
+        for name in ("omega", "zeta", "contact", "load", "static"):
+            assert numbers(model[name]).tolist() == getattr(system, name).tolist()
+        assert (model["gap"], model["restitution"]) == (system.gap, system.restitution)
+        drive = model["amplitude"]
+        assert drive["level"] * drive["factor"] == pytest.approx(case.amplitude_of(model["name"]), rel=1e-15)
+
+
+def test_a_platform_gives_tables_at_the_places_of_the_slider():
+    case = vibeam.load("cases/experiment/fig28.toml", {"sweep.frequency.points": 3})
+    made = payload(case)
+    frequency = next(each for each in made["sliders"] if each["name"] == "frequency")
+    tables = {each["name"]: each["amplitude"] for each in made["models"] if "frequency" in each["amplitude"]}
+    assert tables
+    for drive in tables.values():
+        assert numbers(drive["frequency"]).tolist() == numbers(frequency["places"]).tolist()
+
+
+def test_sizes_of_numbers_suit_the_motion():
+    units = {name: guessed_units(vibeam.load(f"cases/{name}.toml")) for name in ("dtu_neutral", "rigs/mems_switch")}
+    assert (units["dtu_neutral"].length, units["dtu_neutral"].frequency) == ("mm", "Hz")
+    assert units["rigs/mems_switch"].frequency == "kHz"
+    assert units["rigs/mems_switch"].length in ("µm", "nm")
+
+
+def test_the_page_asks_nothing_of_any_network_and_may_compile(html):
+    wanted = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
+    assert policy(html) == wanted + "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:"
+    assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#)""", html)
+    assert "<img src=x" not in html
+    assert "49" not in re.search(r"<h1>(.*?)</h1>", html)[1]
+    assert json.loads(script(html, "engine"))["case"]["title"] == HOSTILE
+    assert len(html.encode()) < 900_000
+
+
+def test_the_engine_stands_on_the_page_once_and_names_no_file(html):
+    engine = script(html, "worker")
+    assert engine.strip().startswith('"use strict";')
+    assert not re.search(r"^(import|export) ", engine, re.MULTILINE)
+    defined = re.findall(r"^modules\.(\w+) = ", html, re.MULTILINE)
+    assert len(defined) == len(set(defined))
+    assert {"slots", "engine", "explore", "start"} <= set(defined)
+    assert "document" not in re.sub(r"//.*|/\*.*?\*/", "", "".join(engine.split("modules.worker")[0]), flags=re.DOTALL)
+
+
+def test_a_page_of_results_has_the_engine_unless_it_is_left_out(tmp_path, case):
+    vibeam.run(vibeam.load("cases/sdof_nominal.toml", {"sweep.frequency.points": 3}), out=tmp_path / "a.h5")
+    found = stored(tmp_path / "a.h5")
+    still, flying = page(found), results_page(found)
+    assert "wasm-unsafe-eval" in policy(flying)
+    assert "wasm" not in still
+    for each in re.findall(r'<section id="(\w+)"', still):
+        assert f'<section id="{each}"' in flying
+    units = json.loads(script(flying, "engine"))["sweep"]["units"]
+    charts = json.loads(script(flying, "data"))
+    assert units == {name: charts[name] for name in units}
+    said = CliRunner().invoke(app, ["report", str(tmp_path / "a.h5"), "--no-engine", "-o", str(tmp_path / "b.html")])
+    assert (said.exit_code, (tmp_path / "b.html").read_text("utf-8")) == (0, still)
+
+
+def test_a_page_without_its_kernels_says_so(tmp_path, monkeypatch):
+    def missing(found):
+        raise KernelsUnavailable("a page cannot carry the engine: gone")
+
+    monkeypatch.setattr(explore_pages, "results_page", missing)
+    vibeam.run(vibeam.load("cases/sdof_nominal.toml", {"sweep.frequency.points": 3}), out=tmp_path / "a.h5")
+    said = CliRunner().invoke(app, ["report", str(tmp_path / "a.h5"), "-o", f"{tmp_path}/"])
+    assert said.exit_code == 0
+    assert said.stderr == "the page has no engine: a page cannot carry the engine: gone\n"
+    assert "wasm" not in (tmp_path / "a.html").read_text("utf-8")
+
+
+def test_explore_writes_a_page_and_opens_no_browser_in_a_pipe(run, tmp_path, monkeypatch):
+    monkeypatch.setattr("webbrowser.open", lambda url: pytest.fail("nobody is there"))
+    said = run("explore", "cases/dtu_neutral.toml", "--set", "stop.gap=0.05 mm", "--fidelity", "beam")
+    assert (said.exit_code, said.stdout, said.stderr) == (0, "dtu_neutral_explore.html\n", "")
+    sliders = json.loads(script((tmp_path / "dtu_neutral_explore.html").read_text("utf-8"), "engine"))["sliders"]
+    gap = next(each for each in sliders if each["name"] == "gap")
+    assert (gap["value"], list(gap["of"])) == (0.05e-3, ["beam"])
+    said = run("explore", "cases/rigs/two_stops.toml", "-o", "pages/a.html")
+    assert said.stdout == "pages/a.html\n"
+    assert [line.partition(":")[0] for line in said.stderr.splitlines()] == ["sdof", "four_modes"]
+    told = json.loads(run("explore", "cases/rigs/two_stops.toml", "--json", "-o", "pages/").stdout)
+    assert (told["files"], told["flown"]) == (["pages/two_stops_explore.html"], ["one_stop"])
+    assert told["refused"].keys() == {"sdof", "four_modes"}
+
+
+def test_a_browser_opens_where_somebody_is_there(run, monkeypatch):
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr(pages, "_display", lambda: True)
+    run("explore", "cases/sdof_nominal.toml")
+    assert [url.rpartition("/")[2] for url in opened] == ["sdof_nominal_explore.html"]
+    run("explore", "cases/sdof_nominal.toml", "--no-open")
+    run("explore", "cases/sdof_nominal.toml", "--json")
+    assert len(opened) == 1
+
+
+@pytest.mark.parametrize(
+    ("variables", "there"),
+    [({"DISPLAY": ":0"}, True), ({"WAYLAND_DISPLAY": "w"}, True), ({}, False), ({"DISPLAY": ":0", "CI": "1"}, False)],
+)
+def test_who_is_there(monkeypatch, variables, there):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "CI"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    assert pages._display() is there
+    monkeypatch.setattr("sys.stdout.isatty", lambda: False)
+    assert pages._display() is False
+
+
+def test_a_case_that_no_page_flies_is_a_message_and_no_file(run, tmp_path):
+    said = run("explore", "cases/paper/fig03.toml")
+    assert said.exit_code == 2
+    assert said.stderr.startswith(f"cases/paper/fig03.toml: {STOPPED}direct: ")
+    assert run("explore", "cases/gone.toml").stderr == "cases/gone.toml: no such file\n"
+    assert run("explore", "cases/sdof_nominal.toml", "-o", "a.png").exit_code == 2
+    assert [each.name for each in tmp_path.iterdir()] == ["cases"]
+
+
+def test_a_notebook_shows_the_page_as_a_frame_that_is_shut_off(case, html, tmp_path):
+    shown = vibeam.explore(case, height=700)
+    frame = shown._repr_html_()
+    assert unescape(re.search(r'srcdoc="([^"]*)"', frame)[1]) == shown.html == html
+    assert re.search(r'sandbox="([^"]*)"', frame)[1] == SANDBOX
+    assert "allow-same-origin" not in SANDBOX
+    assert "height: 700px" in frame
+    assert frame.count("<") == 2  # the frame and its end: no text of the case is markup
+    assert shown.write(tmp_path / "a.html").read_text("utf-8") == html
+    assert "html" not in repr(shown)

@@ -1,0 +1,126 @@
+"""Payload of a page: engine, models, sliders, sweep and case as one JSON object, arrays to the bit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.case.case import quantity_of
+from vibeam.figures.units import DisplayUnits, units_of
+from vibeam.flight.engine.browser import browser_libraries, slots_table
+from vibeam.flight.engine.loading import WASM
+from vibeam.report.explore.case_text import fixed_keys, template
+from vibeam.report.explore.drive import drive_amplitude, slider_frequencies
+from vibeam.report.explore.models import array_of, ended_words, model_of
+from vibeam.report.explore.sliders import CaseSliders, Slider, case_sliders
+from vibeam_models.outputs import DISPLACEMENT
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam_models.arrays import Array
+
+#: libraries of the kernels by which each engine flies
+LIBRARIES = {"plain": ("tables", "flight", "points"), "regimes": ("tables", "regimes")}
+IMPACTING = 3.0  # times the motion without a stop, that of one with impacts at its peak, roughly
+NOT_DAMPED = "the page knows these models by their regimes, and other damping has other ones: vibeam run flies it"
+
+
+def payload(case: Case, units: DisplayUnits | None = None) -> dict[str, Any]:
+    """Everything that a page needs to fly a case; ``units``: in which it shows numbers, None: by their size.
+
+    ValueError or CaseError where a fidelity cannot be built, KernelsUnavailable where the libraries of pages are
+    missing.
+    """
+    found = case_sliders(case)
+    models = [_model(case, name, found) for name in case.fidelities]
+    sliders = _moving(found, models)
+    flown = {each["engine"] for each in models}
+    libraries = tuple(dict.fromkeys(name for engine, names in LIBRARIES.items() if engine in flown for name in names))
+    packed = browser_libraries(libraries)
+    return {
+        **_engine(packed),
+        "slots": slots_table(libraries),
+        "models": models,
+        "sliders": [_slider(each) for each in sliders.sliders.values()],
+        "fixed": fixed_keys(case, sliders),
+        "ended": ended_words(),
+        "sweep": _sweep(case, units or guessed_units(case)),
+        "case": _case(case, sliders),
+    }
+
+
+def _engine(packed: Mapping[str, str]) -> dict[str, Any]:
+    from vibeam import __version__
+
+    digest = sha256("".join(packed[name] for name in sorted(packed)).encode()).hexdigest()
+    return {"version": __version__, "level": WASM, "digest": digest[:16], "libraries": dict(packed)}
+
+
+def _model(case: Case, name: str, sliders: CaseSliders) -> dict[str, Any]:
+    """Model of one fidelity with its drive; one that does not follow a slider is refused."""
+    made: dict[str, Any] = model_of(case, name)
+    made["amplitude"] = _arrays(drive_amplitude(case, name, slider_frequencies(case)))
+    if name in sliders.refused and made["engine"]:
+        why = f"{made['label']} is not flown here, for it does not follow every slider: {sliders.refused[name]}."
+        made |= {"engine": None, "refusal": why}
+    return made
+
+
+def _moving(found: CaseSliders, models: Sequence[Mapping[str, Any]]) -> CaseSliders:
+    """Sliders that a model of the page follows."""
+    damping = found.sliders.get("damping")
+    follows = [each["name"] for each in models if each["engine"] and each.get("damped")]
+    if damping is None or any(damping.of.get(name, (1.0, 0.0))[1] for name in follows):
+        return found
+    kept = {name: each for name, each in found.sliders.items() if name != "damping"}
+    return replace(found, sliders=kept, fixed={**found.fixed, "damping": NOT_DAMPED})
+
+
+def _slider(slider: Slider) -> dict[str, Any]:
+    kept = ("name", "key", "label", "unit", "factor", "value", "low", "high", "logarithmic")
+    said: dict[str, Any] = {name: getattr(slider, name) for name in kept}
+    said["of"] = {name: list(each) for name, each in slider.of.items()}
+    return said if slider.places is None else said | {"places": array_of(slider.places)}
+
+
+def _sweep(case: Case, units: DisplayUnits) -> dict[str, Any]:
+    swept = case.sweep
+    contact = ("mm/s", 1e3) if units.frequency else ("", units.speed_factor)
+    return {
+        "frequency": swept.frequency.tolist(),
+        "settle": swept.settle,
+        "hold": swept.hold,
+        "output": swept.output,
+        "units": {
+            "frequency": {"unit": units.frequency, "factor": units.frequency_factor},
+            "output": {"unit": units.length, "factor": units.length_factor, "name": swept.output},
+            "speed": {"unit": units.speed, "factor": units.speed_factor},
+            "contact_speed": dict(zip(("unit", "factor"), contact, strict=True)),
+        },
+    }
+
+
+def guessed_units(case: Case) -> DisplayUnits:
+    """Units by the largest motion without a stop, and the gap: no sweep says how large the motion is."""
+    name, omega = next(iter(case.fidelities)), 2 * np.pi * case.sweep.frequency
+    system, quantity = case.system(name), quantity_of(case, case.sweep.output)
+    rates, given = system.omega, np.asarray(case.amplitude_of(name, omega))
+    rows = system.row(case.sweep.output) * system.load
+    shapes = rows / (rates**2 - omega[:, None] ** 2 + 2j * rates * system.zeta * omega[:, None])
+    largest = np.abs(omega ** (2 + (quantity.rate or 0)) * given * shapes.sum(axis=1))
+    size = float(np.max(largest[np.isfinite(largest)], initial=0.0))
+    gap = abs(system.gap) if quantity is DISPLACEMENT else 0.0
+    return units_of(case, max(IMPACTING * size, gap), IMPACTING * size * float(omega[-1]), quantity.name)
+
+
+def _case(case: Case, sliders: CaseSliders) -> dict[str, Any]:
+    own = {"title": case.title, "name": case.path.stem, "file": case.path.name}
+    return own | {"template": template(case, sliders)}
+
+
+def _arrays(said: Mapping[str, float | Array]) -> dict[str, Any]:
+    return {name: array_of(each) if isinstance(each, np.ndarray) else each for name, each in said.items()}
