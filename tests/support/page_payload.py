@@ -6,27 +6,31 @@ from collections.abc import Mapping
 from typing import Any
 
 from vibeam.flight.engine.browser import browser_libraries, slots_table
-from vibeam.report.explore.models import _plain, ended_words
+from vibeam.report.explore.models import _plain, ended_words, packed
+from vibeam.report.explore.regime_models import beyond_plain
 from vibeam.system.impact_system import ImpactSystem
 
-LIBRARIES = ("tables", "flight", "points")
+LIBRARIES = {"plain": ("tables", "flight", "points"), "regimes": ("tables", "regimes")}
 
 
 def page_payload(systems: Mapping[str, ImpactSystem], amplitude: float) -> dict[str, Any]:
-    """Payload of plain systems under a base motion of ``amplitude`` m at every frequency; output: the contact."""
-    models = [
-        {
-            "name": name, "label": name, "engine": "plain", "refusal": "", "modes": system.size, "output": "contact",
-            "gap": system.gap, "restitution": system.restitution,
-            "amplitude": {"level": amplitude, "power": 0, "factor": 1.0}, **_plain(system),
-        }
-        for name, system in systems.items()
-    ]  # fmt: skip
+    """Payload of systems under a base motion of ``amplitude`` m at every frequency; output: the contact."""
+    models = [_model(name, system, amplitude) for name, system in systems.items()]
+    libraries = sorted({each for model in models for each in LIBRARIES[model["engine"]]})
     of = {name: [0.0, 1.0] for name in systems}
     sliders = [
         {"name": name, "value": 1.0, "of": of} for name in ("frequency", "drive", "gap", "restitution", "damping")
     ]
     return {
-        "version": "", "level": "wasm", "libraries": browser_libraries(LIBRARIES), "slots": slots_table(LIBRARIES),
+        "version": "", "level": "wasm", "libraries": browser_libraries(libraries), "slots": slots_table(libraries),
         "models": models, "sliders": sliders, "sweep": {"settle": 100, "hold": 20}, "ended": ended_words(),
+    }  # fmt: skip
+
+
+def _model(name: str, system: ImpactSystem, amplitude: float) -> dict[str, Any]:
+    rows = packed(beyond_plain(system, "contact")) if system.beyond_plain else _plain(system)
+    return {
+        "name": name, "label": name, "engine": "regimes" if system.beyond_plain else "plain", "refusal": "",
+        "modes": system.size, "output": "contact", "gap": system.gap, "restitution": system.restitution,
+        "amplitude": {"level": amplitude, "power": 0, "factor": 1.0}, **rows,
     }  # fmt: skip

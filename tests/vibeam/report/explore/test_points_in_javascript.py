@@ -1,5 +1,7 @@
 """Steady points and periodic motions that the page's engine flies, against those of Python."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from javascript import ScriptError
@@ -7,9 +9,10 @@ from page_payload import page_payload
 
 import vibeam
 from vibeam.flight.points.points import PlainPoints, PointSettings, compute
-from vibeam.flight.solver import FlightSolver
+from vibeam.flight.solver import FlightSolver, RegimeSolver
 from vibeam.solvers.orbit import OrbitSolver
 from vibeam.system.response import Ended
+from vibeam_models.laws.compliant import LinearStop
 
 RATES = 47.7 * np.array([1, 6.27, 17.55, 34.4, 56.8, 84.9, 118.6, 157.9])
 AMPLITUDE = 1e-3
@@ -169,6 +172,26 @@ def test_periodic_motions(node):
 def assert_extremes(ours, window):
     for key in ("amplitude", "maximum", "minimum"):
         assert ours[key] == pytest.approx(getattr(window, key)[0], abs=1e-10 * window.amplitude[0])
+
+
+def test_points_by_regimes(node):
+    """One after the other, each by itself or carried: any law, here two stops that yield."""
+    between = replace(SYSTEMS["two modes"], zeta=np.full(2, 0.2), second_gap=4e-3, law=LinearStop(5e3, 4.0))
+    script = (
+        START
+        + """const schedule = { settle: 100, hold: 10 };
+    return [engine.response("between", {}, given.frequencies, schedule),
+      engine.response("between", {}, given.frequencies, { ...schedule, carried: "up" })];"""
+    )
+    payload = page_payload({"between": between}, 4 * AMPLITUDE)
+    alone, carried = node(script, {"payload": payload, "frequencies": HZ, "cases": {}})
+    solver, steady = RegimeSolver(between, OMEGA[0]), (4 * AMPLITUDE, None, 100, 10, "contact")
+    assert_same(carried, solver.steady(OMEGA, *steady)[0], least=25)
+    for at in range(len(OMEGA)):
+        own = {key: values[at : at + 1] for key, values in alone.items()}
+        assert_same(own, solver.steady(OMEGA[at : at + 1], *steady)[0], least=0)
+    with pytest.raises(ScriptError, match="closed form only for one stop"):
+        node(START + "return engine.orbits('between', {}, [10]);", {"payload": payload, "cases": {}})
 
 
 def test_refusals(node):

@@ -109,8 +109,8 @@ function* answers(engine, { id, call, args }, key, budget) {
     const done = Math.min(of, from + size), begun = performance.now(), part = frequencies.slice(from, done);
     const values = engine.response(fidelity, place, part, { slowest, ...schedule, states: states.slice(from, done) });
     if (carried) states = Array(done).concat(values.states.slice(-1)); // from where the next piece goes on
-    const within = (budget * (done - from)) / Math.max(performance.now() - begun, LEAST);
-    size = LANES * Math.max(1, Math.floor(Math.min(within, 4 * size) / LANES));
+    const within = Math.min((budget * (done - from)) / Math.max(performance.now() - begun, LEAST), 4 * size);
+    size = within < LANES ? Math.max(1, Math.floor(within)) : LANES * Math.floor(within / LANES);
     sizes.set(key, size);
     yield { id, from, done, of, values };
     from = done;
