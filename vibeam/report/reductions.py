@@ -88,7 +88,7 @@ def sheet(study: ReductionStudy) -> StudySheet:
         f"Coordinates for {percent(study.within)} of the amplitude of all {study.claim.modes} modes: {found}.",
         losses(study),
         study.notes,
-        data={name: getattr(study, name) for name in names} | {"analysis": study.curves},
+        data={name: getattr(study, name) for name in names},
         rows=[dict(dotted(plain(row))) for row in study.rows],
         draw=lambda: reduction_figure(study),
     )

@@ -8,7 +8,7 @@ from math import nan
 
 import numpy as np
 
-from vibeam.studies.modes_needed.transfer import ContactPulse, ModalForm, TransferErrors, TransferStudy
+from vibeam.studies.modes_needed.transfer import ContactPulse, ModalForm, TransferStudy
 from vibeam.system.curves import Difference
 from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.laws.restitution import first_mode_restitution
@@ -87,8 +87,7 @@ def response_error(pairs: Sequence[tuple[Amplitudes, Amplitudes]]) -> ResponseEr
 class Losses:
     """Losses of a reduction to ``modes`` coordinates, each a share of the full model's value.
 
-    - ``frequency``: largest relative error of a natural frequency in the band (1 where the mode is missing), which is
-      mode ``frequency_mode``; ``modes_kept``: the modes from the first one on that are within the accuracy;
+    - ``frequency``: largest relative error of a natural frequency in the band (1 where the mode is missing);
     - ``mac``: least modal assurance criterion of full against reduced modes in the band, 1: the same shapes;
     - ``static_stiffness``: excess of the contact's static stiffness, NaN of a free body;
     - ``mobility``: share of w M⁻¹ wᵀ that is lost; NaN of a contact without mass; ``first_mode_restitution``
@@ -96,7 +95,7 @@ class Losses:
       another law;
     - ``restitution``: change of 1 − R₁, the share of its speed that mode 1 loses at an impact, relative to that of the
       full model; 0 where the case holds R₁, NaN as before;
-    - ``contact``, ``sensor``: largest errors of the transfer functions from the drive, at ``…_mu`` Hz;
+    - ``contact``, ``sensor``: largest errors of the transfer functions from the drive;
     - ``impact``: of the contact's displacement in a half-sine pulse as long as the contact; where no contact time is
       known, ``mobility``, to which it goes as that time goes to 0;
     - ``loss``: the largest of frequency, static stiffness, restitution, contact, sensor, impact; ``decided_by``: which.
@@ -109,8 +108,6 @@ class Losses:
     loss: float = nan
     decided_by: str = ""
     frequency: float = nan
-    frequency_mode: int = 0
-    modes_kept: int = 0
     mac: float = nan
     static_stiffness: float = nan
     mobility: float = nan
@@ -118,9 +115,7 @@ class Losses:
     contact_restitution: float = nan
     restitution: float = nan
     contact: float = nan
-    contact_mu: float = nan
     sensor: float = nan
-    sensor_mu: float = nan
     impact: float = nan
     why: str = ""
     response: ResponseError = UNKNOWN
@@ -128,17 +123,16 @@ class Losses:
 
 @dataclass(frozen=True)
 class Question:
-    """Question to every reduction: a transfer study, the number of modes in the band, the contact, an accuracy."""
+    """Question to every reduction: a transfer study, the number of modes in the band, the contact."""
 
     transfer: TransferStudy
     in_band: int
     pulse: ContactPulse | None
     restitution: float
     of_first_mode: bool
-    within: float
 
-    def losses(self, name: str, n: int, made: Reduction) -> tuple[Losses, dict[str, TransferErrors]]:
-        """Losses of the reduction ``made``, and its transfer functions' errors over the band."""
+    def losses(self, name: str, n: int, made: Reduction) -> Losses:
+        """Losses of the reduction ``made``."""
         full, small = self.transfer.full, ModalForm.of(made.structure)
         off, mac = frequency_errors(full, small), assurance(full, made, small)
         band = np.append(off, np.ones(max(self.in_band - len(off), 0)))[: max(self.in_band, 1)]
@@ -149,25 +143,20 @@ class Question:
             "frequency": float(band.max()),
             "static_stiffness": _stiffening(made),
             "restitution": self._change(seen),
-            "contact": curves["contact"].max_error,
-            "sensor": curves["sensor"].max_error,
+            "contact": float(curves["contact"].max()),
+            "sensor": float(curves["sensor"].max()),
             "impact": mobility if self.pulse is None else self._in_contact(self.pulse, small),
         }
         largest = max(parts, key=lambda part: abs(parts[part]) if np.isfinite(parts[part]) else -1.0)
-        kept = off > self.within
         return Losses(
             basis=name,
             modes=n,
             loss=abs(parts[largest]),
             decided_by=largest,
-            frequency_mode=int(np.argmax(band)) + 1,
-            modes_kept=int(np.argmax(kept)) if kept.any() else len(off),
             mac=float(mac[: max(min(self.in_band, len(mac)), 1)].min()),
             mobility=mobility,
-            contact_mu=curves["contact"].max_error_mu,
-            sensor_mu=curves["sensor"].max_error_mu,
             **{**parts, **seen},  # type: ignore[arg-type]
-        ), curves
+        )
 
     def _in_contact(self, pulse: ContactPulse, small: ModalForm) -> float:
         full = self.transfer.full

@@ -16,7 +16,7 @@ from vibeam.casefile.tables.table import plan_with
 from vibeam.studies.modes_needed.bases import ReductionBasis, bases_of
 from vibeam.studies.modes_needed.losses import Losses, Question
 from vibeam.studies.modes_needed.response import Claim, FullResponse
-from vibeam.studies.modes_needed.transfer import ContactPulse, ModalForm, TransferErrors, TransferStudy
+from vibeam.studies.modes_needed.transfer import ContactPulse, ModalForm, TransferStudy
 from vibeam.studies.modes_needed.transfer import contact_time as time_in_contact
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import ValueRecord
@@ -52,8 +52,8 @@ class Recommendation:
 class ReductionStudy(ValueRecord, ViewedTable):
     """Losses of every basis at n = 1, 2 …, and the n that is enough ``within`` an accuracy, as the ``claim`` says.
 
-    ``band`` Hz, and how many natural modes are ``in_band``; ``contact_time`` s, NaN where none is known. ``curves``:
-    errors of the transfer functions over the band, by basis, place and n. ``notes``: limits of the numbers.
+    ``band`` Hz, and how many natural modes are ``in_band``; ``contact_time`` s, NaN where none is known. ``notes``:
+    limits of the numbers.
     """
 
     case: Case
@@ -66,7 +66,6 @@ class ReductionStudy(ValueRecord, ViewedTable):
     contact_time: float
     size: int
     notes: tuple[str, ...] = ()
-    curves: Mapping[str, Mapping[str, Mapping[int, TransferErrors]]] = field(default_factory=dict, repr=False)
 
     def of(self, basis: str) -> tuple[Losses, ...]:
         """Losses of one basis, ascending in n; KeyError names those that there are."""
@@ -146,7 +145,7 @@ class ReductionProblem:
         stop: Any = self.case.scene.stop
         given = nan if stop.law is not None else stop.usual_restitution
         of_first, pulse = stop.restitution_of == "first mode", self._pulse(form)
-        return Question(TransferStudy(form, mus), in_band, pulse, given, of_first, self.plan.accuracy)
+        return Question(TransferStudy(form, mus), in_band, pulse, given, of_first)
 
     def _pulse(self, form: ModalForm) -> ContactPulse | None:
         scene: Any = self.case.scene
@@ -158,19 +157,17 @@ class ReductionProblem:
         return None if law is None else ContactPulse(time_in_contact(form, law), stiffness)
 
     def reduced_by(self, basis: ReductionBasis) -> ReducedStructures:
-        """Structures of one basis with 1, 2 … coordinates, their losses and curves."""
+        """Structures of one basis with 1, 2 … coordinates, and their losses."""
         found = ReducedStructures(basis)
         for n in range(1, self.most + 1):
             try:
                 made = basis.of(self.structure, n)
-                row, curves = self.question.losses(basis.name, n, made)
+                row = self.question.losses(basis.name, n, made)
                 found.structures.append(made.structure)
             except ValueError as refusal:
-                row, curves = Losses(basis.name, n, why=str(refusal)), {}
+                row = Losses(basis.name, n, why=str(refusal))
                 found.structures.append(None)
             found.rows.append(row)
-            for place, each in curves.items():
-                found.curves.setdefault(place, {})[n] = each
         return found
 
     def solved(self) -> ReductionStudy:
@@ -190,7 +187,7 @@ class ReductionProblem:
         return ReductionStudy(
             self.case, tuple(row for each in bases for row in each.rows), recommended, claim, within, self.band,
             question.in_band, nan if question.pulse is None else question.pulse.duration, self.structure.size,
-            (*self.notes, *self._of_law()), {each.basis.name: each.curves for each in bases},
+            (*self.notes, *self._of_law()),
         )  # fmt: skip
 
     def _of_law(self) -> list[str]:
@@ -215,12 +212,11 @@ def _reference(structure: Structure) -> tuple[Structure, tuple[str, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class ReducedStructures:
-    """Structures of one basis with 1, 2 … coordinates, None where there is none, their losses, and the curves."""
+    """Structures of one basis with 1, 2 … coordinates, None where there is none, and their losses."""
 
     basis: ReductionBasis
     rows: list[Losses] = field(default_factory=list)
     structures: list[Structure | None] = field(default_factory=list)
-    curves: dict[str, dict[int, TransferErrors]] = field(default_factory=dict)
 
     def recommended(self, claim: Claim, within: float) -> Recommendation:
         """The least n such that it and all larger ones that are known are within the accuracy."""

@@ -8,7 +8,7 @@ from math import inf
 
 import numpy as np
 
-from vibeam_models.arrays import Array, Complex, ValueRecord
+from vibeam_models.arrays import Array, Complex
 from vibeam_models.laws.mechanics import Spring
 from vibeam_models.structure import Structure
 
@@ -52,24 +52,6 @@ class ModalForm:
         return np.asarray(np.linalg.solve(stiffness, np.broadcast_to(load, plain.shape)[..., None])[..., 0])
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class TransferErrors(ValueRecord):
-    """Errors (F,) of a transfer function at ``mus`` Hz, relative to the full model's there, in the names of pyMOR."""
-
-    mus: Array
-    errors: Array
-
-    @property
-    def max_error(self) -> float:
-        """Largest error in the band."""
-        return float(self.errors.max())
-
-    @property
-    def max_error_mu(self) -> float:
-        """Frequency of the largest error, Hz."""
-        return float(self.mus[np.argmax(self.errors)])
-
-
 @dataclass(frozen=True, eq=False)
 class TransferStudy:
     """Transfer functions of a ``full`` model over frequencies ``mus`` (F,) in Hz: from the drive to contact, sensor."""
@@ -82,11 +64,11 @@ class TransferStudy:
         """Transfer functions (F,) of the full model."""
         return _transfers(self.full, self.mus)
 
-    def errors_of(self, small: ModalForm) -> dict[str, TransferErrors]:
-        """Errors of a reduced model in the transfer functions from the drive to ``"contact"`` and ``"sensor"``."""
+    def errors_of(self, small: ModalForm) -> dict[str, Array]:
+        """Errors (F,) of a reduced model in the transfer functions from the drive to ``"contact"`` and ``"sensor"``."""
         size = {name: np.maximum(np.abs(each), HOLLOW * np.abs(each).max()) for name, each in self.exact.items()}
         return {
-            name: TransferErrors(self.mus, np.abs(found - self.exact[name]) / size[name])
+            name: np.asarray(np.abs(found - self.exact[name]) / size[name])
             for name, found in _transfers(small, self.mus).items()
         }
 
