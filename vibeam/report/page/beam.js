@@ -73,12 +73,14 @@ export function beam(svg) {
     move,
     draw(motions) {
       bent = motions.filter((each) => each.beam.length);
-      const heights = bent.flatMap((each) => Array.from(each.beam));
-      range = [Math.min(...heights), Math.max(...heights)];
+      range = [Infinity, -Infinity];
+      for (const { beam } of bent) {
+        for (const value of beam) { if (value < range[0]) range[0] = value; if (value > range[1]) range[1] = value; }
+      }
       reach = FAR * Math.max(...range.map(Math.abs));
       most = Math.max(0, ...bent.map((each) => each.base || 0));
-      const all = heights.concat(0, bent.flatMap((each) => near(each).map(([, height]) => height)));
-      [low, high] = spanOf(all.flatMap((value) => [value - most, value + most]));
+      const heights = [0, ...range, ...bent.flatMap((each) => near(each).map(([, height]) => height))];
+      [low, high] = spanOf(heights.flatMap((value) => [value - most, value + most]));
     },
   };
 }

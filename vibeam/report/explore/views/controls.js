@@ -2,7 +2,8 @@
 import { byId, drawn, element, colourOf, on } from "../../page/state.js";
 import { short } from "../../page/numbers.js";
 import { save } from "../../page/saving.js";
-import { caseText, isFlown, models, move, payload, placesOf, reset, shownText, take, valueAt, valueOf } from "./place.js";
+import { caseText, isFlown, models, move, payload, placesOf, reset, shownText, take } from "./place.js";
+import { valueAt, valueOf } from "./place.js";
 
 /** @import { Fixed, Model, Slider } from "../engine/types.d.ts" */
 

@@ -5,10 +5,11 @@ import { data, picked } from "../../page/result.js";
 import { open } from "../engine/engine.js";
 import { background } from "../engine/worker.js";
 import { controls } from "./controls.js";
+import { curves } from "./curves.js";
 import { flights } from "./flying.js";
 import { begin, models, move, payload, shownText, sliderOf, units, valueAt } from "./place.js";
 import { engineNote, readings } from "./readings.js";
-import { sweeps } from "./sweeping.js";
+import { responseChart } from "./sweeping.js";
 
 /** @import { Engine } from "../engine/engine.js" */
 /** @import { Ask, Standing } from "./flying.js" */
@@ -40,10 +41,14 @@ function show(engine) {
   if (!models.some((each) => each.stations)) views.hideBeam();
   /** @type {Standing | null} */
   let last = null;
-  const read = () => { if (last) readings(last, curves.peak); };
-  const curves = sweeps(ask, () => read());
-  flights(engine, ask, views.draw, (standing) => { last = standing; read(); });
+  const curveOf = curves(ask, () => tell());
+  const redraw = responseChart(curveOf, () => last);
+  const read = () => { if (last) readings(last, curveOf); };
+  const tell = () => { redraw(); read(); };
+  flights(engine, ask, views.draw, (standing) => { last = standing; tell(); });
   byId("engine-note").textContent = engineNote();
+  byId("stored-curves").hidden = !data.curves.length;
+  byId("closed-form").hidden = !models.some((each) => each.engine === "plain");
   on("picked", () => { if (picked() !== undefined) move("frequency", picked()); });
 }
 
@@ -55,7 +60,10 @@ function replaceStored() {
   document.querySelector('nav a[href="#motion"]')?.setAttribute("hidden", "");
 }
 
-if (byId("engine") && models.length && typeof WebAssembly === "object") {
+if (!models.length) byId("explore-waits").textContent = payload.models.map(({ refusal }) => refusal).join(" ");
+else if (typeof WebAssembly !== "object") {
+  byId("explore-waits").textContent = "This browser has no WebAssembly: what was stored is shown below.";
+} else {
   if (data.motions.length) begin(picked());
   open(payload).then((engine) => {
     const { version, level } = payload;
@@ -65,4 +73,4 @@ if (byId("engine") && models.length && typeof WebAssembly === "object") {
   }).catch((fault) => {
     byId("explore-waits").textContent = `The engine does not start in this browser: ${fault.message}`;
   });
-} else byId("explore-waits").textContent = "This browser has no WebAssembly: what was stored is shown below.";
+}

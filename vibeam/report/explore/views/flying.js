@@ -9,7 +9,7 @@ import { REST, complete, flown, models, numbers, payload, place } from "./place.
 
 const SETTLED = 20, SHOWN = 4, RECORD = 16;  // drive periods settled and shown while moving; flown at rest
 const BUDGET = 9;  // ms of a frame that flights may take
-const POINTS = 480, FRAMES = 32, SAMPLES = 8 * HARMONICS;  // of a window, and a drive period
+const POINTS = 480, FRAMES = 32, FEW = 8, SAMPLES = 8 * HARMONICS;  // of a window, and a drive period
 const FLOOR = 1e-6;  // of the largest line: what is below is left out
 
 const rows = new Map(models.map((each) => [each.name, each.stations && numbers(each.stations.rows)]));
@@ -57,7 +57,7 @@ function drawnOf(engine, model, at, motion, periods, window) {
   const { turn } = motion, end = window * turn * (1 + 1e-12), settings = engine.settings(model.name, at);
   const times = motion.times(Math.round((POINTS * periods) / window) + 1).filter((time) => time <= end);
   const { x, v } = motion.at(times), section = motion.at(even(periods, periods * turn));
-  const places = model.stations ? model.stations.places : [];
+  const places = model.stations ? model.stations.places : [], frames = periods < RECORD ? FEW : FRAMES;
   /** @type {number[]} */
   let spectrum;
   return {
@@ -66,7 +66,7 @@ function drawnOf(engine, model, at, motion, periods, window) {
     get spectrum() {
       return (spectrum ||= lines(motion.at(even(SAMPLES * periods, periods * turn)).x, HARMONICS * periods));
     },
-    beam: deflections(model, motion.at(even(FRAMES * window, window * turn)).modes),
+    beam: deflections(model, motion.at(even(frames * window, window * turn)).modes),
     places, held: Boolean(model.stations?.held), base: model.base === null ? null : model.base * settings.amplitude,
     stops: model.stops.map(([x, height, side, slope]) => [x, height + slope * (settings.gap - model.gap), side]),
   };

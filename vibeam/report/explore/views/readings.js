@@ -5,7 +5,7 @@ import { asCase, complete, flown, models, payload, place, shownText, units, valu
 
 /** @import { Model, Steady } from "../engine/types.d.ts" */
 /** @import { Standing } from "./flying.js" */
-/** @import { Peak } from "./sweeping.js" */
+/** @import { Curve, Point } from "./curves.js" */
 
 const SAME = 5e-5;  // relative difference that is called none
 
@@ -38,6 +38,12 @@ function beside(of, model) {
   return own === undefined || its === undefined ? "–" : differs(own, its);
 }
 
+/** The highest flown point, once all are. @type {(curve: Curve) => Point | undefined} */
+function peakOf({ points, whole }) {
+  const sound = whole ? points.filter((each) => complete(each.ended)) : [];
+  return sound.length ? sound.reduce((best, each) => (each.amplitude > best.amplitude ? each : best)) : undefined;
+}
+
 /** The place in words: the frequency, and what is not as in the case. */
 function where() {
   const moved = payload.sliders.filter(({ name }) => name in place());
@@ -48,41 +54,54 @@ function where() {
 /**
  * Table and sentence; the sentence alone is read out, once the motions are settled.
  * @param {Standing} standing
- * @param {(name: string) => Peak | null} peak
+ * @param {(model: Model) => Curve} curveOf
  */
-export function readings({ steady, faults, settled }, peak) {
-  const { output, contact_speed: speed, frequency } = units;
-  const heads = [
-    "fidelity", withUnit("amplitude", output.unit), "from the finest", "repeats after (drive periods)",
-    "impacts a period", withUnit("velocity before impact", speed.unit), withUnit("highest flown", output.unit),
-    withUnit("at", frequency.unit), "from the finest's highest",
-  ];
-  const head = element("tr"), top = element("thead"), body = element("tbody");
-  head.append(...heads.map((name) => element("th", { scope: "col" }, name)));
-  top.append(head);
-  const amplitude = (/** @type {string} */ name) => {
+export function readings({ steady, faults, settled }, curveOf) {
+  const { output, contact_speed: speed, frequency } = units, shown = flown();
+  /** @type {(name: string) => number | undefined} */
+  const amplitude = (name) => {
     const own = steady.get(name);
     return own && complete(own.ended) ? own.amplitude : undefined;
   };
-  const highest = (/** @type {string} */ name) => peak(name)?.amplitude;
-  for (const model of flown()) {
-    const { name, label } = model, own = steady.get(name), fault = faults.get(name), best = peak(name);
-    const row = element("tr");
-    row.append(element("th", { scope: "row" }, label));
-    const cells = own && !fault
-      ? [
-        short(own.amplitude * output.factor), beside(amplitude, model), repeats(model, own),
-        short(own.impactsPerPeriod), own.impactsPerPeriod > 0 ? short(own.impactVelocity * speed.factor) : "–",
-      ] : ["…", "…", "…", "…", "…"];
-    if (fault) row.append(element("td", { colspan: 5 }, fault));
-    else row.append(...cells.map((text) => element("td", {}, text)));
-    const peaks = best
-      ? [short(best.amplitude * output.factor), short(best.frequency * frequency.factor, 6), beside(highest, model)]
-      : ["…", "…", "…"];
-    row.append(...peaks.map((text) => element("td", {}, text)));
-    body.append(row);
-  }
+  const peaks = new Map(shown.map((each) => [each.name, peakOf(curveOf(each))]));
+  /** @type {(name: string) => number | undefined} */
+  const highest = (name) => peaks.get(name)?.amplitude;
+  /** @type {[string, (own: Steady, model: Model) => string][]} */
+  const here = [
+    [withUnit("amplitude", output.unit), (own) => short(own.amplitude * output.factor)],
+    ["from the finest", (_, model) => beside(amplitude, model)],
+    ["repeats after (periods)", (own, model) => repeats(model, own)],
+    ["impacts a period", (own) => short(own.impactsPerPeriod)],
+    [withUnit("impact velocity", speed.unit),
+      (own) => (own.impactsPerPeriod > 0 ? short(own.impactVelocity * speed.factor) : "–")],
+  ];
+  /** @type {[string, (best: Point, model: Model) => string][]} */
+  const above = [
+    [withUnit("peak of the curve", output.unit), (best) => short(best.amplitude * output.factor)],
+    [withUnit("peak at", frequency.unit), (best) => short(best.frequency * frequency.factor, 6)],
+    ["peak from the finest", (_, model) => beside(highest, model)],
+  ];
+  /** @type {(name: string, cells: string[]) => Element} */
+  const row = (name, cells) => {
+    const made = element("tr");
+    made.append(element("th", { scope: "row" }, name), ...cells.map((text) => element("td", {}, text)));
+    return made;
+  };
+  const head = element("tr"), top = element("thead"), body = element("tbody");
+  head.append(element("td"), ...shown.map(({ label }) => element("th", { scope: "col" }, label)));
+  top.append(head);
+  body.append(...here.map(([name, text]) => row(name, shown.map((model) => {
+    const own = steady.get(model.name);
+    return faults.has(model.name) ? "–" : own ? text(own, model) : "…";
+  }))));
+  body.append(...above.map(([name, text]) => row(name, shown.map((model) => {
+    const best = peaks.get(model.name);
+    return best ? text(best, model) : faults.has(model.name) || curveOf(model).fault ? "–" : "…";
+  }))));
   byId("readings").replaceChildren(element("caption", {}, "At the sliders' place"), top, body);
+  const said = shown.flatMap((each) => [faults.get(each.name) ?? curveOf(each).fault].filter(Boolean)
+    .map((text) => (text.startsWith(each.label) ? text : `${each.label}: ${text}`)));
+  byId("live-faults").replaceChildren(...said.map((text) => element("p", { class: "warning" }, text)));
   say(settled, amplitude);
 }
 

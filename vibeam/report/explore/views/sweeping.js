@@ -1,229 +1,123 @@
-// Response curves at the sliders' place: flown points over closed-form orbits, with the stored curves behind in grey.
+// Picture: response curves at the sliders' place, with the stored curves behind in grey.
 import { byId, colourOf, ink, on } from "../../page/state.js";
 import { axis, chart, framed, lines, svgOf } from "../../page/chart.js";
 import { withUnit } from "../../page/numbers.js";
 import { csv, offer } from "../../page/saving.js";
 import { data } from "../../page/result.js";
-import { asCase, complete, flown, models, move, payload, place, sliderOf, units, valueAt, valueOf } from "./place.js";
+import { swept } from "./curves.js";
+import { asCase, complete, flown, move, sliderOf, units, valueAt, valueOf } from "./place.js";
 
 /** @import { Draw, Frame, Pen } from "../../page/types.d.ts" */
-/** @import { Model, Orbit, Place } from "../engine/types.d.ts" */
-/** @import { Ask } from "./flying.js" */
-/** @typedef {{frequency: number, amplitude: number, maximum: number, minimum: number, period: number,
- *   impactsPerPeriod: number, impactVelocity: number, ended: string}} Point */
-/** @typedef {{points: Point[], of: number, orbits: Orbit[][], fault: string}} Curve */
-/** @typedef {{frequency: number, amplitude: number}} Peak */
+/** @import { Model } from "../engine/types.d.ts" */
+/** @import { Curve, Point } from "./curves.js" */
+/** @import { Standing } from "./flying.js" */
 
-const REST = 350;  // ms without a change before the curves are flown as the case's
-const QUICK = { settle: 60, hold: 10 };  // drive periods of a point while a slider moves
-const FEWEST = 2, EVEN = 61;  // frequencies of a sweep that is drawn; of one in the place of a single frequency
-const ROOM = 1.06;
+const ROOM = 1.06, PAUSE = 30;  // PAUSE: ms between two pictures of the curves
+const factor = units.frequency.factor, { output } = units;
+const ends = [swept[0] * factor, swept[swept.length - 1] * factor], beside = 0.01 * (ends[1] - ends[0]);
+const label = withUnit("Amplitude ½(max − min)", output.unit);
 
-const factor = units.frequency.factor;
-
-/** @type {() => number[]} */
-function frequencies() {
-  const swept = payload.sweep.frequency, slider = sliderOf("frequency");
-  if (swept.length >= FEWEST || !slider) return swept;
-  return Array.from({ length: EVEN }, (_, at) => slider.low + ((slider.high - slider.low) * at) / (EVEN - 1));
+/** @type {(pen: Pen, x: number, y: number, r: number, kind: "full" | "hollow" | "cross") => void} */
+function mark(pen, x, y, r, kind) {
+  pen.beginPath();
+  if (kind === "cross") {
+    pen.moveTo(x - r, y - r);
+    pen.lineTo(x + r, y + r);
+    pen.moveTo(x - r, y + r);
+    pen.lineTo(x + r, y - r);
+  } else pen.arc(x, y, r, 0, 7);
+  if (kind === "full") pen.fill(); else pen.stroke();
 }
 
-/** Orbits as curves: broken where one is missing or no motion of the system. */
-/** @type {(orbits: Orbit[], swept: number[]) => Orbit[][]} */
-function branches(orbits, swept) {
-  const place = new Map(swept.map((each, at) => [each, at])), open = new Map();
-  /** @type {Orbit[][]} */
-  const found = [];
-  for (const each of orbits.filter(({ admissible, amplitude }) => admissible && isFinite(amplitude))) {
-    const key = `${each.periods} ${each.branch} ${each.stable}`, last = open.get(key);
-    const at = place.get(each.frequency) ?? -1;
-    const curve = last && at - last.at === 1 ? last.curve : [];
-    if (!curve.length) found.push(curve);
-    curve.push(each);
-    open.set(key, { at, curve });
+/** Points of a fidelity over its orbits; what did not run to its end is marked in a row at the upper edge. */
+/** @type {(pen: Pen, at: Frame, model: Model, curve: Curve, row: number) => void} */
+function paintOne(pen, at, { look }, { points, orbits }, row) {
+  const frame = framed(at, factor, output.factor), colour = colourOf(look);
+  for (const each of orbits) {
+    const style = { colour, width: each[0].stable ? 1.4 : 1, dash: each[0].stable ? [] : [4, 4] };
+    lines(pen, frame, each.map(({ frequency }) => frequency), each.map(({ amplitude }) => amplitude), style);
   }
-  return found;
+  [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [colour, colour, 1.2 * at.ratio];
+  pen.setLineDash([]);
+  const size = Math.min(2.4, Math.max(1.2, (0.3 * at.width) / at.ratio / swept.length)) * at.ratio;
+  for (const { frequency, amplitude, period, ended } of points) {
+    const x = frame.x(frequency);
+    if (complete(ended)) mark(pen, x, frame.y(amplitude), size, period === 0 ? "hollow" : "full");
+    else mark(pen, x, at.top + (6 + 8 * row) * at.ratio, size, "cross");
+  }
 }
 
-/**
- * The chart. ``told``: hears of new points.
- * @param {Ask} ask
- * @param {() => void} told
- */
-export function sweeps(ask, told) {
-  const swept = frequencies(), ends = [swept[0] * factor, swept[swept.length - 1] * factor];
-  const { output } = units, top = { known: 0 };
-  /** @type {Map<string, Curve>} */
-  const curves = new Map(models.map((each) => [each.name, { points: [], of: 0, orbits: [], fault: "" }]));
-  const curveOf = (/** @type {Model} */ each) => /** @type {Curve} */ (curves.get(each.name));
-  /** @type {Set<string>} */
-  const busy = new Set();
-  let timer = 0, frame = 0, number = 0, before = "";
+/** @type {() => import("../../page/types.d.ts").Curve[]} */
+const stored = () => data.curves.filter((each) => flown().some(({ name }) => name === each.fidelity));
 
-  const stored = () => data.curves.filter((each) => flown().some(({ name }) => name === each.fidelity));
+/** @type {(points: Point[]) => string[][]} */
+const cells = (points) => points.map((each) => [
+  each.frequency * factor, each.amplitude * output.factor, each.maximum * output.factor, each.minimum * output.factor,
+  each.impactsPerPeriod, each.impactVelocity * units.contact_speed.factor, each.period,
+  complete(each.ended) ? "" : each.ended,
+].map(String));
 
-  function highest() {
-    const own = flown().flatMap((each) => [...curveOf(each).points, ...curveOf(each).orbits.flat()]);
-    const known = own.map(({ amplitude }) => amplitude * output.factor).filter(isFinite);
-    const old = stored().flatMap((each) => each.values.amplitude.map((value) => value ?? 0));
-    return Math.max(...known, ...old, 0) || 1;
-  }
+/** ``standing``: the motions at the slider's frequency, each a ring. */
+/** @type {(curveOf: (model: Model) => Curve, standing: () => Standing | null) => () => void} */
+export function responseChart(curveOf, standing) {
+  let top = 0, frame = 0;
+
   // The axis holds still while points fill in.
   /** @type {() => [number, number]} */
   const upward = () => {
-    const need = highest();
-    if (need > top.known || need < 0.5 * top.known) top.known = ROOM * need;
-    return [0, top.known];
+    const known = stored().flatMap((each) => each.values.amplitude.map((value) => value ?? 0));
+    for (const curve of flown().map(curveOf)) {
+      for (const each of [...curve.points, ...curve.orbits.flat()]) known.push(each.amplitude * output.factor || 0);
+    }
+    const need = Math.max(0, ...known);
+    if (need > top || need < 0.5 * top) top = ROOM * need;
+    return [0, top || 1];
   };
 
   /** @type {Draw} */
-  function paintStored(pen, at) {
-    const frame = framed(at, factor, 1);
+  const paint = (pen, at) => {
+    const x = at.x(valueAt("frequency") * factor), known = standing(), behind = framed(at, factor, 1);
     for (const each of stored()) {
-      lines(pen, frame, each.frequency, each.values.amplitude, { colour: ink("steel"), width: 3 });
+      lines(pen, behind, each.frequency, each.values.amplitude, { colour: ink("steel"), width: 3 });
     }
-  }
-
-  /** @type {(pen: Pen, at: Frame, model: Model, row: number) => void} */
-  function paintOne(pen, at, model, row) {
-    const frame = framed(at, factor, output.factor), colour = colourOf(model.look);
-    const { points, orbits } = curveOf(model);
-    for (const each of orbits) {
-      const look = { colour, width: each[0].stable ? 1.4 : 1, dash: each[0].stable ? [] : [4, 4] };
-      lines(pen, frame, each.map((one) => one.frequency), each.map((one) => one.amplitude), look);
-    }
-    [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [colour, colour, 1.2 * at.ratio];
+    flown().forEach((each, row) => paintOne(pen, at, each, curveOf(each), row));
+    lines(pen, { ...at, x: (value) => value, y: (value) => value }, [x, x], [at.top, at.top + at.height], {
+      colour: ink("pale"), width: 1, dash: [3, 3],
+    });
     pen.setLineDash([]);
-    for (const each of points) {
-      const sound = complete(each.ended), x = frame.x(each.frequency), r = 2.2 * at.ratio;
-      const y = sound ? frame.y(each.amplitude) : at.top + (6 + 8 * row) * at.ratio;
-      pen.beginPath();
-      if (sound) pen.arc(x, y, r, 0, 7);
-      else { pen.moveTo(x - r, y - r); pen.lineTo(x + r, y + r); pen.moveTo(x - r, y + r); pen.lineTo(x + r, y - r); }
-      if (sound && each.period !== 0) pen.fill(); else pen.stroke();
+    for (const { name, look } of flown()) {
+      const own = known?.steady.get(name);
+      [pen.strokeStyle, pen.lineWidth] = [colourOf(look), 1.6 * at.ratio];
+      if (own && complete(own.ended)) mark(pen, x, at.y(own.amplitude * output.factor), 4.5 * at.ratio, "hollow");
     }
-  }
+  };
 
-  /** @type {Draw} */
-  function paint(pen, at) {
-    paintStored(pen, at);
-    flown().forEach((each, row) => paintOne(pen, at, each, row));
-    const x = at.x(valueAt("frequency") * factor);
-    [pen.strokeStyle, pen.lineWidth] = [ink("pale"), at.ratio];
-    pen.setLineDash([3 * at.ratio, 3 * at.ratio]);
-    pen.beginPath(); pen.moveTo(x, at.top); pen.lineTo(x, at.top + at.height); pen.stroke();
-  }
-
-  const label = withUnit("Amplitude ½(max − min)", output.unit);
-  const room = 0.01 * (ends[1] - ends[0]);
   const made = chart(byId("live-response"), {
     words: `${label} against drive frequency, flown at the sliders' place`, height: 300, legend: false, draw: paint,
     series: [{}, { stroke: () => ink() }], columns: [ends, [0, 1]],
     axes: [{ ...axis(withUnit("Drive frequency", units.frequency.unit)), size: 44 }, axis(label)],
-    scales: { x: { time: false, range: () => [ends[0] - room, ends[1] + room] }, y: { range: upward } },
+    scales: { x: { time: false, range: () => [ends[0] - beside, ends[1] + beside] }, y: { range: upward } },
     cursor: { drag: { x: false, y: false }, points: { show: false } },
   });
   made.plot.over.addEventListener("click", (/** @type {MouseEvent} */ event) => {
-    const slider = sliderOf("frequency"), box = made.plot.over.getBoundingClientRect();
-    if (!slider) return;
-    const value = valueOf(slider, +made.plot.posToVal(event.clientX - box.left, "x").toPrecision(5));
+    const slider = sliderOf("frequency"), left = made.plot.over.getBoundingClientRect().left;
+    const value = slider ? valueOf(slider, +made.plot.posToVal(event.clientX - left, "x").toPrecision(5)) : NaN;
     if (isFinite(value)) move("frequency", value);
   });
 
-  const redraw = () => {
-    frame ||= requestAnimationFrame(() => { frame = 0; made.plot.setData([ends, [0, top.known]]); });
-  };
-
-  /** Keys but the frequency, which the whole curve has. @type {(at: Place) => Place} */
-  const keys = ({ frequency, ...others }) => others;
-
-  /** @type {(model: Model, at: Place, settings: {settle: number, hold: number}, done?: () => void) => void} */
-  function fly(model, at, settings, done = () => {}) {
-    const own = number, curve = curveOf(model);
-    /** @type {Point[]} */
-    const points = [];
-    busy.add(model.name);
-    ask("response", [model.name, at, swept, settings], ({ values, fault, from, done: to, of }) => {
-      if (fault) [curve.fault, curve.points] = [fault, []];
-      else {
-        for (let k = 0; k < values.frequency.length; k += 1) points.push(pointOf(values, k));
-        // Points of a place that the sliders have left stay until those of the new one replace them.
-        curve.points = [...points, ...curve.points.slice(points.length)];
-        [curve.fault, curve.of] = ["", of];
-      }
-      redraw();
-      if (!fault && to < of) return;
-      busy.delete(model.name);
-      if (own === number) done();
-      told();
-    });
+  /** At most one picture in ``PAUSE``, and none within a frame that draws motions. */
+  function redraw() {
+    frame ||= setTimeout(() => requestAnimationFrame(() => { frame = 0; made.plot.setData([ends, [0, 1]]); }), PAUSE);
   }
-
-  /** @type {(model: Model, at: Place) => void} */
-  function orbit(model, at) {
-    ask("orbits", [model.name, at, swept], ({ values, fault }) => {
-      curveOf(model).orbits = fault ? [] : branches(values, swept);
-      redraw();
-    });
-  }
-
-  function rest() {
-    const { settle, hold } = payload.sweep, at = keys(place());
-    for (const each of flown()) fly(each, at, { settle, hold });
-  }
-
-  function moved() {
-    redraw();
-    const at = keys(place()), now = JSON.stringify(at);
-    if (now === before) return;
-    before = now;
-    number += 1;
-    for (const each of flown()) {
-      orbit(each, at);
-      if (!busy.has(each.name)) fly(each, at, QUICK);
-    }
-    clearTimeout(timer);
-    timer = setTimeout(rest, REST);
-  }
-  function taken() {
-    before = "";
-    moved();
-  }
-
-  const rows = () => {
-    const heads = ["amplitude", "maximum", "minimum"].map((name) => withUnit(name, output.unit));
-    const speed = withUnit("velocity before impact", units.contact_speed.unit);
-    const first = ["fidelity", withUnit("frequency", units.frequency.unit), ...heads];
-    const all = flown().flatMap((each) => curveOf(each).points.map((point) => ({ label: each.label, ...point })));
-    return [[...first, "impacts per period", speed, "period", "ended"], ...all.map((point) => [
-      point.label, point.frequency * factor, point.amplitude * output.factor, point.maximum * output.factor,
-      point.minimum * output.factor, point.impactsPerPeriod, point.impactVelocity * units.contact_speed.factor,
-      point.period, complete(point.ended) ? "" : point.ended,
-    ])];
-  };
+  const heads = ["amplitude", "maximum", "minimum"].map((name) => withUnit(name, output.unit));
+  const speed = withUnit("velocity before impact", units.contact_speed.unit);
+  const head = ["fidelity", withUnit("frequency", units.frequency.unit), ...heads, "impacts a period", speed];
   offer(byId("live-response"), "response at the sliders' place", {
-    csv: () => csv(rows()),
+    csv: () => csv([[...head, "period", "ended"], ...flown().flatMap((each) => {
+      return cells(curveOf(each).points).map((row) => [each.label, ...row]);
+    })]),
     svg: () => svgOf([made], document.title + (asCase() ? "" : ", at other keys than the case's")),
   });
-  on("moved", moved);
-  on("taken", taken);
-  on("theme", redraw);
-  moved();
-
-  return {
-    /** The highest flown point of a fidelity. @type {(name: string) => Peak | null} */
-    peak(name) {
-      const curve = curves.get(name), points = (curve?.points ?? []).filter((each) => complete(each.ended));
-      if (!curve || !points.length || busy.has(name)) return null;
-      return points.reduce((best, each) => (each.amplitude > best.amplitude ? each : best));
-    },
-    redraw,
-  };
+  for (const what of ["moved", "taken", "theme"]) on(what, redraw);
+  return redraw;
 }
-
-/** @type {(values: any, at: number) => Point} */
-const pointOf = (values, at) => ({
-  frequency: values.frequency[at], amplitude: values.amplitude[at], maximum: values.maximum[at],
-  minimum: values.minimum[at], period: values.period[at], impactsPerPeriod: values.impactsPerPeriod[at],
-  impactVelocity: values.impactVelocity[at], ended: values.ended[at],
-});
