@@ -67,17 +67,3 @@ def slider_frequencies(case: Case) -> Array:
     """Frequencies (Hz) of tables: those of the sweep, and evenly between its ends."""
     swept = case.sweep.frequency
     return np.unique(np.concatenate([swept, np.linspace(swept[0], swept[-1], POINTS)]))
-
-
-def motion_without_stop(case: Case, name: str, output: str) -> float:
-    """Largest amplitude of an output of one fidelity over the sweep, as if no stop were there, SI; 0 where unbounded.
-
-    Damping that couples the modes is taken without what couples them: it is a size, not a result.
-    """
-    system, omega = case.system(name), 2 * np.pi * case.sweep.frequency[:, None]
-    derivative, given = system.derivative(output), np.asarray(case.amplitude_of(name, omega[:, 0]))
-    stiffness = system.omega**2 - omega**2 + 2j * system.omega * system.zeta * omega
-    with np.errstate(divide="ignore", invalid="ignore"):
-        modes = system.row(output) * system.load / stiffness
-        size = np.abs(omega[:, 0] ** (2 + (derivative.order if derivative else 0)) * given * modes.sum(axis=1))
-    return float(np.max(size[np.isfinite(size)], initial=0.0))

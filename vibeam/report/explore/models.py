@@ -49,7 +49,7 @@ def model_of(case: Case, name: str) -> dict[str, Any]:
     }
     if refusal:
         return head | {"damped": False, "stations": None, "outputs": {}}
-    own = packed(beyond_plain(found, case.sweep.output)) if in_regimes else _plain(found)
+    own = packed(beyond_plain(found, case.sweep.output)) if in_regimes else plain_rows(found)
     return head | _stations(case, name) | _drift(scene) | own
 
 
@@ -100,8 +100,8 @@ def _drift(scene: AnyScene) -> dict[str, Any]:
     return {"drift": packed({"frequency": frequency, "gap": gap_drift(scene, 2 * np.pi * frequency)})}
 
 
-def _plain(found: ImpactSystem) -> dict[str, Any]:
-    """Rows of a plain system, and the system held on its stop where the page does not find it by itself."""
+def plain_rows(found: ImpactSystem) -> dict[str, Any]:
+    """Rows of a plain system, JSON-ready, and the system held on its stop where the page does not find it by itself."""
     rows = {name: array_of(getattr(found, name)) for name in ("omega", "zeta", "contact", "load", "static")}
     outputs = {name: array_of(row) for name, row in found.outputs.items()}
     by_roots = roots_serve(found)

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from math import ceil, floor, log10, pi
+from math import ceil, floor, inf, log10, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.exchange.faults import CaseError
-from vibeam.report.explore.drive import (
-    DriveLevel,
-    drive_amplitude,
-    drive_level,
-    motion_without_stop,
-    slider_frequencies,
-)
+from vibeam.report.explore.drive import DriveLevel, drive_amplitude, drive_level, slider_frequencies
 from vibeam.report.explore.own_numbers import Affine, damping_factor, gap, own_number, restitution, says
 from vibeam.system.number_text import FREQUENCIES, begun, prefixed, shown_in
 
@@ -140,8 +134,12 @@ def _gap(case: Case) -> Made:
 
 def _size(case: Case) -> float:
     """Length of a slider about a gap of 0: half of the largest motion without a stop, with one digit; m."""
-    largest = motion_without_stop(case, next(iter(case.fidelities)), "contact") / 2
-    if not largest:
+    name = next(iter(case.fidelities))
+    system, omega = case.system(name), 2 * np.pi * case.sweep.frequency
+    rates, given = system.omega, np.asarray(case.amplitude_of(name, omega))
+    shapes = system.contact * system.load / (rates**2 - omega[:, None] ** 2 + 2j * rates * system.zeta * omega[:, None])
+    largest = float(np.max(np.abs(omega**2 * given * shapes.sum(axis=1)))) / 2
+    if not 0 < largest < inf:
         raise ValueError("stop.gap is 0, and nothing says how long its slider is")
     digit = 10.0 ** floor(log10(largest))
     return floor(largest / digit) * digit
