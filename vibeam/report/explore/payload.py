@@ -65,7 +65,7 @@ def _model(case: Case, name: str, sliders: CaseSliders) -> dict[str, Any]:
     made: dict[str, Any] = model_of(case, name)
     made["amplitude"] = _arrays(drive_amplitude(case, name, slider_frequencies(case)))
     if name in sliders.refused and made["engine"]:
-        why = f"{made['label']} is not flown here, for it does not follow every slider: {sliders.refused[name]}."
+        why = f"It does not follow every slider: {sliders.refused[name]}."
         made |= {"engine": None, "refusal": why}
     return made
 
