@@ -13,7 +13,7 @@ const FAR = 3;  // a stop further off than so many of the largest deflection is 
 export function shapeAt(each, turn) {
   const count = each.places.length - 1, frames = each.beam.length / count;
   const at = ((turn % each.window) / each.window) * frames, share = at % 1;
-  const here = Math.floor(at) * count, next = (Math.ceil(at) % frames) * count;
+  const here = (Math.floor(at) % frames) * count, next = (Math.ceil(at) % frames) * count;
   const heights = each.places.slice(1).map((_, k) => (1 - share) * each.beam[here + k] + share * each.beam[next + k]);
   return [0, ...heights];
 }

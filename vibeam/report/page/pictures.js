@@ -32,7 +32,7 @@ export function pictures(prefix, units, title) {
 
   /** @type {(now: number) => void} */
   function step(now) {
-    turn = (turn + (PACE * Math.min(now - last, 100)) / 1000) % REPEAT;
+    turn = (turn + (PACE * Math.max(0, Math.min(now - last, 100))) / 1000) % REPEAT;
     last = now;
     bent.move(turn);
     playing = requestAnimationFrame(step);

@@ -3,7 +3,7 @@ import { byId, drawn, element, colourOf, on } from "../../page/state.js";
 import { short } from "../../page/numbers.js";
 import { save } from "../../page/saving.js";
 import { caseText, isFlown, models, move, payload, placesOf, reset, shownText, take } from "./place.js";
-import { valueAt, valueOf } from "./place.js";
+import { startFrom, startsFrom, valueAt, valueOf } from "./place.js";
 
 /** @import { Fixed, Model, Slider } from "../engine/types.d.ts" */
 
@@ -106,6 +106,8 @@ export function controls() {
   byId("unmoved").hidden = !fixed.length;
   byId("as-case").addEventListener("click", () => { byId("slider-fault").textContent = ""; reset(); });
   byId("write-case").addEventListener("click", () => save(caseText(), "application/toml", "at these sliders", "toml"));
+  byId("start").value = startsFrom();
+  byId("start").addEventListener("change", () => startFrom(byId("start").value === "sweep" ? "sweep" : "equilibrium"));
   on("moved", all);
   all();
 }

@@ -1,6 +1,6 @@
 // Curves over frequency at the sliders' place: closed-form orbits and flown points, by the worker, piece by piece.
-import { on } from "../../page/state.js";
-import { REST, complete, flown, models, payload, place, sliderOf } from "./place.js";
+import { on, tell } from "../../page/state.js";
+import { REST, complete, flown, models, payload, place, sliderOf, valueAt } from "./place.js";
 
 /** @import { Model, Orbit, Place, Schedule, State } from "../engine/types.d.ts" */
 /** @import { Ask } from "./flying.js" */
@@ -117,7 +117,11 @@ export function curves(ask, told) {
     for (const model of flown()) {
       orbit(model, at, () => {});
       const curve = curveOf(model);
-      if (!curve.whole) fly(model, at, { settle, hold, carried: "up" }, () => { curve.whole = true; });
+      if (curve.whole) continue;
+      fly(model, at, { settle, hold, carried: "up" }, () => {
+        curve.whole = !curve.fault;
+        if (flown().every((each) => curveOf(each).whole)) tell("swept");
+      });
     }
   }
 
@@ -135,5 +139,11 @@ export function curves(ask, told) {
   now = JSON.stringify(keys());
   rest();
 
-  return curveOf;
+  /** State of the sweep at the slider's frequency, or next below it. @type {(model: Model) => State | null} */
+  function stateOf(model) {
+    const { whole, points, states } = curveOf(model), frequency = valueAt("frequency") * (1 + Number.EPSILON);
+    const place = swept.findLastIndex((each) => each <= frequency);
+    return whole && place >= 0 && complete(points[place].ended) ? states[place] : null;
+  }
+  return { curveOf, stateOf };
 }

@@ -41,11 +41,11 @@ function show(engine) {
   if (!models.some((each) => each.stations)) views.hideBeam();
   /** @type {Standing | null} */
   let last = null;
-  const curveOf = curves(ask, () => tell());
+  const { curveOf, stateOf } = curves(ask, () => tell());
   const redraw = responseChart(curveOf, () => last);
   const read = () => { if (last) readings(last, curveOf); };
   const tell = () => { redraw(); read(); };
-  flights(engine, ask, views.draw, (standing) => { last = standing; tell(); });
+  flights(engine, ask, { draw: views.draw, stateOf, stand: (standing) => { last = standing; tell(); } });
   byId("engine-note").textContent = engineNote();
   byId("stored-curves").hidden = !data.curves.length;
   byId("closed-form").hidden = !models.some((each) => each.engine === "plain");

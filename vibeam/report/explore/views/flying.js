@@ -1,7 +1,7 @@
 // Motions at the sliders' place: on from the last state while these move, settled as the case does at rest.
 import { colourOf, on } from "../../page/state.js";
 import { HARMONICS } from "../../page/spectrum.js";
-import { REST, complete, flown, models, numbers, payload, place } from "./place.js";
+import { REST, complete, flown, models, numbers, payload, place, startsFrom } from "./place.js";
 
 /** @import { DrawnMotion } from "../../page/types.d.ts" */
 /** @import { Engine } from "../engine/engine.js" */
@@ -78,7 +78,7 @@ const windowOf = (period) => (period === -1 ? 1 : period >= 1 && period <= SHOWN
 /** @typedef {(call: string, args: any[], hear: (answer: any) => void) => void} Ask */
 /**
  * @typedef {object} Standing what is known at the sliders' place
- * @property {Place} place
+ * @property {boolean} swept settled on from a sweep's states, not from equilibrium
  * @property {boolean} settled of all fidelities
  * @property {Map<string, Steady>} steady
  * @property {Map<string, string>} faults refusals, by fidelity
@@ -89,10 +89,10 @@ const windowOf = (period) => (period === -1 ? 1 : period >= 1 && period <= SHOWN
  * known. ``ask``: the worker.
  * @param {Engine} engine
  * @param {Ask} ask
- * @param {(motions: DrawnMotion[], still: boolean) => void} draw
- * @param {(standing: Standing) => void} stand
+ * @param {{draw: (motions: DrawnMotion[], still: boolean) => void, stand: (standing: Standing) => void,
+ *   stateOf: (model: Model) => State | null}} page ``stateOf``: the state of a sweep
  */
-export function flights(engine, ask, draw, stand) {
+export function flights(engine, ask, { draw, stand, stateOf }) {
   /** @type {Map<string, State>} */
   const states = new Map();
   /** @type {Map<string, DrawnMotion>} */
@@ -103,7 +103,7 @@ export function flights(engine, ask, draw, stand) {
   let waiting = [];
   let frame = 0, timer = 0, number = 0;
   /** @type {Standing} */
-  let standing = { place: place(), settled: false, steady: new Map(), faults: new Map() };
+  let standing = { swept: false, settled: false, steady: new Map(), faults: new Map() };
 
   const drawAll = (/** @type {boolean} */ still) => {
     draw(flown().flatMap((each) => motions.get(each.name) ?? []), still);
@@ -126,7 +126,11 @@ export function flights(engine, ask, draw, stand) {
       states.set(name, motion.state);
       motions.set(name, drawnOf(engine, model, at, motion, SHOWN, SHOWN));
       costs.set(name, (performance.now() - begun) / (settle + SHOWN));
-    } catch (fault) { refuse(model, fault); }
+      if (standing.faults.delete(name)) stand(standing);
+    } catch (fault) {
+      refuse(model, fault);
+      stand(standing);
+    }
   }
 
   /** As many flights as a frame has room for; those that are left have their turn in the next. */
@@ -138,12 +142,12 @@ export function flights(engine, ask, draw, stand) {
     if (waiting.length) frame = requestAnimationFrame(step);
   }
 
-  /** At rest: settled from equilibrium, as the case's points are. */
+  /** At rest: settled as long as the case's points are. */
   function settle() {
     const own = (number += 1), at = place(), { settle, hold } = payload.sweep, asked = flown();
     let open = asked.length;
     waiting = [];
-    standing = { place: at, settled: !open, steady: new Map(), faults: new Map() };
+    standing = { swept: startsFrom() === "sweep", settled: !open, steady: new Map(), faults: new Map() };
     stand(standing);
     const done = () => {
       open -= 1;
@@ -152,7 +156,9 @@ export function flights(engine, ask, draw, stand) {
       stand(standing);
     };
     for (const model of asked) {
-      ask("steady", [model.name, at, { settle, hold }], ({ values, fault }) => {
+      const state = startsFrom() === "sweep" ? stateOf(model) : null;
+      standing.swept &&= state !== null;
+      ask("steady", [model.name, at, { state, settle, hold }], ({ values, fault }) => {
         if (own !== number) return;
         if (fault) refuse(model, fault);
         else {
@@ -177,18 +183,18 @@ export function flights(engine, ask, draw, stand) {
 
   function moved() {
     number += 1;  // answers to what was asked before are of another place
-    if (standing.settled || standing.steady.size) {
-      standing = { place: place(), settled: false, steady: new Map(), faults: new Map() };
-      stand(standing);
-    }
+    const known = standing.settled || standing.steady.size;
+    standing = { swept: false, settled: false, steady: new Map(), faults: known ? new Map() : standing.faults };
+    if (known) stand(standing);
     const shown = flown(), later = waiting.filter((each) => shown.includes(each));
     waiting = [...later, ...shown.filter((each) => !later.includes(each))];
     frame ||= requestAnimationFrame(step);
     clearTimeout(timer);
-    timer = setTimeout(settle, REST);
+    timer = setTimeout(() => { timer = 0; settle(); }, REST);
   }
   on("moved", moved);
   on("taken", settle);
+  on("swept", () => { if (startsFrom() === "sweep" && !standing.swept && !timer) settle(); });
   on("theme", () => drawAll(standing.settled));
   settle();
 }

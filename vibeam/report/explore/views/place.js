@@ -87,6 +87,7 @@ export function reset() {
 
 /** Where the page starts without a link: at the highest point of its results. @type {(frequency: number) => void} */
 export function begin(frequency) {
+  if (address.get("start") === null) from = "sweep";
   const slider = sliderOf("frequency");
   if (!slider || !(frequency >= slider.low && frequency <= slider.high)) return;
   start.frequency = frequency;
@@ -108,6 +109,18 @@ export const isFlown = (name) => !taken.has(name);
 export function take(name, wanted) {
   if (wanted) taken.delete(name); else taken.add(name);
   address.set("without", [...taken].join(","));
+  tell("taken");
+}
+
+// Where a motion starts before it settles: static equilibrium, or the state of a sweep upwards at its frequency.
+/** @typedef {"equilibrium" | "sweep"} Start */
+/** @type {Start} */
+let from = address.get("start") === "sweep" ? "sweep" : "equilibrium";
+export const startsFrom = () => from;
+/** @type {(wanted: Start) => void} */
+export function startFrom(wanted) {
+  from = wanted;
+  address.set("start", wanted);
   tell("taken");
 }
 

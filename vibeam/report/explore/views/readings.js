@@ -1,7 +1,7 @@
 // Numbers at the sliders' place: of each fidelity, and how far it is from the finest.
 import { byId, element } from "../../page/state.js";
 import { short, withUnit } from "../../page/numbers.js";
-import { asCase, complete, flown, models, payload, place, shownText, units, valueAt } from "./place.js";
+import { asCase, complete, flown, models, payload, place, shownText, startsFrom, units, valueAt } from "./place.js";
 
 /** @import { Model, Steady } from "../engine/types.d.ts" */
 /** @import { Standing } from "./flying.js" */
@@ -56,7 +56,7 @@ function where() {
  * @param {Standing} standing
  * @param {(model: Model) => Curve} curveOf
  */
-export function readings({ steady, faults, settled }, curveOf) {
+export function readings({ steady, faults, settled, swept }, curveOf) {
   const { output, contact_speed: speed, frequency } = units, shown = flown();
   /** @type {(name: string) => number | undefined} */
   const amplitude = (name) => {
@@ -102,14 +102,16 @@ export function readings({ steady, faults, settled }, curveOf) {
   const said = shown.flatMap((each) => [faults.get(each.name) ?? curveOf(each).fault].filter(Boolean)
     .map((text) => (text.startsWith(each.label) ? text : `${each.label}: ${text}`)));
   byId("live-faults").replaceChildren(...said.map((text) => element("p", { class: "warning" }, text)));
-  say(settled, amplitude);
+  say(settled, swept, amplitude);
 }
 
-/** @type {(settled: boolean, amplitude: (name: string) => number | undefined) => void} */
-function say(settled, amplitude) {
+/** @type {(settled: boolean, swept: boolean, amplitude: (name: string) => number | undefined) => void} */
+function say(settled, swept, amplitude) {
   const { settle, hold } = payload.sweep;
+  const from = swept ? "on from a sweep upwards" : "from equilibrium";
+  const later = startsFrom() === "sweep" && !swept ? "; those of a sweep upwards follow" : "";
   byId("state").textContent = settled
-    ? `Settled: ${settle} drive periods from equilibrium, ${hold} more read, as the case has it.`
+    ? `Settled: ${settle} drive periods ${from}, ${hold} more read, as the case has it${later}.`
     : "Settling…  shown: the motion on from where it was, 20 drive periods after the last change.";
   if (!settled) return;
   const said = flown().flatMap((model) => {

@@ -1,0 +1,259 @@
+"""The section Explore in Chromium: sliders, what moves with them, numbers, files, links; by keyboard, on a telephone.
+
+python -m pytest -m slow tests/vibeam/report/explore
+"""
+
+import csv
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from browsers import Opened
+
+import vibeam
+from tests.vibeam.report.test_page import CASE, HOSTILE
+from vibeam.report.explore.page import results_page
+from vibeam.report.page.page import page
+from vibeam.studies.stored import stored
+
+pytestmark = pytest.mark.slow
+
+SETTLED = """() => document.getElementById("state").textContent.startsWith("Settled")
+  && !document.getElementById("state").textContent.includes("follow")
+  && !document.getElementById("readings").textContent.includes("…")"""
+VIEWS = ("response at the sliders' place", "beam", "displacement over time", "phase portrait", "spectrum")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("explore")
+    (made / "case.toml").write_text(CASE.replace("TITLE", HOSTILE), encoding="utf-8")
+    vibeam.run(vibeam.load(made / "case.toml"), out=made / "case.h5")
+    found = stored(made / "case.h5")
+    (made / "results.html").write_text(results_page(found), encoding="utf-8")
+    (made / "still.html").write_text(page(found), encoding="utf-8")
+    vibeam.explore(made / "case.toml").write(made / "case.html")
+    return made
+
+
+class Explored(Opened):
+    """A page whose engine has settled at the place of the link."""
+
+    def __init__(self, browser, file, fragment="#explore", **options):
+        super().__init__(browser, file, fragment, **options)
+        self.settle()
+
+    def settle(self):
+        self.page.wait_for_function(SETTLED, timeout=20000)
+
+    def set(self, name, value):
+        """Type a value into a slider's field, and wait until the motions there are settled."""
+        self.page.locator(f"#slide-{name}-number").fill(str(value))
+        self.page.wait_for_function('document.getElementById("state").textContent.startsWith("Settling")')
+        self.settle()
+
+    def reading(self, row):
+        """Cells of a row of the numbers."""
+        found = self.page.locator("#readings tr", has=self.page.locator(f'th:text-is("{row}")'))
+        return found.locator("td").all_inner_texts()
+
+
+@pytest.fixture
+def explored(browser, folder):
+    found = Explored(browser, folder / "case.html", "#explore&f=40")
+    yield found
+    assert found.said == []
+    assert found.foreign == []
+    found.page.close()
+
+
+def amplitudes(folder, keys, frequency):
+    """Amplitudes (mm) of both fidelities by a run of one point from equilibrium, with four digits, as the page has."""
+    case = vibeam.load(folder / "case.toml", {**keys, "sweep.frequency": [f"{frequency} Hz"]})
+    return [float(f"{1e3 * response.up.amplitude[0]:.4g}") for response in vibeam.run(case).values()]
+
+
+def test_numbers_are_those_of_a_run_at_the_sliders_place(folder, explored):
+    """With four digits, here and after three sliders have moved; the words say the difference."""
+    assert [float(each) for each in explored.reading("amplitude (mm)")] == amplitudes(folder, {}, 40.0)
+    explored.set("gap", 0.05)
+    explored.set("restitution", 0.5)
+    explored.set("drive", 24)
+    keys = {"stop.gap": "0.05 mm", "stop.restitution": 0.5, "drive.amplitude": "24 um"}
+    sdof, beam = found = amplitudes(folder, keys, 40.0)
+    assert [float(each) for each in explored.reading("amplitude (mm)")] == found
+    size, way = re.fullmatch(r"(\S+) % too (low|high)", explored.reading("from the finest")[0]).groups()
+    assert (way == "high") == (sdof > beam)
+    np.testing.assert_allclose(float(size), 100 * abs(sdof / beam - 1), atol=0.06)  # 3 and 4 digits shown
+    assert (
+        explored.page.locator("#differences")
+        .inner_text()
+        .startswith(f"Beside four </b> modes: sdof {size} % too {way}")
+    )
+
+
+def test_the_motion_is_in_motion_while_a_slider_moves_and_settles_at_rest(explored):
+    slider = explored.page.locator("#slide-gap")
+    before = explored.page.locator("#live-history canvas").screenshot()
+    slider.focus()
+    slider.press("ArrowLeft")
+    explored.page.wait_for_function('document.getElementById("state").textContent.startsWith("Settling")')
+    assert explored.page.locator("#differences").get_attribute("aria-live") == "polite"
+    explored.settle()
+    for _ in range(3):
+        slider.press("PageUp")
+    explored.settle()
+    assert explored.page.locator("#live-history canvas").screenshot() != before
+    assert slider.get_attribute("aria-valuetext") == f"{explored.page.locator('#slide-gap-number').input_value()} mm"
+
+
+def test_a_link_reproduces_the_place(browser, folder, explored):
+    explored.set("gap", 0.07)
+    explored.set("damping", 2)
+    explored.page.locator("#flown input").last.uncheck()
+    explored.settle()
+    numbers = explored.page.locator("#readings").inner_text()
+    explored.page.wait_for_url(re.compile("damping=2"))
+    again = Explored(browser, folder / "case.html", "#" + explored.page.url.partition("#")[2])
+    assert again.page.locator("#readings").inner_text() == numbers
+    assert again.page.locator("#slide-gap-number").input_value() == "0.07"
+    assert not again.page.locator("#flown input").last.is_checked()
+    again.page.close()
+
+
+@pytest.mark.parametrize("link", ["#f=x&gap=99&R=&damping=-1&without=none&start=never", "#f=1e9"])
+def test_a_broken_link_opens_the_place_of_the_case(browser, folder, link):
+    found = Explored(browser, folder / "case.html", link)
+    assert found.page.locator("#slide-gap-number").input_value() == "0.1"
+    assert found.page.locator("#differences").inner_text().endswith("all else as in the case.")
+    assert found.said == []
+    found.page.close()
+
+
+def test_a_number_out_of_range_is_refused_in_words_and_moves_nothing(explored):
+    before, field = explored.page.locator("#readings").inner_text(), explored.page.locator("#slide-restitution-number")
+    for text in ("1.2", ""):
+        field.fill(text)
+        assert explored.page.locator("#slider-fault").inner_text() == "R at the contact: a number from 0 to 1."
+        assert field.get_attribute("aria-invalid") == "true"
+    explored.page.wait_for_timeout(400)
+    assert explored.page.locator("#readings").inner_text() == before
+    explored.page.get_by_role("button", name="All as in the case").click()
+    assert explored.page.locator("#slider-fault").inner_text() == ""
+
+
+def test_all_goes_back_to_the_case(explored):
+    before = explored.page.locator("#readings").inner_text()
+    explored.set("gap", 0.03)
+    assert explored.page.locator("#readings").inner_text() != before
+    explored.page.get_by_role("button", name="All as in the case").click()
+    explored.page.wait_for_function('document.getElementById("state").textContent.startsWith("Settling")')
+    explored.set("frequency", 40)
+    assert explored.page.locator("#readings").inner_text() == before
+    explored.page.wait_for_function('!location.hash.includes("gap")')
+
+
+def test_the_case_is_written_at_the_sliders(folder, explored, tmp_path):
+    explored.set("gap", 0.06)
+    explored.set("damping", 1.5)
+    (tmp_path / "written.toml").write_bytes(explored.saved("Write the case at these sliders"))
+    written, case = vibeam.load(tmp_path / "written.toml"), vibeam.load(folder / "case.toml")
+    assert written.keys.value("stop.gap") == pytest.approx(6e-5, rel=1e-12)
+    assert written.keys.value("beam.damping_ratio") == pytest.approx(0.03, rel=1e-12)
+    assert written.keys.value("stop.restitution") == case.keys.value("stop.restitution")
+
+
+def test_a_click_on_the_curves_picks_the_frequency(explored):
+    place = explored.page.locator("#live-response .u-over")
+    place.scroll_into_view_if_needed()
+    box = place.bounding_box()
+    explored.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 60)
+    assert float(explored.page.locator("#slide-frequency-number").input_value()) == pytest.approx(45, abs=0.1)
+
+
+def test_every_view_is_saved_whole(explored):
+    for view in VIEWS:
+        drawing = ElementTree.fromstring(explored.saved(f"SVG of {view}"))
+        assert len(drawing.findall(".//{*}path")) + len(drawing.findall(".//{*}polyline")) > 2
+        assert "NaN" not in ElementTree.tostring(drawing, encoding="unicode")
+    rows = list(csv.reader(explored.saved(f"CSV of {VIEWS[0]}").decode("utf-8-sig").splitlines()))
+    assert [float(row[1]) for row in rows[1:8]] == list(range(30, 61, 5))
+    assert {row[0] for row in rows[1:]} == {"sdof", "four </b> modes"}
+
+
+def test_the_beam_plays_and_pauses(explored):
+    line, button = explored.page.locator("#live-beam polyline"), explored.page.locator("#live-play")
+    still = line.last.get_attribute("points")
+    button.click()
+    explored.page.wait_for_timeout(300)
+    assert line.last.get_attribute("points") != still
+    assert button.get_attribute("aria-pressed") == "true"
+    button.click()
+    still = line.last.get_attribute("points")
+    explored.page.wait_for_timeout(200)
+    assert line.last.get_attribute("points") == still
+
+
+def test_a_page_of_results_starts_on_its_sweep_and_leaves_the_stored_motions_out(browser, folder):
+    """The curves flown upwards are the stored ones; without an engine the stored motions stand in their place."""
+    found, result = Explored(browser, folder / "results.html"), vibeam.read(folder / "case.h5")
+    assert not found.page.locator("#motion").is_visible()
+    assert found.page.locator('nav a[href="#motion"]').is_hidden()
+    assert found.page.locator("#start").input_value() == "sweep"
+    rows = list(csv.reader(found.saved(f"CSV of {VIEWS[0]}").decode("utf-8-sig").splitlines()))[1:]
+    stored_ones = np.concatenate([1e3 * each.up.amplitude for each in result.values()])
+    np.testing.assert_allclose([float(row[2]) for row in rows], stored_ones, rtol=1e-9)  # periodic: no digit is lost
+    at = int(np.argmax(result["sdof"].up.amplitude))
+    assert found.reading("amplitude (mm)") == [f"{1e3 * each.up.amplitude[at]:.4g}" for each in result.values()]
+    found.page.close()
+    still = Opened(browser, folder / "still.html")
+    assert still.page.locator("#motion").is_visible()
+    assert still.page.locator("#explore").count() == 0
+    still.page.close()
+
+
+def test_a_browser_without_webassembly_has_the_stored_motions_and_is_told(browser, folder):
+    found = Opened(browser, folder / "results.html", before="delete globalThis.WebAssembly;")
+    assert "no WebAssembly" in found.page.locator("#explore").inner_text()
+    assert found.page.locator("#motion").is_visible()
+    assert found.page.locator("#picked").inner_text() == "55 Hz"
+    assert found.said == []
+    found.page.close()
+
+
+def test_tab_goes_through_all_controls_and_shows_where(explored):
+    acting = "a, button, select, input, summary, [tabindex='0']"
+    visible = [each for each in explored.page.locator(acting).all() if each.is_visible()]
+    passed = []
+    for _ in visible:
+        explored.page.keyboard.press("Tab")
+        passed.append(
+            explored.page.evaluate("[document.activeElement.id, getComputedStyle(document.activeElement).outlineStyle]")
+        )
+    assert {"slide-gap", "slide-gap-number", "live-play", "start", "as-case", "write-case"} <= {
+        name for name, _ in passed
+    }
+    assert {outline for _, outline in passed} == {"solid"}
+
+
+def test_a_telephone_needs_no_scrolling_aside(browser, folder):
+    found = Explored(browser, folder / "case.html", viewport={"width": 360, "height": 740})
+    assert found.page.evaluate("document.documentElement.scrollWidth") <= 360
+    found.page.close()
+
+
+def test_printed_it_stands_still_with_its_pictures(explored):
+    explored.page.emulate_media(media="print")
+    assert explored.page.locator("#live-history canvas").is_visible()
+    assert not explored.page.locator("#live-play").is_visible()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_nothing_is_found_by_axe(browser, folder, theme):
+    found = Explored(browser, folder / "results.html", color_scheme=theme)
+    for folded in found.page.locator("details").all():
+        folded.evaluate("each => { each.open = true; }")
+    assert found.violations() == []
+    assert found.said == []
+    found.page.close()
