@@ -8,7 +8,7 @@ A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; ever
 results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json, ``limits.py`` writes
 results/limits.json, ``estimates.py`` writes results/estimates.json, ``recommended.py`` writes results/recommended.json,
 ``recommended_beams.py`` writes results/recommended_beams.json, ``batches.py`` writes results/batches.json,
-``cluster.py`` writes results/cluster.json.
+``cluster.py`` writes results/cluster.json, ``webassembly.py`` writes results/webassembly.json.
 """
 
 from __future__ import annotations
@@ -256,6 +256,20 @@ def libraries_table(found: dict[str, Any]) -> str:
     return f"{markdown(['modes', 'numba, ns an impact', *over], rows)}\n\n{fill(text, width=120)}"
 
 
+def webassembly_table(found: dict[str, Any]) -> str:
+    """Times of the same calls by the native libraries and by WebAssembly in node."""
+    rows = (
+        [row["name"], f"{row['impacts']:,}".replace(",", " "), *(significant(row[key]) for key in ("native", "wasm")),
+         f"{row['wasm'] / row['native']:.1f}"]
+        for row in found["rows"]
+    )  # fmt: skip
+    text = (
+        f"Node {found['node']}, least of {found['rounds']} rounds; load average {found['machine']['load'][0]:.0f} "
+        f"before, {found['machine']['load'][1]:.0f} after, on two cores."
+    )
+    return f"{markdown(['', 'impacts', 'native, ms', 'WebAssembly, ms', 'ratio'], rows)}\n\n{fill(text, width=120)}"
+
+
 def sparse_table(found: dict[str, Any]) -> str:
     """CPU time of reading sparse matrices and reducing them."""
     rows = (
@@ -369,7 +383,7 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
     tables = {name: table(peers, modes) for name, table in TABLES.items()}
     single = {"limits": limits_table, "libraries": libraries_table, "startup": startup_table, "sparse": sparse_table}
     single |= {"recommended": recommended_table, "estimates": estimates_table}
-    single |= {"recommended_beams": recommended_beams_table}
+    single |= {"recommended_beams": recommended_beams_table, "webassembly": webassembly_table}
     return tables | {name: table(_read(results, name)) for name, table in single.items()}
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ctypes
 import gzip
 from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from tempfile import gettempdir
@@ -32,7 +33,7 @@ class WasmMemory:
         self.store = Store(self.engine)
         self.memory = Memory(self.store, MemoryType(Limits(FIRST // PAGE, None)))
         self.instances: dict[str, Instance] = {}
-        self.images: list[tuple[str, bytes, bytes]] | None = None  # what is called: page's bytes before and after
+        self.images: list[tuple[str, bytes, bytes]] | None = None  # see ``noted``
 
     def instance(self, library: str) -> Instance:
         """The library, compiled and instantiated once."""
@@ -108,6 +109,17 @@ def taken(entry: EntryPoint) -> Call:
         return status
 
     return Call(called, f"{entry.library}.{entry.name}", arguments, results)
+
+
+@contextmanager
+def noted() -> Iterator[list[tuple[str, bytes, bytes]]]:
+    """The calls made meanwhile: export, the page's bytes before and after it."""
+    within, found = shared_memory(), list[tuple[str, bytes, bytes]]()
+    within.images = found
+    try:
+        yield found
+    finally:
+        within.images = None
 
 
 def take() -> None:

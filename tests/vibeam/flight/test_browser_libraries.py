@@ -40,6 +40,16 @@ def test_a_page_carries_little(names: tuple[str, ...]) -> None:
     assert sum(map(len, found.values())) <= BASE64_MOST
 
 
+def test_the_page_of_flight_states_the_sizes() -> None:
+    text = (ROOT / "vibeam/flight/README.md").read_text(encoding="utf-8")
+    for names in (*((library,) for library in LIBRARIES), PLAIN, REGIMES):
+        packed = [b64decode(each) for each in browser_libraries(names).values()]
+        modules = sum(len(gzip.decompress(each)) for each in packed)
+        sizes = [modules, sum(map(len, packed)), sum(map(len, browser_libraries(names).values()))]
+        row = " | ".join(f"{size / 1000:.0f}" for size in sizes)
+        assert f" | {row} |\n" in text, (names, row)
+
+
 def test_places_in_the_shared_memory_do_not_overlap() -> None:
     places = [place_of(library) for library in LIBRARIES]
     assert places[0] >= SLOT  # what address 0 means in C is written to by none

@@ -21,13 +21,13 @@ import test_rest
 import test_yielding_stops
 import wasm_kernels
 from javascript import NODE
+from regular_motions import REGULAR, TWO, fly_all, motion, points
 from test_browser_libraries import data_end
 
 import vibeam
 from vibeam.flight.engine.browser import FIRST, LIBRARIES, SLOT, place_of
-from vibeam.flight.points.points import PlainPoints, PointSettings, compute
-from vibeam_models.laws.compliant import HuntCrossley, LinearStop
-from vibeam_models.laws.restitution import PlasticRestitution
+from vibeam.flight.engine.loading import WASM, file_of
+from vibeam_models.laws.compliant import HuntCrossley
 
 IN_WEBASSEMBLY = {  # truth tests that run here once more
     test_flight_truth: (
@@ -66,29 +66,6 @@ def natively(work: Any, *given: Any) -> Any:
     return found
 
 
-DRIVE = vibeam.Drive(95.0, 2e-4)
-TWO = vibeam.ImpactSystem.from_modes(
-    [47.7, 635.0], 0.017, contact=[2.12, 0.31], load=[0.46, 0.09], gap=0.0, restitution=0.72
-)
-EIGHT = vibeam.ImpactSystem.from_modes(
-    47.7 * np.arange(1, 9) ** 2, 0.01, contact=2.0 / np.arange(1, 9), load=0.5 / np.arange(1, 9), restitution=0.2
-)
-REGULAR = {
-    "two modes": TWO,
-    "eight modes": EIGHT,
-    "chatter": replace(TWO, restitution=0.3, gap=-1e-5),
-    "Hertz": replace(TWO, law=HuntCrossley(1e8)),
-    "linear stop": replace(TWO, law=LinearStop(1e5, 3.0)),
-    "two stops": replace(TWO, restitution=0.6, second_gap=1e-4),
-    "coupled damping": replace(TWO, restitution=0.7, coupling=np.array([[1.6, -0.5], [-0.5, 21.6]])),
-    "plastic": replace(TWO, law=PlasticRestitution(0.8, 0.01)),
-}
-
-
-def motion(system: vibeam.ImpactSystem) -> vibeam.Trajectory:
-    return vibeam.simulate(replace(system), DRIVE, 0.6)
-
-
 def assert_the_same_counters(found: vibeam.Trajectory, expected: vibeam.Trajectory) -> None:
     """Root searches may take a step more for the last digit: of integrated contacts they do."""
     assert set(found.stats) == {"cpu_seconds", "impacts", "evaluations"}
@@ -108,16 +85,6 @@ def test_impacts_counters_and_values_are_those_of_the_native_kernels(name: str) 
         (found.modes_at(times), expected.modes_at(times)),
     ):  # fmt: skip
         np.testing.assert_allclose(a, b, rtol=1e-12, atol=1e-12 * np.max(np.abs(b)))
-
-
-POINTS = PointSettings(settle=60, hold=20, output="contact", strobes=0, elastic=False, most_modes=2)
-
-
-def points(system: vibeam.ImpactSystem, omega: np.ndarray) -> Any:
-    one = np.ones(len(omega))
-    given = PlainPoints([system], np.zeros(len(omega), int), omega, 2e-4 * one, 0.0 * one, 0.4 * one)
-    [(_, found)] = compute(given, POINTS)
-    return found.response
 
 
 def test_points_side_by_side_are_those_of_the_native_kernels_and_of_motions() -> None:
@@ -161,15 +128,8 @@ console.log(JSON.stringify(digests));
 
 def test_node_gives_the_same_bits(tmp_path: Path) -> None:
     """Every call of these motions, once more in another engine: all arrays and results, to the last bit."""
-    shared = wasm_kernels.shared_memory()
-    shared.images = []
-    try:
-        for system in REGULAR.values():
-            motion(system).modes_at([0.1, 0.3])
-        points(TWO, np.linspace(70.0, 110.0, 5))
-        calls = shared.images
-    finally:
-        shared.images = None
+    with wasm_kernels.noted() as calls:
+        fly_all()
     assert {name for name, _, _ in calls} == {
         f"{library}_{name}" for library in LIBRARIES for name in LIBRARIES[library]
     }
@@ -177,8 +137,7 @@ def test_node_gives_the_same_bits(tmp_path: Path) -> None:
     for i, (name, before, _) in enumerate(calls):
         (tmp_path / f"{i}").write_bytes(before)
         files.append([name, str(tmp_path / f"{i}")])
-    folder = Path(vibeam.__file__).parent / "flight" / "libraries" / "wasm"
-    given = {"first": FIRST, "libraries": [str(folder / f"{name}.gz") for name in LIBRARIES], "calls": files}
+    given = {"first": FIRST, "libraries": [str(file_of(name, WASM)) for name in LIBRARIES], "calls": files}
     (tmp_path / "calls.mjs").write_text(IN_NODE)
     done = subprocess.run(
         [NODE, tmp_path / "calls.mjs"], input=json.dumps(given), capture_output=True, text=True, check=True
@@ -194,9 +153,7 @@ def test_a_stack_takes_a_small_part_of_its_room(library: str) -> None:
     assert place_of(library) < begin
     pattern = b"\xa5" * room
     ctypes.memmove(shared.address(FIRST) + begin, pattern, room)
-    for system in REGULAR.values():
-        motion(system).modes_at([0.1])
-    points(TWO, np.linspace(70.0, 110.0, 3))
+    fly_all()
     after = np.frombuffer(ctypes.string_at(shared.address(FIRST) + begin, room), np.uint8)
     touched = np.flatnonzero(after != 0xA5)
     assert len(touched)
