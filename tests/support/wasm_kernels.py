@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import ctypes
 import gzip
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -60,12 +61,12 @@ class WasmMemory:
 
 
 def cache_settings() -> Path:
-    """The file that tells wasmtime where to keep what it has compiled."""
-    folder = Path(gettempdir()) / "vibeam-wasmtime"
-    folder.mkdir(exist_ok=True)
-    settings = folder / "cache.toml"
-    settings.write_text(f'[cache]\ndirectory = "{folder}"\n', encoding="utf-8")
-    return settings
+    """The file that tells wasmtime where to keep what it has compiled: for the processes of a run, and the next run."""
+    folder = Path(gettempdir()) / f"vibeam-wasmtime-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    settings, own = folder / "cache.toml", folder / f"cache-{os.getpid()}.toml"
+    own.write_text(f'[cache]\ndirectory = "{folder}"\n', encoding="utf-8")
+    return own.replace(settings)
 
 
 @cache
