@@ -168,7 +168,7 @@ def test_what_cannot_be_is_refused_by_a_sentence(node: Node) -> None:
         "No fidelity other: there are slow decays.",
         "slow decays: the coefficient of restitution at the contact cannot be 1.01.",
         "slow decays: the drive frequency cannot be 0 rad/s.",
-        "The damping of this model cannot be changed on the page.",
+        "slow decays: its damping cannot be changed on this page.",
         "slow decays: the amplitude of the drive cannot be -0.0001 m.",
         "",
     ]

@@ -88,7 +88,6 @@ export class PackedSystem {
    */
   arrange(damping, sigma) {
     const { model } = this, given = model.rest;
-    if (given && damping !== 1) throw new Error("The damping of this model cannot be changed on the page.");
     const order = ascending(rates(model.omega, sigma));
     const own = {
       omega: reordered(model.omega, order), sigma: reordered(sigma, order), contact: reordered(model.contact, order),

@@ -6,6 +6,7 @@ import { driftAt } from "./drift.js";
 /** A fidelity's own numbers: rad/s, m, m, R, a factor.
  * @typedef {{omega: number, amplitude: number, gap: number, restitution: number, damping: number}} Settings */
 
+const SAME = 1e-9; // share by which a frequency may miss the table's, by round-off
 const LIMITS = { gap: [-Infinity, Infinity], restitution: [0, 1], damping: [0, Infinity], amplitude: [0, Infinity], omega: [0, Infinity] };
 const WORDS = {
   gap: ["gap", " m"], restitution: ["coefficient of restitution at the contact", ""], damping: ["factor on the damping", ""],
@@ -39,17 +40,19 @@ export function settingsAt(model, sliders, place) {
     if (!(Number.isFinite(value) && value >= low && value <= high) || (name === "omega" && value === 0))
       throw new Error(`${model.label}: the ${WORDS[key][0]} cannot be ${Number(value.toPrecision(4))}${WORDS[key][1]}.`);
   }
+  if (model.engine === "plain" && !model.damped && found.damping !== 1)
+    throw new Error(`${model.label}: its damping cannot be changed on this page.`);
   return found;
 }
 
 /**
- * Amplitude of the drive, m, at a frequency, Hz; that of a table at the nearest of its frequencies, where sliders stand.
+ * Amplitude of the drive, m, at a frequency, Hz; one that is a table is known at its own frequencies alone.
  * @param {any} model
  * @param {number} frequency
  * @param {number} level
  * @returns {number}
  */
-function amplitudeOf({ amplitude: { power, factor, frequency: known, amplitude: table } }, frequency, level) {
+function amplitudeOf({ label, amplitude: { power, factor, frequency: known, amplitude: table } }, frequency, level) {
   if (!known) {
     let found = level * factor;
     for (let i = 0; i < power; i++) found /= 2 * Math.PI * frequency;
@@ -58,5 +61,7 @@ function amplitudeOf({ amplitude: { power, factor, frequency: known, amplitude: 
   let nearest = 0;
   for (let i = 1; i < known.length; i++)
     if (Math.abs(known[i] - frequency) < Math.abs(known[nearest] - frequency)) nearest = i;
+  if (!(Math.abs(known[nearest] - frequency) <= SAME * frequency))
+    throw new Error(`${label}: its drive is known at ${known.length} frequencies alone, the nearest is ${known[nearest]} Hz.`);
   return level * table[nearest];
 }
