@@ -112,13 +112,12 @@ def explore(
         print_json({"files": [path], "flown": made.flown, "refused": made.refused})
         return
     put_lines([str(path)])
-    if not verbosity().quiet:
-        for name, why in made.refused.items():
-            say(f"{name}: {why}")
-        if not no_open and _display():
-            import webbrowser
+    for name, why in made.refused.items() if not verbosity().quiet else ():
+        say(f"{name}: {why}")
+    if not no_open and _display():
+        import webbrowser
 
-            webbrowser.open(path.resolve().as_uri())
+        webbrowser.open(path.resolve().as_uri())
 
 
 def _display() -> bool:

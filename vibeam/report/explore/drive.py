@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 SIZES = (*POWERS, "voltage")  # keys that say how large a drive is
 SAME = 1e-14  # relative difference that is round-off of one power of Ω
+WITHIN = 0.05  # share of a frequency by which the slider of that one alone goes on
 POINTS = 401  # frequencies of a table, those of the sweep besides
 
 
@@ -42,8 +43,7 @@ class DriveLevel:
 
 def drive_level(case: Case, name: str) -> DriveLevel:
     """Level of the drive of one fidelity."""
-    scene: Any = case.scene_of(name)
-    return DriveLevel.of(scene.base)
+    return DriveLevel.of(_base(case, name))
 
 
 def drive_amplitude(case: Case, name: str, frequency: Array) -> dict[str, Any]:
@@ -63,7 +63,36 @@ def drive_amplitude(case: Case, name: str, frequency: Array) -> dict[str, Any]:
     return head | {"frequency": frequency, "amplitude": np.array(found)}
 
 
+def frequency_range(case: Case) -> tuple[float, float]:
+    """Ends of the frequency slider (Hz): those of the sweep; about a single frequency as far as tables of drives go."""
+    low, high = float(case.sweep.frequency[0]), float(case.sweep.frequency[-1])
+    if low < high:
+        return low, high
+    tables = [table for name in case.fidelities if (table := _base(case, name).frequency)]
+    least, most = max((each[0] for each in tables), default=0.0), min((each[-1] for each in tables), default=np.inf)
+    return max(low * (1 - WITHIN), min(least, low)), min(high * (1 + WITHIN), max(most, high))
+
+
 def slider_frequencies(case: Case) -> Array:
-    """Frequencies (Hz) of tables: those of the sweep, and evenly between its ends."""
-    swept = case.sweep.frequency
-    return np.unique(np.concatenate([swept, np.linspace(swept[0], swept[-1], POINTS)]))
+    """Frequencies (Hz) of tables: those of the sweep, and evenly between the ends of the slider."""
+    return np.unique(np.concatenate([case.sweep.frequency, np.linspace(*frequency_range(case), POINTS)]))
+
+
+def _base(case: Case, name: str) -> Base:
+    scene: Any = case.scene_of(name)
+    found: Base = scene.base
+    return found
+
+
+def motion_without_stop(case: Case, name: str, output: str) -> float:
+    """Largest amplitude of an output of one fidelity over the sweep, as if no stop were there, SI; 0 where unbounded.
+
+    Damping that couples the modes is taken without what couples them: it is a size, not a result.
+    """
+    system, omega = case.system(name), 2 * np.pi * case.sweep.frequency[:, None]
+    derivative, given = system.derivative(output), np.asarray(case.amplitude_of(name, omega[:, 0]))
+    stiffness = system.omega**2 - omega**2 + 2j * system.omega * system.zeta * omega
+    with np.errstate(divide="ignore", invalid="ignore"):
+        modes = system.row(output) * system.load / stiffness
+        size = np.abs(omega[:, 0] ** (2 + (derivative.order if derivative else 0)) * given * modes.sum(axis=1))
+    return float(np.max(size[np.isfinite(size)], initial=0.0))

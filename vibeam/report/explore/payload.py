@@ -14,7 +14,7 @@ from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.flight.engine.browser import browser_libraries, slots_table
 from vibeam.flight.engine.loading import WASM
 from vibeam.report.explore.case_text import fixed_keys, template
-from vibeam.report.explore.drive import drive_amplitude, slider_frequencies
+from vibeam.report.explore.drive import drive_amplitude, motion_without_stop, slider_frequencies
 from vibeam.report.explore.models import array_of, ended_words, model_of
 from vibeam.report.explore.sliders import CaseSliders, Slider, case_sliders
 from vibeam_models.outputs import DISPLACEMENT
@@ -105,16 +105,12 @@ def _sweep(case: Case, units: DisplayUnits) -> dict[str, Any]:
 
 
 def guessed_units(case: Case) -> DisplayUnits:
-    """Units by the largest motion without a stop, and the gap: no sweep says how large the motion is."""
-    name, omega = next(iter(case.fidelities)), 2 * np.pi * case.sweep.frequency
-    system, quantity = case.system(name), quantity_of(case, case.sweep.output)
-    rates, given = system.omega, np.asarray(case.amplitude_of(name, omega))
-    rows = system.row(case.sweep.output) * system.load
-    shapes = rows / (rates**2 - omega[:, None] ** 2 + 2j * rates * system.zeta * omega[:, None])
-    largest = np.abs(omega ** (2 + (quantity.rate or 0)) * given * shapes.sum(axis=1))
-    size = float(np.max(largest[np.isfinite(largest)], initial=0.0))
-    gap = abs(system.gap) if quantity is DISPLACEMENT else 0.0
-    return units_of(case, max(IMPACTING * size, gap), IMPACTING * size * float(omega[-1]), quantity.name)
+    """Units by the largest motion without a stop, the gap, or the room between two stops: no sweep has found a size."""
+    name, quantity = next(iter(case.fidelities)), quantity_of(case, case.sweep.output)
+    system, size = case.system(name), IMPACTING * motion_without_stop(case, name, case.sweep.output)
+    if quantity is DISPLACEMENT:
+        size = max(size, abs(system.gap)) if system.second_gap is None else system.gap + system.second_gap
+    return units_of(case, size, 2 * np.pi * float(case.sweep.frequency[-1]) * size, quantity.name)
 
 
 def _case(case: Case, sliders: CaseSliders) -> dict[str, Any]:

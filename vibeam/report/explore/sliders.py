@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from math import ceil, floor, inf, log10, pi
+from math import ceil, floor, log10, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.exchange.faults import CaseError
-from vibeam.report.explore.drive import DriveLevel, drive_amplitude, drive_level, slider_frequencies
+from vibeam.report.explore.drive import (
+    DriveLevel,
+    drive_amplitude,
+    drive_level,
+    frequency_range,
+    motion_without_stop,
+    slider_frequencies,
+)
 from vibeam.report.explore.own_numbers import Affine, damping_factor, gap, own_number, restitution, says
 from vibeam.system.number_text import FREQUENCIES, begun, prefixed, shown_in
 
@@ -20,7 +27,6 @@ if TYPE_CHECKING:
 
 #: ends of a range as shares of the way from the case's value to a bound that is refused
 SHARES = (1.0, 0.99, 0.95, 0.9, 0.75, 0.5, 0.25, 0.1)
-WITHIN = 0.05  # share of a frequency by which a sweep of that one alone is widened
 TIMES, MOST_DAMPING = 3.0, 5.0  # largest drive and damping over the case's
 DIGITS = 1e4  # steps of a coefficient of restitution
 DRIVES = {
@@ -83,12 +89,7 @@ def case_sliders(case: Case) -> CaseSliders:
 
 
 def _frequency(case: Case) -> Slider:
-    swept = case.sweep.frequency
-    low, high = float(swept[0]), float(swept[-1])
-    if low == high and drive_level(case, next(iter(case.fidelities))).listed:
-        raise ValueError("sweep.frequency is one frequency, and so is the drive's table")
-    if low == high:
-        low, high = low * (1 - WITHIN), high * (1 + WITHIN)
+    (low, high), swept = frequency_range(case), case.sweep.frequency
     own = case.scene.natural_unit
     unit, factor = prefixed(FREQUENCIES, high, usual=-1) if own is None else ("", 2 * pi / own)
     grid = slider_frequencies(case)
@@ -134,12 +135,8 @@ def _gap(case: Case) -> Made:
 
 def _size(case: Case) -> float:
     """Length of a slider about a gap of 0: half of the largest motion without a stop, with one digit; m."""
-    name = next(iter(case.fidelities))
-    system, omega = case.system(name), 2 * np.pi * case.sweep.frequency
-    rates, given = system.omega, np.asarray(case.amplitude_of(name, omega))
-    shapes = system.contact * system.load / (rates**2 - omega[:, None] ** 2 + 2j * rates * system.zeta * omega[:, None])
-    largest = float(np.max(np.abs(omega**2 * given * shapes.sum(axis=1)))) / 2
-    if not 0 < largest < inf:
+    largest = motion_without_stop(case, next(iter(case.fidelities)), "contact") / 2
+    if not largest:
         raise ValueError("stop.gap is 0, and nothing says how long its slider is")
     digit = 10.0 ** floor(log10(largest))
     return floor(largest / digit) * digit

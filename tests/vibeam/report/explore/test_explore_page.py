@@ -15,6 +15,7 @@ from vibeam.cli.commands import pages
 from vibeam.cli.main import app
 from vibeam.flight.engine.loading import KernelsUnavailable
 from vibeam.report.explore import page as explore_pages
+from vibeam.report.explore.drive import motion_without_stop
 from vibeam.report.explore.exploration import SANDBOX
 from vibeam.report.explore.page import results_page
 from vibeam.report.explore.payload import guessed_units, payload
@@ -100,11 +101,23 @@ def test_a_platform_gives_tables_at_the_places_of_the_slider():
         assert numbers(drive["frequency"]).tolist() == numbers(frequency["places"]).tolist()
 
 
+def test_a_size_without_a_stop_is_the_resonance_of_one_mode():
+    """ω²B/√((ω² − Ω²)² + (2ζωΩ)²) of the textbook, largest over the sweep."""
+    case = vibeam.load("cases/sdof_nominal.toml", {"sweep.frequency.points": 5})
+    ratio = case.sweep.frequency * 2 * np.pi
+    wanted = 0.5e-3 * ratio**2 / np.hypot(1 - ratio**2, 2 * 0.015 * ratio)
+    assert motion_without_stop(case, "sdof", "sensor") == pytest.approx(wanted.max(), rel=1e-12)
+    still = vibeam.load("cases/sdof_nominal.toml", {"sdof.damping_ratio": 0.0, "sweep.frequency": ["1 rad/s"]})
+    assert motion_without_stop(still, "sdof", "sensor") == 0
+
+
 def test_sizes_of_numbers_suit_the_motion():
     units = {name: guessed_units(vibeam.load(f"cases/{name}.toml")) for name in ("dtu_neutral", "rigs/mems_switch")}
     assert (units["dtu_neutral"].length, units["dtu_neutral"].frequency) == ("mm", "Hz")
     assert units["rigs/mems_switch"].frequency == "kHz"
     assert units["rigs/mems_switch"].length in ("µm", "nm")
+    between = vibeam.load("cases/rigs/tube.toml", {"stop.gap": "2 µm", "stop.second_gap": "3 µm"})
+    assert guessed_units(between).length == "µm"
 
 
 def test_the_page_asks_nothing_of_any_network_and_may_compile(html):

@@ -117,3 +117,16 @@ def test_a_model_made_of_a_flight_is_not_flown():
     assert "those of a flight" in found.refused["pod"]
     assert found.refused.keys() == {"pod"}
     assert found.sliders.keys() >= {"gap", "restitution", "damping"}
+
+
+def test_a_sweep_of_one_frequency_is_widened_as_far_as_the_table_of_its_drive_goes():
+    alone = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency": ["15 Hz"]})
+    frequency = case_sliders(alone).sliders["frequency"]
+    assert (frequency.low, frequency.value, frequency.high) == (14.25, 15.0, 15.75)
+    table = {"drive.frequency": ["14.9 Hz", "17 Hz"], "drive.acceleration": ["0.8 m/s^2", "1 m/s^2"]}
+    told = alone.with_keys({"drive.voltage": None, "drive.gain": None} | table)
+    frequency = case_sliders(told).sliders["frequency"]
+    assert (frequency.low, frequency.high) == (14.9, 15.75)
+    assert frequency.places.min() == 14.9
+    assert 15.0 in frequency.places
+    assert frequency.places.max() == 15.75
