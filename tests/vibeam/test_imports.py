@@ -135,6 +135,13 @@ def test_a_finished_run_builds_nothing(tmp_path: Path, monkeypatch: pytest.Monke
     assert loaded(check) == ["h5py"]
 
 
+def test_a_page_to_explore_draws_no_figure_and_reads_no_results(tmp_path: Path) -> None:
+    words = ["vibeam", "explore", str(ROOT / "cases" / "dtu_neutral.toml"), "--out", str(tmp_path / "a.html")]
+    code = f"from vibeam.cli.main import main\nsys.argv = {words!r}\ntry:\n    main()\nexcept SystemExit:\n    pass"
+    assert loaded(code) == ["scipy", "skfem"]
+    assert (tmp_path / "a.html").exists()
+
+
 def test_the_case_of_a_beam_loads_nothing_of_given_matrices_or_modes() -> None:
     case = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
     code = (
