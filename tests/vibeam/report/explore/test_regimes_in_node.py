@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,17 +15,22 @@ from vibeam.flight.engine.browser import browser_libraries, slots_table
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.solver import RegimeSolver
 from vibeam.report.explore.models import ended_words, packed
+from vibeam.report.explore.payload import payload as payload_of
 from vibeam.report.explore.regime_models import beyond_plain
+from vibeam.report.explore.sliders import case_sliders
 from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 
-PLACES, PERIODS, SETTLE, INSTANTS = 3, 24, 100, 40
+PLACES, PERIODS, SETTLE, INSTANTS = 3, 24, 60, 40
 SAME = 1e-12  # share of the motion's size: regular motions part by no more, whatever order their sums are made in
 #: the same of an integrated contact: its steps are chosen by an error estimate that is round-off itself, so that they
 #: are others, and each is right to 1e-12
 INTEGRATED = 1e-11
+#: the same, in all cases, of extremes and peaks: they are sought to 1e-11 of a signal's parts, which may be larger
+SOUGHT = 1e-10
+ULPS = 2e-15  # by which, as a share, the gap and the drive of a motion's twins differ from its own
 COUPLED = np.array([[1.9, 0.5, 0.0], [0.5, 9.0, 2.0], [0.0, 2.0, 30.0]])
 BASE = vibeam.ImpactSystem.from_modes(
     [48.0, 310.0, 905.0], 0.02, [2.1, 0.7, -0.5], [0.45, 0.12, 0.05], gap=3e-5, restitution=0.7,
@@ -138,35 +144,53 @@ def test_motions_are_those_of_python(flown: Any, name: str) -> None:
     """As near as their kind allows, and as far as round-off grows: a twin, the gap a rounding away, says how fast."""
     regular, sides = 0, set[int]()
     for place, answer in flown[name]:
-        omega, system = 2 * pi * place["frequency"], moved(SYSTEMS[name], place)
-        near, twin = INTEGRATED if system.contact_law.integrated else SAME, replace(system, gap=system.gap + 4e-20)
-        path, other = (vibeam.simulate(each, vibeam.Drive(omega, place["drive"]), PERIODS / place["frequency"])
-                       for each in (system, twin))  # fmt: skip
-        if parted(path.impact_velocities, other.impact_velocities) <= near / 10:
-            regular += 1
-            same_motion(path, place, answer, near)
-        else:
-            same_impacts(path, other, answer, near)
-        sides |= set(path.impact_contacts.tolist())
-        steady, beside = (steady_point(each, omega, place["drive"], "sensor") for each in (system, twin))
-        if parted(steady.impact_velocities[0], beside.impact_velocities[0]) <= near / 10:
-            same_point(steady, answer["steady"], near)
+        system, drive = moved(SYSTEMS[name], place), vibeam.Drive(2 * pi * place["frequency"], place["drive"])
+        regular += agrees(system, drive, place, answer, "sensor", SAME)
+        sides |= set(vibeam.simulate(system, drive, PERIODS / place["frequency"]).impact_contacts.tolist())
     assert regular > 0
     assert sides == ({0, 1} if SYSTEMS[name].second_gap is not None else {0})
 
 
-def steady_point(system: vibeam.ImpactSystem, omega: float, drive: float, output: str) -> Any:
-    return RegimeSolver(system, omega).steady([omega], drive, None, SETTLE, PERIODS, output)[0]
+def agrees(
+    system: vibeam.ImpactSystem, drive: vibeam.Drive, place: Place, answer: dict[str, Any], output: str, read: float
+) -> bool:  # fmt: skip
+    """Compare one motion and its steady point: whether all of it could be, for it is regular."""
+    near, span = INTEGRATED if system.contact_law.integrated else SAME, PERIODS / place["frequency"]
+    read = max(near, read)
+    beside = [(replace(system, gap=system.gap * (1 + each) + each * 1e-4), drive) for each in (ULPS, -ULPS)]
+    beside.append((system, replace(drive, amplitude=drive.amplitude * (1 + ULPS))))
+    path, *twins = (vibeam.simulate(*each, span) for each in ((system, drive), *beside))
+    regular = max(parted(path, each) for each in twins) <= near / 10
+    if regular:
+        same_motion(path, place, answer, output, near, read)
+    else:
+        same_impacts(path, twins, answer, near)
+    steady, *others = (steady_point(*each, output) for each in ((system, drive), *beside))
+    if max(differ(steady.impact_velocities[0], each.impact_velocities[0]) for each in others) <= near / 10:
+        same_point(steady, answer["steady"], near, read)
+    return regular
 
 
-def parted(values: Array, others: Array) -> float:
-    """How far two motions have parted, as a share of their largest velocity; infinite where they are not alike."""
+def steady_point(system: vibeam.ImpactSystem, drive: vibeam.Drive, output: str) -> Any:
+    return RegimeSolver(system, drive.omega).steady([drive.omega], drive.amplitude, None, SETTLE, PERIODS, output)[0]
+
+
+def parted(path: vibeam.Trajectory, twin: vibeam.Trajectory) -> float:
+    """How far two motions have parted, as a share of their time and velocity; infinite where they are not alike."""
+    late = differ(path.impact_times, twin.impact_times)
+    return max(late, differ(path.impact_velocities, twin.impact_velocities))
+
+
+def differ(values: Array, others: Array) -> float:
+    """Largest difference, as a share of the largest value; infinite where there are more of the ones."""
     if np.shape(values) != np.shape(others):
         return inf
-    return float(np.nanmax(np.abs(values - others), initial=0.0) / np.nanmax(values, initial=0.0))
+    return float(np.nanmax(np.abs(values - others), initial=0.0) / np.nanmax(values, initial=1e-300))
 
 
-def same_motion(path: vibeam.Trajectory, place: Place, answer: dict[str, Any], near: float) -> None:
+def same_motion(
+    path: vibeam.Trajectory, place: Place, answer: dict[str, Any], output: str, near: float, read: float
+) -> None:  # fmt: skip
     """All that the page says of a motion."""
     impacts, law, span = np.array(answer["impacts"]).reshape(-1, 2), path.system.contact_law, path.t_end
     assert answer["ended"] == path.ended.value
@@ -178,31 +202,35 @@ def same_motion(path: vibeam.Trajectory, place: Place, answer: dict[str, Any], n
     contacts, found = path.contacts.copy(), np.array(answer["contacts"]).reshape(-1, 3)
     contacts[:, 1] += contacts[:, 0]
     assert apart(found[:, :2], contacts[:, :2], span) <= near
-    assert apart(found[:, 2], contacts[:, 2]) <= near
-    assert (len(contacts) > 0) == law.yields
-    assert apart(answer["x"], path.at(place["at"], "sensor")) <= near
-    assert apart(answer["v"], path.velocity_at(place["at"], "sensor")) <= near
-    assert apart(answer["modes"], path.modes_at(place["at"])[:, 0].ravel()) <= near
+    assert apart(found[:, 2], contacts[:, 2]) <= read
+    assert law.yields or not len(contacts)
+    assert apart(answer["x"], path.at(place["at"], output)) <= near
+    modes = path.modes_at(place["at"])
+    fast = float(np.max(np.abs(path.system.row(output)) @ (path.system.omega[:, None] * np.abs(modes[:, 0].T))))
+    speeds = path.velocity_at(place["at"], output)
+    assert apart(answer["v"], speeds, max(fast, float(np.max(np.abs(speeds))))) <= max(near, read / 10)
+    assert apart(answer["modes"], modes[:, 0].ravel()) <= near
 
 
-def same_impacts(path: vibeam.Trajectory, twin: vibeam.Trajectory, answer: dict[str, Any], near: float) -> None:
-    """Impacts up to where round-off has grown as large as they are: no more than ten times as far as the twin's."""
-    found, own, others = np.array(answer["impacts"])[:, 1], path.impact_velocities, twin.impact_velocities
-    count, size = min(len(found), len(own), len(others)), own.max()
-    grown = np.maximum.accumulate(np.abs(own[:count] - others[:count])) / size
+def same_impacts(path: vibeam.Trajectory, twins: list[vibeam.Trajectory], answer: dict[str, Any], near: float) -> None:
+    """Impacts up to where round-off has grown as large as they are: no more than a hundred times as far as a twin's."""
+    found, own = np.array(answer["impacts"]).reshape(-1, 2)[:, 1], path.impact_velocities
+    count, size = min(len(found), len(own), *(len(each.impact_times) for each in twins)), own.max(initial=1e-300)
+    apart_from = [np.abs(own[:count] - each.impact_velocities[:count]) / size for each in twins]
+    grown = np.maximum.accumulate(np.max(apart_from, axis=0))
     away = np.abs(found[:count] - own[:count]) / size
-    assert np.all(away <= np.maximum(10 * grown, near))
+    assert np.all(away <= np.maximum(100 * grown, near))
     assert np.sum(grown < 1e-6) > 5
 
 
-def same_point(steady: Any, found: dict[str, Any], near: float) -> None:
+def same_point(steady: Any, found: dict[str, Any], near: float, read: float) -> None:
     """All that the page says of a steady point."""
     for name in ("maximum", "minimum", "amplitude", "reach"):
         size = float(max(abs(steady.maximum[0]), abs(steady.minimum[0]), steady.reach[0]))
-        assert found[name] == pytest.approx(float(getattr(steady, name)[0]), abs=near * size)
+        assert found[name] == pytest.approx(float(getattr(steady, name)[0]), abs=read * size)
     assert found["period"] == steady.period[0]
     assert found["impactsPerPeriod"] == steady.impacts_per_period[0]
-    assert found["impactVelocity"] == pytest.approx(steady.impact_velocity[0], rel=near)
+    assert found["impactVelocity"] == pytest.approx(steady.impact_velocity[0], rel=near, nan_ok=True)
     assert found["rest"] == pytest.approx(steady.rest[0], abs=near)
 
 
@@ -243,7 +271,7 @@ def test_velocities_and_accelerations_are_read(node: Any, output: str) -> None:
     for place, answer in zip(asked, answers(node, seen, asked, output), strict=True):
         system = replace(seen[place["fidelity"]], gap=place["gap"])
         path = vibeam.simulate(system, vibeam.Drive(18 * pi, place["drive"]), PERIODS / 9.0)
-        steady = steady_point(system, 18 * pi, place["drive"], output)
+        steady = steady_point(system, vibeam.Drive(18 * pi, place["drive"]), output)
         assert len(path.rests) + len(path.contacts) > 0
         assert answer["steady"]["maximum"] == pytest.approx(steady.maximum[0], rel=10 * SAME)
         assert answer["steady"]["minimum"] == pytest.approx(steady.minimum[0], rel=10 * SAME)
@@ -262,3 +290,41 @@ def test_what_cannot_be_is_refused(node: Any) -> None:
     assert "eigenvalues" in damping
     assert "leave nothing between" in gap
     assert nothing is None
+
+
+CASES = Path(__file__).parents[4] / "cases"
+BY_REGIMES = (
+    "experiment/fig17", "experiment/fig18a", "experiment/fig19", "experiment/fig22", "experiment/fig27",
+    "experiment/fig28", "experiment/fig30", "experiment/restitution", "experiment/table1", "reductions/at_mass",
+    "reductions/near_clamp", "rigs/absorber", "rigs/afm_tip", "rigs/elastic_stop", "rigs/mems_switch",
+    "rigs/pinned_bar", "rigs/tube", "stuttgart/two_beams",
+)  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BY_REGIMES)
+def test_cases_at_random_places_of_their_sliders(node: Any, name: str) -> None:
+    """The page at 20 places, each against the case with its keys there."""
+    case = vibeam.load(CASES / f"{name}.toml")
+    made, sliders, random = payload_of(case), case_sliders(case).sliders, np.random.default_rng(len(name))
+    flying = [each["name"] for each in made["models"] if each["engine"] == "regimes"][:4]
+    keys = [key for key in ("gap", "drive", "restitution") if key in sliders]
+    asked = []
+    for i in range(20):
+        frequency = sliders["frequency"]
+        at = float(random.uniform(frequency.low, frequency.high))
+        if frequency.places is not None:
+            at = float(frequency.places[np.argmin(np.abs(frequency.places - at))])
+        place = {key: float(random.uniform(sliders[key].low, sliders[key].high)) for key in keys}
+        usual = {"fidelity": flying[i % len(flying)], "frequency": at, "periods": PERIODS, "settle": SETTLE}
+        asked.append(usual | place | {"at": np.sort(random.uniform(0.0, PERIODS / at * (1 - 1e-9), INSTANTS))})
+    regular = 0
+    for place, answer in zip(asked, node(SCRIPT, {"payload": made, "places": asked}), strict=True):
+        fidelity, omega = place["fidelity"], 2 * pi * place["frequency"]
+        follows = [key for key in keys if sliders[key].of.get(fidelity, (0.0, 0.0))[1]]  # the others say it themselves
+        settings = [sliders[key].settings(place[key]) for key in follows]
+        there = case.model(fidelity).at({key: value for each in settings for key, value in each.items()})
+        system = there.system()
+        drive = vibeam.Drive(omega, float(np.ravel(there.amplitude(np.array([omega])))[0]))
+        regular += agrees(system, drive, place, answer, case.sweep.output, SOUGHT)
+    assert regular >= 5
