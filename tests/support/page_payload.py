@@ -14,7 +14,7 @@ LIBRARIES = {"plain": ("tables", "flight", "points"), "regimes": ("tables", "reg
 
 
 def page_payload(systems: Mapping[str, ImpactSystem], amplitude: float) -> dict[str, Any]:
-    """Payload of systems under a base motion of ``amplitude`` m at every frequency; output: the contact."""
+    """Payload of systems under a base motion of ``amplitude`` m at every frequency; read: "sensor", or the contact."""
     models = [_model(name, system, amplitude) for name, system in systems.items()]
     libraries = sorted({each for model in models for each in LIBRARIES[model["engine"]]})
     of = {name: [0.0, 1.0] for name in systems}
@@ -28,9 +28,10 @@ def page_payload(systems: Mapping[str, ImpactSystem], amplitude: float) -> dict[
 
 
 def _model(name: str, system: ImpactSystem, amplitude: float) -> dict[str, Any]:
-    rows = packed(beyond_plain(system, "contact")) if system.beyond_plain else plain_rows(system)
+    output = "sensor" if "sensor" in system.outputs else "contact"
+    rows = packed(beyond_plain(system, output)) if system.beyond_plain else plain_rows(system)
     return {
         "name": name, "label": name, "engine": "regimes" if system.beyond_plain else "plain", "refusal": "",
-        "modes": system.size, "output": "contact", "gap": system.gap, "restitution": system.restitution,
+        "modes": system.size, "output": output, "gap": system.gap, "restitution": system.restitution,
         "amplitude": {"level": amplitude, "power": 0, "factor": 1.0}, **rows,
     }  # fmt: skip
