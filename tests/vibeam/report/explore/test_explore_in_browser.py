@@ -143,6 +143,10 @@ def test_a_refusal_is_a_sentence(opened):
         ({"fidelity": "none"}, "No fidelity none: there are sdof, two_modes, beam"),
         ({"fidelity": "sdof", "restitution": 1.5}, "restitution"),
         ({"fidelity": "sdof", "frequency": 0}, "frequency"),
+        ({"fidelity": "sdof", "gapp": 1e-5}, "No slider is called gapp"),
+        ({"fidelity": "sdof", "gap": "1e-5"}, 'gap must be a number, not "1e-5"'),
+        ({"fidelity": "sdof", "periods": 2.5}, "periods must be a whole number"),
+        ({"fidelity": "sdof", "settle": -1}, "settle must be a whole number"),
     ]:
         answer = opened.page.evaluate(
             "(asked) => { try { vibeam.fly(asked); return ''; } catch (fault) { return fault.message; } }",

@@ -111,6 +111,7 @@ export class Engine {
    * @param {Place & {fidelity: string, periods: number, settle?: number}} asked
    */
   fly({ fidelity, periods, settle = this.sweep.settle, ...place }) {
+    requireWhole("periods", periods, 1);
     const settings = this.settings(fidelity, place), flight = this.ready(fidelity, settings);
     const flown = flight.simulate(settings, null, (periods * 2 * Math.PI) / settings.omega);
     const impacts = impactsOf(this.slots.rows.layout, flown.segments);
@@ -146,6 +147,8 @@ export class Engine {
    * @returns {SteadyPoint & {ended: string, state: State}}
    */
   steady(fidelity, place, { state = null, settle = this.sweep.settle, hold = this.sweep.hold } = {}) {
+    requireWhole("settle", settle, 0);
+    requireWhole("hold", hold, 1);
     const settings = this.settings(fidelity, place), flight = this.ready(fidelity, settings), model = this.model(fidelity);
     const { ended, period } = flight.watched(settings, state, { settle, hold, output: model.output });
     const { layout } = this.slots.rows, turn = (2 * Math.PI) / settings.omega;
@@ -175,4 +178,15 @@ export class Engine {
   orbits(fidelity, place, frequencies, periods) {
     return orbits(this, fidelity, place, frequencies, periods);
   }
+}
+
+/**
+ * Throw a sentence for what is no number of drive periods.
+ * @param {string} name
+ * @param {unknown} value
+ * @param {number} least
+ */
+function requireWhole(name, value, least) {
+  if (!Number.isInteger(value) || Number(value) < least)
+    throw new Error(`${name} must be a whole number of drive periods from ${least} up, not ${value}.`);
 }

@@ -6,6 +6,7 @@ import { driftAt } from "./drift.js";
 /** A fidelity's own numbers: rad/s, m, m, R, a factor.
  * @typedef {{omega: number, amplitude: number, gap: number, restitution: number, damping: number}} Settings */
 
+const NAMES = ["frequency", "drive", "gap", "restitution", "damping"];
 const SAME = 1e-9; // share by which a frequency may miss the table's, by round-off
 const LIMITS = { gap: [-Infinity, Infinity], restitution: [0, 1], damping: [0, Infinity], amplitude: [0, Infinity], omega: [0, Infinity] };
 const WORDS = {
@@ -21,6 +22,11 @@ const WORDS = {
  * @returns {Settings}
  */
 export function settingsAt(model, sliders, place) {
+  for (const [name, value] of Object.entries(place)) {
+    if (!NAMES.includes(name)) throw new Error(`No slider is called ${name}: there are ${NAMES.join(", ")}.`);
+    if (value !== undefined && typeof value !== "number")
+      throw new Error(`${name} must be a number, not ${JSON.stringify(value)}.`);
+  }
   const own = (/** @type {"drive" | "gap" | "restitution" | "damping"} */ name, /** @type {number} */ usual) => {
     const value = place[name], slider = sliders.get(name);
     if (value === undefined) return usual;

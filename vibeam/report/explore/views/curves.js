@@ -111,7 +111,7 @@ export function curves(ask, told) {
   }
 
   function rest() {
-    const { settle, hold } = payload.sweep, at = keys();
+    const { settle, hold } = payload.sweep, at = keys(), asked = now;
     [resting, gap] = [true, at.gap];
     busy.clear();
     for (const model of flown()) {
@@ -119,7 +119,7 @@ export function curves(ask, told) {
       const curve = curveOf(model);
       if (curve.whole) continue;
       fly(model, at, { settle, hold, carried: "up" }, () => {
-        curve.whole = !curve.fault;
+        curve.whole = !curve.fault && asked === now;  // the sliders may have moved on since the last piece was sent
         if (flown().every((each) => curveOf(each).whole)) tell("swept");
       });
     }

@@ -7,7 +7,7 @@ import { background } from "../engine/worker.js";
 import { controls } from "./controls.js";
 import { curves } from "./curves.js";
 import { flights } from "./flying.js";
-import { begin, models, move, payload, shownText, sliderOf, units, valueAt } from "./place.js";
+import { begin, models, move, payload, shownText, sliderOf, units, valueAt, valueOf } from "./place.js";
 import { engineNote, readings } from "./readings.js";
 import { responseChart } from "./sweeping.js";
 
@@ -17,6 +17,8 @@ import { responseChart } from "./sweeping.js";
 /** Questions to the worker, each with who hears its answers. @type {(engine: Engine) => Ask} */
 function asking(engine) {
   const worker = background(engine, payload, byId("worker").textContent), waiting = new Map();
+  /** @type {Map<string, number>} */
+  const newest = new Map();  // by call and fidelity: an older question is not answered any more
   let number = 0;
   worker.onmessage = ({ data: answer }) => {
     const hear = waiting.get(answer.id);
@@ -24,7 +26,10 @@ function asking(engine) {
     if (hear) hear(answer);
   };
   return (call, args, hear) => {
+    const key = `${call} ${args[0]}`;
     number += 1;
+    waiting.delete(newest.get(key));
+    newest.set(key, number);
     waiting.set(number, hear);
     worker.postMessage({ id: number, call, args });
   };
@@ -49,7 +54,7 @@ function show(engine) {
   byId("engine-note").textContent = engineNote();
   byId("stored-curves").hidden = !data.curves.length;
   byId("closed-form").hidden = !models.some((each) => each.engine === "plain");
-  on("picked", () => { if (picked() !== undefined) move("frequency", picked()); });
+  on("picked", () => { if (slider) move("frequency", valueOf(slider, picked() * slider.factor)); });
 }
 
 /** Sections of stored motions go where all fidelities fly. */

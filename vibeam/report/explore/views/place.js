@@ -75,7 +75,7 @@ function changed() {
  * @type {(name: SliderName, value: number) => void}
  */
 export function move(name, value) {
-  if (value === values[name]) return;
+  if (value === values[name] || !isFinite(value)) return;
   values[name] = value;
   changed();
 }
@@ -88,10 +88,10 @@ export function reset() {
 /** Where the page starts without a link: at the highest point of its results. @type {(frequency: number) => void} */
 export function begin(frequency) {
   if (address.get("start") === null) from = "sweep";
-  const slider = sliderOf("frequency");
-  if (!slider || !(frequency >= slider.low && frequency <= slider.high)) return;
-  start.frequency = frequency;
-  if (address.get(ADDRESS.frequency) === null) values.frequency = frequency;
+  const slider = sliderOf("frequency"), value = slider ? valueOf(slider, frequency * slider.factor) : NaN;
+  if (!isFinite(value)) return;
+  start.frequency = value;
+  if (address.get(ADDRESS.frequency) === null) values.frequency = value;
 }
 
 for (const slider of payload.sliders) {
