@@ -13,9 +13,11 @@ import pytest
 from packaging.requirements import Requirement
 
 from vibeam.flight import trajectory
+from vibeam.flight.engine import browser
+from vibeam.flight.engine.loading import KernelsUnavailable
 from vibeam.studies.doctor import Finding, Severity, verdict
 from vibeam.studies.doctor.machine import _folder, extra_of, package, processor, requirements
-from vibeam.studies.doctor.self_check import CHECKS, checked, reason, self_check
+from vibeam.studies.doctor.self_check import CHECKS, checked, pages, reason, self_check
 
 DOCTOR = "from vibeam.cli.main import main; main()"
 
@@ -45,6 +47,17 @@ def test_a_whole_installation_has_no_fault() -> None:
     assert found["Python"]["value"].startswith(".".join(map(str, sys.version_info[:3])))
     assert {"numpy", "scipy", "numba", "kernels", "cores", "temporary files"} <= set(found)
     assert {found[name]["state"] for name in CHECKS} == {"ok"}
+    assert found["kernels of pages"]["value"].startswith("wasm, 4 libraries, ")
+
+
+def test_a_page_that_can_carry_no_engine_is_a_note(monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(names: object) -> dict[str, str]:
+        raise KernelsUnavailable("a page cannot carry the engine: damaged")
+
+    monkeypatch.setattr(browser, "browser_libraries", gone)
+    (found,) = pages()
+    assert (found.state, found.value) == (Severity.NOTE, "a page cannot carry the engine: damaged")
+    assert found.cure
 
 
 def test_packages_that_cannot_be_imported_are_named_and_the_rest_is_examined() -> None:

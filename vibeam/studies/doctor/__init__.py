@@ -12,9 +12,10 @@ __all__ = ["Finding", "Severity", "examine", "verdict"]
 def examine() -> tuple[Finding, ...]:
     """Examine the installation; a fault in one part leaves the others as they are."""
     from vibeam.studies.doctor.machine import machine, packages, places
-    from vibeam.studies.doctor.self_check import kernels, self_check
+    from vibeam.studies.doctor.self_check import kernels, pages, self_check
 
-    return tuple(finding for part in (packages, machine, places, kernels, self_check) for finding in _within(part))
+    parts = (packages, machine, places, kernels, pages, self_check)
+    return tuple(finding for part in parts for finding in _within(part))
 
 
 def verdict(findings: Sequence[Finding]) -> str:

@@ -56,6 +56,21 @@ def kernels() -> Iterator[Finding]:
         yield Finding(KERNELS, "kernels", Severity.GOOD, f"{came}; the processor takes {level_of_processor()}")
 
 
+def pages() -> Iterator[Finding]:
+    """Finding about the kernels that pages carry."""
+    from vibeam.flight.engine.browser import LIBRARIES, browser_libraries
+    from vibeam.flight.engine.loading import WASM, KernelsUnavailable
+
+    try:
+        size = sum(map(len, browser_libraries(LIBRARIES).values()))
+    except KernelsUnavailable as fault:
+        yield Finding(KERNELS, "kernels of pages", Severity.NOTE, str(fault), "vibeam report writes pages without them")
+        return
+    yield Finding(
+        KERNELS, "kernels of pages", Severity.GOOD, f"{WASM}, {len(LIBRARIES)} libraries, {size / 1e3:.0f} kB"
+    )
+
+
 def reason() -> str:
     """Why numba compiles the kernels and no library is taken."""
     import os
