@@ -22,7 +22,7 @@ from vibeam.flight.engine.loading import WASM
 LINUX = "unknown-linux-gnu"
 LINKER = "ld.lld"
 WASM_FEATURES = "+simd128,+bulk-memory,+sign-ext,+nontrapping-fptoint"  # in every browser since 2023
-SHRINKING = (  # exact ones; most of it are numba's arguments that no callee reads: a tenth of the bytes
+SHRINKING = (  # exact ones; most of it are numba's arguments that no callee reads: a seventh of the bytes
     "merge_functions", "ipsccp", "dead_arg_elimination", "aggressive_dce", "simplify_cfg", "merge_functions",
     "global_dead_code_eliminate",
 )  # fmt: skip
