@@ -53,7 +53,7 @@ def own_number(case: Case, name: str, key: str, read: Read, probes: Iterable[flo
         raise ValueError(f'the law "{law}" has no coefficient that {key} moves in proportion')
     if REDUCTIONS[fidelity.reduction].flown:
         raise ValueError(f"its modes are those of a flight, and {key} changes that")
-    found = [(each, made) for each in probes if (made := _at(model, {key: each})) is not None]
+    found = [(each, made) for each in probes if (made := system_at(model, {key: each})) is not None]
     if len(found) < 3:
         raise ValueError(f"{key} has no room to move in")
     (low, first), (high, last), *others = found
@@ -82,7 +82,7 @@ def damping_factor(case: Case, name: str, keys: Mapping[str, float]) -> Affine:
     base = model.system()
     if base.beyond_plain:  # the page flies it by regimes, at its own damping, and refuses any other
         return 0.0, 1.0
-    twice = _at(model, mine)
+    twice = system_at(model, mine)
     if twice is None:
         raise ValueError("twice its damping is refused")
     if not _near(2 * base.zeta, twice.zeta):
@@ -103,7 +103,7 @@ def _dotted(tables: Mapping[str, Any], above: str = "") -> Iterator[str]:
         yield from _dotted(value, f"{above}{name}.") if isinstance(value, Mapping) else (f"{above}{name}",)
 
 
-def _at(model: Model, values: Mapping[str, float]) -> ImpactSystem | None:
+def system_at(model: Model, values: Mapping[str, float]) -> ImpactSystem | None:
     """System with keys at other values; None where that is refused."""
     try:
         return model.at(values).checked().system()

@@ -14,6 +14,7 @@ from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.flight.engine.browser import browser_libraries, slots_table
 from vibeam.flight.engine.loading import WASM
 from vibeam.report.explore.case_text import fixed_keys, template
+from vibeam.report.explore.dampings import with_dampings
 from vibeam.report.explore.drive import drive_amplitude, motion_without_stop, slider_frequencies
 from vibeam.report.explore.models import array_of, ended_words, model_of
 from vibeam.report.explore.sliders import CaseSliders, Slider, case_sliders
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 #: libraries of the kernels by which each engine flies
 LIBRARIES = {"plain": ("tables", "flight", "points"), "regimes": ("tables", "regimes")}
 IMPACTING = 3.0  # times the motion without a stop, that of one with impacts at its peak, roughly
-NOT_DAMPED = "the page knows these models by their regimes, and other damping has other ones: vibeam run flies it"
+NOT_DAMPED = "the page knows these models at their own damping alone: vibeam run flies others"
 
 
 def payload(case: Case, units: DisplayUnits | None = None) -> dict[str, Any]:
@@ -37,7 +38,7 @@ def payload(case: Case, units: DisplayUnits | None = None) -> dict[str, Any]:
     """
     found = case_sliders(case)
     models = [_model(case, name, found) for name in case.fidelities]
-    sliders = _moving(found, models)
+    sliders = _moving(with_dampings(case, found, models), models)
     flown = {each["engine"] for each in models}
     libraries = tuple(dict.fromkeys(name for engine, names in LIBRARIES.items() if engine in flown for name in names))
     packed = browser_libraries(libraries)

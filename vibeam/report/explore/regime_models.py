@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 MOST_MODES = 24  # of a system by regimes: its matrices of 48 × 48 take 0.25 MB of the page, as much as its kernels
 ROWS = ("omega", "zeta", "contact", "load", "static")
 OWN = ("law", "curve", "contact", "yields", "gaps", "omega", "spring", "damper", "damping", "load", "static")
+DAMPED = ("law", "damper", "damping")
 RUNGE_KUTTA = ("nodes", "weights")
 MATRICES = ("pairs", "blocks", "into", "outof", "held", "signals")
 SHARES = ("constants", "held", "signals")
@@ -65,14 +66,18 @@ def regimes_of(system: ImpactSystem) -> dict[str, Any]:
     """
     over = PlanOverGap.of(system)
     own = (*OWN, *RUNGE_KUTTA) if over.integrated else OWN
-    return {
-        **{name: getattr(over.plan, name) for name in own},
-        "coefficient": restitution(system),
-        "fastest": over.fastest,
-        "free": _regime(over.free),
-        "upper": _regime(over.upper),
-        "lower": None if over.lower is None else _regime(over.lower),
-    }
+    return {name: getattr(over.plan, name) for name in own} | {"coefficient": restitution(system)} | _damped(over)
+
+
+def regimes_at_damping(system: ImpactSystem, factor: float) -> dict[str, Any]:
+    """Numbers of a ``RegimeEngine`` that other damping changes, of the ``system`` with ``factor`` times its own."""
+    over = PlanOverGap.of(system)
+    return {name: getattr(over.plan, name) for name in DAMPED} | {"factor": factor} | _damped(over)
+
+
+def _damped(over: PlanOverGap) -> dict[str, Any]:
+    lower = None if over.lower is None else _regime(over.lower)
+    return {"fastest": over.fastest, "free": _regime(over.free), "upper": _regime(over.upper), "lower": lower}
 
 
 def _regime(over: RegimeOverGap) -> dict[str, Any]:

@@ -3,19 +3,15 @@
 // proportion, another drive may ask for other panels and so for other tables: neither needs an eigenvalue.
 import { fillDerivative } from "./derivatives.js";
 import { dot, equilibrium } from "./equilibrium.js";
-import { fillOutput, fillPairs, regimeArrays, topLevel } from "./linear.js";
+import { fillOutput, topLevel } from "./linear.js";
+import { PackedRegime } from "./regime.js";
 
 /** @typedef {import("./slots.js").Slots} Slots */
 /** @typedef {import("./slots.js").SlotArray} SlotArray */
 /** @typedef {import("./equilibrium.js").State} State */
 /** @typedef {import("./plain.js").PlainModel} PlainModel */
 /** @typedef {import("./plain.js").Settings} Settings */
-/** @typedef {"pairs" | "blocks" | "into" | "outof" | "held" | "signals"} Part */
-/**
- * A regime at the model's own gap, arrays in C order, and what a metre more adds to the constants of its blocks (2, m),
- * to what is held (n,) and to the constants of its signals.
- * @typedef {Record<Part, Float64Array> & {share: Record<"constants" | "held" | "signals", Float64Array>}} RegimeModel
- */
+/** @typedef {import("./regime.js").RegimeModel} RegimeModel */
 /** @typedef {typeof ROWS[number] | "law" | "curve" | "contact" | "yields" | "gaps" | "damper"} OwnName */
 /** @typedef {Record<OwnName, Float64Array>} OwnRows */
 /**
@@ -25,72 +21,25 @@ import { fillOutput, fillPairs, regimeArrays, topLevel } from "./linear.js";
  * @property {Float64Array} [nodes]
  * @property {Float64Array} [weights]
  * @property {number | null} coefficient
+ */
+/**
+ * What of it other damping changes.
+ * @typedef {object} Damped
  * @property {number} fastest
  * @property {RegimeModel} free
  * @property {RegimeModel} upper
  * @property {RegimeModel | null} lower
  */
+/** @typedef {Damped & Record<"law" | "damper" | "damping", Float64Array> & {factor: number}} Damping */
 /** @typedef {import("./derivatives.js").Derivative} Derivative */
-/** @typedef {PlainModel & {regimes: OwnRows & RegimesOnly, derivatives?: Record<string, Derivative>}} RegimesModel */
+/** @typedef {{regimes: OwnRows & RegimesOnly & Damped, dampings?: Damping[]}} InRegimes */
+/** @typedef {PlainModel & InRegimes & {derivatives?: Record<string, Derivative>}} RegimesModel */
 
-const PARTS = /** @type {const} */ (["pairs", "blocks", "into", "outof", "held", "signals"]);
 const ROWS = /** @type {const} */ (["omega", "spring", "damping", "load", "static"]);
+const DAMPED = /** @type {const} */ (["law", "damper", "damping"]);
 const ROUNDS = 200; // of a bisection, which ends where no double is left between its ends
-const DAMPING = "Other damping gives this fidelity other eigenvalues, which the page does not find: change the case.";
+const DAMPING = "Other damping gives this fidelity other eigenvalues, which the page does not find: ";
 const NO_ROOM = "At this gap the two stops leave nothing between them.";
-
-/** One regime: free, or at one of the stops. */
-class PackedRegime {
-  /**
-   * @param {Slots} slots
-   * @param {RegimeModel} given
-   * @param {number} n modes
-   */
-  constructor(slots, given, n) {
-    this.slots = slots;
-    this.given = given;
-    this.m = given.pairs.length / slots.rows.layout.PAIR_ROWS;
-    this.arrays = regimeArrays(slots, n, this.m);
-    for (const name of PARTS) this.arrays[name].data.set(given[name]);
-  }
-
-  /**
-   * Take the constants of a gap that is `more` metres larger than the model's own.
-   * @param {number} more
-   */
-  widen(more) {
-    const { m, given, given: { share }, slots: { rows: { layout } } } = this, width = 2 * m + 2;
-    const added = share.constants;
-    const blocks = this.arrays.blocks.data, held = this.arrays.held.data, signals = this.arrays.signals.data;
-    [layout.CONSTANT1, layout.CONSTANT2].forEach((row, half) => {
-      for (let k = row * m; k < row * m + m; k++) blocks[k] = given.blocks[k] + more * added[k + (half - row) * m];
-    });
-    for (let k = 0; k < held.length; k++) held[k] = given.held[k] + more * share.held[k];
-    for (let i = 0; i < layout.SIGNALS; i++) {
-      const at = (i + 1) * width - 2;
-      signals[at] = given.signals[at] + more * share.signals[i];
-    }
-  }
-
-  /**
-   * Fill levels and tables for panels of 2^top s and shorter.
-   * @param {number} top
-   */
-  tabulate(top) {
-    const { slots, m, given: { pairs }, slots: { rows: { layout } } } = this;
-    const row = (/** @type {number} */ place) => pairs.slice(place * m, (place + 1) * m);
-    fillPairs(slots, this.arrays, row(layout.OMEGA), row(layout.SIGMA), row(layout.DISC), top);
-  }
-
-  /**
-   * True where the last motion carried modes along without their steady response.
-   * @returns {boolean}
-   */
-  carries() {
-    const { m, slots: { rows: { layout } } } = this, at = layout.CARRIED * m;
-    return this.arrays.blocks.data.subarray(at, at + m).some((each) => each !== 0);
-  }
-}
 
 /** One system in regimes, packed for drives of one frequency and more. */
 export class PackedRegimes {
@@ -114,6 +63,8 @@ export class PackedRegimes {
     this.traceColumns = rows.TRACE_COLUMNS;
     this.order = Array.from(model.omega, (_, k) => k);
     this.gap = model.gap;
+    this.damping = 1;
+    this.fastest = own.fastest;
     this.top = NaN;
     const free = new PackedRegime(slots, own.free, n), upper = new PackedRegime(slots, own.upper, n);
     const lower = own.lower ? new PackedRegime(slots, own.lower, n) : upper;
@@ -136,15 +87,29 @@ export class PackedRegimes {
    * @param {number} omega
    */
   set({ gap, restitution, damping }, omega) {
-    const { tuple, regimes, slots: { rows }, model: { gap: own, regimes: { fastest, coefficient } } } = this;
-    if (damping !== 1) throw new Error(DAMPING);
+    const { tuple, regimes, slots: { rows }, model: { gap: own, regimes: { coefficient } } } = this;
     if (!(gap > -tuple.gaps.data[1])) throw new Error(NO_ROOM);
-    const top = topLevel(rows.layout, omega, fastest);
+    if (damping !== this.damping) this.damp(damping);
+    const top = topLevel(rows.layout, omega, this.fastest);
     if (top !== this.top) for (const each of regimes) each.tabulate(top);
     if (gap !== this.gap) for (const each of regimes) each.widen(gap - own);
     tuple.gaps.data[0] = gap;
     if (coefficient !== null) tuple.law.data[rows.regimes.COEFFICIENT] = restitution;
     [this.top, this.gap] = [top, gap];
+  }
+
+  /**
+   * Take the regimes of another damping, which Python found.
+   * @param {number} factor
+   */
+  damp(factor) {
+    const { model: { regimes: own, dampings = [] }, regimes, tuple } = this;
+    const found = factor === 1 ? own : dampings.find((each) => each.factor === factor);
+    const known = [1, ...dampings.map((each) => each.factor)].sort((a, b) => a - b).join(", ");
+    if (!found) throw new Error(`${DAMPING}it knows those of ${known} times the case's damping.`);
+    [found.free, found.upper, found.lower].forEach((each, i) => each && regimes[i].take(each));
+    for (const name of DAMPED) tuple[name].data.set(found[name]);
+    [this.damping, this.fastest, this.gap, this.top] = [factor, found.fastest, this.model.gap, NaN];
   }
 
   /**

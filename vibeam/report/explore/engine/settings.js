@@ -36,9 +36,11 @@ export function settingsAt(model, sliders, place) {
   };
   const frequency = place.frequency ?? sliders.get("frequency")?.value, omega = 2 * Math.PI * frequency;
   const drift = model.drift ? driftAt(model.drift, frequency) : 0;
+  const damping = own("damping", 1);
+  const damped = model.dampings?.find((/** @type {{factor: number}} */ each) => each.factor === damping);
   const found = {
-    omega, amplitude: amplitudeOf(model, frequency, own("drive", model.amplitude.level)),
-    gap: own("gap", model.gap) + drift, restitution: own("restitution", model.restitution), damping: own("damping", 1),
+    omega, amplitude: amplitudeOf(model, frequency, own("drive", model.amplitude.level)) * (damped?.drive ?? 1),
+    gap: own("gap", model.gap) + drift, restitution: own("restitution", model.restitution), damping,
   };
   for (const [name, value] of Object.entries(found)) {
     const key = /** @type {keyof typeof LIMITS} */ (name), [low, most] = LIMITS[key];

@@ -21,7 +21,8 @@ export type Model = {
   stops: [number, number, number, number][];
   /** Share of the drive's amplitude with which the base moves; null where it moves otherwise. */
   base: number | null;
-  rest: any; regimes?: any; drift?: { frequency: Packed; gap: Packed };
+  /** Regimes of a system beyond plain ones, and what of them other damping changes, by its factor. */
+  rest: any; regimes?: any; dampings?: any[]; drift?: { frequency: Packed; gap: Packed };
   /** Base amplitude: level · factor / Ω^power, or level times a table; the level is the case's. */
   amplitude: { level: number; power: number; factor: number } | { level: number; frequency: Packed; amplitude: Packed };
   look: { colour: string; dark: string; dash: number[] };
@@ -31,7 +32,7 @@ export type SliderName = "frequency" | "drive" | "gap" | "restitution" | "dampin
 export type Slider = Unit & {
   name: SliderName; key: string; label: string; value: number; low: number; high: number; logarithmic: boolean;
   of: Record<string, [number, number]>;
-  /** Frequencies (Hz) that the slider keeps to. */
+  /** Values that the slider keeps to: frequencies (Hz), factors on the damping. */
   places?: Packed;
 };
 /** What no slider changes, why, and the command that does. */
