@@ -50,7 +50,7 @@ class Explored(Opened):
     def set(self, name, value):
         """Type a value into a slider's field, and wait until the motions there are settled."""
         self.page.locator(f"#slide-{name}-number").fill(str(value))
-        self.page.wait_for_function('document.getElementById("state").textContent.startsWith("Settling")')
+        self.page.wait_for_function('() => document.getElementById("state").textContent.startsWith("Settling")')
         self.settle()
 
     def reading(self, row):
@@ -98,7 +98,7 @@ def test_the_motion_is_in_motion_while_a_slider_moves_and_settles_at_rest(explor
     before = explored.page.locator("#live-history canvas").screenshot()
     slider.focus()
     slider.press("ArrowLeft")
-    explored.page.wait_for_function('document.getElementById("state").textContent.startsWith("Settling")')
+    explored.page.wait_for_function('() => document.getElementById("state").textContent.startsWith("Settling")')
     assert explored.page.locator("#differences").get_attribute("aria-live") == "polite"
     explored.settle()
     for _ in range(3):
@@ -148,10 +148,10 @@ def test_all_goes_back_to_the_case(explored):
     explored.set("gap", 0.03)
     assert explored.page.locator("#readings").inner_text() != before
     explored.page.get_by_role("button", name="All as in the case").click()
-    explored.page.wait_for_function('document.getElementById("state").textContent.startsWith("Settling")')
+    explored.page.wait_for_function('() => document.getElementById("state").textContent.startsWith("Settling")')
     explored.set("frequency", 40)
     assert explored.page.locator("#readings").inner_text() == before
-    explored.page.wait_for_function('!location.hash.includes("gap")')
+    explored.page.wait_for_function('() => !location.hash.includes("gap")')
 
 
 def test_the_case_is_written_at_the_sliders(folder, explored, tmp_path):

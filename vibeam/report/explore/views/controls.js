@@ -7,12 +7,14 @@ import { startFrom, startsFrom, valueAt, valueOf } from "./place.js";
 
 /** @import { Fixed, Model, Slider } from "../engine/types.d.ts" */
 
-const STEPS = 1000;  // of a slider from end to end
+const STEPS = 1000;  // of a slider from end to end; one that has places steps through these
+/** @type {(slider: Slider) => number} */
+const steps = (slider) => (placesOf(slider).length || STEPS + 1) - 1;
 
 /** Value (SI) at a slider's step, rounded to what a step changes. @type {(slider: Slider, step: number) => number} */
 function atStep(slider, step) {
   const { low, high, factor, logarithmic } = slider, share = step / STEPS, places = placesOf(slider);
-  if (places.length) return places[Math.round(share * (places.length - 1))];
+  if (places.length) return places[step];
   if (step <= 0 || step >= STEPS) return step <= 0 ? low : high;
   const value = logarithmic ? low * (high / low) ** share : low + share * (high - low);
   const digit = 10 ** Math.floor(Math.log10(((logarithmic ? value : high - low) * Math.abs(factor)) / STEPS));
@@ -22,7 +24,7 @@ function atStep(slider, step) {
 /** @type {(slider: Slider, value: number) => number} */
 function stepOf(slider, value) {
   const { low, high, logarithmic } = slider, places = placesOf(slider);
-  if (places.length) return (STEPS * places.findIndex((each) => each >= value)) / Math.max(places.length - 1, 1);
+  if (places.length) return places.findIndex((each) => each >= value);
   return STEPS * (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
 }
 
@@ -30,8 +32,7 @@ function stepOf(slider, value) {
 function row(slider) {
   const { name, key, label, unit, low, high, factor } = slider;
   const id = `slide-${name}`, fault = byId("slider-fault");
-  const step = slider.places ? STEPS / Math.max(placesOf(slider).length - 1, 1) : 1;
-  const range = element("input", { type: "range", id, min: 0, max: STEPS, step, title: key });
+  const range = element("input", { type: "range", id, min: 0, max: steps(slider), step: 1, title: key });
   const field = element("input", {
     type: "number", id: `${id}-number`, step: "any", "aria-label": `${label}${unit ? `, ${unit}` : ""}`,
   });

@@ -67,7 +67,8 @@ function replaceStored() {
 
 if (!models.length) byId("explore-waits").textContent = payload.models.map(({ refusal }) => refusal).join(" ");
 else if (typeof WebAssembly !== "object") {
-  byId("explore-waits").textContent = "This browser has no WebAssembly: what was stored is shown below.";
+  const instead = data.motions.length ? "what was stored is shown below" : "vibeam run and vibeam report show motions";
+  byId("explore-waits").textContent = `This browser has no WebAssembly: ${instead}.`;
 } else {
   if (data.motions.length) begin(picked());
   open(payload).then((engine) => {

@@ -97,8 +97,8 @@ export function flights(engine, ask, { draw, stand, stateOf }) {
   const states = new Map();
   /** @type {Map<string, DrawnMotion>} */
   const motions = new Map();
-  /** @type {Map<string, number>} */
-  const costs = new Map();  // ms a drive period
+  /** @type {Map<string, {flight: number, period: number}>} */
+  const costs = new Map();  // ms of the last flight, and of a drive period
   /** @type {Model[]} */
   let waiting = [];
   let frame = 0, timer = 0, number = 0;
@@ -117,7 +117,7 @@ export function flights(engine, ask, { draw, stand, stateOf }) {
 
   /** On from the state of the last flight. @type {(model: Model) => void} */
   function follow(model) {
-    const { name } = model, at = place(), begun = performance.now(), room = BUDGET / (costs.get(name) ?? 0.1);
+    const { name } = model, at = place(), begun = performance.now(), room = BUDGET / (costs.get(name)?.period ?? 0.1);
     const settle = Math.max(0, Math.min(SETTLED, Math.floor(room) - SHOWN)), options = { settle, periods: SHOWN };
     try {
       let motion = engine.motion(name, at, { ...options, state: states.get(name) });
@@ -125,7 +125,8 @@ export function flights(engine, ask, { draw, stand, stateOf }) {
       if (!complete(motion.ended)) throw new Error(motion.ended);
       states.set(name, motion.state);
       motions.set(name, drawnOf(engine, model, at, motion, SHOWN, SHOWN));
-      costs.set(name, (performance.now() - begun) / (settle + SHOWN));
+      const flight = performance.now() - begun;
+      costs.set(name, { flight, period: flight / (settle + SHOWN) });
       if (standing.faults.delete(name)) stand(standing);
     } catch (fault) {
       refuse(model, fault);
@@ -137,7 +138,11 @@ export function flights(engine, ask, { draw, stand, stateOf }) {
   function step() {
     frame = 0;
     const begun = performance.now();
-    while (waiting.length && performance.now() - begun < BUDGET) follow(/** @type {Model} */ (waiting.shift()));
+    for (let next = waiting.shift(); next; next = waiting.shift()) {
+      follow(next);
+      const left = BUDGET - (performance.now() - begun);
+      if (waiting.length && left < (costs.get(waiting[0].name)?.flight ?? 0)) break;
+    }
     drawAll(false);
     if (waiting.length) frame = requestAnimationFrame(step);
   }

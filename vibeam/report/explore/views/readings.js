@@ -7,7 +7,7 @@ import { asCase, complete, flown, models, payload, place, shownText, startsFrom,
 /** @import { Standing } from "./flying.js" */
 /** @import { Curve, Point } from "./curves.js" */
 
-const SAME = 5e-5;  // relative difference that is called none
+const LEAST = 5e-5, SAME = "the same";  // relative difference that is called none
 
 /** Period and contact in words. @type {(model: Model, steady: Steady) => string} */
 function repeats({ engine }, { period, rest }) {
@@ -21,7 +21,7 @@ function repeats({ engine }, { period, rest }) {
 export function differs(own, finest) {
   const difference = own / finest - 1;
   if (!isFinite(difference)) return "–";
-  if (Math.abs(difference) < SAME) return "the same";
+  if (Math.abs(difference) < LEAST) return SAME;
   return `${short(100 * Math.abs(difference), 3)} % too ${difference < 0 ? "low" : "high"}`;
 }
 
@@ -114,13 +114,15 @@ function say(settled, swept, amplitude) {
     ? `Settled: ${settle} drive periods ${from}, ${hold} more read, as the case has it${later}.`
     : "Settling…  shown: the motion on from where it was, 20 drive periods after the last change.";
   if (!settled) return;
-  const said = flown().flatMap((model) => {
-    const finest = finestOf(model), text = beside(amplitude, model);
-    return !finest || finest.name === model.name || text === "–" ? [] : [`${model.label} ${text}`];
-  });
-  const finest = [...new Set(flown().map((each) => finestOf(each)?.label))].join(", ");
-  const beginning = said.length ? `Beside ${finest}: ${said.join(", ")}. ` : "";
-  byId("differences").textContent = `${beginning}${where()}.`;
+  /** @type {Map<string, string[]>} */
+  const groups = new Map();
+  for (const model of flown()) {
+    const finest = finestOf(model)?.label ?? "", text = beside(amplitude, model);
+    if (!text.includes("%") && text !== SAME) continue;
+    groups.set(finest, [...(groups.get(finest) ?? []), `${model.label} ${text}`]);
+  }
+  const said = [...groups].map(([finest, texts]) => `Beside ${finest}: ${texts.join(", ")}. `);
+  byId("differences").textContent = `${said.join("")}${where()}.`;
 }
 
 /** Which engine flies. */
