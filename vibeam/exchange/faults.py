@@ -34,9 +34,9 @@ class Fault:
         return self.file == OVERRIDE, self.line or 0, self.key
 
 
-def fault_in(path: Path, line: int | None, message: str, column: str = "") -> Fault:
+def fault_in(path: Path, line: int | None, message: str) -> Fault:
     """Fault in a file, named by the shorter of its paths."""
-    return Fault(shortest(path), line, column, message)
+    return Fault(shortest(path), line, "", message)
 
 
 def shortest(path: Path) -> str:

@@ -140,14 +140,14 @@ def unsealed(content: bytes, of: str = "") -> bytes | None:
     return whole if said == _seal([whole], of) else None
 
 
-def is_sealed(path: Path, of: str = "") -> bool:
+def is_sealed(path: Path) -> bool:
     """Test whether the seal of a file of any size fits. OSError where it cannot be read."""
     with path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size - LENGTH
-        return size >= 0 and os.pread(file.fileno(), LENGTH, size) == _seal(_pieces(file.fileno(), size), of)
+        return size >= 0 and os.pread(file.fileno(), LENGTH, size) == _seal(_pieces(file.fileno(), size))
 
 
-def _seal(pieces: Iterable[bytes], of: str) -> bytes:
+def _seal(pieces: Iterable[bytes], of: str = "") -> bytes:
     found = sha256(of.encode())
     for piece in pieces:
         found.update(piece)

@@ -144,7 +144,7 @@ def _array(file: Any, kinds: str = "fiu") -> Any:
 
 
 def _scipy(part: Part, names: Collection[str]) -> Any:
-    """A matrix as scipy writes it: compressed, by blocks, by diagonals, or entry by entry."""
+    """A matrix as scipy writes it: compressed, or entry by entry."""
     kind, shape = np.asarray(part("format")).astype(str).item(), _shape(part("shape"))
     values = part("data")
     if kind in ("csc", "csr"):
@@ -152,24 +152,7 @@ def _scipy(part: Part, names: Collection[str]) -> Any:
     if kind == "coo":
         places = part("coords") if "coords" in names else (part("row"), part("col"))
         return scattered(values, places[0], places[1], shape)
-    if kind == "bsr" and values.ndim == 3:
-        return _of_blocks(values, part("indices"), part("indptr"), shape)
-    if kind == "dia" and values.ndim == 2 and (offsets := part("offsets")).shape == values.shape[:1]:
-        column = np.broadcast_to(np.arange(values.shape[1]), values.shape)
-        row = column - offsets[:, None]
-        there = (row >= 0) & (row < shape[0]) & (column < shape[1])
-        return scattered(values[there], row[there], column[there], shape)
     raise FormatError(f"holds no sparse matrix of the format {kind!r} that can be read: save it as csc")
-
-
-def _of_blocks(values: Any, indices: Any, starts: Any, shape: tuple[int, int]) -> Any:
-    high, wide = values.shape[1:]
-    blocks = shape[0] // max(high, 1), shape[1] // max(wide, 1)
-    compressed(np.ones(len(values)), indices, starts, blocks, by_rows=True)  # its faults are those of the blocks
-    row = np.repeat(np.arange(blocks[0]), np.diff(starts))[:, None, None] * high + np.arange(high)[:, None]
-    column = np.asarray(indices, dtype=np.int64)[:, None, None] * wide + np.arange(wide)
-    row, column = (np.broadcast_to(each, values.shape).ravel() for each in (row, column))
-    return scattered(values.ravel(), row, column, shape)
 
 
 def _shape(found: Any) -> tuple[int, int]:
