@@ -14,6 +14,7 @@ who judges a simulation by its last impacts (gap 0.5e-3, R = 0.9: Fig. 13b).
 from __future__ import annotations
 
 import json
+import sys
 from math import pi
 from pathlib import Path
 from typing import Any
@@ -22,9 +23,12 @@ import numpy as np
 from scipy.optimize import brentq
 
 import vibeam
-from vibeam.solvers.impact_map import FixedPoint, Impact, ImpactMap, fixed_points, impact_map
+from vibeam.solvers.impact_map import FixedPoint, Impact, ImpactMap, fixed_points
 from vibeam.solvers.mapping import Form, Invariants, flight_invariants, orbit_invariants
 from vibeam.solvers.one_mode import Oscillator
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from support.one_mode_forms import impact_map, iterated
 
 RESULT = Path(__file__).parent / "results" / "printed_stability.json"
 BETA, DRIVE = 0.015, 0.5e-3
@@ -95,7 +99,7 @@ def read(model: Oscillator) -> dict[str, float]:
     """Shares of single flights of the simulated motion beyond the doubling that the forms call unstable."""
     calls: dict[str, list[bool]] = {form: [] for form in ("29-30", "35-37")}
     for omega in READ:
-        impacts = impact_map(model, float(omega)).iterate(Impact(0.0, 0.01), SETTLE + FLIGHTS)[SETTLE:]
+        impacts = iterated(impact_map(model, float(omega)), Impact(0.0, 0.01), SETTLE + FLIGHTS)[SETTLE:]
         for start, end, following in zip(impacts, impacts[1:], impacts[2:], strict=False):
             calls["29-30"].append(not flight_invariants(model, float(omega), start, end, following).stable)
             calls["35-37"].append(not simplified(model, float(omega), end).stable)

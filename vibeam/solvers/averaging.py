@@ -5,7 +5,6 @@ First order in β, 1−R, σ_k, B/Q and Δ/Q. The slow flow and its derivation a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import atan2
 
 import numpy as np
@@ -73,69 +72,15 @@ def _smooth(model: Oscillator, motion: StationaryMotion, omega: float, time: Arr
 HIGHEST = 16  # longest period in a response
 
 
-@dataclass(frozen=True)
-class AveragedCurve:
-    """Both branches of an averaged frequency-response curve, shapes (points,); NaN where there is no solution.
-
-    Frequencies in rad/s and reaches in m, or nondimensional, as the arguments of ``averaging``.
-    """
-
-    omega: Array
-    reach: Array  #: Q of the stable solution
-    phase: Array  #: ψ of the stable solution, rad in (−π, π]
-    unstable_reach: Array  #: Q of the unstable solution
-    unstable_phase: Array  #: ψ of the unstable solution
-    least_stable: Array  #: Q*: the stability boundary (eq. 24 corrected); 0 or less: every solution is stable
-    largest_gap: Array  #: Δ_MAX
-
-
 def slow_flow(
-    subject: ImpactSystem | Oscillator,
-    amplitude: float | None = None,
-    *,
-    resonance: int = 1,
-    damping: Damping = "paper",
+    system: ImpactSystem, amplitude: float, *, resonance: int = 1, damping: Damping = "paper"
 ) -> tuple[SlowFlow, float]:
     """Slow flow of a system of one mode under base motion of ``amplitude`` m, and its unit of frequency, rad/s.
 
-    An ``Oscillator`` carries its own drive: no ``amplitude``, and the unit is 1. ValueError for an unsuitable system.
+    ValueError for an unsuitable system.
     """
-    if isinstance(subject, Oscillator):
-        if amplitude is not None:
-            raise ValueError("amplitude: an Oscillator carries its own drive")
-        return SlowFlow(subject, resonance, damping), 1.0
-    if amplitude is None:
-        raise ValueError("amplitude: a system needs the amplitude of its base, m")
-    mode = OneMode(subject)
+    mode = OneMode(system)
     return SlowFlow(mode.oscillator(amplitude), resonance, damping), mode.omega
-
-
-def averaging(
-    subject: ImpactSystem | Oscillator,
-    omega: ArrayLike,
-    amplitude: float | None = None,
-    *,
-    resonance: int = 1,
-    damping: Damping = "paper",
-) -> AveragedCurve:
-    """Compute all stationary solutions over ``omega`` (rad/s for a system, Ω for an ``Oscillator``).
-
-    Arguments and errors otherwise as in ``slow_flow``.
-    """
-    flow, unit = slow_flow(subject, amplitude, resonance=resonance, damping=damping)
-    grid = np.atleast_1d(np.asarray(omega, dtype=float))
-    rows = [_point(flow, float(one) / unit) for one in grid]
-    return AveragedCurve(grid, *np.array(rows, dtype=float).reshape(len(grid), 6).T)
-
-
-def _point(flow: SlowFlow, omega: float) -> tuple[float, ...]:
-    found = flow.stationary(omega)
-    stable, unstable = ([s for s in found if s.stable is kind] for kind in (True, False))
-    return (*_first(stable), *_first(unstable), flow.least_stable(omega), flow.largest_gap(omega))
-
-
-def _first(solutions: list[Stationary]) -> tuple[float, float]:
-    return (solutions[0].reach, solutions[0].phase) if solutions else (np.nan, np.nan)
 
 
 class AveragingSolver(StationarySolver):

@@ -68,19 +68,6 @@ class ImpactMap:
         flight = float(np.sum(trace[: hits[0] + 1, layout.DURATION]))
         return Impact(impact.time + flight, float(trace[hits[0], layout.BEFORE]), flight)
 
-    def iterate(self, impact: Impact, count: int) -> list[Impact]:
-        """Next ``count`` impacts."""
-        found = []
-        for _ in range(count):
-            impact = self.next(impact)
-            found.append(impact)
-        return found
-
-
-def impact_map(model: Oscillator, omega: float) -> ImpactMap:
-    """Impact map at Ω > 0, with its own flight solver."""
-    return ImpactMap(model, omega, flight_solver(model, omega))
-
 
 def flight_solver(model: Oscillator, slowest: float) -> FlightSolver:
     """Flight solver of an oscillator, for drives of ``slowest`` and more."""

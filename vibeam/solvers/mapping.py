@@ -34,7 +34,6 @@ The forms, by name: ``"derived"``, ``"printed 29-30"``, ``"printed 35-37"``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from math import cos, exp, sin
 from typing import Literal
@@ -64,19 +63,9 @@ class Invariants:
         return complex(self.trace / 2 + half), complex(self.trace / 2 - half)
 
     @property
-    def margins(self) -> tuple[float, float, float]:
-        """Margins of Jury's conditions, each > 0: 1 − tr + det (fold), 1 + tr + det (flip), 1 − det (torus)."""
-        return 1 - self.trace + self.determinant, 1 + self.trace + self.determinant, 1 - self.determinant
-
-    @property
     def stable(self) -> bool:
         """True where both multipliers lie inside the unit circle."""
         return max(abs(one) for one in self.multipliers) < 1
-
-    @property
-    def stable_by_jury(self) -> bool:
-        """True where all of Jury's conditions hold: equivalent to ``stable``, without a square root."""
-        return min(self.margins) > 0
 
 
 def flight_invariants(
@@ -112,31 +101,6 @@ def check_form(form: str) -> None:
     """Raise ValueError for an unknown ``form``."""
     if form not in FORMS:
         raise ValueError(f"form: {form!r} is none of {', '.join(map(repr, FORMS))}")
-
-
-@dataclass(frozen=True)
-class FormVerdict:
-    """Stability verdict of the derived and of a printed form on one admissible orbit."""
-
-    orbit: FixedPoint
-    derived: Invariants
-    printed: Invariants
-
-    @property
-    def misjudged(self) -> bool:
-        """True where the printed form's verdict is wrong."""
-        return self.derived.stable is not self.printed.stable
-
-
-def verdicts(
-    model: Oscillator, omegas: Iterable[float], periods: int = 1, form: Form = "printed 35-37"
-) -> tuple[FormVerdict, ...]:
-    """Verdicts on all admissible orbits of 1 … ``periods`` drive periods over Ω, in the order of ``omegas``."""
-    grid = [float(omega) for omega in omegas]
-    solver = flight_solver(model, min(grid, default=1.0))
-    maps = (ImpactMap(model, omega, solver) for omega in grid)
-    found = (orbit for flights in maps for orbit in admissible_orbits(flights, periods))
-    return tuple(FormVerdict(orbit, orbit_invariants(orbit), orbit_invariants(orbit, form)) for orbit in found)
 
 
 def admissible_orbits(flights: ImpactMap, periods: int = 1) -> list[FixedPoint]:

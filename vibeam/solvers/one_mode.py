@@ -118,11 +118,6 @@ def one_mode_faults(system: ImpactSystem) -> list[str]:
     return faults if zeta < 1 else [*faults, f"the mode is not underdamped (zeta = {zeta})"]
 
 
-def oscillator(system: ImpactSystem, amplitude: float) -> Oscillator:
-    """Oscillator of a system of one mode under base motion of ``amplitude`` m; ValueError where it is not one."""
-    return OneMode(system).oscillator(amplitude)
-
-
 NOTHING_FOUND = Ended.NO_ORBIT  # no stable motion of the solver's kind
 
 

@@ -44,7 +44,6 @@ from vibeam_models.arrays import Array
 
 Damping = Literal["paper", "log"]
 LAWS = ("paper", "log")
-REAL = 1e-7  # imaginary share below which a root of the quartic counts as real: a double root splits by √ε
 
 
 @dataclass(frozen=True)
@@ -89,13 +88,6 @@ class SlowFlow:
         """Ω²B_k, B_k = B/(4k²−1)."""
         return float(omega**2 * self.oscillator.drive / (4 * self.resonance**2 - 1))
 
-    def rates(self, reach: float, phase: float, omega: float) -> tuple[float, float]:
-        """(Q̇, ψ̇) at reach Q > 0 and phase ψ (among eq. 18–22)."""
-        k, force, gap = self.resonance, self.force(omega), self.oscillator.gap
-        shrink = self.decay * reach + 2 / pi * force * np.cos(phase)
-        turn = self.detuning(omega) + 2 / (pi * reach) * (gap + force * np.sin(phase))
-        return float(-2 * k * shrink), float(2 * k * turn)
-
     def jacobian(self, reach: float, omega: float) -> Array:
         """∂(Q̇, ψ̇)/∂(Q, ψ) (2, 2) at a stationary solution of reach Q."""
         sigma, pressed = self.detuning(omega), 2 * self.oscillator.gap / pi
@@ -119,22 +111,6 @@ class SlowFlow:
         stable = self.decay > 0 and float(np.linalg.det(self.jacobian(reach, omega))) > 0
         return Stationary(reach, phase, stable)
 
-    def frequencies(self, reach: float) -> tuple[float, ...]:
-        """Frequencies Ω > 0 at which Q = ``reach`` is stationary, ascending: the roots of a quartic in Ω.
-
-        Those far from 2k belong to the formula, not to the resonance.
-        """
-        k, pressed = self.resonance, 2 * self.oscillator.gap / pi
-        force, off = 2 / pi * self.force(2.0 * k), pressed - reach
-        quartic = [-(force**2), 0.0, reach**2, 2 * reach * off, off**2 + (self.decay * reach) ** 2]
-        roots = np.roots(np.trim_zeros(np.array(quartic), "f"))
-        real = roots[(np.abs(roots.imag) <= REAL * np.abs(roots)) & (roots.real > 0)].real
-        return tuple(float(2 * k * ratio) for ratio in np.sort(real))
-
-    def backbone(self, reach: float) -> float:
-        """Frequency Ω of the peak of Q at constant phase: σ_k = −2Δ/πQ."""
-        return 2 * self.resonance * (1 - 2 * self.oscillator.gap / (pi * reach))
-
     def least_stable(self, omega: float) -> float:
         """Stability limit Q* (eq. 24 corrected): stationary solutions above it are stable, all where it is ≤ 0."""
         square = self.detuning(omega) ** 2 + self.decay**2
@@ -155,11 +131,6 @@ class SlowFlow:
         """
         force, fold = abs(self.force(omega)), self.largest_gap(omega)
         return (-force, fold) if self.detuning(omega) < 0 else (-fold, force)
-
-    def narrowest(self) -> float:
-        """Frequency Ω near 2k of the least Δ_MAX: 3σ² + σ + 2β_k² = 0, Ω ≈ 2k(1 − 2β_k²); NaN where there is none."""
-        under = 1 - 24 * self.decay**2
-        return 2 * self.resonance * (5 + sqrt(under)) / 6 if under >= 0 else nan
 
 
 def law_faults(resonance: int, damping: str, restitution: float) -> list[str]:

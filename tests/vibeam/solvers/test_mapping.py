@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from one_mode_forms import impact_map, iterated, verdicts
 from scipy.linalg import expm
 
 import vibeam
 import vibeam.solvers
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.impact_map import Impact, ImpactMap, fixed_points, flight_solver, impact_map
-from vibeam.solvers.mapping import FORMS, Form, MappingSolver, flight_invariants, orbit_invariants, verdicts
+from vibeam.solvers.impact_map import Impact, ImpactMap, fixed_points, flight_solver
+from vibeam.solvers.mapping import FORMS, Form, MappingSolver, flight_invariants, orbit_invariants
 from vibeam.solvers.one_mode import NOTHING_FOUND, Oscillator
 from vibeam.system.response import Branches, Ended
 
@@ -184,8 +185,6 @@ def test_invariants_of_an_orbit_against_the_saltation_matrix() -> None:
             printed = orbit_invariants(orbit, "printed 35-37")
             assert (printed.trace, printed.determinant) == pytest.approx(eq_35_to_37(model, omega, orbit), rel=1e-12)
             wrong.append(abs(printed.determinant / found.determinant - 1) > 0.01)
-            for each in (found, printed, orbit_invariants(orbit, "printed 29-30")):
-                assert each.stable is each.stable_by_jury
             count += 1
     assert count > 40
     assert np.mean(wrong) > 0.9
@@ -196,7 +195,7 @@ def test_stability_is_what_iterates_do() -> None:
         flights = impact_map(model, omega)
         orbit = fixed_points(model, omega)[0]
         assert orbit_invariants(orbit).stable is stays
-        last = flights.iterate(Impact(orbit.time, orbit.velocity * (1 + 1e-6)), 60)[-1]
+        last = iterated(flights, Impact(orbit.time, orbit.velocity * (1 + 1e-6)), 60)[-1]
         assert (abs(last.velocity / orbit.velocity - 1) < 1e-6) is stays
 
 
@@ -236,10 +235,6 @@ def test_flights_side_with_the_corrected_verdict() -> None:
         assert orbit_invariants(orbit, "printed 29-30").stable
 
 
-def test_verdicts_need_no_frequency() -> None:
-    assert verdicts(LOOSE, []) == ()
-
-
 # the map
 
 
@@ -247,7 +242,7 @@ def test_the_map_is_the_flown_motion() -> None:
     flights = impact_map(LOOSE, 2.4)
     path = vibeam.simulate(system(LOOSE), vibeam.Drive(2.4, LOOSE.drive), 60.0)
     first = Impact(float(path.impact_times[0]), float(path.impact_velocities[0]))
-    found = flights.iterate(first, len(path.impact_times) - 1)
+    found = iterated(flights, first, len(path.impact_times) - 1)
     assert len(found) > 10
     np.testing.assert_allclose([impact.time for impact in found], path.impact_times[1:], rtol=1e-9)
     np.testing.assert_allclose([impact.velocity for impact in found], path.impact_velocities[1:], rtol=1e-7)
