@@ -12,10 +12,9 @@ from scipy.optimize import minimize_scalar
 
 import vibeam
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.averaging import AveragingSolver, averaged_motion, slow_flow
+from vibeam.solvers.averaging import AveragingSolver, Damping, SlowFlow, Stationary, averaged_motion, slow_flow
 from vibeam.solvers.impact_map import FixedPoint, fixed_points
 from vibeam.solvers.one_mode import NOTHING_FOUND, OneMode, Oscillator
-from vibeam.solvers.slow_flow import Damping, SlowFlow, Stationary
 from vibeam.system.response import Ended
 
 NOMINAL = Oscillator(0.015, 0.5e-3, 0.0, 0.9)
