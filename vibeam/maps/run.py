@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import partial
 from math import prod
 from pathlib import Path
 from threading import Lock
@@ -10,14 +12,15 @@ from typing import TYPE_CHECKING
 
 from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import Stopped
-from vibeam.maps.block import Block
+from vibeam.maps.block import Block, Grid
 from vibeam.maps.cluster import Cluster, evaluate_here
-from vibeam.maps.evaluate import grids_of, key_of, lines_of_block, plan_of
-from vibeam.maps.gathered import finished, gather, is_ours, read_map, stored_keys
-from vibeam.maps.job import MapJob, manifest_of, points_of, write_block
+from vibeam.maps.evaluate import blocks_of, grids_of, key_of, lines_of_block, plan_of
+from vibeam.maps.gathered import Source, finished, gather, is_ours, read_map, stored_keys
 from vibeam.maps.result import MapResult
+from vibeam.runs.keys import digest_of_code
 from vibeam.runs.parallel import run_parallel
-from vibeam.store.blocks import discard, known_manifest
+from vibeam.store import blocks as files
+from vibeam.store.blocks import Values, discard, known_manifest
 from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
 from vibeam.store.place import Place, Tell, locked, place_of, warn
 from vibeam.system.progress import telling
@@ -73,8 +76,8 @@ def run_map(
             _set_aside(place, keys, tell or warn)
         found = total = sum(grid.lines * prod(grid.shape) for grid in grids.values())
         if not finished(place, keys):
-            sizes = {fidelity: lines_of_block(case, grid) for fidelity, grid in grids.items()}
-            job = MapJob.begun(case, plan, grids, manifest_of(place.folder, keys, sizes), place)
+            job = MapJob(case, plan, grids, keys, place)
+            job.begin()
             _compute(job, told, workers, cluster)
             found = job.found
         else:
@@ -114,6 +117,75 @@ def _remove(place: Place) -> None:
         place.target.unlink(missing_ok=True)
     except OSError as fault:
         raise unwritable(place.path, fault, ELSEWHERE) from None
+
+
+def block_path(folder: Path, block: Block) -> Path:
+    """File of a block."""
+    return files.block_path(folder, block.grid.fidelity, block.first)
+
+
+def write_block(path: Path, folder: Path, block: Block, key: str, values: Values) -> None:
+    """Write a block of a grid with that key; StoreError, naming ``path``, where the disk fails."""
+    files.write_block(path, block_path(folder, block), _identity(block, key), values)
+
+
+def read_block(folder: Path, block: Block, key: str) -> Values | None:
+    """Values of a block; None where it has no file, or one that is damaged or of another grid or code."""
+    return files.read_block(block_path(folder, block), _identity(block, key))
+
+
+def _identity(block: Block, key: str) -> str:
+    return f"{key} {block.first} {block.last} {digest_of_code()}"
+
+
+@dataclass
+class MapJob:
+    """Blocks of a map: all of them, and those ``missing`` on disk."""
+
+    case: Case
+    plan: MapPlan
+    grids: Mapping[str, Grid]
+    keys: Mapping[str, str]
+    place: Place
+    blocks: list[Block] = field(default_factory=list)
+    missing: list[Block] = field(default_factory=list)
+    found: int = 0
+
+    def begin(self) -> None:
+        """Find all blocks; those that are there and whole are not missing.
+
+        StoreError where those there are of another map or other code.
+        """
+        sizes = {name: lines_of_block(self.case, grid) for name, grid in self.grids.items()}
+        wanted = files.Manifest(dict(self.keys), sizes, digest_of_code())
+        begun = files.manifest(self.place.folder, wanted)
+        for name, grid in self.grids.items():
+            self.blocks += blocks_of(grid, begun.sizes[name])
+        self.missing = [block for block in self.blocks if self.read(block) is None]
+        self.found = points_of(self.blocks) - points_of(self.missing)
+
+    def read(self, block: Block) -> Values | None:
+        """Values of a block; None where it has no file, or one that is damaged."""
+        return read_block(self.place.folder, block, self.keys[block.grid.fidelity])
+
+    def sources(self) -> list[Source]:
+        """All blocks with their values, fidelity by fidelity; StoreError where one is damaged."""
+        return [Source(grid, partial(self._stored, self._of(name))) for name, grid in self.grids.items()]
+
+    def _of(self, fidelity: str) -> list[Block]:
+        return [block for block in self.blocks if block.grid.fidelity == fidelity]
+
+    def _stored(self, blocks: list[Block]) -> Iterator[tuple[Block, Values]]:
+        for block in blocks:
+            values = self.read(block)
+            if values is None:
+                raise StoreError(f"{self.place.folder}: a block was damaged meanwhile: run again to compute it anew")
+            yield block, values
+
+
+def points_of(blocks: list[Block]) -> int:
+    """Number of points of some blocks."""
+    return sum(block.size for block in blocks)
 
 
 def _compute(job: MapJob, progress: Progress, workers: int | None, cluster: Cluster | None) -> None:

@@ -18,8 +18,8 @@ from vibeam.maps import run as running
 from vibeam.maps.block import Block, evaluate_block
 from vibeam.maps.evaluate import grids_of, key_of, lines_of_block
 from vibeam.maps.gathered import finished, steps_of
-from vibeam.maps.job import block_path, read_block, write_block
 from vibeam.maps.points import Axis
+from vibeam.maps.run import block_path, read_block, write_block
 from vibeam.store.place import place_of
 
 AXES = [
@@ -230,7 +230,7 @@ def test_blocks_of_the_case_as_it_was_are_kept_aside(tmp_path: Path, monkeypatch
         vibeam.run_map(case(hold=9), "m", tmp_path / "again.h5")
     assert vibeam.run_map(case(), "m", tmp_path / "again.1.h5").found == 90
     with monkeypatch.context() as patch:
-        patch.setattr("vibeam.maps.job.digest_of_code", lambda: "other")
+        patch.setattr("vibeam.maps.run.digest_of_code", lambda: "other")
         with pytest.raises(vibeam.StoreError, match="another version of vibeam"):
             vibeam.run_map(case(), "m", tmp_path / "m.h5")
     manifest = tmp_path / "m.h5.parts" / "manifest"

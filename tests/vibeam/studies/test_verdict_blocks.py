@@ -14,7 +14,7 @@ import pytest
 
 import vibeam
 from vibeam.maps import evaluate, run
-from vibeam.maps.job import write_block
+from vibeam.maps.run import write_block
 
 CASES = Path(__file__).parents[3] / "cases"
 QUICK = {"sweep.settle": 100, "sweep.hold": 20, "beam.elements": 8, "fidelity.beam.modes": 3}
