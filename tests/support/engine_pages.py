@@ -18,15 +18,21 @@ Place = Mapping[str, float]
 ENGINE = "const { open } = await load('explore/engine/engine.js'); const engine = await open(given.payload);"
 GROWN = 1e-6  # predicted error of an impact velocity, as a share of the largest, up to which it is first order
 ROUND_OFF = 50.0  # times the predicted error by which two computations of one motion may differ
+DIGITS = 2.0**-50
+MANY = 24  # modes beyond which rests are sums of so many that Python's own are off by 3e-12 (64 modes, a static load)
 EPSILON = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True)
 class Flown:
-    """A motion from equilibrium over drive periods, and the steady point after settling, as Python finds them."""
+    """A motion from equilibrium over drive periods, and the steady point after settling, as Python finds them.
+
+    ``beside``: that point under drives larger by some last digits, which say how well it is determined.
+    """
 
     path: Trajectory
     point: FrequencyResponse
+    beside: list[FrequencyResponse]
 
     @classmethod
     def of(
@@ -38,8 +44,10 @@ class Flown:
         )
         omega, amplitude = settings["omega"], settings["amplitude"]
         path = vibeam.simulate(here, vibeam.Drive(omega, amplitude), periods * 2 * np.pi / omega)
-        point, _ = FlightSolver(here, omega).steady([omega], amplitude, None, settle, periods, output)
-        return cls(path, point)
+        drives = [amplitude * (1 + k * DIGITS) for k in (0, 1, -1, 2, -2)]
+        solver = FlightSolver(here, omega)
+        points = [solver.steady([omega], each, None, settle, periods, output)[0] for each in drives]
+        return cls(path, points[0], points[1:])
 
     def differences(self, flight: Mapping[str, Any]) -> list[str]:
         """In what the page's ``fly`` is another motion than this, beyond round-off as ``path.errors`` predicts it."""
@@ -72,18 +80,21 @@ class Flown:
 
     @property
     def repeating(self) -> bool:
-        """True where the steady point repeats, or has no contact: it forgets round-off."""
-        return self.point.ended[0] == 0 and int(self.point.period[0]) != 0
+        """True where the steady point repeats, or has no contact, and some last digits change nothing of that."""
+        periods = {int(each.period[0]) if each.ended[0] == 0 else 0 for each in (self.point, *self.beside)}
+        return len(periods) == 1 and 0 not in periods
 
     def _point_differences(self, flight: Mapping[str, Any]) -> list[str]:
         point = self.point
-        room = 1e-12 * max(abs(point.maximum[0]), abs(point.minimum[0]))
-        pairs = {"period": 0.0, "maximum": room, "minimum": room}
-        return [
-            f"{name} {flight[name]} for {getattr(point, name)[0]}"
-            for name, off in pairs.items()
-            if not abs(flight[name] - getattr(point, name)[0]) <= off
-        ]
+        off = 1e-12 if self.path.system.size <= MANY else 1e-11
+        size = max(abs(point.maximum[0]), abs(point.minimum[0]))
+        found = [] if flight["period"] == point.period[0] else [f"period {flight['period']} for {point.period[0]}"]
+        for name in ("maximum", "minimum"):
+            mine, theirs = flight[name], getattr(point, name)[0]
+            known = max(abs(getattr(each, name)[0] - theirs) for each in self.beside)
+            if not abs(mine - theirs) <= off * size + ROUND_OFF * known:
+                found.append(f"{name} {mine} for {theirs}")
+        return found
 
 
 def compared(

@@ -1,6 +1,6 @@
 """Every case's plain fidelities on its page, against Python at random places of the sliders.
 
-All: ``python -m pytest -m slow tests/vibeam/report/explore/test_cases_in_javascript.py``, about five minutes.
+All: ``python -m pytest -m slow tests/vibeam/report/explore/test_cases_in_javascript.py``, about a minute.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from engine_pages import ENGINE, compared
 
 import vibeam
 from vibeam.case.case import Case
+from vibeam.case.fidelity import gap_drift
 from vibeam.report.explore.payload import payload
 from vibeam.report.explore.sliders import case_sliders
 
@@ -77,9 +78,11 @@ def numbers_are_those_of_the_keys(
         zeta = case.system(name).zeta * own["damping"]
         assert np.isclose(own["omega"], omega, rtol=1e-15)
         assert np.isclose(own["amplitude"], amplitude, rtol=1e-12, atol=0)
-        assert np.isclose(own["gap"], made.gap, rtol=1e-12, atol=1e-12 * abs(case.system(name).gap) + 1e-18)
+        drift = gap_drift(model.scene(), np.array([omega]))
+        gap = made.gap + (0.0 if drift is None else float(drift[0]))
+        assert np.isclose(own["gap"], gap, rtol=1e-12, atol=1e-12 * abs(case.system(name).gap) + 1e-18)
         assert np.isclose(own["restitution"], made.restitution, rtol=1e-12, atol=1e-14)
-        assert np.allclose(zeta, made.zeta, rtol=1e-12, atol=0)
+        assert np.allclose(zeta, made.zeta, rtol=1e-12, atol=1e-10 * zeta.max())  # finite elements: sums of thousands
 
 
 @pytest.mark.parametrize("name", QUICK)

@@ -147,6 +147,26 @@ def test_poses_and_rests_are_those_of_python(node: Node) -> None:
         assert np.allclose(sides[strong, 1], expected, rtol=1e-9)
 
 
+def test_frames_take_no_more_memory_as_they_go(node: Node) -> None:
+    """As sliders move for minutes: a thousand motions of any length, drawn at any number of times."""
+    script = (
+        ENGINE
+        + """
+    const sizes = [];
+    for (let i = 0; i < 1000; i += 1) {
+      const gap = 1e-4 * ((i % 11) / 5 - 1), damping = 1 + (i % 3) / 2;
+      const place = { frequency: 8 + (i % 37) / 3, drive: 1e-4, gap, damping };
+      const motion = engine.motion("chatters", place, { periods: 2 + (i % 7) });
+      motion.at(motion.times(100 + i % 50));
+      sizes.push(engine.slots.end);
+    }
+    return [sizes[199], sizes[999]];
+    """
+    )
+    early, late = node(script, {"payload": page_payload({"chatters": SYSTEMS["chatters"]}, 1.0)})
+    assert early == late
+
+
 def test_what_cannot_be_is_refused_by_a_sentence(node: Node) -> None:
     """No motion is drawn that the terminal would refuse."""
     script = (

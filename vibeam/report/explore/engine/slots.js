@@ -94,7 +94,8 @@ export class Slots {
   }
 
   /**
-   * An array of that shape in the room of an earlier one, which it ends, where that is large enough; not cleared.
+   * An array of that shape in the room of an earlier one, which it ends, where that is large enough; not cleared. Else
+   * its room is a power of two, so that what is given back is used again.
    * @param {SlotArray | undefined} earlier
    * @param {string} kind
    * @param {number[]} shape
@@ -103,9 +104,9 @@ export class Slots {
   fitted(earlier, kind, shape) {
     const size = shape.reduce((product, length) => product * length, 1);
     if (earlier && size > earlier.room) this.free(earlier);
-    if (!earlier || size > earlier.room) return this.array(kind, shape);
-    earlier.reshape(shape);
-    return earlier;
+    const found = earlier && size <= earlier.room ? earlier : this.array(kind, [2 ** Math.ceil(Math.log2(Math.max(size, 1)))]);
+    found.reshape(shape);
+    return found;
   }
 
   /**
