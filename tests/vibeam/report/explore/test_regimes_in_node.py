@@ -33,6 +33,8 @@ SAME = 1e-12  # share of the motion's size: regular motions part by no more, wha
 INTEGRATED = 1e-11
 #: the same, in all cases, of extremes and peaks: they are sought to 1e-11 of a signal's parts, which may be larger
 SOUGHT = 1e-10
+TIES = 3  # panels that a motion of any case may take more or less, where round-off decides whether one is split
+LOST = 1e-9  # growth of round-off from which on impacts of an irregular motion are not compared
 ULPS = 2e-15  # by which, as a share, the gap and the drive of a motion's twins differ from its own
 COUPLED = np.array([[1.9, 0.5, 0.0], [0.5, 9.0, 2.0], [0.0, 2.0, 30.0]])
 BASE = vibeam.ImpactSystem.from_modes(
@@ -169,7 +171,11 @@ def agrees(
     else:
         same_impacts(path, twins, answer, near)
     steady, *others = (steady_point(*each, output) for each in ((system, drive), *beside))
-    if max(differ(steady.impact_velocities[0], each.impact_velocities[0]) for each in others) <= near / 10:
+    spreads = (
+        max(differ(steady.impact_velocities[0], each.impact_velocities[0]), differ(steady.maximum, each.maximum))
+        for each in others
+    )
+    if max(spreads) <= near / 10:
         same_point(steady, answer["steady"], near, read)
     return regular
 
@@ -188,7 +194,7 @@ def differ(values: Array, others: Array) -> float:
     """Largest difference, as a share of the largest value; infinite where there are more of the ones."""
     if np.shape(values) != np.shape(others):
         return inf
-    return float(np.nanmax(np.abs(values - others), initial=0.0) / np.nanmax(values, initial=1e-300))
+    return float(np.nanmax(np.abs(values - others), initial=0.0) / np.nanmax(np.abs(values), initial=1e-300))
 
 
 def same_motion(
@@ -198,7 +204,8 @@ def same_motion(
     impacts, law, span = np.array(answer["impacts"]).reshape(-1, 2), path.system.contact_law, path.t_end
     assert answer["ended"] == path.ended.value
     assert answer["counts"]["impacts"] == path.stats["impacts"]
-    assert law.integrated or answer["counts"]["evaluations"] == path.stats["evaluations"]
+    if path.system.beyond_plain and not law.integrated:  # else Python's panels are others, of its plain engine
+        assert abs(answer["counts"]["evaluations"] - path.stats["evaluations"]) <= (read > near) * TIES
     assert apart(impacts[:, 0], path.impact_times, span) <= near
     assert apart(impacts[:, 1], path.impact_velocities) <= near
     assert apart(np.array(answer["rests"]).reshape(-1, 2), path.rests, span) <= near
@@ -207,12 +214,13 @@ def same_motion(
     assert apart(found[:, :2], contacts[:, :2], span) <= near
     assert apart(found[:, 2], contacts[:, 2]) <= read
     assert law.yields or not len(contacts)
-    assert apart(answer["x"], path.at(place["at"], output)) <= near
+    close = max(near, read / 10)
+    assert apart(answer["x"], path.at(place["at"], output)) <= close
     modes = path.modes_at(place["at"])
     fast = float(np.max(np.abs(path.system.row(output)) @ (path.system.omega[:, None] * np.abs(modes[:, 0].T))))
     speeds = path.velocity_at(place["at"], output)
-    assert apart(answer["v"], speeds, max(fast, float(np.max(np.abs(speeds))))) <= max(near, read / 10)
-    assert apart(answer["modes"], modes[:, 0].ravel()) <= near
+    assert apart(answer["v"], speeds, max(fast, float(np.max(np.abs(speeds))))) <= close
+    assert apart(answer["modes"], modes[:, 0].ravel()) <= close
 
 
 def same_impacts(path: vibeam.Trajectory, twins: list[vibeam.Trajectory], answer: dict[str, Any], near: float) -> None:
@@ -221,9 +229,8 @@ def same_impacts(path: vibeam.Trajectory, twins: list[vibeam.Trajectory], answer
     count, size = min(len(found), len(own), *(len(each.impact_times) for each in twins)), own.max(initial=1e-300)
     apart_from = [np.abs(own[:count] - each.impact_velocities[:count]) / size for each in twins]
     grown = np.maximum.accumulate(np.max(apart_from, axis=0))
-    away = np.abs(found[:count] - own[:count]) / size
-    assert np.all(away <= np.maximum(100 * grown, near))
-    assert np.sum(grown < 1e-6) > 5
+    away, known = np.abs(found[:count] - own[:count]) / size, grown < LOST
+    assert np.all(away[known] <= np.maximum(100 * grown[known], near))
 
 
 def same_point(steady: Any, found: dict[str, Any], near: float, read: float) -> None:
