@@ -41,12 +41,16 @@ function highest() {
 const asked = address.numbers("f")[0];
 let at = kept.length ? nearest(asked === undefined ? highest() : asked / FACTOR) : -1;
 export const picked = () => kept[at];
+let sought = picked();
+/** The frequency (Hz) that was asked for: the picked one is the nearest to it. */
+export const pointed = () => sought;
 export const place = () => at;
-/** @type {(index: number) => void} */
-export function pick(index) {
+/** @type {(index: number, frequency?: number) => void} */
+export function pick(index, frequency) {
   at = Math.min(Math.max(index, 0), kept.length - 1);
+  sought = frequency ?? picked();
   address.set("f", +(picked() * FACTOR).toPrecision(6));
   tell("picked");
 }
 /** @type {(frequency: number) => void} */
-export const pickNear = (frequency) => pick(nearest(frequency));
+export const pickNear = (frequency) => pick(nearest(frequency), frequency);

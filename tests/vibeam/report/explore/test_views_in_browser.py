@@ -206,6 +206,11 @@ def test_a_page_of_results_starts_on_its_sweep_and_leaves_the_stored_motions_out
     np.testing.assert_allclose([float(row[2]) for row in rows], stored_ones, rtol=1e-9)  # periodic: no digit is lost
     at = int(np.argmax(result["sdof"].up.amplitude))
     assert found.reading("amplitude (mm)") == [f"{1e3 * each.up.amplitude[at]:.4g}" for each in result.values()]
+    place = found.page.locator("#response .u-over")
+    place.scroll_into_view_if_needed()
+    box = place.bounding_box()
+    found.page.mouse.click(box["x"] + 0.02 * box["width"], box["y"] + 60)
+    assert found.page.locator("#slide-frequency-number").input_value() == "30"
     found.page.close()
     still = Opened(browser, folder / "still.html")
     assert still.page.locator("#motion").is_visible()

@@ -1,7 +1,7 @@
 // View: the engine flies again as the sliders move. Without WebAssembly the page stays as it is.
 import { byId, on } from "../../page/state.js";
 import { pictures } from "../../page/pictures.js";
-import { data, picked } from "../../page/result.js";
+import { data, picked, pointed } from "../../page/result.js";
 import { open } from "../engine/engine.js";
 import { background } from "../engine/worker.js";
 import { controls } from "./controls.js";
@@ -54,7 +54,10 @@ function show(engine) {
   byId("engine-note").textContent = engineNote();
   byId("stored-curves").hidden = !data.curves.length;
   byId("closed-form").hidden = !models.some((each) => each.engine === "plain");
-  on("picked", () => { if (slider) move("frequency", valueOf(slider, picked() * slider.factor)); });
+  on("picked", () => {
+    const value = slider ? valueOf(slider, pointed() * slider.factor) : NaN;
+    if (isFinite(value)) move("frequency", value);
+  });
 }
 
 /** Sections of stored motions go where all fidelities fly. */

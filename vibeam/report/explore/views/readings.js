@@ -25,16 +25,17 @@ export function differs(own, finest) {
   return `${short(100 * Math.abs(difference), 3)} % too ${difference < 0 ? "low" : "high"}`;
 }
 
-/** The finest fidelity of the same physics that is shown. @type {(model: Model) => Model | undefined} */
+/** The finest of several fidelities of the same physics that are shown. @type {(model: Model) => Model | undefined} */
 function finestOf(model) {
   const alike = flown().filter((each) => each.finest === model.finest);
+  if (alike.length < 2) return undefined;
   return alike.find((each) => each.name === model.finest) ?? alike.sort((a, b) => b.modes - a.modes)[0];
 }
 
 /** @type {(of: (name: string) => number | undefined, model: Model) => string} */
 function beside(of, model) {
   const finest = finestOf(model), own = of(model.name), its = finest && of(finest.name);
-  if (!finest || finest.name === model.name) return flown().length > 1 ? "finest" : "–";
+  if (finest?.name === model.name) return "finest";
   return own === undefined || its === undefined ? "–" : differs(own, its);
 }
 
