@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 #: libraries of the kernels by which each engine flies
 LIBRARIES = {"plain": ("tables", "flight", "points"), "regimes": ("tables", "regimes")}
+FAR = 10.0  # times a motion, beyond which a gap plays no part in it
 IMPACTING = 3.0  # times the motion without a stop, that of one with impacts at its peak, roughly
 NOT_DAMPED = "the page knows these models at their own damping alone: vibeam run flies others"
 
@@ -106,11 +107,16 @@ def _sweep(case: Case, units: DisplayUnits) -> dict[str, Any]:
 
 
 def guessed_units(case: Case) -> DisplayUnits:
-    """Units by the largest motion without a stop, the gap, or the room between two stops: no sweep has found a size."""
-    name, quantity = next(iter(case.fidelities)), quantity_of(case, case.sweep.output)
-    system, size = case.system(name), IMPACTING * motion_without_stop(case, name, case.sweep.output)
+    """Units by the largest motion without a stop, the gap, or the room between two stops: no sweep has found a size.
+
+    A gap far beyond that motion, as of a fidelity without a stop, says nothing.
+    """
+    systems, quantity = [case.system(name) for name in case.fidelities], quantity_of(case, case.sweep.output)
+    size = IMPACTING * motion_without_stop(case, next(iter(case.fidelities)), case.sweep.output)
     if quantity is DISPLACEMENT:
-        size = max(size, abs(system.gap)) if system.second_gap is None else system.gap + system.second_gap
+        rooms = [each.gap + each.second_gap for each in systems if each.second_gap is not None]
+        near = [gap for each in systems if (gap := abs(each.gap)) < FAR * size]
+        size = min([max([size, *near]), *rooms])
     return units_of(case, size, 2 * np.pi * float(case.sweep.frequency[-1]) * size, quantity.name)
 
 

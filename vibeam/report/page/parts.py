@@ -128,17 +128,18 @@ def as_json(values: Any) -> str:
 
 EXPORT = re.compile(r"^export ((?:async )?\w+) (\w+)", re.MULTILINE)
 IMPORT = re.compile(r'^import (\{[^}]*\}) from "\.{1,2}/(?:[\w./]+/)?(\w+)\.js";$', re.MULTILINE)
+COMMENT = re.compile(r"^[ \t]*(?://[^\n]*|/\*\*.*?\*/[ \t]*)\n", re.DOTALL | re.MULTILINE)  # whole lines of it
 HOMES = ("page", "explore", "explore/engine", "explore/views")  # folders of ``vibeam.report`` with files of pages
 
 
 def bundle(names: Sequence[str], first: bool = True) -> str:
     """Modules of scripts, each after those that it imports from, as one text that needs no files: none is global.
 
-    ``first``: no other text of modules stands before it on the page.
+    Lines that are comments stay in the files. ``first``: no other text of modules stands before it on the page.
     """
     parts = ["const modules = {};"] if first else []
     for name in names:
-        text = text_of(f"{name}.js")
+        text = COMMENT.sub("", text_of(f"{name}.js"))
         known = ", ".join(each[1] for each in EXPORT.findall(text))
         own = IMPORT.sub(r"const \1 = modules.\2;", EXPORT.sub(r"\1 \2", text))
         parts.append(f"modules.{name} = (() => {{\n{own}return {{ {known} }};\n}})();")

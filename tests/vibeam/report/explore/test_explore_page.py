@@ -118,6 +118,8 @@ def test_sizes_of_numbers_suit_the_motion():
     assert units["rigs/mems_switch"].length in ("µm", "nm")
     between = vibeam.load("cases/rigs/tube.toml", {"stop.gap": "2 µm", "stop.second_gap": "3 µm"})
     assert guessed_units(between).length == "µm"
+    assert guessed_units(vibeam.load("cases/rigs/harvester.toml")).length == "mm"  # one fidelity has a gap of 1 m
+    assert guessed_units(vibeam.load("cases/experiment/fig30.toml")).length == "mm"  # 50 mm: out of reach
 
 
 def test_the_page_asks_nothing_of_any_network_and_may_compile(html):
@@ -133,7 +135,7 @@ def test_the_page_asks_nothing_of_any_network_and_may_compile(html):
 def test_the_engine_stands_on_the_page_once_and_names_no_file(html):
     engine = script(html, "worker")
     assert engine.strip().startswith('"use strict";')
-    assert not re.search(r"^(import|export) ", engine, re.MULTILINE)
+    assert not re.search(r"^(import|export) |^ *//|^ */\*\*", engine, re.MULTILINE)
     defined = re.findall(r"^modules\.(\w+) = ", html, re.MULTILINE)
     assert len(defined) == len(set(defined))
     assert {"slots", "engine", "explore", "start"} <= set(defined)
