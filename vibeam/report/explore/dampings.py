@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 #: times the case's damping: as many as there is room for
 FACTORS = ((0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0), (0.0, 0.5, 1.0, 2.0, 5.0), (0.5, 1.0, 2.0))
-ROOM = 400_000  # characters of a page for all of them, as many as its kernels take
+ROOM = 250_000  # characters of a page for all of them
 PARTS = ("law", "damper", "damping", "free", "upper", "lower")
 
 
