@@ -95,6 +95,44 @@ def test_faults_are_sentences(node):
     assert faults[4]
 
 
+def test_a_silent_worker_is_ended_by_a_newer_question_and_the_others_are_asked_again(node):
+    """Workers that open and say nothing more; the second hears what is still asked."""
+    workers = node(
+        START
+        + """const workers = [];
+    globalThis.Worker = class {
+      constructor() { workers.push(this); this.heard = []; this.ended = false; }
+      postMessage({ id, call, args }) {
+        this.heard.push(call === "open" ? call : `${id} ${call} ${args[0]}`);
+        if (call === "open") setTimeout(() => this.onmessage({ data: { id, done: 1, of: 1 } }), 0);
+      }
+      terminate() { this.ended = true; }
+    };
+    const alone = background(counted, {}, ""), ask = (id, name) =>
+      alone.postMessage({ id, call: "response", args: [name, {}, frequencies] });
+    ask(1, "beam");
+    await until(() => workers[0].heard.length === 2);
+    ask(2, "sdof");
+    ask(3, "two_modes");
+    workers[0].onmessage({ data: { id: 3, from: 0, done: 100, of: 100 } });
+    ask(4, "beam");
+    clock += 2100;
+    ask(5, "free");
+    ask(6, "beam");
+    await until(() => workers.length === 2 && workers[1].heard.length === 4);
+    ask(7, "beam");
+    return workers.map(({ heard, ended }) => ({ heard, ended }));"""
+    )
+    first, second = workers
+    assert first["ended"]
+    assert first["heard"] == [
+        "open", "1 response beam", "2 response sdof", "3 response two_modes", "4 response beam", "5 response free",
+    ]  # fmt: skip
+    assert not second["ended"]
+    assert sorted(second["heard"][1:4]) == ["2 response sdof", "5 response free", "6 response beam"]
+    assert second["heard"][4] == "7 response beam"
+
+
 def test_the_page_answers_where_there_is_no_worker(node):
     beam = vibeam.ImpactSystem.from_modes([47.7, 299.0], 0.02, [2.0, -1.0], [0.5, 0.25], gap=1e-3, restitution=0.7)
     there, here = node(

@@ -6,7 +6,8 @@
 //           {id, fault}: the sentence of a refusal.
 //
 // A newer question of the same call and fidelity ends the older one: a slider that moves leaves nothing behind. Curves
-// of several fidelities fill in together, a piece each in turn.
+// of several fidelities fill in together, a piece each in turn. No call of a kernel can be ended: where one lasts, as a
+// chatter that hardly loses speed, a newer question ends the worker, and another one takes up what is still asked.
 import { open } from "./engine.js";
 
 /** @typedef {import("./types.d.ts").Question} Question */
@@ -23,6 +24,7 @@ const IN_WORKER = 24, ON_PAGE = 6; // ms that a piece may take: then newer quest
 const FIRST = 32, LANES = 8; // points of the first piece; the kernels fly as many side by side
 const LEAST = 0.05; // ms that a piece takes at least
 const PATIENCE = 5000; // ms in which a worker must have opened its engine
+const SILENCE = 2000; // ms without a word after which a newer question ends the worker
 
 /** @type {Map<string, number>} points of a piece, by call and fidelity, as the last question left them */
 const sizes = new Map();
@@ -127,9 +129,11 @@ function* answers(engine, { id, call, args }, key, budget) {
 export function background(engine, payload, text) {
   /** @type {Question[] | null} */
   let waiting = [];
+  /** @type {Map<string, Question>} what is asked and not answered yet, the newest by call and fidelity */
+  const asked = new Map();
   /** @type {Worker | null} */
   let worker = null;
-  let stop = () => {};
+  let stop = () => {}, heard = 0;
   /** @type {Port} */
   const page = { postMessage: (data) => face.onmessage && face.onmessage({ data }), onmessage: null };
   /** @type {Background} */
@@ -137,8 +141,12 @@ export function background(engine, payload, text) {
     where: "worker",
     onmessage: null,
     postMessage: (question) => {
+      const key = `${question.call} ${question.args[0]}`, now = performance.now(), older = asked.get(key);
+      if (!asked.size) heard = now;
+      asked.set(key, question);
       if (face.where === "page") setTimeout(() => page.onmessage && page.onmessage({ data: question }), 0);
       else if (waiting) waiting.push(question);
+      else if (older && older !== question && now - heard > SILENCE) again();
       else if (worker) worker.postMessage(question);
     },
     terminate: () => {
@@ -160,22 +168,37 @@ export function background(engine, payload, text) {
     stop = serve(page, engine, ON_PAGE);
     release();
   };
-  try {
-    const url = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
-    worker = new Worker(url);
-    const late = setTimeout(refused, PATIENCE);
-    worker.onerror = refused;
-    worker.onmessage = ({ data }) => {
-      if (!waiting) return face.onmessage && face.onmessage({ data });
-      clearTimeout(late);
-      URL.revokeObjectURL(url);
-      if (data.fault) refused();
-      else release();
-    };
-    worker.postMessage({ id: 0, call: "open", args: [{ ...payload, libraries: {} }, engine.modules] });
-  } catch {
-    refused();
-  }
+  const hear = (/** @type {Answer} */ data) => {
+    heard = performance.now();
+    if (data.fault !== undefined || data.done === data.of)
+      for (const [key, { id }] of asked) if (id === data.id) asked.delete(key);
+    if (face.onmessage) face.onmessage({ data });
+  };
+  const begin = () => {
+    try {
+      const url = URL.createObjectURL(new Blob([text], { type: "text/javascript" }));
+      worker = new Worker(url);
+      const late = setTimeout(refused, PATIENCE);
+      worker.onerror = refused;
+      worker.onmessage = ({ data }) => {
+        if (!waiting) return hear(data);
+        clearTimeout(late);
+        URL.revokeObjectURL(url);
+        heard = performance.now();
+        if (data.fault) refused();
+        else release();
+      };
+      worker.postMessage({ id: 0, call: "open", args: [{ ...payload, libraries: {} }, engine.modules] });
+    } catch {
+      refused();
+    }
+  };
+  const again = () => {
+    if (worker) worker.terminate();
+    waiting = [...asked.values()];
+    begin();
+  };
+  begin();
   return face;
 }
 

@@ -55,7 +55,7 @@ const cells = (points) => points.map((each) => [
   each.frequency * factor, each.amplitude * output.factor, each.maximum * output.factor, each.minimum * output.factor,
   each.impactsPerPeriod, each.impactVelocity * units.contact_speed.factor, each.period,
   complete(each.ended) ? "" : each.ended,
-].map(String));
+].map((cell) => (Number.isNaN(cell) ? "" : String(cell))));
 
 /** ``standing``: the motions at the slider's frequency, each a ring. */
 /** @type {(curveOf: (model: Model) => Curve, standing: () => Standing | null) => () => void} */
