@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from vibeam.casefile.toml import key_parts, value_spans
+from vibeam.system.number_text import shown_in
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -53,11 +54,24 @@ def fixed_keys(case: Case, sliders: CaseSliders) -> list[dict[str, str]]:
             tables.setdefault(key.partition(".")[0], []).append((key, value, unit))
     for table, keys in tables.items():
         key, value, unit = keys[0]
-        told = f'"{value!r} {unit}"' if unit else repr(value)
-        command = f"vibeam run {shlex.quote(case.path.name)} --set {shlex.quote(f'{key}={told}')}"
+        setting = f"{key}={_written(case, key, value, unit)}"
+        command = f"vibeam run {shlex.quote(case.path.name)} --set {shlex.quote(setting)}"
         names = ", ".join(each.partition(".")[2] for each, _, _ in keys)
         rows.append({"name": "", "key": table, "why": names, "command": command})
     return rows
+
+
+def _written(case: Case, key: str, value: float, unit: str) -> str:
+    """Value of a key as TOML, with the prefix that suits it where that is the same number."""
+    if not unit:
+        return repr(value)
+    name, factor = shown_in(unit, value)
+    short = f"{value * factor:.12g} {name}"
+    try:
+        same = case.keys.number(key, short) == value
+    except ValueError:
+        same = False
+    return f'"{short}"' if same else f'"{value!r} {unit}"'
 
 
 def _unit(case: Case, key: str) -> str | None:

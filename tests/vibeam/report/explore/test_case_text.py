@@ -51,6 +51,7 @@ def test_what_no_slider_moves_is_changed_by_its_command():
     case = vibeam.load("cases/rigs/two_stops.toml")
     rows = fixed_keys(case, case_sliders(case))
     assert [each["key"] for each in rows] == ["further_stop", "beam", "mass", "sensor"]
+    assert rows[1]["command"] == """vibeam run two_stops.toml --set 'beam.length="180 mm"'"""
     for row in rows:
         program, command, file, option, setting = shlex.split(row["command"])
         assert (program, command, file, option) == ("vibeam", "run", "two_stops.toml", "--set")
