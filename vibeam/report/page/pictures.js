@@ -30,6 +30,16 @@ export function pictures(prefix, units, title) {
   let current = [];
   let turn = 0, last = 0, playing = 0, frame = 0;
 
+  // While a slider moves, pictures out of sight are not drawn.
+  /** @type {Set<Element>} */
+  const hidden = new Set();
+  const observer = new IntersectionObserver((seen) => seen.forEach(({ target, isIntersecting }) => {
+    if (isIntersecting) hidden.delete(target); else hidden.add(target);
+  }));
+  for (const name of ["history", "portrait", "spectrum", "beam"]) observer.observe(host(name));
+  /** @type {(name: string) => boolean} */
+  const inSight = (name) => !hidden.has(host(name));
+
   /** @type {(now: number) => void} */
   function step(now) {
     turn = (turn + (PACE * Math.max(0, Math.min(now - last, 100))) / 1000) % REPEAT;
@@ -79,11 +89,12 @@ export function pictures(prefix, units, title) {
      */
     draw(motions, still = true) {
       current = motions;
-      each.history.draw(motions, still);
-      each.portrait.draw(motions, still);
-      if (still || (frame += 1) % SLOW === 0) strips.draw(motions, still);
+      frame += 1;
+      if (still || inSight("history")) each.history.draw(motions, still);
+      if (still || inSight("portrait")) each.portrait.draw(motions, still);
+      if (still || (inSight("spectrum") && frame % SLOW === 0)) strips.draw(motions, still);
       bent.draw(motions);
-      if (still || !playing) bent.move(turn);
+      if (still || (inSight("beam") && !playing)) bent.move(turn);
     },
   };
 }

@@ -32,7 +32,8 @@ function stepOf(slider, value) {
 function row(slider) {
   const { name, key, label, unit, low, high, factor } = slider;
   const id = `slide-${name}`, fault = byId("slider-fault");
-  const range = element("input", { type: "range", id, min: 0, max: steps(slider), step: 1, title: key });
+  const tick = element("datalist", { id: `${id}-case` });  // where the case stands
+  const range = element("input", { type: "range", id, min: 0, max: steps(slider), step: 1, title: key, list: tick.id });
   const field = element("input", {
     type: "number", id: `${id}-number`, step: "any", "aria-label": `${label}${unit ? `, ${unit}` : ""}`,
   });
@@ -47,6 +48,8 @@ function row(slider) {
     if (known) move(name, value);
   });
   field.addEventListener("change", () => { if (field.getAttribute("aria-invalid") === "false") set(); });
+  if (name !== "frequency") tick.append(element("option", { value: Math.round(stepOf(slider, slider.value)) }));
+  end.append(tick);
   byId("sliders").append(head, range, end);
 
   function set() {

@@ -77,8 +77,13 @@ export function responseChart(curveOf, standing) {
   /** @type {Draw} */
   const paint = (pen, at) => {
     const x = at.x(valueAt("frequency") * factor), known = standing(), behind = framed(at, factor, 1);
-    for (const each of stored()) {
-      lines(pen, behind, each.frequency, each.values.amplitude, { colour: ink("steel"), width: 3 });
+    for (const { frequency, values, pieces } of stored()) {
+      for (const [, begin, end] of pieces.amplitude) {  // no line over a jump
+        const xs = frequency.slice(begin, end), ys = values.amplitude.slice(begin, end), colour = ink("steel");
+        lines(pen, behind, xs, ys, { colour, width: 3 });
+        pen.fillStyle = colour;
+        if (xs.length === 1 && ys[0] !== null) mark(pen, behind.x(xs[0]), behind.y(ys[0]), 2.5 * at.ratio, "full");
+      }
     }
     flown().forEach((each, row) => paintOne(pen, at, each, curveOf(each), row));
     lines(pen, { ...at, x: (value) => value, y: (value) => value }, [x, x], [at.top, at.top + at.height], {
