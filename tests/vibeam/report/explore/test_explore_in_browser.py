@@ -27,6 +27,9 @@ PLACES = [  # of motions that repeat
     ("sdof_nominal", "sdof", {}),
     ("rigs/elastic_stop", "sdof", {}),
     ("rigs/elastic_stop", "beam", {}),
+    ("rigs/elastic_stop", "three_modes", {"gap": 8e-5, "damping": 2.0}),
+    ("experiment/fig28", "two_way", {"restitution": 0.75, "damping": 2.0}),
+    ("experiment/table1", "neutral", {"restitution": 0.55}),
 ]
 FLY = """async ({fidelity, periods, ...place}) => {
   const {impactTimes, impactVelocities, ...others} = await vibeam.fly({fidelity, periods, ...place});
