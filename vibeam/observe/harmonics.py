@@ -75,40 +75,25 @@ def _orders(highest: int, subdivision: int) -> Array:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Spectrum(ValueRecord):
-    """One-sided, at ``frequency`` (m,) Hz, of a signal in unit u.
-
-    ``amplitude`` (m,) u: a sine on a line reads its peak value there. ``density`` (m,) u²/Hz: its integral is the mean
-    square. ``resolution``: the window's equivalent noise bandwidth, Hz.
-    """
+    """One-sided, at ``frequency`` (m,) Hz, of a signal: ``amplitude`` (m,), a sine on a line reads its peak value."""
 
     frequency: Array
     amplitude: Array
-    density: Array
-    resolution: float
 
 
-def spectrum_of(
-    time: ArrayLike, values: ArrayLike, *, window: str = "hann", segment: float | None = None, mean: bool = False
-) -> Spectrum:
-    """Spectrum of evenly sampled values (m,); Welch's mean over half-overlapping segments of ``segment`` seconds.
+def spectrum_of(time: ArrayLike, values: ArrayLike, *, window: str = "hann") -> Spectrum:
+    """Spectrum of evenly sampled values (m,) about their mean, through a ``window``: any name that scipy.signal knows.
 
-    ``window``: any name that scipy.signal knows; ``segment`` None: all at once. The mean is taken off unless ``mean``.
-    ValueError for samples that are not evenly spaced or a segment that is longer than all of them.
+    ValueError for samples that are not evenly spaced.
     """
     from scipy import signal
 
     t, x = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     rate = sampling_rate(t)
-    count = len(t) if segment is None else round(segment * rate)
-    if not 2 <= count <= len(t):
-        raise ValueError(f"segment: {segment} s is not between 2 samples and all of the {len(t)} there are")
-    shape = signal.get_window(window, count)
-    common = {"fs": rate, "window": shape, "nperseg": count, "detrend": False if mean else "constant"}
-    frequency, power = signal.welch(x, scaling="spectrum", **common)
-    density = signal.welch(x, scaling="density", **common)[1]
+    shape = signal.get_window(window, len(t))
+    frequency, power = signal.welch(x, fs=rate, window=shape, nperseg=len(t), scaling="spectrum")
     sine = np.where((frequency > 0) & (frequency < rate / 2 * (1 - 1e-12)), 2.0, 1.0)
-    resolution = rate * float(np.sum(shape**2) / np.sum(shape) ** 2)
-    return Spectrum(frequency, np.sqrt(sine * power), density, resolution)
+    return Spectrum(frequency, np.sqrt(sine * power))
 
 
 def sampling_rate(time: Array) -> float:

@@ -43,31 +43,17 @@ def test_velocities_at_impact_times_are_those_after() -> None:
 
 
 @pytest.mark.parametrize("window", ["boxcar", "hann", "flattop"])
-def test_a_sine_reads_its_peak_value_and_its_mean_square(window: str) -> None:
+def test_a_sine_reads_its_peak_value(window: str) -> None:
     t = np.arange(2000) / 1000.0
     x = 0.7 * np.sin(2 * np.pi * 50 * t) + 3.0
     found = observe.spectrum_of(t, x, window=window)
     line = np.argmin(np.abs(found.frequency - 50))
     assert found.amplitude[line] == pytest.approx(0.7, rel=1e-12)
-    assert np.sum(found.density) * found.frequency[1] == pytest.approx(0.7**2 / 2, rel=1e-9)
-    expected = {"boxcar": 0.5, "hann": 0.75, "flattop": 3.77 / 2}[window]  # 1, 1.5, 3.77 lines of ½ Hz
-    assert found.resolution == pytest.approx(expected, rel=2e-3)
-
-
-def test_white_noise_has_a_flat_density() -> None:
-    t = np.arange(200_000) / 500.0
-    x = np.random.default_rng(3).standard_normal(len(t)) * 0.2
-    found = observe.spectrum_of(t, x, segment=1.0)
-    inside = found.density[2:-2]
-    assert np.mean(inside) == pytest.approx(0.04 / 250, rel=0.01)
-    assert np.std(inside) / np.mean(inside) < 0.1
 
 
 def test_uneven_samples_are_refused() -> None:
     with pytest.raises(ValueError, match="evenly spaced"):
         observe.spectrum_of([0.0, 1.0, 3.0], [0.0, 1.0, 2.0])
-    with pytest.raises(ValueError, match="segment: 9 s"):
-        observe.spectrum_of([0.0, 1.0, 2.0], [0.0, 1.0, 2.0], segment=9)
 
 
 def test_classes_of_motions() -> None:
