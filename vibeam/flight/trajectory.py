@@ -254,10 +254,7 @@ class Trajectory(ValueRecord):
 
     def _derivative(self, t: ArrayLike, wanted: TimeDerivative, more: int) -> Array:
         """A velocity or acceleration, or its rate, at times t of any shape."""
-        if self.system.further is None:
-            from vibeam.flight.disturbance.derivatives import derivative_along
-        else:
-            from vibeam.flight.several.readout import derivative_along
+        from vibeam.flight.disturbance.derivatives import derivative_along
 
         times, poses = floats("t", t), self.modes_at(t)
         flat, states = times.ravel(), poses.reshape(-1, 2, self.system.size)

@@ -138,7 +138,12 @@ def derivative_along(
         return np.asarray(poses[:, 1] @ wanted.row)
     which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
     clocks = trace[which, layout.AT_CLOCK] + times - trace[which, layout.START]
-    found = _modal(system, drive, trace[which], clocks, poses, order) @ wanted.row
+    if system.further is not None:
+        from vibeam.flight.several.readout import derivatives_in
+
+        found = derivatives_in(system, drive, trace[which], clocks, poses, wanted.row, order)
+    else:
+        found = _modal(system, drive, trace[which], clocks, poses, order) @ wanted.row
     return np.asarray(found + _of_base(drive, clocks, order, wanted.base))
 
 

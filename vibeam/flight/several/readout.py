@@ -13,7 +13,6 @@ from vibeam.flight.several.held import HeldRegime, Unfollowed
 from vibeam.flight.several.motion import HELD, ContactFlights, ContactMotion
 from vibeam.flight.several.state import Pull
 from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
@@ -129,18 +128,12 @@ def repetition(omega: Array, drive: float, strobes: Array, longest: int) -> int:
     return 0
 
 
-def derivative_along(
-    system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int
+def derivatives_in(
+    system: ImpactSystem, drive: Drive, rows: Array, clocks: Array, poses: Array, row: Array, order: int
 ) -> Array:
-    """As that of ``disturbance.derivatives``: the output (m,), or its rate, at ``times`` with their ``poses``."""
-    order, contacts = wanted.order + more, Contacts.of(system)
-    if order == 1:
-        return np.asarray(poses[:, 1] @ wanted.row)
-    which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
-    clocks = trace[which, layout.AT_CLOCK] + times - trace[which, layout.START]
-    found = np.empty(len(times))
-    for i, (segment, clock) in enumerate(zip(which, clocks.tolist(), strict=True)):
-        rows = contacts.rows[list(held_in(trace[segment], len(contacts.gaps)))]
-        found[i] = wanted.row @ Pull.of(contacts, drive, poses[i], clock).constrained(rows)[order - 2]
-    turn = (np.sin if order == 2 else np.cos)(drive.omega * clocks)
-    return np.asarray(found - wanted.base * drive.amplitude * drive.omega**order * turn)
+    """Derivative of the ``order`` 2 or 3 of what a ``row`` reads, at states in the segments ``rows`` of a trace."""
+    contacts, found = Contacts.of(system), np.empty(len(rows))
+    for i, (segment, clock) in enumerate(zip(rows, clocks.tolist(), strict=True)):
+        held = contacts.rows[list(held_in(segment, len(contacts.gaps)))]
+        found[i] = row @ Pull.of(contacts, drive, poses[i], clock).constrained(held)[order - 2]
+    return found
