@@ -19,7 +19,7 @@ from vibeam.flight.readout import OUTCOMES, PointReadout
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
-from vibeam_models.arguments import count, refuse
+from vibeam_models.arguments import count, counted, refuse
 from vibeam_models.arrays import Array, Index
 
 LONGEST_PERIOD = 16
@@ -48,7 +48,7 @@ def modal_values(system: ImpactSystem, state: State) -> Array:
     """Displacement and velocity (2, n) of a state. ValueError where its shape is wrong."""
     both = np.array([state.displacement, state.velocity], dtype=float)
     if both.shape != (2, system.size) or not np.isfinite(both).all():
-        raise ValueError(f"state: displacement and velocity must be {system.size} finite numbers each")
+        raise ValueError(f"state: displacement and velocity must be {counted(system.size, 'finite number')} each")
     return both
 
 

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.flight.event_driven import modal_values
 from vibeam.solvers.steady import SteadySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
@@ -94,10 +95,7 @@ class OneMode:
 
     def inward(self, state: State | None) -> Array:
         """(q, q̇) of a state; None: equilibrium. ValueError where it is not one finite number each."""
-        start = equilibrium(self.system) if state is None else state
-        both = np.array([start.displacement, start.velocity], dtype=float)
-        if both.shape != (2, 1) or not np.all(np.isfinite(both)):
-            raise ValueError("state: displacement and velocity must be 1 finite number each")
+        both = modal_values(self.system, equilibrium(self.system) if state is None else state)
         place, speed = self.contact * both[:, 0]
         return np.array([place - self.static, speed / self.omega])
 

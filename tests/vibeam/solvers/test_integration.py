@@ -219,7 +219,7 @@ def test_what_cannot_be_is_refused_at_once(kind: Any, system: Any, options: dict
 
 def test_a_state_or_times_of_the_wrong_shape_are_refused() -> None:
     solver = DirectSolver(sdof(), 1.0)
-    with pytest.raises(ValueError, match="1 finite numbers"):
+    with pytest.raises(ValueError, match="1 finite number each"):
         solver.steady([2.0], B, start(3), 1, 1, "contact")
     with pytest.raises(ValueError, match="t_end"):
         solver.motion(DRIVE, None, 1.0, 1.0)

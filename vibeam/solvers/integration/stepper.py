@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.flight.event_driven import modal_values
 from vibeam.solvers.integration.coordinates import EXPLICIT, IntegrationSettings, chosen
 from vibeam.solvers.integration.samples import SampledMotion, SampledPiece, SampledReading, SteppedOutcome
 from vibeam.solvers.steady import SteadySolver
@@ -98,9 +99,7 @@ def first_state(system: ImpactSystem, state: State | None) -> State:
     """Initial state, static equilibrium for None; ValueError where its shape is wrong."""
     if state is None:
         return equilibrium(system)
-    both = np.array([state.displacement, state.velocity])
-    if both.shape != (2, system.size) or not np.all(np.isfinite(both)):
-        raise ValueError(f"state: displacement and velocity must be {system.size} finite numbers each")
+    modal_values(system, state)
     return state
 
 

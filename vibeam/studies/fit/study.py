@@ -52,8 +52,8 @@ class FitStudy(ValueRecord, ViewedTable):
     """Fit of a case: rows, points, sentences, of these the ``facts``; ``shared``: relations that are known of keys
     that make up for each other.
 
-    ``covariance`` (P, P): linearised, SI. ``best`` (P,): the minimum itself, whether determined or not. ``next``: what
-    to measure next, where it was asked for. ``judgement``: whether the model describes the points.
+    ``covariance`` (P, P): linearised, SI. ``next``: what to measure next, where it was asked for. ``judgement``:
+    whether the model describes the points.
     """
 
     case: Case
@@ -63,7 +63,6 @@ class FitStudy(ValueRecord, ViewedTable):
     facts: tuple[str, ...]
     shared: tuple[str, ...]
     misfit: float
-    best: Array
     covariance: Array
     next: tuple[NextPoint, ...]
     judgement: Judgement
@@ -119,8 +118,7 @@ def _study(case: Case, tell: Progress, next_point: bool) -> FitStudy:
     return FitStudy(
         case, rows, tuple(_points(problem, minimum, judgement)), tuple(sentences),
         tuple(facts(problem, minimum, judgement)), tuple(shared), minimum.misfit,
-        problem.values(minimum.x), minimum.covariance * np.outer(problem.width, problem.width),
-        advised, judgement,
+        minimum.covariance * np.outer(problem.width, problem.width), advised, judgement,
         problem=problem, minimum=minimum, profiles=tuple(profiles),
     )  # fmt: skip
 
