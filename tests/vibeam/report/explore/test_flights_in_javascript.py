@@ -15,6 +15,7 @@ from javascript import MODULES, NODE
 from page_payload import page_payload
 
 import vibeam
+from vibeam.flight.solver import FlightSolver
 from vibeam.flight.trajectory import Trajectory
 from vibeam.system.impact_system import ImpactSystem
 
@@ -145,6 +146,23 @@ def test_poses_and_rests_are_those_of_python(node: Node) -> None:
         assert np.allclose(sides[strong, 0], speeds[strong], rtol=1e-9)
         expected = -path.system.restitution * speeds[strong]
         assert np.allclose(sides[strong, 1], expected, rtol=1e-9)
+
+
+def test_grazes_are_neither_missed_nor_invented(node: Node) -> None:
+    """Gaps by 1e-11 below and above the largest displacement of a motion that is flown without a stop."""
+    system, omega, drive, periods = plain(3), 1.3 * OMEGA[0], 1e-4, 12
+    far = FlightSolver(replace(system, gap=1.0), omega)
+    top = float(far.steady([omega], drive, None, 0, periods, "contact")[0].maximum[0])
+    places = [{"frequency": omega / (2 * np.pi), "drive": drive, "gap": top * (1 + off)} for off in (-1e-11, 1e-11)]
+    script = (
+        ENGINE + "return given.places.map((each) => engine.fly({ fidelity: 'it', ...each, periods: 12, settle: 1 }));"
+    )
+    touched, free = node(script, {"payload": page_payload({"it": system}, 1.0), "places": places})
+    path = at_place(system, {**places[0], "damping": 1.0}, periods)
+    assert len(path.impact_times) >= 1
+    assert np.allclose(touched["impactTimes"][0], path.impact_times[0], rtol=1e-8)
+    assert 0 < touched["impactVelocities"][0] < 1e-4 * omega * top
+    assert free["impactTimes"] == []
 
 
 def test_frames_take_no_more_memory_as_they_go(node: Node) -> None:
