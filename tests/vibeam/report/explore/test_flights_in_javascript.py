@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 from engine_pages import ENGINE, compared
 from javascript import MODULES, NODE
 from page_payload import page_payload
@@ -17,6 +18,7 @@ from page_payload import page_payload
 import vibeam
 from vibeam.flight.solver import FlightSolver
 from vibeam.flight.trajectory import Trajectory
+from vibeam.report.page.parts import as_json
 from vibeam.system.impact_system import ImpactSystem
 
 Node = Callable[..., Any]
@@ -212,15 +214,37 @@ def test_what_cannot_be_is_refused_by_a_sentence(node: Node) -> None:
     ]
 
 
+def asked_of_node(page: Path, requests: str) -> subprocess.CompletedProcess[str]:
+    """What the command does with a page and requests."""
+    command = [NODE, "--disable-warning=MODULE_TYPELESS_PACKAGE_JSON", MODULES / "explore/engine/node.js", page]
+    return subprocess.run(command, input=requests, capture_output=True, text=True, check=False)
+
+
 def test_a_command_answers_for_programs(tmp_path: Path) -> None:
-    """``node node.js payload.json``: requests in, answers out, refusals among them."""
-    payload = tmp_path / "payload.json"
-    payload.write_text(json.dumps(page_payload({"one mode": SYSTEMS["one mode"]}, 1.0)), encoding="utf-8")
+    """``node node.js page.html``: requests in, answers out, refusals among them."""
+    page = tmp_path / "page.html"
+    held = as_json(page_payload({"one mode": SYSTEMS["one mode"]}, 1.0))
+    page.write_text(f'<p>…</p><script id="engine" type="application/json">{held}</script><p>…</p>', encoding="utf-8")
     place = {"fidelity": "one mode", "frequency": 12.0, "drive": 1e-4, "periods": 3}
     asked = [{"call": "fly", "arguments": [each]} for each in (place, {**place, "restitution": 2.0})]
-    command = [NODE, "--disable-warning=MODULE_TYPELESS_PACKAGE_JSON", MODULES / "explore/engine/node.js", payload]
-    done = subprocess.run(command, input=json.dumps(asked), capture_output=True, text=True, check=True)
-    flight, refused = json.loads(done.stdout)
+    done = asked_of_node(page, json.dumps([*asked, {"call": "draw"}]))
+    flight, refused, unknown = json.loads(done.stdout)
     path = at_place(SYSTEMS["one mode"], {**place, "gap": 1e-4, "damping": 1.0}, 3)
     assert np.allclose(flight["impactTimes"], path.impact_times, rtol=1e-13)
     assert refused == {"fault": "one mode: the coefficient of restitution at the contact cannot be 2."}
+    assert unknown["fault"].startswith("No call draw: there are fly,")
+
+
+@pytest.mark.parametrize(
+    ("page", "requests", "said"),
+    [("<p>no engine</p>", "[]", "The page cannot be read"), ("{}", "{", "The list of requests cannot be read"),
+     ("{}", "{}", "The requests are no list")],
+)  # fmt: skip
+def test_the_command_says_what_it_cannot_read(tmp_path: Path, page: str, requests: str, said: str) -> None:
+    """In one line, with the usage."""
+    file = tmp_path / "page.html"
+    file.write_text(page, encoding="utf-8")
+    done = asked_of_node(file, requests)
+    assert done.returncode == 1
+    assert done.stderr.startswith(said)
+    assert done.stderr.endswith("node node.js PAGE.html < REQUESTS.json, a list of {call, arguments}\n")
