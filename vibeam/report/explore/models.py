@@ -50,8 +50,8 @@ def model_of(case: Case, name: str) -> dict[str, Any]:
     if refusal:
         return head | {"damped": False, "stations": None, "outputs": {}}
     own = packed(beyond_plain(found, case.sweep.output)) if in_regimes else plain_rows(found)
-    if scene.platform is not None:  # the damping ratios are its own too, and make how far it moves the base
-        own["damped"] = False
+    if scene.platform is not None and case.keys.value("platform.coupling") == "two-way":
+        own["damped"] = False  # the platform's damping ratio is multiplied too, and makes how far it moves the base
     return head | _stations(case, name) | _drift(scene) | own
 
 

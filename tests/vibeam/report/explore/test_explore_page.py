@@ -8,6 +8,7 @@ from html import unescape
 
 import numpy as np
 import pytest
+from browsers import Opened
 from typer.testing import CliRunner
 
 import vibeam
@@ -19,6 +20,7 @@ from vibeam.report.explore.drive import motion_without_stop
 from vibeam.report.explore.exploration import SANDBOX
 from vibeam.report.explore.page import results_page
 from vibeam.report.explore.payload import guessed_units, payload
+from vibeam.report.explore.sliders import case_sliders
 from vibeam.report.page.page import page
 from vibeam.studies.stored import stored
 
@@ -99,6 +101,20 @@ def test_a_platform_gives_tables_at_the_places_of_the_slider():
     assert tables
     for drive in tables.values():
         assert numbers(drive["frequency"]).tolist() == numbers(frequency["places"]).tolist()
+
+
+def test_damping_moves_a_drive_by_a_platform_only_where_the_page_says_so():
+    """A platform that is felt in some fidelities has its damping multiplied too, in those that feel it not as well."""
+    shaken = {"mass": "5 kg", "frequency": "3.25 Hz", "damping_ratio": 0.05, "calibrated_at": "15.5 Hz"}
+    own = {"fidelity.sdof.set": {"platform.coupling": "one-way"}, "sweep.frequency.points": 5}
+    for coupling, damped in {"two-way": False, "one-way": True}.items():
+        case = vibeam.load("cases/dtu_neutral.toml", own | {"platform": shaken | {"coupling": coupling}})
+        model = next(each for each in payload(case)["models"] if each["name"] == "sdof")
+        assert (model["engine"], model["damped"]) == ("plain", damped)
+        omega = 2 * np.pi * case.sweep.frequency
+        twice = case.with_keys(case_sliders(case).sliders["damping"].settings(2.0))
+        same = np.array_equal(case.amplitude_of("sdof", omega), twice.amplitude_of("sdof", omega))
+        assert same is damped
 
 
 def test_a_size_without_a_stop_is_the_resonance_of_one_mode():
@@ -230,3 +246,31 @@ def test_a_notebook_shows_the_page_as_a_frame_that_is_shut_off(case, html, tmp_p
     assert frame.count("<") == 2  # the frame and its end: no text of the case is markup
     assert shown.write(tmp_path / "a.html").read_text("utf-8") == html
     assert "html" not in repr(shown)
+
+
+@pytest.mark.slow
+def test_the_frame_of_a_notebook_flies_in_a_browser(browser, tmp_path):
+    """Shut off from its notebook, without an address: it flies as Python does, and a slider moves it."""
+    case = vibeam.load("cases/dtu_neutral.toml")
+    shown = vibeam.explore(case)._repr_html_()
+    (tmp_path / "notebook.html").write_text(f"<!DOCTYPE html><meta charset=utf-8>{shown}", encoding="utf-8")
+    opened = Opened(browser, tmp_path / "notebook.html")
+    opened.page.wait_for_timeout(1000)
+    frame = opened.page.frames[1]
+    ready = "new Promise((done) => { const look = () => (window.vibeam ? done() : setTimeout(look, 20)); look(); })"
+    frame.evaluate(ready)
+    found = frame.evaluate("vibeam.fly({fidelity: 'beam', frequency: 15.3, periods: 20})")
+    drive = vibeam.Drive(2 * np.pi * 15.3, float(case.amplitude_of("beam")))
+    path = vibeam.simulate(case.system("beam"), drive, 20 / 15.3)
+    times = found["impactTimes"]
+    times = list(times.values()) if isinstance(times, dict) else times
+    np.testing.assert_allclose(times, path.impact_times, rtol=0, atol=1e-11 / 15.3)
+    gap = frame.locator("#sliders input[type=range]").nth(2)
+    before = frame.locator("#differences").inner_text()
+    gap.focus()
+    gap.press("ArrowRight")
+    opened.page.wait_for_timeout(1500)
+    assert frame.locator("#differences").inner_text() != before
+    assert opened.said == []
+    assert opened.foreign == ["about:srcdoc"] or opened.foreign == []
+    opened.page.close()
