@@ -5,7 +5,7 @@ import { withUnit } from "../../page/numbers.js";
 import { csv, offer } from "../../page/saving.js";
 import { data } from "../../page/result.js";
 import { swept } from "./curves.js";
-import { asCase, complete, flown, move, sliderOf, units, valueAt, valueOf } from "./place.js";
+import { asCase, complete, flown, isFlown, move, sliderOf, units, valueAt, valueOf } from "./place.js";
 
 /** @import { Draw, Frame, Pen } from "../../page/types.d.ts" */
 /** @import { Model } from "../engine/types.d.ts" */
@@ -47,8 +47,8 @@ function paintOne(pen, at, { look }, { points, orbits }, row) {
   }
 }
 
-/** @type {() => import("../../page/types.d.ts").Curve[]} */
-const stored = () => data.curves.filter((each) => flown().some(({ name }) => name === each.fidelity));
+/** Stored curves, those of fidelities that are not flown here too. */
+const stored = () => data.curves.filter((each) => isFlown(each.fidelity));
 
 /** @type {(points: Point[]) => string[][]} */
 const cells = (points) => points.map((each) => [
