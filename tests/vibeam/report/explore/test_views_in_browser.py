@@ -68,10 +68,24 @@ def explored(browser, folder):
     found.page.close()
 
 
-def amplitudes(folder, keys, frequency):
-    """Amplitudes (mm) of both fidelities by a run of one point from equilibrium, with four digits, as the page has."""
+def runs(folder, keys, frequency):
+    """Responses of both fidelities at one point from equilibrium."""
     case = vibeam.load(folder / "case.toml", {**keys, "sweep.frequency": [f"{frequency} Hz"]})
-    return [float(f"{1e3 * response.up.amplitude[0]:.4g}") for response in vibeam.run(case).values()]
+    return [response.up for response in vibeam.run(case).values()]
+
+
+def amplitudes(folder, keys, frequency):
+    """Amplitudes (mm) of both fidelities, with four digits, as the page has."""
+    return [float(f"{1e3 * each.amplitude[0]:.4g}") for each in runs(folder, keys, frequency)]
+
+
+def words(response):
+    """Period and contact of a point, in the page's words."""
+    period, rest = int(response.period[0]), float(response.rest[0])
+    if period == -1:
+        return "1, no contact"
+    resting = f"; chatters, rests on the stop {100 * rest:.3g} % of the time" if rest > 0 else ""
+    return f"{period or 'does not repeat'}{resting}"
 
 
 def test_numbers_are_those_of_a_run_at_the_sliders_place(folder, explored):
@@ -91,6 +105,22 @@ def test_numbers_are_those_of_a_run_at_the_sliders_place(folder, explored):
         .inner_text()
         .startswith(f"Beside four </b> modes: sdof {size} % too {way}")
     )
+
+
+def test_motions_are_called_what_they_are(folder, explored):
+    """Without contact, of period 3, without a period, and resting on the stop: by the words of a run."""
+    heard = set()
+    for gap, restitution, frequency in ((0.1, 0.7, 30), (0.05, 0.9, 30), (-0.05, 0.5, 40)):
+        for name, value in (("gap", gap), ("restitution", restitution), ("frequency", frequency)):
+            if explored.page.locator(f"#slide-{name}-number").input_value() != str(value):
+                explored.set(name, value)
+        found = runs(folder, {"stop.gap": f"{gap} mm", "stop.restitution": restitution}, frequency)
+        said = explored.reading("repeats after (periods)")
+        assert said == [words(each) for each in found]
+        assert explored.reading("impacts a period") == [f"{each.impacts_per_period[0]:.4g}" for each in found]
+        heard |= set(said)
+    assert {"1, no contact", "3", "does not repeat"} <= heard
+    assert any("rests on the stop" in each for each in heard)
 
 
 def test_the_motion_is_in_motion_while_a_slider_moves_and_settles_at_rest(explored):
