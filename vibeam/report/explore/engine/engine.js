@@ -19,7 +19,7 @@ import { Motion } from "./trajectory.js";
 /** @typedef {import("./settings.js").Settings} Settings */
 
 const PAGE = 65536; // bytes
-const MOST_IMPACTS = 100000; // of a motion drawn
+const MOST_IMPACTS = 50000; // of a motion drawn, and as many while it settles: some tenths of a second
 
 /**
  * The engine of a payload; `modules`: its libraries where they are compiled already.
@@ -133,7 +133,7 @@ export class Engine {
    */
   motion(fidelity, place, { state = null, settle = 0, periods = 24 } = {}) {
     const settings = this.settings(fidelity, place), flight = this.ready(fidelity, settings);
-    const settled = settle > 0 ? flight.settle(settings, state, settle) : { ended: 0, state };
+    const settled = settle > 0 ? flight.settle(settings, state, settle, MOST_IMPACTS) : { ended: 0, state };
     const span = settled.ended ? 0 : (periods * 2 * Math.PI) / settings.omega;
     const flown = flight.simulate(settings, settled.state, span, MOST_IMPACTS);
     return new Motion(this, fidelity, settings, { ...flown, ended: settled.ended || flown.ended }, periods);

@@ -30,8 +30,7 @@ import { after, place } from "./segments.js";
 /** @typedef {{ended: number, last: number, state: State, segments: Segments, impacts: number, evaluations: number}} Flown */
 /** @typedef {{settle: number, hold: number, output: string, limit?: number}} Schedule */
 
-const ROWS = 256, MOST_ROWS = 65536; // segments traced before they are read off
-const LONGEST_PERIOD = 16;
+const ROWS = 256, MOST_ROWS = 65536, LONGEST_PERIOD = 16; // segments traced before they are read off; drive periods
 const LIMIT = 100000; // impacts a drive period after which a steady point is given up
 const MOST_IMPACTS = 10000000; // of one motion
 const AT_ONCE = 32; // periods settled between two settings of the phase
@@ -175,13 +174,14 @@ export class EventDriven {
   }
 
   /**
-   * The state after `periods` of the drive, nothing traced: outcome and state.
+   * The state after `periods` of the drive, nothing traced: outcome and state; at most `most` impacts in all.
    * @param {Drive} drive
    * @param {State | null} state
    * @param {number} periods
+   * @param {number} most
    * @returns {{ended: number, state: State}}
    */
-  settle(drive, state, periods) {
+  settle(drive, state, periods, most) {
     const { watch, counts, packed, slots: { rows: { layout } } } = this, turn = (2 * Math.PI) / drive.omega;
     this.enter(state);
     counts.integers.fill(0n);
@@ -189,8 +189,7 @@ export class EventDriven {
     watch.trace.reshape([0, packed.traceColumns]);
     let ended = layout.COMPLETE;
     for (let left = periods; left > 0 && ended === layout.COMPLETE; left -= AT_ONCE) {
-      const turns = Math.min(AT_ONCE, left), limit = Number(counts.integers[layout.IMPACTS]) + LIMIT * turns;
-      [ended] = this.move(drive, Infinity, { span: turns * turn, limit });
+      [ended] = this.move(drive, Infinity, { span: Math.min(AT_ONCE, left) * turn, limit: most });
       this.status.data[layout.CLOCK] = 0;
     }
     return { ended, state: this.state() };
