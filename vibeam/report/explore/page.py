@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def live_part(case: Case, units: DisplayUnits | None = None) -> LivePart:
     """Part of a page that flies a case, and why it does not fly some fidelities; errors as ``payload``."""
     made = payload(case, units)
-    refusals = tuple(each["refusal"] for each in made["models"] if each["refusal"])
+    refusals = tuple(f"{each['label']}: {each['refusal']}" for each in made["models"] if each["refusal"])
     return LivePart(as_json(made) if made["libraries"] else "", refusals)
 
 

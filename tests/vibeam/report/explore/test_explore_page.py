@@ -18,10 +18,11 @@ from vibeam.flight.engine.loading import KernelsUnavailable
 from vibeam.report.explore import page as explore_pages
 from vibeam.report.explore.drive import motion_without_stop
 from vibeam.report.explore.exploration import SANDBOX
-from vibeam.report.explore.page import results_page
+from vibeam.report.explore.page import live_part, results_page
 from vibeam.report.explore.payload import guessed_units, payload
 from vibeam.report.explore.sliders import case_sliders
 from vibeam.report.page.page import page
+from vibeam.runs.run_plan import restricted
 from vibeam.studies.stored import stored
 
 HOSTILE = "</script><img src=x onerror=alert(1)> & {{ 7 * 7 }}"
@@ -234,6 +235,13 @@ def test_a_case_that_no_page_flies_is_a_message_and_no_file(run, tmp_path):
     assert run("explore", "cases/gone.toml").stderr == "cases/gone.toml: no such file\n"
     assert run("explore", "cases/sdof_nominal.toml", "-o", "a.png").exit_code == 2
     assert [each.name for each in tmp_path.iterdir()] == ["cases"]
+
+
+def test_a_page_of_results_names_what_it_does_not_fly():
+    case = restricted(vibeam.load("cases/sdof_methods.toml"), ["mapping", "averaging_paper"])
+    live = live_part(case)
+    assert (live.payload, len(live.refusals)) == ("", 2)
+    assert live.refusals[0].startswith(f"{case.fidelities['mapping'].label or 'mapping'}: ")
 
 
 def test_a_notebook_shows_the_page_as_a_frame_that_is_shut_off(case, html, tmp_path):
