@@ -171,6 +171,19 @@ def test_a_number_out_of_range_is_refused_in_words_and_moves_nothing(explored):
     assert explored.page.locator("#readings").inner_text() == before
     explored.page.get_by_role("button", name="All as in the case").click()
     assert explored.page.locator("#slider-fault").inner_text() == ""
+    assert (field.input_value(), field.get_attribute("aria-invalid")) == ("0.7", "false")
+
+
+def test_without_any_fidelity_the_pictures_are_empty_and_come_back(explored):
+    boxes = explored.page.locator("#flown input").all()
+    for each in boxes:
+        each.uncheck()
+    explored.settle()
+    assert explored.page.locator("#live-spectrum canvas").count() == 0
+    boxes[1].check()
+    explored.settle()
+    assert explored.page.locator("#live-spectrum canvas").count() == 1
+    assert explored.page.locator("#readings thead th").all_inner_texts() == ["four </b> modes"]
 
 
 def test_all_goes_back_to_the_case(explored):

@@ -56,8 +56,10 @@ function row(slider) {
     const value = valueAt(name), text = shownText(slider, value);
     range.value = String(stepOf(slider, value));
     range.setAttribute("aria-valuetext", `${text} ${unit}`.trim());
-    if (document.activeElement === field && +field.value === +text) return;
-    if (document.activeElement !== field || field.getAttribute("aria-invalid") !== "true") field.value = text;
+    const typed = document.activeElement === field, wrong = field.getAttribute("aria-invalid") === "true";
+    if (typed && (wrong || +field.value === +text)) return;
+    field.value = text;
+    field.setAttribute("aria-invalid", "false");
   }
   return set;
 }
