@@ -8,7 +8,8 @@ A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; ever
 results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json, ``limits.py`` writes
 results/limits.json, ``estimates.py`` writes results/estimates.json, ``recommended.py`` writes results/recommended.json,
 ``recommended_beams.py`` writes results/recommended_beams.json, ``batches.py`` writes results/batches.json,
-``cluster.py`` writes results/cluster.json, ``webassembly.py`` writes results/webassembly.json.
+``cluster.py`` writes results/cluster.json, ``webassembly.py`` writes results/webassembly.json, ``page_frames.py``
+writes results/page_frames.json.
 """
 
 from __future__ import annotations
@@ -270,6 +271,37 @@ def webassembly_table(found: dict[str, Any]) -> str:
     return f"{markdown(['', 'impacts', 'native, ms', 'WebAssembly, ms', 'ratio'], rows)}\n\n{fill(text, width=120)}"
 
 
+def flying_table(found: dict[str, Any]) -> str:
+    """Bytes and start of pages that fly; frames, curves and orbits in each browser."""
+    sizes = (
+        [stem, *(f"{found['pages'][stem][part] / 1e3:.0f}" for part in ("page", "kernels")),
+         f"{found['pages'][stem]['seconds']:.1f}"]
+        for stem in found["pages"]
+    )  # fmt: skip
+    rows = (_flying_row(name, browser, found["native"]) for browser in found["browsers"] for name in browser["frames"])
+    columns = ["", "frames a second", "at work, ms", "in 19 of 20, ms", "121 points, ms", "over native", "orbits, ms"]
+    starts = "; ".join(
+        f"{each['name']}: first picture {each['first']:.0f} ms after the page is asked for; decoding and compiling the "
+        f"kernels {each['open']:.0f} ms"
+        for each in found["browsers"]
+    )
+    load = f"load average {found['load']['before'][0]:.0f} before, {found['load']['after'][0]:.0f} after"
+    text = f"{starts}. Medians of {found['rounds']} rounds; {load}, on {found['cores']} cores without a graphics card."
+    tables = [markdown(["page", "kB", "of these kernels, kB", "CPU s to write"], sizes), markdown(columns, rows)]
+    return "\n\n".join([*tables, fill(text, width=120)])
+
+
+def _flying_row(name: str, browser: dict[str, Any], native: dict[str, dict[str, float]]) -> list[str]:
+    modes = {"sdof": "one mode", "two_modes": "two modes", "beam": "eight modes"}
+    frames, flown = browser["frames"][name], browser["flights"].get(name)
+    head = [f"{browser['name'].partition('.')[0]}, {modes.get(name, name)}", f"{frames['a second']:.0f}"]
+    work = [significant(frames[each]) for each in ("median", "most")]
+    if flown is None:
+        return [*head, *work, "", "", ""]
+    ratio = flown["response"] / native[name]["response"]
+    return [*head, *work, significant(flown["response"]), f"{ratio:.1f}", significant(flown["orbits"])]
+
+
 def sparse_table(found: dict[str, Any]) -> str:
     """CPU time of reading sparse matrices and reducing them."""
     rows = (
@@ -384,6 +416,7 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
     single = {"limits": limits_table, "libraries": libraries_table, "startup": startup_table, "sparse": sparse_table}
     single |= {"recommended": recommended_table, "estimates": estimates_table}
     single |= {"recommended_beams": recommended_beams_table, "webassembly": webassembly_table}
+    single |= {"page_frames": flying_table}
     return tables | {name: table(_read(results, name)) for name, table in single.items()}
 
 

@@ -7,6 +7,7 @@ import socket
 import subprocess
 import time
 from base64 import b64decode
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -36,10 +37,13 @@ HEARD = """
 class Firefox:
     """One window; ``open`` a file, ``run`` a script in it, ``press`` keys; close it by ``with``."""
 
+    def __init__(self, preferences: Mapping[str, object] = PREFERENCES) -> None:
+        self.preferences = preferences
+
     def __enter__(self) -> Firefox:
         self._folder = TemporaryDirectory(ignore_cleanup_errors=True)
         folder = Path(self._folder.name)
-        lines = [f"user_pref({json.dumps(name)}, {json.dumps(value)});" for name, value in PREFERENCES.items()]
+        lines = [f"user_pref({json.dumps(name)}, {json.dumps(value)});" for name, value in self.preferences.items()]
         folder.joinpath("user.js").write_text("\n".join(lines), encoding="utf-8")
         command = [FIREFOX, "--headless", "--marionette", "--remote-allow-system-access", "--profile", folder]
         self._process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
