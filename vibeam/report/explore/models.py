@@ -37,7 +37,7 @@ def model_of(case: Case, name: str) -> dict[str, Any]:
         "name": name,
         "label": name_of(case, name),
         "finest": _finest(case, name),
-        "engine": None if refusal else "regimes" if in_regimes else "plain",
+        "engine": None if refusal else "regimes" if in_regimes else "harmonics" if scene.harmonics else "plain",
         "refusal": refusal,
         "modes": found.size,
         "gap": found.gap,
@@ -52,6 +52,8 @@ def model_of(case: Case, name: str) -> dict[str, Any]:
     own = packed(beyond_plain(found, case.sweep.output)) if in_regimes else plain_rows(found)
     if scene.platform is not None and case.keys.value("platform.coupling") == "two-way":
         own["damped"] = False  # the platform's damping ratio is multiplied too, and makes how far it moves the base
+    if scene.harmonics:
+        own["harmonics"] = array_of(np.array(scene.harmonics))
     return head | _stations(case, name) | _drift(scene) | own
 
 
@@ -60,8 +62,8 @@ def page_refusal(case: Case, name: str, found: ImpactSystem) -> str:
     solver, scene = case.fidelities[name].solver, case.scene_of(name)
     if solver != "flight":
         return f'Found by the solver "{solver}": the page has the exact flight alone. The terminal runs it: vibeam run.'
-    if scene.harmonics:
-        return "Its drive has several harmonics: the page drives by one. The terminal flies it: vibeam run."
+    if scene.harmonics and (_in_regimes(case, found) or not roots_serve(found)):
+        return "Its drive has several harmonics, which the page takes with plain modes alone. Take vibeam run."
     if gap_wear(scene):
         return "Its gap wears with each impact: the page knows no wear. The terminal flies it: vibeam run."
     if _in_regimes(case, found):

@@ -25,7 +25,11 @@ if TYPE_CHECKING:
     from vibeam_models.arrays import Array
 
 #: libraries of the kernels by which each engine flies
-LIBRARIES = {"plain": ("tables", "flight", "points"), "regimes": ("tables", "regimes")}
+LIBRARIES = {
+    "plain": ("tables", "flight", "points"),
+    "harmonics": ("tables", "flight"),
+    "regimes": ("tables", "regimes"),
+}
 FAR = 10.0  # times a motion, beyond which a gap plays no part in it
 IMPACTING = 3.0  # times the motion without a stop, that of one with impacts at its peak, roughly
 NOT_DAMPED = "the page knows these models at their own damping alone: vibeam run flies others"

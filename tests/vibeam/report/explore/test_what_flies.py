@@ -21,7 +21,6 @@ PAGE = ROOT / "vibeam/report/explore/README.md"
 ROW = re.compile(r"^\| `([\w/]+)` \| (\d+) \| (\d+) \| (\d+) \| (.*) \|$", re.MULTILINE)
 REASONS = {  # in a row, by the beginning of the sentence
     "another solver": "Found by the solver",
-    "several harmonics": "Its drive has several harmonics",
     "several contacts": "It has contacts in several places",
     "too many modes": "It has the contact law",
 }

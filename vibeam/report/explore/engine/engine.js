@@ -3,6 +3,8 @@
 import { decoded, unpacked } from "./decoding.js";
 import { EventDriven } from "./flight.js";
 import { orbits } from "./orbits.js";
+import { HarmonicDriven } from "./harmonics.js";
+import { PackedHarmonics } from "./oscillators.js";
 import { PackedSystem } from "./plain.js";
 import { response } from "./points.js";
 import { PackedRegimes } from "./regimes.js";
@@ -98,9 +100,15 @@ export class Engine {
     let known = this.packed.get(fidelity);
     if (!known) {
       const model = this.model(fidelity);
-      const made = model.engine === "regimes" ? PackedRegimes : PackedSystem;
-      const packed = /** @type {Settable} */ (new made(this.slots, model));
-      this.packed.set(fidelity, known = { packed, flight: new EventDriven(packed) });
+      if (model.engine === "harmonics") {
+        const packed = new PackedHarmonics(this.slots, model);
+        known = { packed, flight: new HarmonicDriven(packed) };
+      } else {
+        const made = model.engine === "regimes" ? PackedRegimes : PackedSystem;
+        const packed = /** @type {Settable} */ (new made(this.slots, model));
+        known = { packed, flight: new EventDriven(packed) };
+      }
+      this.packed.set(fidelity, known);
     }
     known.packed.set(settings, slowest);
     return known.flight;

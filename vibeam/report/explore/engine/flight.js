@@ -57,6 +57,11 @@ export class EventDriven {
     this.asked = {};
   }
 
+  /** Number of modes that poses have, and the user's number of each. */
+  get shown() {
+    return { size: this.packed.size, order: this.packed.order };
+  }
+
   /**
    * Put a state into `pose` and `status`; null: static equilibrium.
    * @param {State | null} state

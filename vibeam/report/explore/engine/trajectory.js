@@ -57,7 +57,7 @@ export class Motion {
    * @returns {{x: Float64Array, v: Float64Array, modes: Float64Array}}
    */
   at(times) {
-    const flight = this.engine.ready(this.fidelity, this.settings), { order, size: n } = flight.packed;
+    const flight = this.engine.ready(this.fidelity, this.settings), { order, size: n } = flight.shown;
     const model = this.engine.model(this.fidelity), k = times.length, slack = SLACK * this.end;
     for (let i = 0; i < k; i++)
       if (!(times[i] >= -slack && times[i] <= this.end + slack))

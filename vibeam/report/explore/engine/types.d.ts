@@ -12,7 +12,7 @@ export type Unit = { unit: string; factor: number };
 export type Model = {
   name: string; label: string; finest: string;
   /** Engine that flies it, or null with the reason why the page cannot. */
-  engine: "plain" | "regimes" | null; refusal: string;
+  engine: "plain" | "regimes" | "harmonics" | null; refusal: string;
   modes: number; omega: Packed; zeta: Packed; contact: Packed; load: Packed; static: Packed;
   gap: number; restitution: number; damped?: boolean;
   outputs: Record<string, Packed>; output: string;
@@ -22,7 +22,9 @@ export type Model = {
   /** Share of the drive's amplitude with which the base moves; null where it moves otherwise. */
   base: number | null;
   /** Regimes of a system beyond plain ones, and what of them other damping changes, by its factor. */
-  rest: any; regimes?: any; dampings?: any[]; drift?: { frequency: Packed; gap: Packed };
+  rest: any; regimes?: any; dampings?: any[];
+  /** Order, share of the first harmonic's Ω²B and phase (rad) of each further one. */
+  harmonics?: Packed; drift?: { frequency: Packed; gap: Packed };
   /** Base amplitude: level · factor / Ω^power, or level times a table; the level is the case's. */
   amplitude: { level: number; power: number; factor: number } | { level: number; frequency: Packed; amplitude: Packed };
   look: { colour: string; dark: string; dash: number[] };
