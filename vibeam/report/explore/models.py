@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -117,7 +118,13 @@ def _finest(case: Case, name: str) -> str:
     """Fidelity with most modes, the first of several, among those with the same physics: as ``Result.finest``."""
     own = case.fidelities
     alike = [each for each in own if own[each].changes == own[name].changes]
-    return max(alike, key=lambda each: case.system(each).size)
+    return max(alike, key=_sizes(case).__getitem__)
+
+
+@lru_cache(maxsize=1)
+def _sizes(case: Case) -> dict[str, int]:
+    """Number of modes of every fidelity of the case asked for last."""
+    return {name: case.system(name).size for name in case.fidelities}
 
 
 def _base_share(scene: AnyScene) -> float | None:
