@@ -14,6 +14,7 @@ from test_flights_in_javascript import FIXED, SYSTEMS
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.linear.block_regime import set_output
+from vibeam.flight.linear.held_planes import roots_serve
 from vibeam.flight.linear.packing import pack
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
@@ -60,6 +61,28 @@ def test_arrays_are_those_of_python(node: Node) -> None:
         for field in ("table", "cells", "rungs"):
             near(found[field], getattr(engine, field), 1e-13, f"{name} {field}")
         rest_is_that_of_python(found["rest"], engine.rest, packed.inward(system.contact), load_of(system), name)
+
+
+def test_only_systems_that_have_no_roots_of_their_own_carry_blocks() -> None:
+    """Modes that coincide, and held modes that do not oscillate, but not damping in proportion, however large."""
+    assert {name for name, each in SYSTEMS.items() if not roots_serve(each)} == set(FIXED)
+    assert not roots_serve(ImpactSystem.from_modes([3.0, 3.0], 0.1, [1.0, 2.0], [1.0, 1.0]))
+
+
+def test_memory_that_is_not_there_is_a_sentence(node: Node) -> None:
+    """What is asked for beyond it, and what fits goes on."""
+    script = """
+    const { Slots } = await load("explore/engine/slots.js");
+    const memory = new WebAssembly.Memory({ initial: 1, maximum: 4 });
+    const slots = new Slots(memory, { entries: {}, rows: {}, first: 0 }, {});
+    const said = (size) => {
+      try { return slots.array("f8", [size]).address; } catch (fault) { return fault.message; }
+    };
+    return [said(8000), said(80000), said(8)];
+    """
+    first, beyond, last = node(script, {})
+    assert (first, last) == (0, 64000)
+    assert beyond == "This motion needs more memory than there is: take fewer periods, or a model with fewer modes."
 
 
 def load_of(system: ImpactSystem) -> float:

@@ -128,7 +128,12 @@ export class Slots {
     this.end = Math.ceil((address + bytes) / ALIGNMENT) * ALIGNMENT;
     if (this.end > buffer.byteLength) {
       const wanted = Math.max(this.end - buffer.byteLength, Math.min(buffer.byteLength, 1 << 25));
-      this.memory.grow(Math.ceil(wanted / PAGE));
+      try {
+        this.memory.grow(Math.ceil(wanted / PAGE));
+      } catch {
+        this.end = address;
+        throw new Error("This motion needs more memory than there is: take fewer periods, or a model with fewer modes.");
+      }
     }
     return address;
   }
