@@ -4,7 +4,7 @@ import { increasing, keptSpan, short, withUnit } from "./numbers.js";
 
 /** @import { Chart, DrawnMotion, Draw, Numbers, Picture, Plot, PlotSeries, Units } from "./types.d.ts" */
 
-const TIME = "Time in drive periods";
+const TIME = "Time in drive periods", TICK = 7;  // px
 
 /** @type {(host: HTMLElement, units: Units) => Picture} */
 export function history(host, { output }) {
@@ -25,6 +25,11 @@ export function history(host, { output }) {
   const paint = (pen, at) => {
     const frame = framed(at, 1, output.factor);
     for (const each of current) lines(pen, frame, each.time, each.x, { colour: each.colour(), dash: each.dash });
+    current.forEach(({ impacts, colour }, row) => {  // ticks along the lower edge, a row a motion
+      const low = at.top + at.height - TICK * row * at.ratio, ys = [low, low - 0.7 * TICK * at.ratio, null];
+      const frame = { ...at, y: (/** @type {number} */ value) => value };
+      lines(pen, frame, impacts.flatMap((time) => [time, time, time]), impacts.flatMap(() => ys), { colour: colour() });
+    });
   };
   // While a slider moves the chart keeps its series and has no values to read out.
   /** @type {(still: boolean) => Numbers[]} */

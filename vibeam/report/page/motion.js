@@ -19,7 +19,8 @@ function ready(motion) {
   return motion.drawn ||= {
     ...motion, label, dash, places, held, colour: () => colour(motion),
     time: unpacked(motion.time), x: unpacked(motion.x), v: unpacked(motion.v), spectrum: unpacked(motion.spectrum),
-    section: motion.section.map(unpacked), beam: motion.beam ? unpacked(motion.beam) : [],
+    section: motion.section.map(unpacked), impacts: motion.impacts.map(([time]) => time),
+    beam: motion.beam ? unpacked(motion.beam) : [],
   };
 }
 

@@ -47,6 +47,8 @@ export type DrawnMotion = {
   label: string; colour: () => string; dash: number[]; window: number; time: Series; x: Series; v: Series;
   /** Displacements and velocities. */
   section: number[][];
+  /** Times, in drive periods. */
+  impacts: number[];
   /** log10 of amplitudes from 0 to 16 times the drive frequency, evenly. */
   spectrum: number[];
   /** Deflections, frame by frame, at the places after the first; none where they are not known. */

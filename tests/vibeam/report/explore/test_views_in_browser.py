@@ -220,6 +220,8 @@ def test_every_view_is_saved_whole(explored):
         drawing = ElementTree.fromstring(explored.saved(f"SVG of {view}"))
         assert len(drawing.findall(".//{*}path")) + len(drawing.findall(".//{*}polyline")) > 2
         assert "NaN" not in ElementTree.tostring(drawing, encoding="unicode")
+    history = explored.saved("SVG of displacement over time").decode()
+    assert len(re.findall(r'd="M([\d.]+) [\d.]+L\1 [\d.]+"', history)) == 2  # one impact of each in the one period
     rows = list(csv.reader(explored.saved(f"CSV of {VIEWS[0]}").decode("utf-8-sig").splitlines()))
     assert [float(row[1]) for row in rows[1:8]] == list(range(30, 61, 5))
     assert {row[0] for row in rows[1:]} == {"sdof", "four </b> modes"}

@@ -63,6 +63,7 @@ function drawnOf(engine, model, at, motion, periods, window) {
   return {
     label: model.label, dash: model.look.dash, colour: () => colourOf(model.look), window, x, v,
     time: times.map((time) => time / turn), section: [Array.from(section.x), Array.from(section.v)],
+    impacts: motion.impacts.filter(([time]) => time <= end).map(([time]) => time / turn),
     get spectrum() {
       return (spectrum ||= lines(motion.at(even(SAMPLES * periods, periods * turn)).x, HARMONICS * periods));
     },
@@ -75,6 +76,7 @@ function drawnOf(engine, model, at, motion, periods, window) {
 /** Drive periods drawn of a motion of that period. @type {(period: number) => number} */
 const windowOf = (period) => (period === -1 ? 1 : period >= 1 && period <= SHOWN ? period : SHOWN);
 
+/** @typedef {{motion: Motion, window: number}} Record */
 /** @typedef {(call: string, args: any[], hear: (answer: any) => void) => void} Ask */
 /**
  * @typedef {object} Standing what is known at the sliders' place
@@ -152,11 +154,18 @@ export function flights(engine, ask, { draw, stand, stateOf }) {
     const own = (number += 1), at = place(), { settle, hold } = payload.sweep, asked = flown();
     let open = asked.length;
     waiting = [];
+    /** @type {Map<Model, Record>} */
+    const records = new Map();
     standing = { swept: startsFrom() === "sweep", settled: !open, steady: new Map(), faults: new Map() };
     stand(standing);
     const done = () => {
       open -= 1;
       standing.settled = open === 0;
+      // All are drawn over the longest of their periods.
+      const longest = Math.max(...[...records.values()].map(({ window }) => window));
+      for (const [model, { motion, window }] of open ? [] : records) {
+        if (window < longest) motions.set(model.name, drawnOf(engine, model, at, motion, RECORD, longest));
+      }
       drawAll(standing.settled);
       stand(standing);
     };
@@ -168,7 +177,7 @@ export function flights(engine, ask, { draw, stand, stateOf }) {
         if (fault) refuse(model, fault);
         else {
           standing.steady.set(model.name, values);
-          if (complete(values.ended)) show(model, at, values); else refuse(model, values.ended);
+          if (complete(values.ended)) show(model, at, values, records); else refuse(model, values.ended);
         }
         done();
       });
@@ -176,13 +185,15 @@ export function flights(engine, ask, { draw, stand, stateOf }) {
     if (!open) drawAll(true);
   }
 
-  /** @type {(model: Model, at: Place, steady: Steady) => void} */
-  function show(model, at, { state, period }) {
+  /** @type {(model: Model, at: Place, steady: Steady, records: Map<Model, Record>) => void} */
+  function show(model, at, { state, period }, records) {
     try {
       const motion = engine.motion(model.name, at, { state, settle: 0, periods: RECORD });
       if (!complete(motion.ended)) throw new Error(motion.ended);
+      const window = windowOf(period);
       states.set(model.name, state);
-      motions.set(model.name, drawnOf(engine, model, at, motion, RECORD, windowOf(period)));
+      records.set(model, { motion, window });
+      motions.set(model.name, drawnOf(engine, model, at, motion, RECORD, window));
     } catch (fault) { refuse(model, fault); }
   }
 
