@@ -13,7 +13,7 @@ const LEAST = 5e-5, SAME = "the same";  // relative difference that is called no
 function repeats({ engine }, { period, rest }) {
   if (period === -1) return "1, no contact";
   const share = `${short(100 * rest, 3)} % of the time`;
-  const resting = engine === "plain" ? `; chatters, rests on the stop ${share}` : `; on the stop ${share}`;
+  const resting = engine !== "regimes" ? `; chatters, rests on the stop ${share}` : `; on the stop ${share}`;
   return (period === 0 ? "does not repeat" : String(period)) + (rest > 0 ? resting : "");
 }
 
@@ -82,6 +82,7 @@ export function readings({ steady, faults, settled, swept }, curveOf) {
     [withUnit("peak at", frequency.unit), (best) => short(best.frequency * frequency.factor, 6)],
     ["peak from the finest", (_, model) => beside(highest, model)],
   ];
+  if (!shown.some(finestOf)) { here.splice(1, 1); above.splice(2, 1); }  // no rows of differences
   /** @type {(name: string, cells: string[]) => Element} */
   const row = (name, cells) => {
     const made = element("tr");
