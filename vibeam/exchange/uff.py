@@ -46,9 +46,6 @@ def read_modes(path: Path) -> FileModes:
 @lru_cache(maxsize=8)
 def _read(path: Path, state: State) -> FileModes:
     sets = data_sets(path, "write frequencies and shapes in the case")
-    for each in sets:
-        if each["type"] == 164 and each["units_code"] != SI:
-            raise FormatError(f"its units have the code {each['units_code']}: export it in SI (code {SI})")
     modes = [_mode(each) for each in sets if each["type"] == 55 and each["analysis_type"] in (NORMAL, *COMPLEX)]
     if not modes:
         raise FormatError("has no modes: a data set 55 of analysis type 2, 3 or 7 is needed")
@@ -63,7 +60,7 @@ def _read(path: Path, state: State) -> FileModes:
 
 
 def data_sets(path: Path, cure: str) -> list[dict[str, Any]]:
-    """Data sets of a file; FormatError, with the ``cure`` where pyuff is not installed."""
+    """Data sets of a file in SI; FormatError of another one, and, with the ``cure``, where pyuff is not installed."""
     try:
         import pyuff
     except ImportError:
@@ -74,7 +71,11 @@ def data_sets(path: Path, cure: str) -> list[dict[str, Any]]:
             found: Any = pyuff.UFF(str(path)).read_sets()
     except Exception as error:  # whatever the reader makes of another file, it is not one of these
         raise FormatError(f"is no universal file that can be read: {reason(error)}") from None
-    return found if isinstance(found, list) else [found]
+    sets = found if isinstance(found, list) else [found]
+    for each in sets:
+        if each["type"] == 164 and each["units_code"] != SI:
+            raise FormatError(f"its units have the code {each['units_code']}: export it in SI (code {SI})")
+    return sets
 
 
 def _mode(data: dict[str, Any]) -> tuple[float, float, float, dict[Label, float]]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn
 from vibeam.exchange.files import FormatError
-from vibeam.exchange.uff import SI, data_sets
+from vibeam.exchange.uff import data_sets
 
 ABSCISSAE = {17: "time", 18: "frequency"}  # specific data types
 FUNCTIONS = {
@@ -27,9 +27,6 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     Time and value where ``wanted["frequency"]`` may be called time.
     """
     sets = data_sets(path, "export the curve as CSV")
-    units = [each for each in sets if each["type"] == 164]
-    if units and units[0]["units_code"] != SI:
-        raise FormatError(f"its units have the code {units[0]['units_code']}: export it in SI (code {SI})")
     curves = [each for each in sets if each["type"] == 58]
     one = curves[_chosen(curves, wanted["value"])]
     frequency, ordinate = np.asarray(one["x"], dtype=float), np.asarray(one["data"])

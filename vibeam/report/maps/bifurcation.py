@@ -14,6 +14,7 @@ from vibeam.figures.style import COLOURS, name_of, shade
 from vibeam.figures.units import motion_of, units_of
 from vibeam.maps.closed_form import ClosedForm, closed_form_strobes
 from vibeam.report.maps.labels import shown_axis
+from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
     from vibeam.maps.run import MapResult
@@ -73,7 +74,7 @@ def _lines(axes: Any, found: list[ClosedForm], across: float, upward: float, han
         beside = each.stable.copy()
         beside[1:] &= each.stable[:-1]
         beside[:-1] &= each.stable[1:]
-        struck = f"{_count(each.impacts, 'impact')} in {_count(each.periods, 'period')}"
+        struck = f"{counted(each.impacts, 'impact')} in {counted(each.periods, 'period')}"
         dashed = {"color": UNSTABLE[each.impacts], "linestyle": (0, (3, 1.5))}
         for name, shown, look in (
             ("exact, stable", each.stable, STABLE),
@@ -94,7 +95,3 @@ def joined(values: NDArray[np.float64]) -> NDArray[np.float64]:
     cut = values.copy()
     cut[1:][jumps] = np.nan
     return cut
-
-
-def _count(number: int, noun: str) -> str:
-    return f"1 {noun}" if number == 1 else f"{number} {noun}s"

@@ -31,8 +31,6 @@ def size_of(result: MapResult) -> tuple[float, float]:
 
 def spectra(figure: Figure, result: MapResult, exact: bool) -> tuple[list[Any], list[str]]:
     """Draw a panel for each fidelity and way; no legend, notes."""
-    if not all("state" in response.values for response in result.responses.values()):  # of a map under way
-        return [], []
     shown = [(name, way) for name, response in result.responses.items() for way in range(len(response.ways))]
     grid = figure.subplots(1, len(shown), sharex=True, sharey=True, squeeze=False)[0]
     across = shown_axis(result.case, result.plan.axes[0])
