@@ -104,7 +104,7 @@ def planned(
     def wanted(stored: Keyed) -> Requirements:
         branches = [each for several in _plan(case, systems, stored).branches.values() for each in several]
         return Requirements(
-            case.numbers, case.key, case.shared, branches, output_units(case), case.text, case.path.name
+            case.numbers, case.key, case.shared, branches, case.text, case.path.name, output_units(case)
         )
 
     with opened(path, wanted, fresh=fresh, tell=tell or warn) as store:

@@ -15,10 +15,6 @@ if TYPE_CHECKING:
     from vibeam.runs.result import Result
 
 
-#: units of a stored case's numbers, which one of before this key does not say
-IN_SI = {"units": "SI"}
-
-
 def read(path: str | Path) -> Result:
     """Result in a results file, complete or not: ``vibeam.read("dtu_neutral.h5")["beam"].up.amplitude``.
 
@@ -62,14 +58,14 @@ def _parsed(text: str, results: Path) -> tuple[Case, list[str]]:
 
     place = results.with_suffix(".toml")
     try:
-        return parse(text, place, IN_SI), []
+        return parse(text, place, {}), []
     except CaseError as wrong:
         names = list(dict.fromkeys(fault.key.split(".")[1] for fault in wrong.faults if _of_reference(fault)))
         if not all(map(_of_reference, wrong.faults)):
             named = " and ".join(fault.key for fault in wrong.faults if not _of_reference(fault))
             cure = f"copy them into the folder of {results.name}, or name the case with --case"
             raise StoreError(f"{results}: the files of {named} are not beside it: {cure}\n{wrong}") from None
-    return parse(text, place, IN_SI | {f"reference.{name}": None for name in names}), names
+    return parse(text, place, {f"reference.{name}": None for name in names}), names
 
 
 def _of_reference(fault: Fault) -> bool:

@@ -35,7 +35,7 @@ from vibeam.system.state import State
 GRID = np.linspace(14.0, 17.0, 6)
 UP = BranchPlan("beam", "up", GRID, 3, "u" * 64)
 DOWN = BranchPlan("beam", "down", GRID[::-1].copy(), 3, "d" * 64)
-CASE = Requirements('title = "a"\nsettle = 300\n', "a" * 64, "settle = 300\n", (UP, DOWN))
+CASE = Requirements('title = "a"\nsettle = 300\n', "a" * 64, "settle = 300\n", (UP, DOWN), "settle = 300\n", "a.toml")
 CURVES = curves_of("beam", METRES)
 STATE = State(np.array([1 / 3, 1e-300, -0.0]), np.array([np.pi, 2.0, -1e300]), resting=True)
 
@@ -118,10 +118,10 @@ def test_gives_back_every_bit(tmp_path: Path) -> None:
     assert same(untouched.response, FrequencyResponse.empty(DOWN.frequency, 3))
 
 
-def other_case(name: str = "") -> Requirements:
+def other_case(name: str = "a.toml") -> Requirements:
     changed = [replace(branch, key="c" * 64) for branch in CASE.branches]
     texts = CASE.text.replace("300", "30"), "b" * 64, CASE.shared.replace("300", "30")
-    return Requirements(*texts, changed, name=name)
+    return Requirements(*texts, changed, "settle = 30\n", name)
 
 
 def test_the_file_of_another_case_is_kept_aside_under_the_next_free_name(tmp_path: Path) -> None:

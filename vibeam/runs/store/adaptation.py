@@ -46,9 +46,9 @@ class Requirements:
     key: str
     shared: str
     branches: Sequence[BranchPlan]
+    whole: str
+    name: str
     units: OutputUnits = METRES
-    whole: str = ""
-    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -109,18 +109,18 @@ def loses(file: h5py.File, wanted: Requirements) -> bool:
 
 
 def is_of(file: h5py.File, wanted: Requirements) -> bool:
-    """Test whether the file is of a case of that name, as far as it says."""
-    return text_of(file["case"], "name") in ("", wanted.name)
+    """Test whether the file is of a case of that name."""
+    return text_of(file["case"], "name") == wanted.name
 
 
 def whole_case(file: h5py.File) -> str:
-    """The case of the file as TOML; of a file that does not hold it, what decides its numbers."""
-    return _text(file, "whole" if "whole" in file["case"] else "text")
+    """The case of the file as TOML."""
+    return _text(file, "whole")
 
 
 def _renewed(file: h5py.File, wanted: Requirements) -> str | None:
     """Bring title, checks and figures of the case up to date, which decide no number of a branch: nothing to tell."""
-    if wanted.whole in ("", whole_case(file)):
+    if wanted.whole == whole_case(file):
         return None
     _write_case(file, wanted)
     return ""
@@ -130,9 +130,7 @@ def _write_case(file: h5py.File, wanted: Requirements) -> None:
     file.pop("case", None)
     group = file.create_group("case")
     group.attrs["key"], group.attrs["name"] = fixed(wanted.key), fixed(wanted.name)
-    group["text"], group["shared"] = fixed(wanted.text), fixed(wanted.shared)
-    if wanted.whole:
-        group["whole"] = fixed(wanted.whole)
+    group["text"], group["shared"], group["whole"] = map(fixed, (wanted.text, wanted.shared, wanted.whole))
 
 
 def _text(file: h5py.File, name: str) -> str:
