@@ -141,6 +141,18 @@ def test_steady_points_at_random_places_are_those_of_python(browser, pages, stem
     found.page.close()
 
 
+def test_sliders_and_pictures_follow_keys_in_firefox(firefox, pages):
+    firefox.open(pages("dtu_neutral").as_uri())
+    firefox.run(f"{SETTLED} {CURVES}")
+    before = firefox.run(f"return {NUMBERS};")
+    firefox.press("#slide-restitution", "\ue012" * 30)  # left arrow
+    firefox.run(f"await new Promise((done) => setTimeout(done, 300)); {SETTLED} {CURVES}")
+    assert firefox.run(f"return {NUMBERS};") != before
+    assert "R=" in firefox.run("return location.hash;")
+    assert firefox.run("return document.querySelectorAll('#live-spectrum canvas').length;") == 3
+    assert firefox.heard() == []
+
+
 def test_a_refusal_is_a_sentence(opened):
     for wrong, said in [
         ({"fidelity": "none"}, "No fidelity none: there are sdof, two_modes, beam"),
