@@ -1,11 +1,15 @@
-"""Modules of the page in node: numbers come and go to the bit; texts of numbers."""
+"""Modules of pages: numbers come from node and go to the bit, texts of numbers, what the bundle can read."""
 
 import math
+import re
 from base64 import b64encode
+from pathlib import Path
 
 import numpy as np
 import pytest
 from javascript import ScriptError
+
+from vibeam.report.page import parts
 
 PI = math.pi
 
@@ -43,3 +47,23 @@ def test_packed_numbers(node):
     packed = {"data": b64encode(whole.tobytes()).decode(), "low": -1.0, "step": 0.5}
     script = 'return (await load("page/numbers.js")).unpacked(given);'
     assert node(script, packed) == (-1.0 + 0.5 * whole).tolist()
+
+
+REPORT = Path(parts.__file__).parents[1]
+SCRIPTS = sorted(file for home in parts.HOMES for file in (REPORT / home).glob("*.js"))
+LONGEST = 260
+
+
+def test_modules_are_written_as_the_bundle_reads_them():
+    """What is exported or imported in another form would be missing in the page alone."""
+    assert len(SCRIPTS) > 40
+    for file in SCRIPTS:
+        text = file.read_text(encoding="utf-8")
+        assert text.count("\n") <= LONGEST, file.name
+        if file.name == "node.js":  # a program, not part of a page
+            continue
+        assert len(re.findall(r"^export\b", text, re.MULTILINE)) == len(parts.EXPORT.findall(text)), file.name
+        assert len(re.findall(r"^import\b", text, re.MULTILINE)) == len(parts.IMPORT.findall(text)), file.name
+        assert not re.search(r"^export (const|let) (\w+\s*,|[{\[])", text, re.MULTILINE), file.name
+        named = [name.strip() for each in parts.IMPORT.findall(text) for name in each[0].strip("{} ").split(",")]
+        assert all(re.fullmatch(r"\w+", name) for name in filter(None, named)), file.name  # no "as"
