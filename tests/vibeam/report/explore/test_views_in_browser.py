@@ -156,6 +156,10 @@ def test_a_link_reproduces_the_place(browser, folder, explored):
 def test_a_broken_link_opens_the_place_of_the_case(browser, folder, link):
     found = Explored(browser, folder / "case.html", link)
     assert found.page.locator("#slide-gap-number").input_value() == "0.1"
+    assert (
+        "the link's is not from 30 to 60 Hz; that of the case is shown."
+        in found.page.locator("#slider-fault").inner_text()
+    )
     assert found.page.locator("#differences").inner_text().endswith("all else as in the case.")
     assert found.said == []
     found.page.close()

@@ -3,7 +3,7 @@ import { byId, drawn, element, colourOf, on } from "../../page/state.js";
 import { short } from "../../page/numbers.js";
 import { save } from "../../page/saving.js";
 import { caseText, isFlown, models, move, payload, placesOf, reset, shownText, take } from "./place.js";
-import { startFrom, startsFrom, valueAt, valueOf } from "./place.js";
+import { lost, startFrom, startsFrom, valueAt, valueOf } from "./place.js";
 
 /** @import { Fixed, Model, Slider } from "../engine/types.d.ts" */
 
@@ -28,9 +28,14 @@ function stepOf(slider, value) {
   return STEPS * (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
 }
 
+/** @type {(slider: Slider) => string} */
+function rangeText({ low, high, factor, unit }) {
+  return `${[low, high].map((each) => short(each * factor, 6)).join(" to ")} ${unit}`.trim();
+}
+
 /** Rows of one slider; what writes its value into them is returned. @type {(slider: Slider) => () => void} */
 function row(slider) {
-  const { name, key, label, unit, low, high, factor } = slider;
+  const { name, key, label, unit } = slider;
   const id = `slide-${name}`, fault = byId("slider-fault");
   const tick = element("datalist", { id: `${id}-case` });  // where the case stands
   const range = element("input", { type: "range", id, min: 0, max: steps(slider), step: 1, title: key, list: tick.id });
@@ -43,8 +48,7 @@ function row(slider) {
   field.addEventListener("input", () => {
     const value = field.value === "" ? NaN : valueOf(slider, +field.value), known = isFinite(value);
     field.setAttribute("aria-invalid", String(!known));
-    const ends = [low, high].map((each) => short(each * factor, 6)).join(" to ");
-    fault.textContent = known ? "" : `${label}: a number from ${ends}${unit ? ` ${unit}` : ""}.`;
+    fault.textContent = known ? "" : `${label}: a number from ${rangeText(slider)}.`;
     if (known) move(name, value);
   });
   field.addEventListener("change", () => { if (field.getAttribute("aria-invalid") === "false") set(); });
@@ -114,6 +118,8 @@ export function controls() {
   byId("write-case").addEventListener("click", () => save(caseText(), "application/toml", "at these sliders", "toml"));
   byId("start").value = startsFrom();
   byId("start").addEventListener("change", () => startFrom(byId("start").value === "sweep" ? "sweep" : "equilibrium"));
+  byId("slider-fault").textContent = lost
+    .map((each) => `${each.label}: the link's is not from ${rangeText(each)}; that of the case is shown.`).join(" ");
   on("moved", all);
   all();
 }

@@ -94,9 +94,11 @@ export function begin(frequency) {
   if (address.get(ADDRESS.frequency) === null) values.frequency = value;
 }
 
+/** Sliders whose value in the link is none of theirs. @type {Slider[]} */
+export const lost = [];
 for (const slider of payload.sliders) {
-  const [asked] = address.numbers(ADDRESS[slider.name]), value = valueOf(slider, asked ?? NaN);
-  if (isFinite(value)) values[slider.name] = value;
+  const key = ADDRESS[slider.name], value = valueOf(slider, address.numbers(key)[0] ?? NaN);
+  if (isFinite(value)) values[slider.name] = value; else if (address.get(key) !== null) lost.push(slider);
 }
 
 // Fidelities that the reader took away, by name.
