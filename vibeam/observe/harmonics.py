@@ -30,18 +30,6 @@ class Harmonics(ValueRecord):
             raise KeyError(f"no order {order}: there are {', '.join(f'{k:g}' for k in self.order)}")
         return complex(self.amplitude[found[0]])
 
-    @property
-    def distortion(self) -> float:
-        """Total harmonic distortion: the root of Σ|X_k|² over whole orders k ≥ 2, over |X₁|; NaN without a first."""
-        whole = (np.abs(self.order - np.round(self.order)) < 1e-9) & (self.order > 1.5)
-        first = abs(self.of(1))
-        return float(np.linalg.norm(self.amplitude[whole]) / first) if first else float("nan")
-
-    @property
-    def subharmonics(self) -> float:
-        """Root of Σ|X|² over the orders that are not whole numbers, m: 0 where the motion repeats every period."""
-        return float(np.linalg.norm(self.amplitude[np.abs(self.order - np.round(self.order)) > 1e-9]))
-
 
 def harmonic_amplitudes(
     path: Path, output: str = "sensor", *, periods: int = 1, highest: int = 8, subdivision: int = 1

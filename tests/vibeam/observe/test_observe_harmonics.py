@@ -19,8 +19,6 @@ def test_a_rectified_sine_has_its_fourier_series() -> None:
     expected[::2] = 4 * SIZE / np.pi / (4 * k[::2] ** 2 - 1)
     expected[0] /= 2
     np.testing.assert_allclose(found.amplitude, expected, rtol=0, atol=1e-13 * SIZE)
-    assert found.subharmonics < 1e-13 * SIZE
-    assert found.distortion == pytest.approx(3 * np.sqrt(sum(1 / (4 * j**2 - 1) ** 2 for j in range(2, 9))), rel=1e-11)
     np.testing.assert_allclose(found.frequency, k * 2 * OMEGA / (2 * np.pi))
     with pytest.raises(KeyError, match=r"no order 9"):
         found.of(9)
