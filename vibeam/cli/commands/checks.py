@@ -17,6 +17,7 @@ from vibeam.cli.arguments import (
     folder,
     load,
     of_fidelities,
+    option,
     output_path,
     results_path,
     run_case,
@@ -31,13 +32,7 @@ if TYPE_CHECKING:
 
 DRAWN = (".png", ".svg", ".pdf")
 
-Plot = Annotated[
-    str | None,
-    typer.Option(
-        "--plot", metavar="FILE", help="Draw references and model (.png, .svg, .pdf), or the folder for it.",
-        show_default=False,
-    ),
-]  # fmt: skip
+_PLOT = "Draw references and model (.png, .svg, .pdf), or the folder for it."
 
 
 def check(
@@ -46,7 +41,7 @@ def check(
     out: ResultsFile = None,
     fresh: Fresh = False,
     fidelity: Fidelities = None,
-    plot: Plot = None,
+    plot: Annotated[str | None, option(_PLOT, "--plot", metavar="FILE")] = None,
     record: Annotated[
         bool, typer.Option("--record", help="Write the curves as regression values, into the folder of --out.")
     ] = False,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibeam.cli.arguments import CaseFile, Fresh, Overrides, folder, load, output_path
+from vibeam.cli.arguments import CaseFile, Fidelities, Fresh, Overrides, folder, load, option, out_option, output_path
 from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_sheet
 
@@ -21,61 +21,38 @@ if TYPE_CHECKING:
     from vibeam.report.output import StudySheet
 
 
-def _option(name: str, said: str, **more: Any) -> Any:
-    return typer.Option(name, help=said, show_default=False, **more)
-
-
 Names = Annotated[
     list[str] | None, typer.Argument(metavar="NAME", help="These maps of the case; absent = all that it has.")
 ]
-Out = Annotated[
-    str | None,
-    typer.Option(
-        "--out", "-o", metavar="FILE", show_default=False,
-        help="The map's file (.h5), or the folder for all; folders on the way are made; absent = the current folder.",
-    ),
-]  # fmt: skip
-Picture = Annotated[
-    str | None,
-    _option(
-        "--picture",
-        "For a case without such a table: period, values, bifurcation, spectra, stability, verdict.",
-        metavar="NAME",
-    ),
-]
-Over = Annotated[
-    str | None, _option("--over", "gap, drive, restitution, frequency or a dotted key.", metavar="KEY[,KEY]")
-]
-Points = Annotated[str | None, _option("--points", "Values of each key, one number for all.", metavar="N[,M]")]
-Named = Annotated[list[str] | None, _option("--fidelity", "This fidelity. Repeatable; absent = all.", metavar="NAME")]
-Workers = Annotated[
-    str | None, _option("--cluster", "Workers of this Dask scheduler, or its scheduler file.", metavar="ADDRESS")
-]
+_OUT = "The map's file (.h5), or the folder for all; folders on the way are made; absent = the current folder."
+_PICTURE = "For a case without such a table: period, values, bifurcation, spectra, stability, verdict."
+_OVER = "gap, drive, restitution, frequency or a dotted key."
+_POINTS = "Values of each key, one number for all."
+_ACCURACY = "Of verdict: how near the finest model; absent = 1 %."
+_CLUSTER = "Workers of this Dask scheduler, or its scheduler file."
 
 
 def map(
     case: CaseFile,
     names: Names = None,
     set_: Overrides = None,
-    out: Out = None,
-    picture: Picture = None,
-    over: Over = None,
-    low: Annotated[str | None, _option("--from", "First value of the key, with its unit.", metavar="VALUE")] = None,
-    high: Annotated[str | None, _option("--to", "Its last value.", metavar="VALUE")] = None,
-    points: Points = None,
-    accuracy: Annotated[
-        str | None, _option("--accuracy", "Of verdict: how near the finest model; absent = 1 %.", metavar="PERCENT")
-    ] = None,
+    out: Annotated[str | None, out_option(_OUT)] = None,
+    picture: Annotated[str | None, option(_PICTURE, "--picture", metavar="NAME")] = None,
+    over: Annotated[str | None, option(_OVER, "--over", metavar="KEY[,KEY]")] = None,
+    low: Annotated[str | None, option("First value of the key, with its unit.", "--from", metavar="VALUE")] = None,
+    high: Annotated[str | None, option("Its last value.", "--to", metavar="VALUE")] = None,
+    points: Annotated[str | None, option(_POINTS, "--points", metavar="N[,M]")] = None,
+    accuracy: Annotated[str | None, option(_ACCURACY, "--accuracy", metavar="PERCENT")] = None,
     quantity: Annotated[
-        str | None, _option("--quantity", "Of values and verdict: amplitude, reach, …", metavar="NAME")
+        str | None, option("Of values and verdict: amplitude, reach, …", "--quantity", metavar="NAME")
     ] = None,
     periods: Annotated[
-        int | None, _option("--periods", "Of stability: from impact to impact.", min=1, metavar="N")
+        int | None, option("Of stability: from impact to impact.", "--periods", min=1, metavar="N")
     ] = None,
-    verify: Annotated[int | None, _option("--verify", "Of verdict: places flown anew.", min=0, metavar="N")] = None,
-    fidelity: Named = None,
+    verify: Annotated[int | None, option("Of verdict: places flown anew.", "--verify", min=0, metavar="N")] = None,
+    fidelity: Fidelities = None,
     fresh: Fresh = False,
-    cluster: Workers = None,
+    cluster: Annotated[str | None, option(_CLUSTER, "--cluster", metavar="ADDRESS")] = None,
 ) -> None:
     """Draw motions over keys: period, stability, verdict.
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibeam.cli.arguments import Overrides, TableFile, load, output_path, run_study, table_path
+from vibeam.cli.arguments import Overrides, TableFile, load, option, output_path, run_study, table_path
 from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_sheet
 from vibeam.cli.study_command import files_of
@@ -19,6 +19,13 @@ if TYPE_CHECKING:
     from vibeam.studies.identification.estimates import Identification
 
 
+_KEY = "Of a case: a key, from its modal frequencies. Repeatable."
+_MEASURED = "With --key: a [measured.NAME] to use; absent = all modes."
+_OF = "Of a signal: decay, spectrum or response; absent = found out."
+_DRIVE = "Of a response: base displacement, base acceleration or force."
+_LEVEL = "Of a response: amplitude of the drive, or 1."
+
+
 def fit(
     file: Annotated[
         Path, typer.Argument(metavar="FILE", help="A case (.toml), or a measured signal.", show_default=False)
@@ -26,55 +33,14 @@ def fit(
     set_: Overrides = None,
     out: TableFile = None,
     next_: Annotated[bool, typer.Option("--next", help="Of a case: also say what to measure next.")] = False,
-    write: Annotated[
-        Path | None,
-        typer.Option("--write", metavar="FILE", help="Also write the case with the estimates.", show_default=False),
-    ] = None,
-    key: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--key", metavar="KEY", help="Of a case: a key, from its modal frequencies. Repeatable.", show_default=False
-        ),
-    ] = None,
-    measured: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--measured",
-            metavar="NAME",
-            help="With --key: a [measured.NAME] to use; absent = all modes.",
-            show_default=False,
-        ),
-    ] = None,
-    of: Annotated[
-        str | None,
-        typer.Option(
-            "--of",
-            metavar="KIND",
-            help="Of a signal: decay, spectrum or response; absent = found out.",
-            show_default=False,
-        ),
-    ] = None,
-    x: Annotated[
-        str | None, typer.Option("--x", metavar="HEAD", help="Its column of time or frequency.", show_default=False)
-    ] = None,
-    y: Annotated[
-        str | None, typer.Option("--y", metavar="HEAD", help="Its column of values.", show_default=False)
-    ] = None,
-    drive: Annotated[
-        str | None,
-        typer.Option(
-            "--drive",
-            metavar="KIND",
-            help="Of a response: base displacement, base acceleration or force.",
-            show_default=False,
-        ),
-    ] = None,
-    level: Annotated[
-        float | None,
-        typer.Option(
-            "--level", metavar="NUMBER", help="Of a response: amplitude of the drive, or 1.", show_default=False
-        ),
-    ] = None,
+    write: Annotated[Path | None, option("Also write the case with the estimates.", "--write", metavar="FILE")] = None,
+    key: Annotated[list[str] | None, option(_KEY, "--key", metavar="KEY")] = None,
+    measured: Annotated[list[str] | None, option(_MEASURED, "--measured", metavar="NAME")] = None,
+    of: Annotated[str | None, option(_OF, "--of", metavar="KIND")] = None,
+    x: Annotated[str | None, option("Its column of time or frequency.", "--x", metavar="HEAD")] = None,
+    y: Annotated[str | None, option("Its column of values.", "--y", metavar="HEAD")] = None,
+    drive: Annotated[str | None, option(_DRIVE, "--drive", metavar="KIND")] = None,
+    level: Annotated[float | None, option(_LEVEL, "--level", metavar="NUMBER")] = None,
 ) -> None:
     """Estimate parameters from measurements, with intervals.
 
