@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ FREE = "structure: K: is singular, the body is free: no static deflection bears 
 MATRICES = ("M", "C", "K")
 FIELDS = (*MATRICES, "load", "static", "contact", "outputs")
 ASIDE = ("units", "attached", "contact_flexibility")  # fields that need no check
+SOLVED = 8  # eigenproblems kept for other structures with the same matrices, whatever their damping and load
+SMALL = 24  # coordinates of a problem that is solved as soon as looked up
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -159,7 +162,7 @@ class Structure(ValueRecord):
 
     def _solved(self) -> Modes:
         try:
-            squared, shapes = natural_modes(self.K, self.M)
+            squared, shapes = natural_modes(self.K, self.M) if self.size <= SMALL else _kept_modes(self.K, self.M)
         except np.linalg.LinAlgError:
             raise ValueError("structure: M: must be positive definite: every coordinate needs a mass") from None
         if squared[0] < -STIFF * abs(squared[-1]):
@@ -276,6 +279,19 @@ def natural_modes(K: Array, M: Array) -> tuple[Array, Array]:
     squared[:low] = 1 / inverse[:low]
     shapes[:, :low] = flexible[:, :low] / np.sqrt(inverse[:low])
     return squared, shapes
+
+
+def _kept_modes(K: Array, M: Array) -> tuple[Array, Array]:
+    """As ``natural_modes``, read-only; solved once for matrices with the same bits, of the last few problems."""
+    return _modes_of(len(K), K.tobytes(), M.tobytes())
+
+
+@lru_cache(maxsize=SOLVED)
+def _modes_of(size: int, K: bytes, M: bytes) -> tuple[Array, Array]:
+    made = natural_modes(*(np.frombuffer(each).reshape(size, size) for each in (K, M)))
+    for each in made:
+        each.setflags(write=False)
+    return made
 
 
 def eigenpairs(A: Array, B: Array) -> tuple[Array, Array]:

@@ -1,10 +1,15 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from refusals import other_answers
 from scipy.linalg import eigh
 
-from tests.models.bench import RIG
+from tests.models.bench import RIG, STEEL
+from vibeam_models import structure as structures
 from vibeam_models.beam import assemble
+from vibeam_models.beams.beam import Damping
+from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.structure import Structure, natural_modes, signs
 
 
@@ -40,6 +45,20 @@ def test_other_damping_or_load_keeps_the_modes_and_another_contact_or_mass_does_
     np.testing.assert_allclose(heavier.modes(4).omega, before.omega[:4] / 2, rtol=1e-8)
     away = structure.with_(contact=-structure.contact)
     np.testing.assert_allclose(-away.contact @ away.modes(4).shapes, -structure.contact @ before.shapes[:, :4])
+
+
+def test_a_structure_with_the_same_matrices_solves_no_eigenproblem_again(monkeypatch):
+    solved = []
+    monkeypatch.setattr(structures, "natural_modes", lambda K, M: solved.append(len(K)) or natural_modes(K, M))
+    structures._modes_of.cache_clear()
+    first, softer = assemble(RIG), assemble(replace(RIG, beam=replace(STEEL, damping=Damping("constant", (0.05,)))))
+    assert first.modes() is not softer.modes()
+    assert solved == [first.size]
+    squared, shapes = natural_modes(softer.K, softer.M)  # to the bit: what is kept is what would be found
+    assert np.array_equal(softer.modes().omega, np.sqrt(squared))
+    assert np.array_equal(softer.modes().shapes, shapes * signs(shapes, softer.contact))
+    assemble(replace(RIG, beam=replace(STEEL, shape=Rectangle(0.02, 1.035e-3))))
+    assert solved == [first.size, first.size]
 
 
 def test_a_change_that_does_not_fit_is_refused():
