@@ -42,7 +42,7 @@ def reduced_structure(
     """
     declared, further = REDUCTIONS[reduction], tuple(sorted((parameters or {}).items()))
     if not all(type(effect).__module__.startswith(OURS) for effect in scene.effects):
-        return _made(structure_of(scene), declared, modes, further)
+        return _made(*_structure(scene), declared, modes, further)
     return _kept(scene.structural(), declared, modes, further)
 
 
@@ -50,13 +50,13 @@ def reduced_structure(
 def _kept(
     scene: RigScene, declared: ReductionDeclaration, modes: int | None, parameters: Parameters
 ) -> tuple[Structure, float]:
-    return _made(_kept_structure(scene), declared, modes, parameters)
+    return _made(*_kept_structure(scene), declared, modes, parameters)
 
 
 def _made(
-    structure: Structure, declared: ReductionDeclaration, modes: int | None, parameters: Parameters
+    structure: Structure, static: float, declared: ReductionDeclaration, modes: int | None, parameters: Parameters
 ) -> tuple[Structure, float]:
-    return declared.make(structure, modes, **dict(parameters)).structure, static_at_contact(structure)
+    return declared.make(structure, modes, **dict(parameters)).structure, static
 
 
 def static_at_contact(structure: Structure) -> float:
@@ -69,9 +69,12 @@ def static_at_contact(structure: Structure) -> float:
         return nan
 
 
-@lru_cache(maxsize=FEW)
-def _kept_structure(scene: RigScene) -> Structure:
-    return structure_of(scene)
+def _structure(scene: RigScene) -> tuple[Structure, float]:
+    structure = structure_of(scene)
+    return structure, static_at_contact(structure)
+
+
+_kept_structure = lru_cache(maxsize=FEW)(_structure)
 
 
 PERIODS = 50  # of a flight
