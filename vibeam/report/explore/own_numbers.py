@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import fields
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 Affine = tuple[float, float]  # a and b of a + b·key
 Read = Callable[["ImpactSystem"], float | None]
 SAME = 1e-12  # relative difference that is round-off
+PROBED = 4  # systems, beside the case's own: two that make a number of a key, others that have to lie on it
 
 
 def gap(system: ImpactSystem) -> float:
@@ -39,9 +41,9 @@ def restitution(system: ImpactSystem) -> float | None:
 def own_number(case: Case, name: str, key: str, read: Read, probes: Iterable[float]) -> Affine | None:
     """The number that ``read`` takes of a fidelity's system, as a + b·key; b is 0 where the fidelity says the key.
 
-    Two of the ``probes`` that the model may have make it; the case's own value and a third one have to lie on it. None:
-    the fidelity says the key and has no such number. ValueError, with the reason, where the numbers do not lie on it,
-    or where anything else of the system changes.
+    The first two ``probes`` that the model may have make it; the case's own value and a third one have to lie on it.
+    None: the fidelity says the key and has no such number. ValueError, with the reason, where the numbers do not lie on
+    it, or where anything else of the system changes.
     """
     fidelity, model = case.fidelities[name], case.model(name)
     base = model.system()
@@ -53,7 +55,8 @@ def own_number(case: Case, name: str, key: str, read: Read, probes: Iterable[flo
         raise ValueError(f'the law "{law}" has no coefficient that {key} moves in proportion')
     if REDUCTIONS[fidelity.reduction].flown:
         raise ValueError(f"its modes are those of a flight, and {key} changes that")
-    found = [(each, made) for each in probes if (made := system_at(model, {key: each})) is not None]
+    probed = ((each, made) for each in probes if (made := system_at(model, {key: each})) is not None)
+    found = list(islice(probed, PROBED))
     if len(found) < 3:
         raise ValueError(f"{key} has no room to move in")
     (low, first), (high, last), *others = found
