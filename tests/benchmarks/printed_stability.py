@@ -23,8 +23,16 @@ import numpy as np
 from scipy.optimize import brentq
 
 import vibeam
-from vibeam.solvers.impact_map import FixedPoint, Impact, ImpactMap, fixed_points
-from vibeam.solvers.mapping import Form, Invariants, flight_invariants, orbit_invariants
+from vibeam.solvers.mapping import (
+    FixedPoint,
+    Form,
+    Impact,
+    ImpactMap,
+    Invariants,
+    fixed_points,
+    flight_invariants,
+    orbit_invariants,
+)
 from vibeam.solvers.one_mode import Oscillator
 
 sys.path.insert(0, str(Path(__file__).parents[1]))

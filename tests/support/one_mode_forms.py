@@ -9,8 +9,16 @@ from math import nan, pi, sqrt
 import numpy as np
 
 from vibeam.solvers.averaging import SlowFlow
-from vibeam.solvers.impact_map import FixedPoint, Impact, ImpactMap, flight_solver
-from vibeam.solvers.mapping import Form, Invariants, admissible_orbits, orbit_invariants
+from vibeam.solvers.mapping import (
+    FixedPoint,
+    Form,
+    Impact,
+    ImpactMap,
+    Invariants,
+    admissible_orbits,
+    flight_solver,
+    orbit_invariants,
+)
 from vibeam.solvers.one_mode import Oscillator
 
 REAL = 1e-7  # imaginary share below which a root of the quartic counts as real: a double root splits by √ε

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 import vibeam
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.solvers.impact_map import fixed_points
+from vibeam.solvers.mapping import fixed_points
 from vibeam.solvers.one_mode import Oscillator
 from vibeam_models.laws.compliant import Hertz, LinearStop
 

@@ -13,7 +13,7 @@ from scipy.optimize import minimize_scalar
 import vibeam
 from vibeam.flight.solver import FlightSolver
 from vibeam.solvers.averaging import AveragingSolver, Damping, SlowFlow, Stationary, averaged_motion, slow_flow
-from vibeam.solvers.impact_map import FixedPoint, fixed_points
+from vibeam.solvers.mapping import FixedPoint, fixed_points
 from vibeam.solvers.one_mode import NOTHING_FOUND, OneMode, Oscillator
 from vibeam.system.response import Ended
 

@@ -14,8 +14,17 @@ from scipy.linalg import expm
 import vibeam
 import vibeam.solvers
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.impact_map import Impact, ImpactMap, fixed_points, flight_solver
-from vibeam.solvers.mapping import FORMS, Form, MappingSolver, flight_invariants, orbit_invariants
+from vibeam.solvers.mapping import (
+    FORMS,
+    Form,
+    Impact,
+    ImpactMap,
+    MappingSolver,
+    fixed_points,
+    flight_invariants,
+    flight_solver,
+    orbit_invariants,
+)
 from vibeam.solvers.one_mode import NOTHING_FOUND, Oscillator
 from vibeam.system.response import Branches, Ended
 
