@@ -24,7 +24,6 @@ from vibeam.store.blocks import Values
 from vibeam.system.response import Ended
 from vibeam.system.state import State
 
-Kinds = NDArray[np.int64]
 NO_CONTACT, IRREGULAR, CHAOTIC, FAILED = -1, 0, -2, -3  #: kinds beside the period 1 … 16
 
 READINGS = 8  # of a motion that does not repeat, the sweep's own among them

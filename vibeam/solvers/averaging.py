@@ -42,7 +42,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.solvers.integration.samples import SampledMotion
-from vibeam.solvers.one_mode import NOTHING_FOUND, OneMode, Oscillator, StationaryMotion, StationarySolver, nearest
+from vibeam.solvers.one_mode import OneMode, Oscillator, StationaryMotion, StationarySolver, nearest
 from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
@@ -267,7 +267,7 @@ class AveragingSolver(StationarySolver):
             self.motions(self.mode.oscillator(drive.amplitude), drive.omega / self.mode.omega), self.mode.inward(state)
         )
         if found is None:
-            raise ValueError(NOTHING_FOUND.value)
+            raise ValueError(Ended.NO_ORBIT.value)
         return averaged_path(self.mode, drive, *found, t_start, t_end)
 
 

@@ -116,9 +116,6 @@ def one_mode_faults(system: ImpactSystem) -> list[str]:
     return faults if zeta < 1 else [*faults, f"the mode is not underdamped (zeta = {zeta})"]
 
 
-NOTHING_FOUND = Ended.NO_ORBIT  # no stable motion of the solver's kind
-
-
 @dataclass(frozen=True)
 class StationaryMotion:
     """Stationary motion of an ``Oscillator``, nondimensional.
@@ -191,7 +188,7 @@ class StationarySolver(SteadySolver):
         model = self.mode.oscillator(drive.amplitude)
         found = nearest(self.motions(model, drive.omega / self.mode.omega), carried[0])
         if found is None:
-            response.ended[index] = NOTHING_FOUND.code
+            response.ended[index] = Ended.NO_ORBIT.code
             return self.begin(None)
         motion, place = found
         self._write(response, index, motion, hold, output)

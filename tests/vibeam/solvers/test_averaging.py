@@ -14,7 +14,7 @@ import vibeam
 from vibeam.flight.solver import FlightSolver
 from vibeam.solvers.averaging import AveragingSolver, Damping, SlowFlow, Stationary, averaged_motion, slow_flow
 from vibeam.solvers.mapping import FixedPoint, fixed_points
-from vibeam.solvers.one_mode import NOTHING_FOUND, OneMode, Oscillator
+from vibeam.solvers.one_mode import OneMode, Oscillator
 from vibeam.system.response import Ended
 
 NOMINAL = Oscillator(0.015, 0.5e-3, 0.0, 0.9)
@@ -294,7 +294,7 @@ def test_a_curve_has_two_branches_as_far_as_the_fold() -> None:
 def test_a_point_without_motion_is_nan_with_its_reason() -> None:
     solver = AveragingSolver(system(Oscillator(0.015, 0.0, 1e-3, 0.9)), strikes_only=True)
     response, state = solver.steady([2.0, 2.1], 0.5e-3, None, 0, 8, "contact")
-    assert [Ended.of_code(int(code)) for code in response.ended] == [NOTHING_FOUND] * 2
+    assert [Ended.of_code(int(code)) for code in response.ended] == [Ended.NO_ORBIT] * 2
     assert np.all(np.isnan([response.amplitude, response.reach, response.impact_velocity]))
     assert (state.displacement[0], state.velocity[0]) == (0, 0)
 

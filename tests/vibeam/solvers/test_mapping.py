@@ -25,7 +25,7 @@ from vibeam.solvers.mapping import (
     flight_solver,
     orbit_invariants,
 )
-from vibeam.solvers.one_mode import NOTHING_FOUND, Oscillator
+from vibeam.solvers.one_mode import Oscillator
 from vibeam.system.response import Branches, Ended
 
 NOMINAL = Oscillator(0.015, 0.5e-3, 0.0, 0.9)
@@ -309,7 +309,7 @@ def test_where_period_one_is_lost_the_point_is_nan_with_its_reason() -> None:
     for form in FORMS:
         response, _ = MappingSolver(system(LOOSE), 2.0, form=form).steady(grid, 0.5e-3, None, 0, 32, "contact")
         reasons[form] = [Ended.of_code(int(code)) for code in response.ended]
-        assert np.array_equal(np.isnan(response.amplitude), [r is NOTHING_FOUND for r in reasons[form]])
+        assert np.array_equal(np.isnan(response.amplitude), [r is Ended.NO_ORBIT for r in reasons[form]])
     there = {form: [reason is Ended.COMPLETE for reason in found] for form, found in reasons.items()}
     assert there["derived"] == [True, False, False, False, False, True]
     assert there["printed 29-30"] == [True, True, True, False, False, True]

@@ -14,7 +14,6 @@ from typing import Annotated, Any, TypeVar, cast
 from pydantic import BaseModel, ConfigDict, Field, create_model
 from pydantic.fields import FieldInfo
 
-from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import FLAG, TEXT, Count, Each, Entry, Quantity, Several, Word
 from vibeam.casefile.quantities import NOT_NEGATIVE, POSITIVE, Range
@@ -158,10 +157,8 @@ OUTPUTS = ("sensor", "contact", "tip", "platform")
 
 Length = Place = Quantity(units.LENGTH, POSITIVE)
 Ratio = Quantity(units.RATIO, NOT_NEGATIVE)
-Unity = Quantity(units.RATIO, Range(0, 1))
 Within = Quantity(units.RATIO, Range(1e-4, 1))
 Frequency = Quantity(units.FREQUENCY, POSITIVE)
-Periods = Count(0, MOST_POINTS)
 
 
 def content(table: BaseModel, *parts: str, without: Collection[str] = ()) -> dict[str, Any]:
