@@ -35,7 +35,7 @@ sys.path.insert(0, str(ROOT / "tests/support"))
 CASE = ROOT / "cases/dtu_neutral.toml"
 FIDELITIES = {"sdof": 1, "two_modes": 2, "beam": 8}
 SIZES = ("dtu_neutral", "sdof_nominal", "rigs/harvester", "rigs/two_stops")
-FRAMES = 240
+FRAMES, FLIGHTS = 240, 8  # of a drag; of a curve in each round
 
 OPEN = """
     const payload = JSON.parse(document.getElementById("engine").textContent), times = [];
@@ -137,7 +137,7 @@ def in_browser(opened: Any, files: dict[str, Path], rounds: int) -> dict[str, An
         run("await new Promise((done) => setTimeout(done, 2000));")
         opening = run(OPEN, 2 * rounds)
         frequencies = vibeam.load(CASE).sweep.frequency.tolist()
-        flights = {each: run(FLY, rounds, each, frequencies, 300, 50) for each in FIDELITIES}
+        flights = {each: run(FLY, FLIGHTS * rounds, each, frequencies, 300, 50) for each in FIDELITIES}
         drags = {}
         for at, wanted in enumerate([[0], [1], [2], [0, 1, 2]]):
             go(files["dtu_neutral"])
@@ -207,7 +207,8 @@ def main() -> None:
         files, sizes = written(Path(folder))
         browsers = [in_browser(each, files, given.rounds) for each in (chromium, firefox)]
     found = {
-        "pages": sizes, "native": native(3 * given.rounds), "browsers": browsers, "rounds": given.rounds,
+        "pages": sizes, "native": native(FLIGHTS * given.rounds), "browsers": browsers, "rounds": given.rounds,
+        "flights": FLIGHTS * given.rounds,
         "cores": os.cpu_count(), "python": platform.python_version(),
         "load": {"before": before, "after": os.getloadavg()},
     }  # fmt: skip

@@ -286,7 +286,9 @@ def flying_table(found: dict[str, Any]) -> str:
         for each in found["browsers"]
     )
     load = f"load average {found['load']['before'][0]:.0f} before, {found['load']['after'][0]:.0f} after"
-    text = f"{starts}. Medians of {found['rounds']} rounds; {load}, on {found['cores']} cores without a graphics card."
+    rounds = f"Starts are medians of {found['rounds']} rounds, frames the best of them"
+    rounds += f", curves the least of {found['flights']}; {load}"
+    text = f"{starts}. {rounds}, on {found['cores']} cores without a graphics card."
     tables = [markdown(["page", "kB", "of these kernels, kB", "CPU s to write"], sizes), markdown(columns, rows)]
     return "\n\n".join([*tables, fill(text, width=120)])
 
