@@ -107,6 +107,27 @@ def test_numbers_are_those_of_a_run_at_the_sliders_place(folder, explored):
     )
 
 
+def test_a_page_without_results_goes_to_the_highest_point(browser, folder):
+    """Of the finest fidelity, in a sweep upwards; the link reproduces it."""
+    found = Explored(browser, folder / "case.html")
+    found.page.wait_for_function("() => location.hash.includes('start=sweep')", timeout=20000)
+    found.settle()
+    assert found.reading("amplitude (mm)")[1] == found.reading("peak of the curve (mm)")[1]
+    assert re.search(r"f=[\d.]+", found.page.url)
+    found.page.close()
+
+
+def test_two_motions_are_told_from_a_difference(folder, explored):
+    """Where one fidelity strikes the stop and the other does not; where both do it is a difference."""
+    assert [each.period[0] == -1 for each in runs(folder, {}, 44)] == [False, True]
+    explored.set("frequency", 44)
+    said = "another motion, strikes the stop where four </b> modes does not"
+    assert said in explored.page.locator("#differences").inner_text()
+    assert explored.reading("from the finest")[0].endswith(said)
+    explored.set("frequency", 40)
+    assert "another motion" not in explored.page.locator("#explore").inner_text()
+
+
 def test_motions_are_called_what_they_are(folder, explored):
     """Without contact, of period 3, without a period, and resting on the stop: by the words of a run."""
     heard = set()

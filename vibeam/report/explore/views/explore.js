@@ -7,12 +7,15 @@ import { background } from "../engine/worker.js";
 import { controls } from "./controls.js";
 import { curves } from "./curves.js";
 import { flights } from "./flying.js";
-import { begin, models, move, payload, shownText, sliderOf, units, valueAt, valueOf } from "./place.js";
-import { engineNote, readings } from "./readings.js";
+import {
+  begin, flown, isLink, models, move, payload, shownText, sliderOf, startFrom, units, valueAt, valueOf,
+} from "./place.js";
+import { engineNote, peakOf, readings } from "./readings.js";
 import { responseChart } from "./sweeping.js";
 
 /** @import { Engine } from "../engine/engine.js" */
 /** @import { Ask, Standing } from "./flying.js" */
+/** @import { Model } from "../engine/types.d.ts" */
 
 /** Questions to the worker, each with who hears its answers. @type {(engine: Engine) => Ask} */
 function asking(engine) {
@@ -51,12 +54,32 @@ function show(engine) {
   const read = () => { if (last) readings(last, curveOf); };
   const tell = () => { redraw(); read(); };
   flights(engine, ask, { draw: views.draw, stateOf, stand: (standing) => { last = standing; tell(); } });
+  startAtPeak((model) => peakOf(curveOf(model)));
   byId("engine-note").textContent = engineNote();
   byId("stored-curves").hidden = !data.curves.length;
   byId("closed-form").hidden = !models.some((each) => each.engine === "plain");
   on("picked", () => {
     const value = slider ? valueOf(slider, pointed() * slider.factor) : NaN;
     if (isFinite(value)) move("frequency", value);
+  });
+}
+
+/**
+ * Without results and without a link the page goes to the finest fidelity's highest point once the first curves stand,
+ * unless the reader has moved a slider before.
+ * @type {(peak: (model: Model) => {frequency: number} | undefined) => void}
+ */
+function startAtPeak(peak) {
+  let untouched = !data.motions.length && !isLink;
+  on("moved", () => { untouched = false; });
+  on("swept", () => {
+    const finest = flown().find(({ name, finest: best }) => name === best), best = finest && peak(finest);
+    if (untouched && best) {
+      byId("start").value = "sweep";
+      startFrom("sweep");
+      move("frequency", best.frequency);
+    }
+    untouched = false;
   });
 }
 

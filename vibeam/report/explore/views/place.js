@@ -23,6 +23,8 @@ const snaps = new Map(payload.sliders.map((each) => [each.name, each.places ? nu
 export const placesOf = ({ name }) => snaps.get(name) ?? [];
 
 const ADDRESS = { frequency: "f", drive: "drive", gap: "gap", restitution: "R", damping: "damping" };
+/** Whether the address names a place. */
+export const isLink = [...Object.values(ADDRESS), "start"].some((key) => address.get(key) !== null);
 const DIGITS = 6, TOLERANCE = 1e-9;
 export const REST = 200;  // ms without a change that are rest
 

@@ -25,6 +25,14 @@ export function differs(own, finest) {
   return `${short(100 * Math.abs(difference), 3)} % too ${difference < 0 ? "low" : "high"}`;
 }
 
+/** Contact in words, where one strikes the stop and the other does not: a difference in per cent would mislead. */
+/** @type {(own: Steady, finest: Steady, name: string) => string} */
+function anotherMotion(own, finest, name) {
+  const [strikes, its] = [own, finest].map(({ period }) => period !== -1);
+  if (strikes === its) return "";
+  return strikes ? `strikes the stop where ${name} does not` : `has no contact where ${name} strikes the stop`;
+}
+
 /** The finest of several fidelities of the same physics that are shown. @type {(model: Model) => Model | undefined} */
 function finestOf(model) {
   const alike = flown().filter((each) => each.finest === model.finest);
@@ -40,7 +48,7 @@ function beside(of, model) {
 }
 
 /** The highest flown point, once all are. @type {(curve: Curve) => Point | undefined} */
-function peakOf({ points, whole }) {
+export function peakOf({ points, whole }) {
   const sound = whole ? points.filter((each) => complete(each.ended)) : [];
   return sound.length ? sound.reduce((best, each) => (each.amplitude > best.amplitude ? each : best)) : undefined;
 }
@@ -64,13 +72,19 @@ export function readings({ steady, faults, settled, swept }, curveOf) {
     const own = steady.get(name);
     return own && complete(own.ended) ? own.amplitude : undefined;
   };
+  /** @type {(model: Model) => string} */
+  const fromFinest = (model) => {
+    const finest = finestOf(model), [own, its] = [steady.get(model.name), finest && steady.get(finest.name)];
+    const other = finest && own && its ? anotherMotion(own, its, finest.label) : "";
+    return other ? `${beside(amplitude, model)}: another motion, ${other}` : beside(amplitude, model);
+  };
   const peaks = new Map(shown.map((each) => [each.name, peakOf(curveOf(each))]));
   /** @type {(name: string) => number | undefined} */
   const highest = (name) => peaks.get(name)?.amplitude;
   /** @type {[string, (own: Steady, model: Model) => string][]} */
   const here = [
     [withUnit("amplitude", output.unit), (own) => short(own.amplitude * output.factor)],
-    ["from the finest", (_, model) => beside(amplitude, model)],
+    ["from the finest", (_, model) => fromFinest(model)],
     ["repeats after (periods)", (own, model) => repeats(model, own)],
     ["impacts a period", (own) => short(own.impactsPerPeriod)],
     [withUnit("impact velocity", speed.unit),
@@ -104,11 +118,11 @@ export function readings({ steady, faults, settled, swept }, curveOf) {
   const said = shown.flatMap((each) => [faults.get(each.name) ?? curveOf(each).fault].filter(Boolean)
     .map((text) => (text.startsWith(each.label) ? text : `${each.label}: ${text}`)));
   byId("live-faults").replaceChildren(...said.map((text) => element("p", { class: "warning" }, text)));
-  say(settled, swept, amplitude);
+  say(settled, swept, fromFinest);
 }
 
-/** @type {(settled: boolean, swept: boolean, amplitude: (name: string) => number | undefined) => void} */
-function say(settled, swept, amplitude) {
+/** @type {(settled: boolean, swept: boolean, fromFinest: (model: Model) => string) => void} */
+function say(settled, swept, fromFinest) {
   const { settle, hold } = payload.sweep;
   const from = swept ? "on from a sweep upwards" : "from equilibrium";
   const later = startsFrom() === "sweep" && !swept ? "; those of a sweep upwards follow" : "";
@@ -119,7 +133,7 @@ function say(settled, swept, amplitude) {
   /** @type {Map<string, string[]>} */
   const groups = new Map();
   for (const model of flown()) {
-    const finest = finestOf(model)?.label ?? "", text = beside(amplitude, model);
+    const finest = finestOf(model)?.label ?? "", text = fromFinest(model);
     if (!text.includes("%") && text !== SAME) continue;
     groups.set(finest, [...(groups.get(finest) ?? []), `${model.label} ${text}`]);
   }
