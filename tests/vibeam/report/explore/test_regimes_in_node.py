@@ -320,6 +320,8 @@ def asked_of(made: dict[str, Any], sliders: Mapping[str, Slider], count: int, se
         for name, each in sliders.items():
             value = float(random.uniform(each.low, each.high))
             place[name] = value if each.places is None else float(random.choice(each.places))
+        if "dampings" not in flying[i % len(flying)]:
+            place.pop("damping", None)  # which it does not follow, and refuses
         span = PERIODS / place["frequency"] * (1 - 1e-9)
         usual = {"fidelity": flying[i % len(flying)]["name"], "periods": PERIODS, "settle": SETTLE}
         found.append(place | usual | {"at": np.sort(random.uniform(0.0, span, INSTANTS))})
@@ -339,7 +341,7 @@ def case_agrees(node: Any, name: str, count: int) -> tuple[int, list[Place]]:
     asked, regular = asked_of(made, sliders, count, len(name)), 0
     for place, answer in zip(asked, node(SCRIPT, {"payload": made, "places": asked}), strict=True):
         model, fidelity = case.model(place["fidelity"]), case.fidelities[place["fidelity"]]
-        keys = [each.settings(place[name]) for name, each in sliders.items() if name != "frequency"]
+        keys = [each.settings(place[name]) for name, each in sliders.items() if name != "frequency" and name in place]
         own = {key: value for each in keys for key, value in each.items() if not says(fidelity, key)}
         there, omega = model.at(own), 2 * pi * place["frequency"]
         drive = vibeam.Drive(omega, float(np.ravel(there.amplitude(np.array([omega])))[0]))
