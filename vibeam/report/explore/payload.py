@@ -98,6 +98,7 @@ def _sweep(case: Case, units: DisplayUnits) -> dict[str, Any]:
     contact = ("mm/s", 1e3) if units.frequency else ("", units.speed_factor)
     return {
         "frequency": swept.frequency.tolist(),
+        "direction": swept.direction,
         "settle": swept.settle,
         "hold": swept.hold,
         "output": swept.output,

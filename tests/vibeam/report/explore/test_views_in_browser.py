@@ -265,6 +265,33 @@ def test_the_beam_plays_and_pauses(explored):
     assert line.last.get_attribute("points") == still
 
 
+@pytest.mark.parametrize("direction", ["both", "down"])
+def test_curves_at_rest_follow_the_branches_of_the_case_s_sweep(browser, tmp_path, direction):
+    """Where one frequency has two motions: up in impacts, down without contact, as ``vibeam.run`` finds them."""
+    text = CASE.partition("[fidelity.beam]")[0].replace('"up"', f'"{direction}"').replace("400", "200")
+    text = text.replace("= 0.7", "= 0.9").replace("30 Hz", "40 Hz").replace("60 Hz", "70 Hz").replace("= 7", "= 31")
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    vibeam.explore(tmp_path / "case.toml").write(tmp_path / "case.html")
+    found = Explored(browser, tmp_path / "case.html", "#start=sweep")
+    said = "downwards" if direction == "down" else "upwards"
+    assert found.page.locator("#start option").all_inner_texts() == ["from equilibrium", f"as a sweep {said}"]
+    swept = vibeam.run(vibeam.load(tmp_path / "case.toml"))["sdof"]
+    legs = [(way, one) for way, one in (("up", swept.up), ("down", swept.down)) if one is not None]
+    assert [way for way, _ in legs] == (["up", "down"] if direction == "both" else ["down"])
+    if direction == "both":
+        assert np.sum(swept.up.amplitude > 1.05 * swept.down.amplitude[::-1]) > 10
+    rows: list[list[str]] = []
+    while len(rows) < sum(len(one.frequency) for _, one in legs):  # the way down comes after the numbers
+        rows = list(csv.reader(found.saved(f"CSV of {VIEWS[0]}").decode("utf-8-sig").splitlines()))[1:]
+    assert [row[-1] for row in rows] == [way for way, one in legs for _ in one.frequency]
+    np.testing.assert_allclose(
+        [[float(cell) for cell in row[1:3]] for row in rows],
+        np.concatenate([np.column_stack([one.frequency, 1e3 * one.amplitude]) for _, one in legs]),
+        rtol=1e-9,  # periodic motions: round-off of the two engines does not grow
+    )
+    found.page.close()
+
+
 def test_a_page_of_results_starts_on_its_sweep_and_leaves_the_stored_motions_out(browser, folder):
     """The curves flown upwards are the stored ones; without an engine the stored motions stand in their place."""
     found, result = Explored(browser, folder / "results.html"), vibeam.read(folder / "case.h5")

@@ -45,7 +45,7 @@ export type Payload = {
   /** Words of an outcome by its code. */
   ended: Record<string, string>;
   sweep: {
-    frequency: number[]; settle: number; hold: number; output: string;
+    frequency: number[]; direction: "up" | "down" | "both"; settle: number; hold: number; output: string;
     units: { frequency: Unit; output: Unit & { name: string }; speed: Unit; contact_speed: Unit };
   };
   /** The template's parts are texts and sliders' values times a factor. */

@@ -3,7 +3,7 @@ import { byId, drawn, element, colourOf, on } from "../../page/state.js";
 import { short } from "../../page/numbers.js";
 import { save } from "../../page/saving.js";
 import { caseText, isFlown, models, move, payload, placesOf, reset, shownText, take } from "./place.js";
-import { lost, startFrom, startsFrom, valueAt, valueOf } from "./place.js";
+import { lost, startFrom, startsFrom, sweepWords, sweptAs, valueAt, valueOf } from "./place.js";
 
 /** @import { Fixed, Model, Slider } from "../engine/types.d.ts" */
 
@@ -117,6 +117,8 @@ export function controls() {
   byId("as-case").addEventListener("click", () => { byId("slider-fault").textContent = ""; reset(); });
   byId("write-case").addEventListener("click", () => save(caseText(), "application/toml", "at these sliders", "toml"));
   byId("start").value = startsFrom();
+  byId("start-sweep").textContent = `as ${sweepWords}`;
+  byId("swept-as").textContent = sweptAs;
   byId("start").addEventListener("change", () => startFrom(byId("start").value === "sweep" ? "sweep" : "equilibrium"));
   byId("slider-fault").textContent = lost
     .map((each) => `${each.label}: the link's is not from ${rangeText(each)}; that of the case is shown.`).join(" ");

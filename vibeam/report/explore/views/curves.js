@@ -1,23 +1,27 @@
 // Curves over frequency at the sliders' place: closed-form orbits and flown points, by the worker, piece by piece.
 import { on, tell } from "../../page/state.js";
-import { REST, complete, flown, models, payload, place, sliderOf, valueAt } from "./place.js";
+import { REST, complete, direction, flown, models, payload, place, sliderOf, valueAt } from "./place.js";
 
 /** @import { Model, Orbit, Place, Schedule, State } from "../engine/types.d.ts" */
 /** @import { Ask } from "./flying.js" */
 /** @typedef {{frequency: number, amplitude: number, maximum: number, minimum: number, period: number,
  *   impactsPerPeriod: number, impactVelocity: number, ended: string}} Point */
-/** @typedef {{points: Point[], states: State[], orbits: Orbit[][], fault: string, at: string, whole: boolean}} Curve */
+/** ``points`` and ``states`` in the order swept; ``back``: points of the way down again, of a sweep up and down. */
+/** @typedef {{points: Point[], back: Point[], states: State[], orbits: Orbit[][], fault: string, at: string,
+ *   whole: boolean}} Curve */
 
 const QUICK = { settle: 20, hold: 10 }, AFRESH = { settle: 60, hold: 10 };  // drive periods while a slider moves
 const EVEN = 61;  // frequencies in the place of a single one
 
 /** Frequencies of the case's sweep; even ones over the slider where that is a single one. */
 function frequencies() {
-  const swept = payload.sweep.frequency, slider = sliderOf("frequency");
+  const swept = [...payload.sweep.frequency].sort((a, b) => a - b), slider = sliderOf("frequency");
   if (swept.length > 1 || !slider) return swept;
   return Array.from({ length: EVEN }, (_, at) => slider.low + ((slider.high - slider.low) * at) / (EVEN - 1));
 }
 export const swept = frequencies();
+const downwards = direction === "down";
+const along = downwards ? [...swept].reverse() : swept;
 
 /** Orbits as curves: broken where one is missing or no motion of the system. @type {(orbits: Orbit[]) => Orbit[][]} */
 function branches(orbits) {
@@ -43,7 +47,7 @@ const pointOf = (values, at) => ({
 
 /**
  * Curves that follow the sliders: each fidelity has one question open while they move, the newest place follows its
- * answer; at rest all points are flown as the sweep flies them, upwards. ``told``: hears of every piece.
+ * answer; at rest all points are flown as the case's sweep flies them. ``told``: hears of every piece.
  * @param {Ask} ask
  * @param {() => void} told
  */
@@ -51,7 +55,7 @@ export function curves(ask, told) {
   /** @type {Map<string, Curve>} */
   const known = new Map();
   for (const { name } of models) {
-    known.set(name, { points: [], states: [], orbits: [], fault: "", at: "", whole: false });
+    known.set(name, { points: [], back: [], states: [], orbits: [], fault: "", at: "", whole: false });
   }
   /** @type {(model: Model) => Curve} */
   const curveOf = ({ name }) => /** @type {Curve} */ (known.get(name));
@@ -62,20 +66,22 @@ export function curves(ask, told) {
   /** Keys but the frequency, which the whole curve has. @type {() => Place} */
   const keys = () => ({ ...place(), frequency: undefined });
 
-  /** @type {(model: Model, at: Place, schedule: Schedule, done: () => void) => void} */
-  function fly(model, at, schedule, done) {
-    const curve = curveOf(model);
+  /** @type {(model: Model, at: Place, schedule: Schedule, done: () => void, back?: boolean) => void} */
+  function fly(model, at, schedule, done, back = false) {
+    const curve = curveOf(model), asked = now;
     /** @type {Point[]} */
     const points = [];
     /** @type {State[]} */
     const states = [];
-    ask("response", [model.name, at, swept, schedule], ({ values, fault, done: to, of }) => {
-      if (fault) Object.assign(curve, { fault, points: [], states: [] });
+    const order = back ? [...along].reverse() : along;
+    ask("response", [model.name, at, order, schedule], ({ values, fault, done: to, of }) => {
+      if (fault) Object.assign(curve, { fault, points: [], back: [], states: [] });
       else {
         for (let k = 0; k < values.frequency.length; k += 1) points.push(pointOf(values, k));
         states.push(...values.states);
+        if (back) curve.back = asked === now ? points : [];
         // Points of a place that the sliders have left stay until those of the new one replace them.
-        Object.assign(curve, { fault: "", states, points: [...points, ...curve.points.slice(points.length)] });
+        else Object.assign(curve, { fault: "", states, points: [...points, ...curve.points.slice(points.length)] });
       }
       if (fault || to === of) done();
       told();
@@ -120,6 +126,8 @@ export function curves(ask, told) {
       if (curve.whole) continue;
       fly(model, at, { settle, hold, carried: "up" }, () => {
         curve.whole = !curve.fault && asked === now;  // the sliders may have moved on since the last piece was sent
+        const turned = { settle, hold, carried: /** @type {const} */ ("up"), states: curve.states.slice(-1) };
+        if (curve.whole && direction === "both") fly(model, at, turned, () => {}, true);
         if (flown().every((each) => curveOf(each).whole)) tell("swept");
       });
     }
@@ -131,7 +139,7 @@ export function curves(ask, told) {
     timer = setTimeout(rest, REST);
     if (key === now) return;
     [now, resting] = [key, false];
-    for (const curve of known.values()) curve.whole = false;
+    for (const curve of known.values()) Object.assign(curve, { whole: false, back: [] });
     flown().forEach(follow);
   }
   on("moved", moved);
@@ -139,10 +147,11 @@ export function curves(ask, told) {
   now = JSON.stringify(keys());
   rest();
 
-  /** State of the sweep at the slider's frequency, or next below it. @type {(model: Model) => State | null} */
+  /** State of the sweep, on its way out, at the slider's frequency or last before it. */
+  /** @type {(model: Model) => State | null} */
   function stateOf(model) {
-    const { whole, points, states } = curveOf(model), frequency = valueAt("frequency") * (1 + Number.EPSILON);
-    const place = swept.findLastIndex((each) => each <= frequency);
+    const { whole, points, states } = curveOf(model), frequency = valueAt("frequency"), near = 1 + Number.EPSILON;
+    const place = along.findLastIndex((each) => (downwards ? each * near >= frequency : each <= frequency * near));
     return whole && place >= 0 && complete(points[place].ended) ? states[place] : null;
   }
   return { curveOf, stateOf };

@@ -116,7 +116,13 @@ export function take(name, wanted) {
   tell("taken");
 }
 
-// Where a motion starts before it settles: static equilibrium, or the state of a sweep upwards at its frequency.
+export const direction = payload.sweep.direction;
+export const sweepWords = direction === "down" ? "a sweep downwards" : "a sweep upwards";
+/** What the points of a curve follow, in words. */
+export const sweptAs = direction === "both" ? "before, as a sweep upwards and down again"
+  : `${direction === "down" ? "above" : "below"}, as ${sweepWords}`;
+
+// Where a motion starts before it settles: static equilibrium, or the state of the case's sweep at its frequency.
 /** @typedef {"equilibrium" | "sweep"} Start */
 /** @type {Start} */
 let from = address.get("start") === "sweep" ? "sweep" : "equilibrium";

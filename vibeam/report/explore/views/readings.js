@@ -1,7 +1,8 @@
 // Numbers at the sliders' place: of each fidelity, and how far it is from the finest.
 import { byId, element } from "../../page/state.js";
 import { short, withUnit } from "../../page/numbers.js";
-import { asCase, complete, flown, models, payload, place, shownText, startsFrom, units, valueAt } from "./place.js";
+import { asCase, complete, flown, models, payload, place, shownText } from "./place.js";
+import { startsFrom, sweepWords, units, valueAt } from "./place.js";
 
 /** @import { Model, Steady } from "../engine/types.d.ts" */
 /** @import { Standing } from "./flying.js" */
@@ -48,8 +49,8 @@ function beside(of, model) {
 }
 
 /** The highest flown point, once all are. @type {(curve: Curve) => Point | undefined} */
-export function peakOf({ points, whole }) {
-  const sound = whole ? points.filter((each) => complete(each.ended)) : [];
+export function peakOf({ points, back, whole }) {
+  const sound = whole ? [...points, ...back].filter((each) => complete(each.ended)) : [];
   return sound.length ? sound.reduce((best, each) => (each.amplitude > best.amplitude ? each : best)) : undefined;
 }
 
@@ -124,8 +125,8 @@ export function readings({ steady, faults, settled, swept }, curveOf) {
 /** @type {(settled: boolean, swept: boolean, fromFinest: (model: Model) => string) => void} */
 function say(settled, swept, fromFinest) {
   const { settle, hold } = payload.sweep;
-  const from = swept ? "on from a sweep upwards" : "from equilibrium";
-  const later = startsFrom() === "sweep" && !swept ? "; those of a sweep upwards follow" : "";
+  const from = swept ? `on from ${sweepWords}` : "from equilibrium";
+  const later = startsFrom() === "sweep" && !swept ? `; those of ${sweepWords} follow` : "";
   byId("state").textContent = settled
     ? `Settled: ${settle} drive periods ${from}, ${hold} more read, as the case has it${later}.`
     : "Settling…  shown: the motion on from where it was, 20 drive periods after the last change.";

@@ -5,7 +5,7 @@ import { withUnit } from "../../page/numbers.js";
 import { csv, offer } from "../../page/saving.js";
 import { data } from "../../page/result.js";
 import { swept } from "./curves.js";
-import { asCase, complete, flown, isFlown, move, sliderOf, units, valueAt, valueOf } from "./place.js";
+import { asCase, complete, direction, flown, isFlown, move, sliderOf, units, valueAt, valueOf } from "./place.js";
 
 /** @import { Draw, Frame, Pen } from "../../page/types.d.ts" */
 /** @import { Model } from "../engine/types.d.ts" */
@@ -31,7 +31,7 @@ function mark(pen, x, y, r, kind) {
 
 /** Points of a fidelity over its orbits; what did not run to its end is marked in a row at the upper edge. */
 /** @type {(pen: Pen, at: Frame, model: Model, curve: Curve, row: number) => void} */
-function paintOne(pen, at, { look }, { points, orbits }, row) {
+function paintOne(pen, at, { look }, { points, back, orbits }, row) {
   const frame = framed(at, factor, output.factor), colour = colourOf(look);
   for (const each of orbits) {
     const style = { colour, width: each[0].stable ? 1.4 : 1, dash: each[0].stable ? [] : [4, 4] };
@@ -40,7 +40,7 @@ function paintOne(pen, at, { look }, { points, orbits }, row) {
   [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [colour, colour, 1.2 * at.ratio];
   pen.setLineDash([]);
   const size = Math.min(2.4, Math.max(1.2, (0.3 * at.width) / at.ratio / swept.length)) * at.ratio;
-  for (const { frequency, amplitude, period, ended } of points) {
+  for (const { frequency, amplitude, period, ended } of [...points, ...back]) {
     const x = frame.x(frequency);
     if (complete(ended)) mark(pen, x, frame.y(amplitude), size, period === 0 ? "hollow" : "full");
     else mark(pen, x, at.top + (6 + 8 * row) * at.ratio, size, "cross");
@@ -50,11 +50,11 @@ function paintOne(pen, at, { look }, { points, orbits }, row) {
 /** Stored curves, those of fidelities that are not flown here too. */
 const stored = () => data.curves.filter((each) => isFlown(each.fidelity));
 
-/** @type {(points: Point[]) => string[][]} */
-const cells = (points) => points.map((each) => [
+/** @type {(points: Point[], way: string) => string[][]} */
+const cells = (points, way) => points.map((each) => [
   each.frequency * factor, each.amplitude * output.factor, each.maximum * output.factor, each.minimum * output.factor,
   each.impactsPerPeriod, each.impactVelocity * units.contact_speed.factor, each.period,
-  complete(each.ended) ? "" : each.ended,
+  complete(each.ended) ? "" : each.ended, way,
 ].map((cell) => (Number.isNaN(cell) ? "" : String(cell))));
 
 /** ``standing``: the motions at the slider's frequency, each a ring. */
@@ -67,7 +67,8 @@ export function responseChart(curveOf, standing) {
   const upward = () => {
     const known = stored().flatMap((each) => each.values.amplitude.map((value) => value ?? 0));
     for (const curve of flown().map(curveOf)) {
-      for (const each of [...curve.points, ...curve.orbits.flat()]) known.push(each.amplitude * output.factor || 0);
+      const all = [...curve.points, ...curve.back, ...curve.orbits.flat()];
+      known.push(...all.map(({ amplitude }) => amplitude * output.factor || 0));
     }
     const need = Math.max(0, ...known);
     if (need > top || need < 0.5 * top) top = ROOM * need;
@@ -118,8 +119,9 @@ export function responseChart(curveOf, standing) {
   const speed = withUnit("velocity before impact", units.contact_speed.unit);
   const head = ["fidelity", withUnit("frequency", units.frequency.unit), ...heads, "impacts a period", speed];
   offer(byId("live-response"), "response at the sliders' place", {
-    csv: () => csv([[...head, "period", "ended"], ...flown().flatMap((each) => {
-      return cells(curveOf(each).points).map((row) => [each.label, ...row]);
+    csv: () => csv([[...head, "period", "ended", "sweep"], ...flown().flatMap((each) => {
+      const { points, back } = curveOf(each), way = direction === "down" ? "down" : "up";
+      return [...cells(points, way), ...cells(back, "down")].map((row) => [each.label, ...row]);
     })]),
     svg: () => svgOf([made], document.title + (asCase() ? "" : ", at other keys than the case's")),
   });
