@@ -66,15 +66,12 @@ def test_a_carried_curve_goes_on_from_piece_to_piece(node):
     heard = node(
         START
         + """const { heard, ask } = asked(counted, 16);
-    ask({ id: 1, call: "response", args: ["beam", {}, frequencies, { carried: "up" }] });
-    ask({ id: 2, call: "response", args: ["sdof", {}, frequencies, { carried: "down" }] });
-    await until(() => heard.filter(({ done }) => done === 100).length === 2);
+    ask({ id: 1, call: "response", args: ["beam", {}, frequencies, { carried: true }] });
+    await until(() => heard.some(({ done }) => done === 100));
     return heard;"""
     )
-    up = [each for each in heard if each["id"] == 1]
-    assert len(up) > 2
-    assert [each["values"]["begun"] for each in up] == [[]] + [[f"after {each['from']}"] for each in up[1:]]
-    assert [(each["from"], each["done"]) for each in heard if each["id"] == 2] == [(0, 100)]
+    assert len(heard) > 2
+    assert [each["values"]["begun"] for each in heard] == [[]] + [[f"after {each['from']}"] for each in heard[1:]]
 
 
 def test_faults_are_sentences(node):
@@ -140,7 +137,7 @@ def test_the_page_answers_where_there_is_no_worker(node):
         + """const { open } = await load("explore/engine/engine.js");
     const engine = await open(given.payload), alone = background(engine, given.payload, ""), heard = [];
     alone.onmessage = ({ data }) => heard.push(data);
-    const f = Array.from({ length: 41 }, (_, i) => 6 + 0.4 * i), schedule = { settle: 60, hold: 10, carried: "up" };
+    const f = Array.from({ length: 41 }, (_, i) => 6 + 0.4 * i), schedule = { settle: 60, hold: 10, carried: true };
     alone.postMessage({ id: 1, call: "response", args: ["beam", {}, f, schedule] });
     alone.postMessage({ id: 2, call: "orbits", args: ["beam", {}, f] });
     await until(() => heard.filter(({ done, of }) => done === of).length === 2);

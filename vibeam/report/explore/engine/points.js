@@ -99,24 +99,24 @@ export function pointsOf(packed, points, { settle, hold, output, slowest }, stat
  * @param {Settings[]} settings
  * @param {Watched} watched
  * @param {(State | null | undefined)[]} states
- * @param {"up" | "down"} [carried]
+ * @param {boolean} [carried]
  * @returns {Point[]}
  */
 function inTurn(ready, settings, watched, states, carried) {
   /** @type {Point[]} */
-  const points = Array(settings.length);
+  const points = [];
   /** @type {State | null} */
   let last = null;
-  for (let k = 0; k < settings.length; k++) {
-    const i = carried === "down" ? settings.length - 1 - k : k, own = settings[i], flight = ready(own);
+  for (const [i, own] of settings.entries()) {
+    const flight = ready(own);
     const { ended, period } = flight.watched(own, (carried && last) || states[i] || null, watched);
     const { slots: { rows: { layout } }, watch, counts: { integers } } = flight;
     const read = { period, hold: watched.hold, turn: (2 * Math.PI) / own.omega, gap: own.gap };
-    points[i] = {
+    last = flight.state();
+    points.push({
       ...(ended === layout.COMPLETE ? readPoint(layout, watch.result.data, read) : unread()), outcome: ended,
-      state: flight.state(), impacts: Number(integers[layout.IMPACTS]),
-    };
-    last = points[i].state;
+      state: last, impacts: Number(integers[layout.IMPACTS]),
+    });
   }
   return points;
 }

@@ -78,7 +78,7 @@ export type Steady = {
  * slowest of the points), the same for all pieces of a curve.
  */
 export type Schedule = {
-  settle?: number; hold?: number; states?: (State | null)[]; carried?: "up" | "down"; slowest?: number;
+  settle?: number; hold?: number; states?: (State | null)[]; carried?: boolean; slowest?: number;
 };
 /** Steady points over frequency, (points,), as Steady has them one by one; `impacts` of settling and hold. */
 export type Response = {

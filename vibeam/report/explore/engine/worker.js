@@ -106,7 +106,7 @@ function* answers(engine, { id, call, args }, key, budget) {
   }
   const [fidelity, place, frequencies, schedule = {}] = args, of = frequencies.length, { carried } = schedule;
   const slowest = 2 * Math.PI * Math.min(...frequencies);
-  let size = carried === "down" ? of : sizes.get(key) ?? FIRST, from = 0, states = schedule.states ?? [];
+  let size = sizes.get(key) ?? FIRST, from = 0, states = schedule.states ?? [];
   do {
     const done = Math.min(of, from + size), begun = performance.now(), part = frequencies.slice(from, done);
     const values = engine.response(fidelity, place, part, { slowest, ...schedule, states: states.slice(from, done) });

@@ -124,9 +124,9 @@ export function curves(ask, told) {
       orbit(model, at, () => {});
       const curve = curveOf(model);
       if (curve.whole) continue;
-      fly(model, at, { settle, hold, carried: "up" }, () => {
+      fly(model, at, { settle, hold, carried: true }, () => {
         curve.whole = !curve.fault && asked === now;  // the sliders may have moved on since the last piece was sent
-        const turned = { settle, hold, carried: /** @type {const} */ ("up"), states: curve.states.slice(-1) };
+        const turned = { settle, hold, carried: true, states: curve.states.slice(-1) };
         if (curve.whole && direction === "both") fly(model, at, turned, () => {}, true);
         if (flown().every((each) => curveOf(each).whole)) tell("swept");
       });
