@@ -5,7 +5,7 @@
  * @param {string} text
  * @returns {Uint8Array<ArrayBuffer>}
  */
-export function bytesOf(text) {
+function bytesOf(text) {
   const raw = atob(text), bytes = new Uint8Array(raw.length);
   for (let i = 0; i < raw.length; i++) bytes[i] = raw.charCodeAt(i);
   return bytes;

@@ -1,5 +1,5 @@
-// A linear regime in 2×2 blocks as the kernels' arrays, and the free modes laid out for the lanes: what
-// flight/linear/block_regime.py and packing.py do. Numbers of the layout come with the table of slots.
+// A linear regime in 2×2 blocks as the kernels' arrays: what flight/linear/block_regime.py does. Numbers of the
+// layout come with the table of slots.
 
 /** @typedef {import("./slots.js").Slots} Slots */
 /** @typedef {import("./slots.js").SlotArray} SlotArray */

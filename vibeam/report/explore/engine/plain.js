@@ -73,7 +73,7 @@ export class PackedSystem {
     const sigma = model.omega.map((own, k) => model.zeta[k] * damping * own);
     const top = topLevel(layout, omega, Math.max(...rates(model.omega, sigma)));
     const anew = damping !== this.damping || top !== this.top;
-    if (damping !== this.damping) this.arrange(damping, sigma);
+    if (damping !== this.damping) this.arrange(sigma);
     if (anew) this.packModes(damping, top);
     if (anew || gap !== this.gap) this.packGap(gap);
     this.free.drive.data[layout.RESTITUTION] = restitution;
@@ -83,10 +83,9 @@ export class PackedSystem {
 
   /**
    * Sort the modes by rate, and find the blocks of the system held on the stop.
-   * @param {number} damping
    * @param {Float64Array} sigma
    */
-  arrange(damping, sigma) {
+  arrange(sigma) {
     const { model } = this, given = model.rest;
     const order = ascending(rates(model.omega, sigma));
     const own = {

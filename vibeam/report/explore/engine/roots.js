@@ -1,7 +1,7 @@
 // Roots of the secular equation of a held system, each by its distance from the mode that moves most in it, so that
 // one close to a mode's own is no small difference (as linear/eigenpairs.py). Modes by ascending ω, none silent.
 
-/** @typedef {{value: number, shape: Float64Array, near: number}} Undamped λ² = −value, z, and the mode that moves most */
+/** @typedef {{value: number, shape: Float64Array}} Undamped λ² = −value, and z */
 /** @typedef {{re: number, im: number, zRe: Float64Array, zIm: Float64Array}} Root λ and z */
 
 const ROUNDS = 100, TINY = 4e-16, SURE = 1e-12;
@@ -35,7 +35,7 @@ export function undampedRoot(omega, contact, i) {
     if (change <= TINY * Math.abs(tau)) break;
   }
   const shape = omega.map((_, k) => (k === near ? -contact[k] / tau : contact[k] / (apart(k, near) - tau)));
-  return { value: omega[near] * omega[near] + tau, shape, near };
+  return { value: omega[near] * omega[near] + tau, shape };
 }
 
 /**

@@ -12,7 +12,7 @@
  * @param {number} end
  * @returns {boolean}
  */
-export function isImpact({ IMPACT, CHATTER, STUCK }, end) {
+function isImpact({ IMPACT, CHATTER, STUCK }, end) {
   return end === IMPACT || end === CHATTER || end === STUCK;
 }
 

@@ -1,5 +1,6 @@
 // The sliders' place: values of the keys in SI, the fidelities that are shown; both stand in the address.
 import { address, byId, tell } from "../../page/state.js";
+import { decoded } from "../engine/decoding.js";
 
 /** @import { Model, Packed, Payload, Place, Slider, SliderName } from "../engine/types.d.ts" */
 
@@ -14,10 +15,7 @@ export const sliderOf = (name) => payload.sliders.find((each) => each.name === n
 export const complete = (ended) => ended === payload.ended[0];
 
 /** Array of the payload. @type {(packed: Packed) => number[]} */
-export const numbers = ({ f8 }) => {
-  const bytes = Uint8Array.from(atob(f8), (letter) => letter.charCodeAt(0));
-  return Array.from(new Float64Array(bytes.buffer));
-};
+export const numbers = (packed) => Array.from(decoded(packed));
 const snaps = new Map(payload.sliders.map((each) => [each.name, each.places ? numbers(each.places) : []]));
 /** What a slider snaps to, where its drive is a table. @type {(slider: Slider) => number[]} */
 export const placesOf = ({ name }) => snaps.get(name) ?? [];
