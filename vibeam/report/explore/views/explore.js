@@ -66,11 +66,11 @@ function show(engine) {
 
 /**
  * Without results and without a link the page goes to the finest fidelity's highest point once the first curves stand,
- * unless the reader has moved a slider before.
+ * unless the reader has moved a slider before. A case of one frequency has no such point: the page stays at it.
  * @type {(peak: (model: Model) => {frequency: number} | undefined) => void}
  */
 function startAtPeak(peak) {
-  let untouched = !data.motions.length && !isLink;
+  let untouched = !data.motions.length && !isLink && payload.sweep.frequency.length > 1;
   on("moved", () => { untouched = false; });
   on("swept", () => {
     const finest = flown().find(({ name, finest: best }) => name === best), best = finest && peak(finest);
