@@ -30,9 +30,8 @@ import { after, place } from "./segments.js";
 /** @typedef {{ended: number, last: number, state: State, segments: Segments, impacts: number, evaluations: number}} Flown */
 /** @typedef {{settle: number, hold: number, output: string, limit?: number}} Schedule */
 
-const ROWS = 256, MOST_ROWS = 65536; // segments traced before they are read off
-export const LONGEST_PERIOD = 16; // drive periods after which a motion may repeat
-export const LIMIT = 100_000; // impacts a drive period after which a steady point is given up
+const ROWS = 256, MOST_ROWS = 65536, LONGEST_PERIOD = 16; // segments traced before they are read off; drive periods
+const LIMIT = 100000; // impacts a drive period after which a steady point is given up
 const MOST_IMPACTS = 10000000; // of one motion
 const AT_ONCE = 32; // periods settled between two settings of the phase
 
@@ -64,20 +63,11 @@ export class EventDriven {
   }
 
   /**
-   * The packed system's state that a motion starts from; null: static equilibrium.
-   * @param {State | null} state
-   * @returns {State}
-   */
-  start(state) {
-    return state ?? this.packed.equilibrium();
-  }
-
-  /**
    * Put a state into `pose` and `status`; null: static equilibrium.
    * @param {State | null} state
    */
   enter(state) {
-    const { packed, slots: { rows: { layout } } } = this, n = packed.size, from = this.start(state);
+    const { packed, slots: { rows: { layout } } } = this, n = packed.size, from = state ?? packed.equilibrium();
     if (from.displacement.length !== n || from.velocity.length !== n)
       throw new Error(`A state of this model has ${n} displacements and velocities.`);
     const pose = this.pose.data;
@@ -131,7 +121,7 @@ export class EventDriven {
   simulate(drive, state, span, limit = MOST_IMPACTS) {
     const { layout } = this.slots.rows;
     this.enter(state);
-    const size = sizeOfMotion(this.packed.model, drive.amplitude, this.start(state));
+    const start = state ?? this.packed.equilibrium(), size = sizeOfMotion(this.packed.model, drive.amplitude, start);
     let flown = this.flown(drive, span, limit, size);
     if (flown.ended === layout.UNRESOLVED && this.packed.carries()) {
       this.enter(state);

@@ -1,12 +1,14 @@
 // Motions under several harmonics: settled and read period by period in the system's own modes (Python:
 // solvers/harmonic_point.py), for the oscillators of the further harmonics are larger by far than what they carry.
-import { equilibrium } from "./equilibrium.js";
-import { EventDriven, LIMIT, LONGEST_PERIOD } from "./flight.js";
+import { equilibrium, sizeOfMotion } from "./equilibrium.js";
+import { EventDriven } from "./flight.js";
 
 /** @typedef {import("./equilibrium.js").State} State */
 /** @typedef {import("./flight.js").Drive} Drive */
 /** @typedef {import("./oscillators.js").PackedHarmonics} PackedHarmonics */
 
+const MOST_IMPACTS = 10_000_000; // of one motion
+const LONGEST = 16; // drive periods after which a motion may repeat
 const REPEATS = 1e-5; // share of the motion's size by which states one period apart may differ
 
 /** Motions of one system under several harmonics; states and poses are those of its own modes. */
@@ -26,10 +28,16 @@ export class HarmonicDriven extends EventDriven {
 
   /**
    * @param {State | null} state
+   */
+  enter(state) {
+    super.enter(this.wide.entered(state ?? this.still()));
+  }
+
+  /**
    * @returns {State}
    */
-  start(state) {
-    return this.wide.entered(state ?? equilibrium(this.wide.driven, this.wide.gap));
+  still() {
+    return equilibrium(this.wide.driven, this.wide.gap);
   }
 
   /**
@@ -37,6 +45,23 @@ export class HarmonicDriven extends EventDriven {
    */
   state() {
     return this.wide.left(super.state());
+  }
+
+  /**
+   * @param {Drive} drive
+   * @param {State | null} state
+   * @param {number} span
+   * @param {number} [limit]
+   */
+  simulate(drive, state, span, limit = MOST_IMPACTS) {
+    const { wide, slots: { rows: { layout } } } = this, start = wide.entered(state ?? this.still());
+    this.enter(state);
+    let flown = this.flown(drive, span, limit, sizeOfMotion(wide.model, drive.amplitude, start));
+    if (flown.ended === layout.UNRESOLVED && wide.carries()) {
+      this.enter(state);
+      flown = this.flown(drive, span, limit, Infinity);
+    }
+    return flown;
   }
 
   /**
@@ -64,7 +89,7 @@ export class HarmonicDriven extends EventDriven {
    * @param {State | null} state
    * @param {import("./flight.js").Schedule} schedule
    */
-  watched(drive, state, { settle, hold, output, limit = LIMIT }) {
+  watched(drive, state, { settle, hold, output, limit = 100000 }) {
     const { slots, wide, watch, slots: { rows: { layout } } } = this, first = Math.min(settle, 1);
     this.enter(state);
     watch.row.data.set(wide.output(output));
@@ -112,7 +137,7 @@ function repetition(strobes, omega, drive) {
     omega.reduce((sum, own, k) => sum + (own ** 2 + drive ** 2) * parts(k)[0] ** 2 + parts(k)[1] ** 2, 0);
   const size = Math.max(...strobes.map((each) => squared((k) => [each.displacement[k], each.velocity[k]])));
   const hold = strobes.length - 1;
-  for (let k = 1; k <= Math.min(LONGEST_PERIOD, Math.floor(hold / 2)); k++) {
+  for (let k = 1; k <= Math.min(LONGEST, Math.floor(hold / 2)); k++) {
     const far = Math.max(...Array.from({ length: k }, (_, i) => {
       const [a, b] = [strobes[hold - i], strobes[hold - i - k]];
       return squared((j) => [a.displacement[j] - b.displacement[j], a.velocity[j] - b.velocity[j]]);

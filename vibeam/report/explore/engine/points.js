@@ -5,7 +5,6 @@
 // stored sweep carries its state from point to point instead, and may stand on another branch where there are two
 // motions: `carried` does the same.
 import { equilibrium } from "./equilibrium.js";
-import { LIMIT, LONGEST_PERIOD } from "./flight.js";
 import { Room } from "./room.js";
 import { readPoint, unread } from "./segments.js";
 
@@ -20,6 +19,8 @@ import { readPoint, unread } from "./segments.js";
 /** @typedef {SteadyPoint & {outcome: number, state: State, impacts: number}} Point */
 /** @typedef {{settle: number, hold: number, output: string, slowest: number}} Watched `slowest`: rad/s of the panels */
 
+const LIMIT = 100_000; // impacts a drive period after which a point is given up, as of a sweep
+const LONGEST_PERIOD = 16; // drive periods
 const SIDE_BY_SIDE = 8; // modes up to which points go side by side
 
 /** @type {WeakMap<PackedSystem, Room>} */
