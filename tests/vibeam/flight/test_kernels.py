@@ -11,7 +11,7 @@ import pytest
 import vibeam.flight.kernels as kernels
 from vibeam.flight.kernels import entry
 from vibeam.flight.kernels.regimes import entry as regimes
-from vibeam.flight.kernels.sources import EVERY, FLIGHT, POINTS, digest
+from vibeam.flight.kernels.sources import EVERY, FLIGHT, GROUPS, POINTS, digest, files_of
 from vibeam.flight.points.kernels import disturbances
 from vibeam.flight.points.kernels import entry as points
 
@@ -99,6 +99,7 @@ def test_plain_functions_are_no_kernels() -> None:
 def test_a_change_in_any_kernel_is_noticed_wherever_it_lies(tmp_path: Path) -> None:
     assert {file.parent.name for file in FLIGHT} == {"kernels", "lanes", "roots"}
     assert set(EVERY) - set(FLIGHT) == set((FOLDER / "regimes").glob("*.py"))
+    assert set(FLIGHT) | set().union(*map(files_of, GROUPS)) == set(FOLDER.rglob("*.py"))
     assert set(POINTS) == set(Path(points.__file__).parent.rglob("*.py"))
     one, other = tmp_path / "a.py", tmp_path / "b.py"
     one.write_text("x = 1")

@@ -6,10 +6,17 @@ from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
-REGIMES = "regimes"  # the folder of the kernels that a plain system never calls
 HERE = Path(__file__).parent
-EVERY = tuple(sorted(HERE.rglob("*.py")))
-FLIGHT = tuple(file for file in EVERY if REGIMES not in file.relative_to(HERE).parts)
+REGIMES, *OTHERS = GROUPS = ("regimes", "contacts", "tangents")  # folders of kernels that a plain system never calls
+
+
+def files_of(group: str) -> tuple[Path, ...]:
+    """The kernels of a group alone."""
+    return tuple(sorted((HERE / group).rglob("*.py")))
+
+
+FLIGHT = tuple(file for file in sorted(HERE.rglob("*.py")) if not {*GROUPS} & {*file.relative_to(HERE).parts})
+EVERY = FLIGHT + files_of(REGIMES)  # of the engine of any regime, which the other groups are made of too
 POINTS = tuple(sorted((HERE.parent / "points" / "kernels").glob("*.py")))  # of points in lanes alone
 
 
@@ -23,4 +30,7 @@ def sources_of(module: str) -> tuple[Path, ...]:
     """The files that an entry point in ``module`` may be compiled from."""
     if ".points." in module:
         return FLIGHT + POINTS
+    own = next((group for group in OTHERS if f".{group}." in module), None)
+    if own is not None:
+        return EVERY + files_of(own)
     return EVERY if f".{REGIMES}." in module else FLIGHT
