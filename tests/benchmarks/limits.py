@@ -27,7 +27,7 @@ import numpy as np
 
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
-from vibeam.runs.closed_motions import closed_amplitudes
+from vibeam.periodic.motions import closed_amplitudes
 from vibeam.runs.comparison.limit import limit
 from vibeam.system.impact_system import ImpactSystem
 

@@ -121,6 +121,14 @@ def contact_phasor(system: ImpactSystem, omega: Array, amplitude: Array, row: Ar
     return np.asarray(amplitude * (weight[seen] @ phasor(natural, sigma, omega)))
 
 
+def modal_phasors(system: ImpactSystem, omega: Array, amplitude: Array) -> Complex:
+    """Steady response h (n, points) of the modes to the drive alone: Im(h e^{iΩt})."""
+    found, driven = np.zeros((system.size, len(omega)), dtype=complex), system.load != 0
+    natural, sigma = system.omega[driven, None], (system.zeta * system.omega)[driven, None]
+    found[driven] = amplitude * system.load[driven, None] * phasor(natural, sigma, omega)
+    return found
+
+
 def residual(system: ImpactSystem, trains: Trains, response: Complex, sums: GreenSums) -> tuple[Array, Array]:
     """Residuals (points, 2m) of contact, m, and restitution, m/s, and their derivatives (points, 2m, 2m).
 

@@ -14,7 +14,7 @@ from scipy.sparse import csc_array, diags_array, eye_array, kron, save_npz
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.casefile.rigs import RIGS
-from vibeam.runs.closed_motions import closed_curve
+from vibeam.periodic.motions import closed_curve
 from vibeam.runs.comparison.limit import limit
 from vibeam.studies.modes import export_matrices
 from vibeam_models.beam import structure_of

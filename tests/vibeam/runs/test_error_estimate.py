@@ -14,8 +14,9 @@ from support.random_beams import RandomBeam, random_beam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.bifurcation_functions import motions
+from vibeam.periodic.motions import OrbitKind, predicted
 from vibeam.periodic.orbit import orbits
-from vibeam.periodic.predicted_response import OrbitKind, nearby_orbits, predicted
+from vibeam.periodic.predicted_response import nearby_orbits
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.of_case import estimates

@@ -27,7 +27,7 @@ from vibeam.maps.points import GridPoints
 from vibeam.report.maps.verdict import sheet
 from vibeam.studies.fidelity_map import judgement, study
 from vibeam.studies.fidelity_map.between import verified
-from vibeam.studies.fidelity_map.judgement import Motions, control_variate_gain, correlation
+from vibeam.studies.fidelity_map.judgement import MappedMotions, control_variate_gain, correlation
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -179,10 +179,10 @@ def test_a_label_that_hangs_on_scatter_is_doubtful() -> None:
     assert judgement.doubtful([other, finest], 0.01)[0].tolist() == [False, True, False, True]
 
 
-def motions(kind: Any, value: Any, count: Any, error: float = 0.0) -> Motions:
+def motions(kind: Any, value: Any, count: Any, error: float = 0.0) -> MappedMotions:
     kinds, values = np.array(kind)[:, None, :], np.array(value, dtype=float)[:, None, :]
     blank: Any = None
-    return Motions(
+    return MappedMotions(
         "one", 1, values, np.full(values.shape, error), kinds, np.full(values.shape, np.nan),
         np.array(count)[None, :], blank, 1e-3,
     )  # fmt: skip

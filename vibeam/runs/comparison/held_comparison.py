@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.held import held_of, other_choice, with_other_choice
-from vibeam.runs.closed_motions import ClosedCurve, closed_curve, without_closed_forms
+from vibeam.periodic.motions import ClosedCurve, closed_curve
+from vibeam.runs.closed_motions import without_closed_forms
 from vibeam.runs.comparison.differences import BothChoices, HeldComparison, OwnLimit
 from vibeam.runs.comparison.limit import limit
 from vibeam.system.curves import NAN, Difference

@@ -2,5 +2,5 @@
 
 ``error`` estimates it at the points of a response along the exact orbits of these, ``flown`` has the motions that the
 full model makes, ``of_case`` puts them together for a run and ``records`` has what is found, and says it in a row.
-The mathematics is in ``vibeam.periodic.predicted_response``.
+The mathematics is in ``vibeam.periodic.motions``.
 """

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.modal_sums import resonant
+from vibeam.periodic.motions import Motions, OrbitKind, predicted, predicted_free, unsuited
 from vibeam.periodic.orbit import AdmissibilityCheck
-from vibeam.periodic.predicted_response import OrbitKind, PredictedResponse, nearby_orbits, predicted, predicted_free
+from vibeam.periodic.predicted_response import nearby_orbits
 from vibeam.periodic.train_sums import Trains
-from vibeam.runs.closed_motions import unsuited
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
@@ -156,7 +156,7 @@ def estimate_error(
     for which, trains in _without_resonance(full, swept):
         different, back = _distinct(trains)
         there = predicted(full, trains.at(different), output)
-        made.enter(response, which, PredictedResponse._make(row[back] for row in there), Basis.ORBIT)
+        made.enter(response, which, there.at(back), Basis.ORBIT)
     if len(swept.free):
         omega = 2 * np.pi * response.frequency[swept.free]
         made.enter(response, swept.free, predicted_free(full, omega, base[swept.free], output), Basis.FREE)
@@ -191,11 +191,9 @@ class _Rows:
     bounds: Array
     basis: NDArray[np.int64]
 
-    def enter(
-        self, response: FrequencyResponse, which: NDArray[np.int64], there: PredictedResponse, same: Basis
-    ) -> None:
-        """Enter the other model's response at the points ``which``; ``same``: basis where its motion is the same."""
-        values = there.amplitude, there.reach, there.impact_velocity
+    def enter(self, response: FrequencyResponse, which: NDArray[np.int64], there: Motions, same: Basis) -> None:
+        """Enter the other model's motions at the points ``which``; ``same``: basis where its motion is the same."""
+        values = [np.where(there.stable, getattr(there, name), np.nan) for name in QUANTITIES]
         unsure = there.uncertainty, there.reach_uncertainty, np.zeros(len(which))
         for row, (name, value, off) in enumerate(zip(QUANTITIES, values, unsure, strict=True)):
             with np.errstate(invalid="ignore", divide="ignore"):

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
-from vibeam.runs.closed_motions import unsuited, without_closed_forms
+from vibeam.periodic.motions import unsuited
+from vibeam.runs.closed_motions import without_closed_forms
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate, FidelityEstimate
 from vibeam.system.impact_system import ImpactSystem

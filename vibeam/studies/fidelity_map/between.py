@@ -23,7 +23,7 @@ from vibeam.maps.points import GridPoints, scattered
 from vibeam.periodic.modal_sums import sums
 from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.runs.parallel import run_parallel
-from vibeam.studies.fidelity_map.judgement import Codes, ComparedModels, Motions, cheapest, doubtful, motions
+from vibeam.studies.fidelity_map.judgement import Codes, ComparedModels, MappedMotions, cheapest, doubtful, motions
 from vibeam_models.arrays import Array
 
 UP, DOWN = 0, 1
@@ -39,7 +39,7 @@ class _Cell:
     weights: Array
 
 
-def _points(found: ComparedModels, model: Motions, hertz: Array, values: Array) -> GridPoints:
+def _points(found: ComparedModels, model: MappedMotions, hertz: Array, values: Array) -> GridPoints:
     """Systems and drives of a model at scattered places (1, places): Hz and SI values of the key."""
     return scattered(found.case.model(model.name), {found.plan.axes[-2].key: values, FREQUENCY: hertz})
 
@@ -56,7 +56,7 @@ def labels_between(found: ComparedModels, hertz: Array, values: Array) -> tuple[
     return np.asarray(cheapest(read, accuracy)[0]), np.asarray(doubtful(read, accuracy)[0] | unclear)
 
 
-def _unclear(model: Motions, cell: _Cell) -> bool:
+def _unclear(model: MappedMotions, cell: _Cell) -> bool:
     """Test whether kinds meet around a place of which one has no closed form."""
     kinds = model.kind[:, cell.rows, cell.columns]
     return bool(np.any(kinds != kinds[:, :1]) and np.any(~np.isin(kinds, (ONE, NO_CONTACT))))
@@ -71,7 +71,9 @@ def _cell(rows: Array, columns: Array, value: float, hertz: float) -> _Cell:
     return _Cell(np.array([row, row, row + 1, row + 1]), np.array([column, column + 1, column, column + 1]), weights)
 
 
-def _read(found: ComparedModels, model: Motions, hertz: Array, values: Array, cells: list[_Cell]) -> Motions:
+def _read(
+    found: ComparedModels, model: MappedMotions, hertz: Array, values: Array, cells: list[_Cell]
+) -> MappedMotions:
     """The motions of a model at scattered places (ways, 1, places), as far as the map says."""
     count = len(cells)
     value, error, kind = np.zeros((2, 1, count)), np.zeros((2, 1, count)), np.zeros((2, 1, count), dtype=np.int64)
@@ -142,7 +144,7 @@ def _kind(kinds: Codes, weights: Array, way: int, known: _Known) -> int:
     return max(left, key=lambda kind: float(weights[kinds == kind].sum()))
 
 
-def _value(model: Motions, way: int, cell: _Cell, kind: int, known: _Known | None) -> tuple[float, float]:
+def _value(model: MappedMotions, way: int, cell: _Cell, kind: int, known: _Known | None) -> tuple[float, float]:
     """Value and its standard error, from the places around that are of the kind, or in closed form."""
     around = model.kind[way, cell.rows, cell.columns] == kind
     weights = np.where(around, np.maximum(cell.weights, 1e-9), 0.0)
@@ -191,7 +193,7 @@ def verified(found: ComparedModels, count: int, seed: int = SEED) -> Verificatio
     return Verification(hertz, values, predicted, cheapest(again, accuracy)[0], decided)
 
 
-def _flown(found: ComparedModels, model: Motions, hertz: Array, values: Array) -> Motions:
+def _flown(found: ComparedModels, model: MappedMotions, hertz: Array, values: Array) -> MappedMotions:
     """Both ways from the state of the nearest place that the sweep passed before."""
     points, plan = _points(found, model, hertz, values), found.plan
     rows = np.abs(found.values[:, None] - values).argmin(axis=0)

@@ -32,7 +32,7 @@ DIFFERENCES = {
 
 
 @dataclass(frozen=True)
-class Motions:
+class MappedMotions:
     """Motions of a model, arrays (ways, rows, columns): up and down over the frequencies, a row a value of the key.
 
     ``value`` in the output's unit (mean of a motion that does not repeat, ``error`` its standard error, else 0);
@@ -51,10 +51,10 @@ class Motions:
     cpu: float
 
 
-def motions(name: str, modes: int, found: Values, quantity: str) -> Motions:
+def motions(name: str, modes: int, found: Values, quantity: str) -> MappedMotions:
     """Motions of a model from arrays (ways, rows, columns, …) by name: see ``irregular.judged``."""
     value, error, kind = found[quantity], found["error"], found["kind"].astype(np.int64)
-    return Motions(
+    return MappedMotions(
         name, modes, value, error, kind, found["exponent"], _coexisting(value, error, kind),
         found["state"], float(np.mean(found["cpu_seconds"])),
     )  # fmt: skip
@@ -74,10 +74,10 @@ class ComparedModels(StudyOfMap, ValueRecord):
     """Map whose ``models``, cheapest first and the finest last, are compared over frequency and a key of the case."""
 
     result: MapResult
-    models: tuple[Motions, ...]
+    models: tuple[MappedMotions, ...]
 
     @property
-    def finest(self) -> Motions:
+    def finest(self) -> MappedMotions:
         """The model that the others are judged by."""
         return self.models[-1]
 
@@ -92,7 +92,7 @@ class ComparedModels(StudyOfMap, ValueRecord):
         return np.array(self.plan.axes[-2].values)
 
 
-def difference(model: Motions, finest: Motions) -> Codes:
+def difference(model: MappedMotions, finest: MappedMotions) -> Codes:
     """Difference in kind at each place (rows, columns), the gravest: the constants above; a failure is of the period.
 
     Motions that do not repeat and are not chaotic (quasiperiodic, or longer than 16 periods) are of one kind.
@@ -103,7 +103,7 @@ def difference(model: Motions, finest: Motions) -> Codes:
     return np.asarray(np.select([chaos, number, period], [IN_CHAOS, IN_NUMBER, IN_PERIOD], SAME))
 
 
-def within(model: Motions, finest: Motions, accuracy: float) -> Flags:
+def within(model: MappedMotions, finest: MappedMotions, accuracy: float) -> Flags:
     """Places (rows, columns) where both ways are of the same kind and their values agree to ``accuracy``.
 
     Means of motions that do not repeat may differ by two of their standard errors more.
@@ -114,7 +114,7 @@ def within(model: Motions, finest: Motions, accuracy: float) -> Flags:
     return np.asarray(near.all(axis=0) & (difference(model, finest) == SAME))
 
 
-def cheapest(models: Sequence[Motions], accuracy: float) -> Codes:
+def cheapest(models: Sequence[MappedMotions], accuracy: float) -> Codes:
     """Index into ``models`` (cheapest first, finest last) of the cheapest that suffices at each place."""
     label = np.full(models[-1].count.shape, len(models) - 1, dtype=np.int64)
     for index in range(len(models) - 2, -1, -1):
@@ -122,7 +122,7 @@ def cheapest(models: Sequence[Motions], accuracy: float) -> Codes:
     return label
 
 
-def doubtful(models: Sequence[Motions], accuracy: float) -> Flags:
+def doubtful(models: Sequence[MappedMotions], accuracy: float) -> Flags:
     """Places whose label hangs on scatter: a model up to the one chosen is within its noise of the accuracy, or chaos.
 
     Of chaos: neither motion repeats, and only one exponent is positive beyond its error.
@@ -139,7 +139,7 @@ def doubtful(models: Sequence[Motions], accuracy: float) -> Flags:
     return found
 
 
-def relative(model: Motions, finest: Motions) -> NDArray[np.float64]:
+def relative(model: MappedMotions, finest: MappedMotions) -> NDArray[np.float64]:
     """Relative difference (rows, columns), of the way where it is larger."""
     with np.errstate(invalid="ignore", divide="ignore"):
         shares = model.value / finest.value - 1
@@ -183,7 +183,7 @@ class FidelityRow:
     use_it_for: str
 
 
-def fidelity_row(model: Motions, found: ComparedModels) -> FidelityRow:
+def fidelity_row(model: MappedMotions, found: ComparedModels) -> FidelityRow:
     """The row of one model."""
     finest, accuracy = found.finest, found.plan.accuracy
     apart, near = difference(model, finest), within(model, finest, accuracy)
@@ -220,7 +220,7 @@ def control_variate_gain(rho: float, ratio: float) -> float:
     return max(1.0, 1 / (sqrt(max(1 - rho * rho, 0.0)) + sqrt(rho * rho / ratio)) ** 2)
 
 
-def _kinds(finest: Motions, places: NDArray[np.bool_]) -> str:
+def _kinds(finest: MappedMotions, places: NDArray[np.bool_]) -> str:
     """The commonest kinds of the finest model at some places, with their shares."""
     found = finest.kind[:, places].ravel()
     if not found.size:

@@ -26,8 +26,8 @@ from vibeam.case.held import PLACES, Held, holding
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.observe.restitution import first_mode_restitution
-from vibeam.periodic.predicted_response import OrbitKind, PredictedResponse
-from vibeam.runs.closed_motions import HARDER, SOFTER, closed_motion, unsuited, without_closed_forms
+from vibeam.periodic.motions import HARDER, SOFTER, Motions, closed_motions, unsuited
+from vibeam.runs.closed_motions import without_closed_forms
 from vibeam.runs.comparison.limit import LEAST_SHARE, resolving
 from vibeam.solvers.collision import struck
 from vibeam.studies.modes_needed.reduction import plan_asked
@@ -173,15 +173,15 @@ def models(scene: RigScene, counts: Sequence[int]) -> list[ImpactSystem]:
     ]
 
 
-def _of(there: Sequence[PredictedResponse | None], read: Callable[[PredictedResponse], Array]) -> tuple[float, ...]:
+def _of(there: Sequence[Motions | None], read: Callable[[Motions], Array]) -> tuple[float, ...]:
     return tuple(nan if each is None else float(read(each)[0]) for each in there)
 
 
-def exact_motion(model: ImpactSystem, omega: float, base: float, output: str) -> PredictedResponse | None:
+def exact_motion(model: ImpactSystem, omega: float, base: float, output: str) -> Motions | None:
     """Stable exact motion with one impact a drive period, clear of the stop in between; None where there is none."""
     drive, amplitude = np.array([omega]), np.array([base])
-    there = (closed_motion(model, drive, amplitude, output, kind) for kind in (HARDER, SOFTER))
-    return next((each for each in there if each.found[0] == OrbitKind.ORBIT.code), None)
+    there = (closed_motions(model, drive, amplitude, output, kind) for kind in (HARDER, SOFTER))
+    return next((each for each in there if each.stable[0]), None)
 
 
 def _of_law(scene: RigScene, counts: tuple[int, ...], speed: float) -> list[LimitRow]:

@@ -17,7 +17,8 @@ import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system_of
 from vibeam.case.reduced_structure import static_at_contact
-from vibeam.runs.closed_motions import FREE, KINDS, closed_amplitudes, unsuited, without_closed_forms
+from vibeam.periodic.motions import FREE, KINDS, closed_amplitudes, unsuited
+from vibeam.runs.closed_motions import without_closed_forms
 from vibeam.runs.estimate.of_case import LARGEST
 from vibeam.runs.sweep import march
 from vibeam.studies.modes_needed.losses import ALIKE, UNKNOWN, Amplitudes, ResponseError, response_error

@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system
-from vibeam.runs.closed_motions import closed_curve, unsuited, without_closed_forms
+from vibeam.periodic.motions import closed_curve, unsuited
+from vibeam.runs.closed_motions import without_closed_forms
 from vibeam.runs.parallel import heartbeat, run_parallel
 from vibeam.runs.sweep import sweep
 from vibeam.system.response import FrequencyResponse, complete

@@ -11,7 +11,7 @@ from stand_in import RIG
 
 import vibeam
 from vibeam.casefile.read import load
-from vibeam.runs.closed_motions import FREE, HARDER, SOFTER, closed_amplitudes, closed_curve, unsuited
+from vibeam.periodic.motions import FREE, HARDER, SOFTER, closed_amplitudes, closed_curve, unsuited
 
 
 def driven(name: str, points: int, **settings: Any) -> tuple[Any, np.ndarray, np.ndarray]:
