@@ -40,6 +40,7 @@ PAGES = (
     "cases/stuttgart/README.md",
     "cases/rigs/README.md",
     "cases/matrices/README.md",
+    "cases/grazing/README.md",
     "cases/reductions/README.md",
     "vibeam/studies/README.md",
 )

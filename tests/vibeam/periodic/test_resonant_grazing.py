@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import exp, log, pi, sqrt
+from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
@@ -56,12 +56,12 @@ def test_one_mode_has_the_explicit_coefficients(zeta: float, restitution: float)
 
 
 def test_both_curves_leave_the_grazing_curve_quadratically() -> None:
-    """The remainder B/B_g − 1 − χ ε² is of third order."""
+    """The remainder B/B_g − 1 − χ ε² is of third order: a share of 2ε of the second one's size."""
     omega, fold, doubling = coefficients(0.03, 0.8, 1)
     for row, (side, coefficient) in enumerate(((-1, fold), (1, doubling))):
-        offset = side * np.array([4e-4, 2e-4])
+        offset = side * np.array([1e-2, 1e-3, 1e-4])
         left = boundary_drives(ONE, omega + offset)[row] - 1 - coefficient * offset**2
-        assert log(abs(left[0] / left[1]), 2) == pytest.approx(3, abs=0.05)
+        assert np.all(np.abs(left) < 2 * np.abs(coefficient * offset**3))
 
 
 @SEVERAL
