@@ -72,6 +72,11 @@ def resonant_grazing(system: ImpactSystem, omega: tuple[float, float], periods: 
     """Find all places of resonant grazing between two drive frequencies, rad/s, by frequency.
 
     ValueError as in ``orbit_curve``, for modes without stiffness, and where the contact rests on the stop.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes([1.0, 6.3], 0.05, [1.0, 0.4], [1.0, 0.4], gap=0.1, restitution=0.5)
+    >>> [found.kind.name for found in vibeam.resonant_grazing(system, (1.9, 2.1))]  # several modes part the two
+    ['FOLD', 'DOUBLING']
     """
     span = checked(system, omega, periods)
     _ = _clear(system)
