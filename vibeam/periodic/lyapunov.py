@@ -97,9 +97,9 @@ def lyapunov(
 
     ``state`` (None: static equilibrium) at ``t_start`` s, ``settle`` drive periods before anything is taken, 0 for a
     state that is on the motion meant: of a periodic one its exponents are those of that motion, stable or not.
-    ``periods``: drive periods of the mean where the motion does not repeat. For any damping, one stop or two, R or R(v)
-    or a linear stop. ValueError for Hertz' and Hunt–Crossley's law and several contacts, whose tangent maps are not
-    known, for arguments that make no sense, and where the motion ends on the way (too many impacts).
+    ``periods``: drive periods of the mean where the motion does not repeat. For any damping and law, one stop or two.
+    ValueError for several contacts, whose tangent maps are not known, for arguments that make no sense, and where the
+    motion ends on the way (too many impacts).
 
     >>> import vibeam
     >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)

@@ -79,9 +79,10 @@ def test_without_contact_it_is_the_damping_and_without_a_question_nothing() -> N
         (replace(THREE, gap=0.0, restitution=0.3, static=np.array([1.5, 0.0, 0.0])), 1.3, 2.0),
         (replace(ONE, restitution=0.0, gap=0.02), 1.2, 0.05),
         (replace(THREE, law=LinearStop(400.0)), 1.3, 1.0),
+        (replace(THREE, law=HuntCrossley(400.0, 0.1)), 1.3, 1.0),
         (replace(THREE, second_gap=0.5), 1.3, 1.0),
     ],
-    ids=["rests", "rests of three modes", "plastic", "linear stop", "two stops"],
+    ids=["rests", "rests of three modes", "plastic", "linear stop", "Hunt-Crossley", "two stops"],
 )
 def test_what_the_compiled_code_leaves_alone_is_that_of_lyapunov(
     system: vibeam.ImpactSystem, omega: float, amplitude: float
@@ -111,8 +112,8 @@ def test_a_point_that_failed_has_none_and_neighbours_and_threads_change_no_bit()
     assert (found.lyapunov[81:] > 0).any()
 
 
-def test_laws_without_tangent_maps_and_short_means_are_refused() -> None:
+def test_systems_without_tangent_maps_and_short_means_are_refused() -> None:
     with pytest.raises(
-        ValueError, match=r"lyapunov: 5 must be at least 20 .*; .*lyapunov: not known for the contact law"
+        ValueError, match=r"lyapunov: 5 must be at least 20 .*; .*lyapunov: not known for several contacts"
     ):
-        vibeam.batch(replace(THREE, law=HuntCrossley(1e3)), 1.0, 1.0, lyapunov=5)
+        vibeam.batch(replace(THREE, further=(vibeam.Contact([0.0, 1.0, 0.0], 0.4, 0.5),)), 1.0, 1.0, lyapunov=5)

@@ -10,6 +10,9 @@ acceleration before an impact, and ρ(v) = R(v) v the velocity after it:
 
 - entry of a linear stop with damping b, where the force jumps by b v: δη'⁺ = δη'⁻ − b c (c·δη⁻); at its release the
   force is zero and nothing jumps;
+- entry and release of a stop with F = max(0, k d^p (1 + a d')), Hertz' or Hunt and Crossley's: F goes to zero with d,
+  and where d' < −1/a it is zero before: it is continuous everywhere and nothing jumps. In between the variational
+  equations δη'' + D δη' + Λ δη = −c (∂F/∂d c·δη + ∂F/∂d' c·δη') are integrated along the contact;
 - a completed accumulation of impacts, which ends at rest on the stop: whatever the contact point's disturbance was,
   its displacement and velocity end at the stop's, while impulses along c leave all that is orthogonal to c alone:
   δη⁺ = (1 − c cᵀ/S) δη⁻, δη'⁺ likewise, to the order of the last impact velocity computed. Two directions are lost.
@@ -26,6 +29,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.flight.disturbance.derivatives import stop_of
+from vibeam.flight.disturbance.variations import variations
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.linear.propagator import Pair, propagators
@@ -46,8 +50,6 @@ def tangent_fault(system: ImpactSystem) -> str:
     if system.further is not None:
         return "several contacts: an impact of one may release another, and the saltation of that is not known here"
     law = system.contact_law
-    if law.integrated:
-        return f'the contact law "{law.name}": its contact is integrated, and disturbances are not carried along'
     if not (law.yields or law.has_slope):
         return f'the contact law "{law.name}": let the law have rebound_slope, or its contact give a table'
     return ""
@@ -69,14 +71,20 @@ class TangentMaps:
     def __len__(self) -> int:
         return len(self.trace)
 
-    def flow(self, i: int, parts: int = 1) -> Array:
-        """Map over segment i, its end left out; or over each of so many equal ``parts`` of it."""
+    def flow(self, i: int) -> Array:
+        """Map over segment i, its end left out."""
+        return self.flows(i, 1)[0]
+
+    def flows(self, i: int, parts: int) -> list[Array]:
+        """Maps over so many equal ``parts`` of segment i, one after another, its end left out."""
         what, duration = self.trace[i, layout.WHAT], float(self.trace[i, layout.DURATION]) / parts
         if what == layout.RESTING:
-            return np.asarray(_exponential(self._held * duration)) @ self.projection()
-        if what == regime_layout.CONTACT:
-            return _exponential(self._pushed(self.sides[i]) * duration)
-        return self._free(i, duration, parts)
+            return [np.asarray(_exponential(self._held * duration)) @ self.projection()] * parts
+        if what != regime_layout.CONTACT:
+            return [self._free(i, duration, parts)] * parts
+        if self.system.contact_law.integrated:
+            return variations(self.system, self.drive, self.trace[i], self.poses[i], int(self.sides[i]), parts)
+        return [_exponential(self._pushed(self.sides[i]) * duration)] * parts
 
     def over(self, i: int) -> Array:
         """Map over segment i and its end."""
@@ -86,8 +94,9 @@ class TangentMaps:
     def steps(self, i: int, rate: float, decay: float) -> list[Array]:
         """The same in factors, over none of which anything that decays at ``rate`` 1/s loses more than ``decay``."""
         parts = max(1, int(np.ceil(rate * float(self.trace[i, layout.DURATION]) / decay)))
-        flow, jump = self.flow(i, parts), self.jump(i)
-        return [flow] * (parts - 1) + [flow if jump is None else np.asarray(jump @ flow)]
+        *flows, last = self.flows(i, parts)
+        jump = self.jump(i)
+        return [*flows, last if jump is None else np.asarray(jump @ last)]
 
     @cached_property
     def fastest(self) -> float:
@@ -100,6 +109,8 @@ class TangentMaps:
         if end in (layout.CHATTER, layout.STUCK):
             return self.projection()
         if end != layout.IMPACT or not self.trace[i, layout.BEFORE] > 0:
+            return None
+        if self.system.contact_law.integrated:
             return None
         return self._entry(i) if self.system.contact_law.yields else self._saltation(i)
 
