@@ -29,7 +29,7 @@ def beam_scene(case: AnyCase, folder: Path) -> Scene:
     return Scene(
         beam=_beam(case.beam),
         mass=None if case.mass is None else plan_of(Mass, case.mass),
-        stop=_stop(case.stop, place if case.stop.position is None else case.stop.position),
+        stop=_stop(case.stop, place if case.stop.position is None else case.stop.position, case.beam),
         sensor=plan_of(Sensor, case.sensor),
         base=Base(**dict(case.drive)),
         effects=effects_of_scene(case),
@@ -70,10 +70,10 @@ def given_scene(case: AnyCase, folder: Path) -> GivenScene:
     return GivenScene(given, _stop(case.stop, 0.0), Base(**dict(case.drive) | on_structure), effects_of_scene(case))
 
 
-def _stop(table: Any, position: float) -> Stop:
+def _stop(table: Any, position: float, beam: Any = None) -> Stop:
     """The stop with its law, whose own keys are the law's."""
     own = {name: value for name, value in dict(table).items() if name in keys_of(Stop)}
-    return Stop(**own | {"position": position, "law": contact_law(table)})
+    return Stop(**own | {"position": position, "law": contact_law(table, beam)})
 
 
 def _beam(table: Any) -> Beam:

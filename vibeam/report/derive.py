@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from vibeam.case.held import held_of
 from vibeam.report.output import StudySheet, plain
+from vibeam.report.reductions import shown
 from vibeam.report.tables import ReportTable, blank
 from vibeam.system.number_text import percent, signed, with_unit, without_round_off
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.studies.contact_time import ContactAtSpeed
     from vibeam.studies.derive import DerivedParameter, DerivedTable
 
 
@@ -19,10 +22,10 @@ def sheet(table: DerivedTable, case: Case) -> StudySheet:
     """Sheet of the parameters derived for ``case``; as CSV a row a parameter."""
     return StudySheet(
         answer=answer(table, case),
-        tables=[derivation(table)],
+        tables=[derivation(table), *([contact_table(table.contacts)] if table.contacts else [])],
         notes=table.notes,
         details=list(_assumptions(table)),
-        data={"rows": table.rows, "notes": table.notes},
+        data={"rows": table.rows, "notes": table.notes, "contacts": table.contacts},
         rows=[plain(row) for row in table],
     )
 
@@ -65,6 +68,19 @@ def derivation(rows: Iterable[DerivedParameter]) -> ReportTable:
             f"  {kept}" if same else row.name, "" if same else row.symbol, *values, "" if same else unit, error
         )
     table.caption = "ω_n = 2π f_n, in CSV and JSON; -v: the assumption behind each error"
+    return table
+
+
+def contact_table(contacts: Sequence[ContactAtSpeed]) -> ReportTable:
+    """Table of contacts with a stop that yields, a row a speed."""
+    heads = ["speed|", "modes|", "1/S|", "contact time|", "indentation|", "force|", "R|"]
+    units = {"speed": "m/s", "modes": "", "mass": "kg", "duration": "s", "depth": "m", "force": "N", "restitution": ""}
+    if any(isfinite(each.pressure) for each in contacts):
+        heads, units = [*heads, "pressure|"], units | {"pressure": "Pa"}
+    table = blank("Contact with the stop", *heads)
+    for row in contacts:
+        table.add_row(*(shown(getattr(row, name), unit) for name, unit in units.items()))
+    table.caption = "modes: those below 3/2t_c; a free mass 1/S, S their contact mobility, meets the stop"
     return table
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from vibeam.runs.result import Result
     from vibeam.runs.systems import Overview
     from vibeam.system.response import Branches
+    from vibeam_models.scene import AnyScene
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,8 @@ def remarks(result: Result) -> list[str]:
     """Remarks on fidelities that never touch the stop, and on those whose mode 1 sees R₁ < 0."""
     clear = [name for name, branches in result.items() if stays_clear(branches)]
     notes = [f"{listed(clear)}: no impact at any frequency: {_cure(result.overview)}"] if clear else []
-    return [*notes, *ill_posed({row.fidelity: row.first_mode_restitution for row in compare(result)})]
+    below = {row.fidelity: row.first_mode_restitution for row in compare(result)}
+    return [*notes, *ill_posed(below, result.case.scene)]
 
 
 def _cure(overview: Overview | None) -> str:
@@ -105,10 +107,31 @@ def _cure(overview: Overview | None) -> str:
     return f"sweep over mode 1, at {overview.first}, narrow the gap, or drive harder"
 
 
-def ill_posed(first_mode: Mapping[str, float]) -> list[str]:
-    """Remark on fidelities with R₁ < 0; ``first_mode``: R₁ by name, NaN where the law has no coefficient."""
+def ill_posed(first_mode: Mapping[str, float], scene: AnyScene) -> list[str]:
+    """Remark on fidelities with R₁ < 0, with the stop that yields as the table of a case.
+
+    ``first_mode``: R₁ by name, NaN where the law has no coefficient; ``scene``: with the stop that has one.
+    """
     below = [f"{name} ({value:.2g})" for name, value in first_mode.items() if value < 0]
-    return [f"{listed(below)}: {NEGATIVE}"] if below else []
+    if not below:
+        return []
+    cure = f"\n{yielding(scene)}" if scene.stop is not None and scene.stop.law is None else ""
+    return [f"{listed(below)}: {NEGATIVE}{cure}"]
+
+
+def yielding(scene: Any) -> str:
+    """Table of the stop made to yield, to be pasted into the case in place of its own."""
+    from vibeam_models.yielding_stop import yielding_stop
+
+    return f"In place of [stop] as it is:\n{yielding_stop(scene)}"
+
+
+def beyond(row: str, needed: float, scene: Any) -> str:
+    """Remark on a first mode's restitution that no coefficient at the contact gives: it would be ``needed``."""
+    return (
+        f"{row}: R₁ = {scene.stop.usual_restitution:g} would take R = {needed:.4g} at the contact, and none is above "
+        f"1. Take fewer modes, put a mass at the contact, or {YIELDS}.\n{yielding(scene)}"
+    )
 
 
 def stays_clear(branches: Branches) -> bool:

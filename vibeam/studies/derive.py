@@ -14,6 +14,7 @@ from vibeam_models.base import Base
 from vibeam_models.scene import AnyScene, Mass, Scene
 
 if TYPE_CHECKING:
+    from vibeam.studies.contact_time import ContactAtSpeed
     from vibeam_models.sdof import SdofModel
 
 
@@ -39,10 +40,14 @@ class DerivedParameter:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DerivedTable(ValueRecord, ViewedTable):
-    """Rows of the table, by order or by name; ``notes``: the rows left out, and why."""
+    """Rows of the table, by order or by name; ``notes``: the rows left out, and why.
+
+    ``contacts``: with a stop that yields, at three speeds.
+    """
 
     rows: tuple[DerivedParameter, ...]
     notes: tuple[str, ...] = ()
+    contacts: tuple[ContactAtSpeed, ...] = ()
 
     def __iter__(self) -> Iterator[DerivedParameter]:
         return iter(self.rows)
@@ -83,7 +88,7 @@ def derive(case_or_scene: Any) -> DerivedTable:
     with the mass's rotary inertia where the scene gives one. On a platform, or where the base amplitude depends on the
     frequency otherwise, there is no one drive to be derived. A bare beam has the rows that no attached mass comes into,
     in its static deflection under a load at the contact; and where the beam outweighs the mass by far, those that
-    neglect the beam have no meaning and are left out, as ``notes`` says.
+    neglect the beam have no meaning and are left out, as ``notes`` says. A stop that yields adds its ``contacts``.
     TypeError for another object; ValueError for a SdofScene: it *is* the SDOF model.
 
     >>> import vibeam
@@ -98,7 +103,17 @@ def derive(case_or_scene: Any) -> DerivedTable:
         raise TypeError(f"derive takes a case or a scene, not {type(scene).__name__}")
     exact = _first_mode(scene)
     table = _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
-    return replace(table, rows=tuple(_explained(row, scene) for row in table))
+    return _with_contacts(replace(table, rows=tuple(_explained(row, scene) for row in table)), scene)
+
+
+def _with_contacts(table: DerivedTable, scene: Scene) -> DerivedTable:
+    """Table with the contacts of a stop that yields, and what is doubtful about them."""
+    if scene.stop.law is None or not scene.stop.law.compliant:
+        return table
+    from vibeam.studies.contact_time import contacts, doubts
+
+    found = contacts(scene)
+    return replace(table, contacts=found, notes=(*table.notes, *doubts(scene, found)))
 
 
 def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> DerivedTable:
@@ -123,7 +138,7 @@ def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> DerivedTable:
 
 def _bare(scene: Scene, exact: _FirstMode) -> DerivedTable:
     """Table of a beam without an attached mass."""
-    from vibeam.runs.summary import BARE
+    from vibeam.runs.summary import BARE, yielding
     from vibeam_models.static_shape import static_shape_of
 
     load_at, unit_at = scene.stop.position, scene.sensor.position
@@ -136,7 +151,7 @@ def _bare(scene: Scene, exact: _FirstMode) -> DerivedTable:
         gap /= static.at(load_at) if scene.stop.gap_at == "contact" else 1.0
         rows += _inertial_rows({WITH_BEAM: mass}, static.stiffness, exact, {WITH_BEAM: STATIC_SHAPE})
         rows.append(_gap_row(scene, gap, exact))
-        notes += [BARE] if scene.stop.law is None else []
+        notes += [f"{BARE}\n{yielding(scene)}"] if scene.stop.law is None else []
     return DerivedTable(tuple(rows), tuple(notes))
 
 

@@ -120,12 +120,17 @@ def _shaped(beam: BeamField, modes: Modes) -> BeamField:
 
 def _notes(scene: RigScene, rows: list[ModeRow]) -> tuple[str, ...]:
     """Notes on an impossible restitution at the end of the table."""
-    from vibeam.runs.summary import ill_posed
+    from vibeam.runs.summary import beyond, ill_posed
 
     if scene.stop.law is not None:
         return ()
-    below = next((row for row in rows if row.first_mode_restitution < 0), None)
-    return tuple(ill_posed({f"from {below.number} modes on": below.first_mode_restitution})) if below else ()
+    below = next((row for row in rows if row.first_mode_restitution < 0 or row.contact_restitution > 1), None)
+    if below is None:
+        return ()
+    where = f"from {below.number} modes on"
+    if below.contact_restitution > 1:
+        return (beyond(where, below.contact_restitution, scene),)
+    return tuple(ill_posed({where: below.first_mode_restitution}, scene))
 
 
 def _restitutions(scene: RigScene, first: float, mobility: float) -> tuple[float, float]:

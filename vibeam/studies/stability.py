@@ -118,7 +118,7 @@ class Stability(StudyOfMap, ValueRecord, ViewedTable):
         first_mode = {name: restitutions(self.case.scene_of(name), self.case.fidelities[name])[1] for name in names}
         empty = [each.fidelity for each in self.shares if not each.exists]
         notes = [f"{listed(empty)}: no motion with impacts of this kind anywhere on the map"] if empty else []
-        return [*self.refused, *notes, *ill_posed(first_mode)]
+        return [*self.refused, *notes, *ill_posed(first_mode, self.case.scene)]
 
     @property
     def own(self) -> float:

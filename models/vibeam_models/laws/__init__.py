@@ -7,7 +7,7 @@ Declarations are in ``rigid`` and ``yielding``; the mechanics that they give the
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -37,7 +37,7 @@ HERTZ_STIFFNESS = Key(
     "of laws hertz and hunt-crossley: force over penetration^exponent, in N/m^exponent",
     1e9,
     above=0,
-    missing="N/m^exponent",
+    missing="N/m^exponent, or radius, youngs_modulus and poissons_ratio of the stop",
     plain=(
         "of hertz and hunt-crossley, force over mass and penetration^exponent",
         1e4,
@@ -83,13 +83,15 @@ class ContactLaw(ABC):
 
     ``compliant``: the stop yields; else it is rigid and the velocity after an impact follows from that before it.
     ``integrated``: its contacts have no closed form, so that no velocity or acceleration is read in them.
-    ``form``: what a message adds where the law has several forms.
+    ``form``: what a message adds where the law has several forms. ``of_beam``: its key → key of the beam that stands
+    for it where it is absent.
     """
 
     name: ClassVar[str]
     compliant: ClassVar[bool] = False
     integrated: ClassVar[bool] = False
     form: ClassVar[str] = ""
+    of_beam: ClassVar[Mapping[str, str]] = {}
 
     @classmethod
     def forms(cls) -> tuple[type[ContactLaw], ...]:

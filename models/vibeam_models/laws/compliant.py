@@ -14,6 +14,7 @@ import numpy as np
 
 from vibeam_models.arguments import number, real, refuse
 from vibeam_models.arrays import Array
+from vibeam_models.laws.free_impact import FreeImpact, hunt_crossley_impact, linear_impact
 from vibeam_models.laws.mechanics import KernelNumbers, Spring, StopLaw, without_mass
 
 
@@ -63,6 +64,10 @@ class LinearStop(StopLaw):
     def balance(self, beyond: float, give: float) -> float:
         """k beyond/(1 + k give)."""
         return self.stiffness * beyond / (1 + self.stiffness * give)
+
+    def free_impact(self, mass: float, speed: float) -> FreeImpact:
+        """See ``StopLaw.free_impact``."""
+        return linear_impact(self.stiffness, self.damping, mass, speed)
 
     def in_series(self, flexibility: float) -> LinearStop:
         """See ``StopLaw.in_series``; ValueError where it is damped."""
@@ -140,6 +145,10 @@ class HuntCrossley(StopLaw):
             excess = middle + give * self.stiffness * middle**self.exponent - beyond
             low, high = (low, middle) if excess > 0 else (middle, high)
         return float(self.stiffness * high**self.exponent)
+
+    def free_impact(self, mass: float, speed: float) -> FreeImpact:
+        """See ``StopLaw.free_impact``."""
+        return hunt_crossley_impact(self.stiffness, self.damping, self.exponent, mass, speed)
 
     @classmethod
     def matched(cls, stiffness: float, restitution: float, velocity: float, exponent: float = 1.5) -> HuntCrossley:

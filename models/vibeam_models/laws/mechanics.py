@@ -10,11 +10,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 import numpy as np
 
 from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from vibeam_models.laws.free_impact import FreeImpact
 
 RIGID = "its mobility is infinite, so that an impulse and a coefficient of restitution have no meaning"
 
@@ -119,6 +122,10 @@ class StopLaw(ABC):
     def balance(self, beyond: float, give: float) -> float:
         """The static force F, N, with penetration d = beyond − give F, ``beyond`` m into the stop and ``give`` m/N."""
         raise self._lacking("static contact force", "let the law have balance, or its contact give a HuntCrossley")
+
+    def free_impact(self, mass: float, speed: float) -> FreeImpact:
+        """Contact time, indentation, force and R of a free ``mass``, kg, at a ``speed``, m/s; ValueError when rigid."""
+        raise self._lacking("contact time", "a rigid stop is met in an instant: take a law that yields")
 
     def in_series(self, flexibility: float) -> StopLaw:
         """The linear stop with a spring of ``flexibility`` g (m/N) before it, as a contact without mass has: 1/k + g.

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from vibeam_models.keys import declared, quantity
 from vibeam_models.laws import EXPONENT, HERTZ_STIFFNESS, RESTITUTION, VELOCITY, ContactLaw
 from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
+from vibeam_models.laws.hertz import EXPONENTS, PUNCH, ElasticBodies, by_bodies
 
 
 def _lost(law: str, stop: Any) -> Iterator[tuple[str, str]]:
@@ -50,6 +51,16 @@ class Linear(ContactLaw):
     compliant: ClassVar[bool] = True
 
     @classmethod
+    def forms(cls) -> tuple[type[ContactLaw], ...]:
+        """The stiffness, and a flat punch."""
+        return Linear, LinearBodies
+
+    @classmethod
+    def form_of(cls, stop: Any) -> type[ContactLaw]:
+        """The flat punch where the stop says its shape or materials, else the stiffness."""
+        return LinearBodies if by_bodies(stop) else Linear
+
+    @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """The loss, said once."""
         yield from _said_once(cls.name, stop)
@@ -59,6 +70,28 @@ class Linear(ContactLaw):
         if self.damping is not None:
             return LinearStop(self.stiffness, self.damping)
         return LinearStop.matched(self.stiffness, 1.0 if self.restitution is None else self.restitution, 1 / mobility)
+
+
+@dataclass(frozen=True)
+class LinearBodies(ElasticBodies, ContactLaw):
+    """F = 2 E* a d + c d′: a flat punch of radius a."""
+
+    damping: float | None = declared(Linear.__dataclass_fields__["damping"].metadata["key"], None)
+    restitution: float | None = declared(RESTITUTION, None)
+
+    name: ClassVar[str] = "linear"
+    compliant: ClassVar[bool] = True
+    shapes: ClassVar[tuple[str, ...]] = (PUNCH,)
+
+    @classmethod
+    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
+        """The loss, said once; another shape, a radius missing."""
+        yield from _said_once(cls.name, stop)
+        yield from cls.body_faults(stop)
+
+    def contact(self, mobility: float) -> LinearStop:
+        """The linear stop of that stiffness."""
+        return Linear(self.body_stiffness, self.damping, self.restitution).contact(mobility)
 
 
 @dataclass(frozen=True)
@@ -107,6 +140,16 @@ class Elastic(ContactLaw):
     integrated: ClassVar[bool] = True
 
     @classmethod
+    def forms(cls) -> tuple[type[ContactLaw], ...]:
+        """The stiffness, and two bodies."""
+        return Elastic, ElasticContact
+
+    @classmethod
+    def form_of(cls, stop: Any) -> type[ContactLaw]:
+        """The bodies where the stop says its shape or materials, else the stiffness."""
+        return ElasticContact if by_bodies(stop) else Elastic
+
+    @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """An exponent below 1."""
         yield from _soft(stop)
@@ -114,6 +157,24 @@ class Elastic(ContactLaw):
     def contact(self, mobility: float) -> HuntCrossley:
         """Hertz's law, p = 3/2 where it is not said."""
         return Hertz(self.hertz_stiffness, 1.5 if self.exponent is None else self.exponent)
+
+
+@dataclass(frozen=True)
+class ElasticContact(ElasticBodies, ContactLaw):
+    """F = k d^p with k and p of two bodies: p = 3/2 for a sphere."""
+
+    name: ClassVar[str] = "hertz"
+    compliant: ClassVar[bool] = True
+    integrated: ClassVar[bool] = True
+
+    @classmethod
+    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
+        """Another shape, a size missing."""
+        yield from cls.body_faults(stop)
+
+    def contact(self, mobility: float) -> HuntCrossley:
+        """Hertz's law for the sphere, Palmgren's relation for the cylinder."""
+        return Hertz(self.body_stiffness, EXPONENTS[self.body_shape])
 
 
 @dataclass(frozen=True)
@@ -130,6 +191,16 @@ class Damped(ContactLaw):
     integrated: ClassVar[bool] = True
 
     @classmethod
+    def forms(cls) -> tuple[type[ContactLaw], ...]:
+        """The stiffness, and two bodies."""
+        return Damped, DampedContact
+
+    @classmethod
+    def form_of(cls, stop: Any) -> type[ContactLaw]:
+        """The bodies where the stop says its shape or materials, else the stiffness."""
+        return DampedContact if by_bodies(stop) else Damped
+
+    @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """A loss that no damping gives, an exponent below 1."""
         yield from _lost(cls.name, stop)
@@ -139,3 +210,25 @@ class Damped(ContactLaw):
         """Law with the damping that gives the restitution at that velocity."""
         power = 1.5 if self.exponent is None else self.exponent
         return HuntCrossley.matched(self.hertz_stiffness, self.restitution, self.velocity, power)
+
+
+@dataclass(frozen=True)
+class DampedContact(ElasticBodies, ContactLaw):
+    """F = k d^p (1 + a d′) with k and p of two bodies, a from the restitution at one velocity."""
+
+    restitution: float = declared(RESTITUTION)
+    velocity: float = declared(VELOCITY)
+
+    name: ClassVar[str] = "hunt-crossley"
+    compliant: ClassVar[bool] = True
+    integrated: ClassVar[bool] = True
+
+    @classmethod
+    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
+        """A loss that no damping gives; another shape, a size missing."""
+        yield from _lost(cls.name, stop)
+        yield from cls.body_faults(stop)
+
+    def contact(self, mobility: float) -> HuntCrossley:
+        """Law with the damping that gives the restitution at that velocity."""
+        return HuntCrossley.matched(self.body_stiffness, self.restitution, self.velocity, EXPONENTS[self.body_shape])

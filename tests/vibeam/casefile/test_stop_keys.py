@@ -149,3 +149,48 @@ def test_a_gap_that_closes_takes_what_rests_on_the_stop_along() -> None:
     )
     assert falling.rest == pytest.approx([1.0, 1.0], rel=1e-14)
     assert falling.maximum == pytest.approx([-1e-3, -1.1e-3], rel=1e-9)
+
+
+BODIES = 'radius = "5 mm"\nyoungs_modulus = "210 GPa"\npoissons_ratio = 0.3\n'
+BOTH = f"{BODIES}counterbody_poissons_ratio = 0.3\n"
+
+
+def test_a_stop_says_radius_and_materials_in_place_of_its_stiffness() -> None:
+    """E* of two equal bodies is E/2(1 − ν²): 4/3 E* √R of the sphere, 2 E* a of the punch."""
+    modulus = 210e9 / (2 * 0.91)
+    sphere = made(f'{BOTH}law = "hertz"').law
+    assert sphere == HuntCrossley(sphere.stiffness)
+    assert sphere.stiffness == pytest.approx(4 / 3 * modulus * 0.005**0.5, rel=1e-14)
+    found = made(f'{BOTH}law = "hunt-crossley"\nrestitution = 0.7\nvelocity = "0.1 m/s"').law
+    assert found == HuntCrossley.matched(found.stiffness, 0.7, 0.1)
+    punch = made(f'{BOTH}law = "linear"\nshape = "flat punch"\ndamping = "3 N s/m"').law
+    assert punch == LinearStop(punch.stiffness, 3.0)
+    assert punch.stiffness == pytest.approx(2 * modulus * 0.005, rel=1e-14)
+
+
+def test_what_meets_the_stop_is_the_beam_unless_the_stop_says_otherwise() -> None:
+    own = RIG.replace("STOP", f'{BODIES}law = "hertz"').replace("damping_ratio", "poissons_ratio = 0.3\ndamping_ratio")
+    assert parse(own).system("two").law == made(f'{BOTH}law = "hertz"').law
+    softer = parse(own, set={"beam.youngs_modulus": "70 GPa"}).system("two").law
+    said = parse(own, set={"stop.counterbody_youngs_modulus": "70 GPa"}).system("two").law
+    assert softer == said != made(f'{BOTH}law = "hertz"').law
+
+
+@pytest.mark.parametrize(
+    ("stop", "told"),
+    [
+        (f'{BODIES}law = "hertz"', "write counterbody_poissons_ratio = …; or poissons_ratio in [beam]"),
+        ('law = "hertz"\nradius = "5 mm"\nhertz_stiffness = 1e9', "stop.hertz_stiffness: does not go with law"),
+        ('law = "hertz"\nradius = "5 mm"', 'write youngs_modulus = "… GPa"'),
+        ('law = "hertz"', "or radius, youngs_modulus and poissons_ratio of the stop"),
+        (f'{BOTH}law = "hertz"\nshape = "flat punch"', 'grows as d^1: write law = "linear"'),
+        (f'{BOTH}law = "linear"\nrestitution = 1\nshape = "sphere"', 'grows as d^1.5: write law = "hertz", or'),
+        (f'{BOTH}law = "linear"\nrestitution = 1', 'stop.shape: missing: write shape = "flat punch"'),
+        (f'{BOTH}law = "hertz"\nshape = "cylinder"', 'stop.length: missing (of the cylinder): write length = "10 mm"'),
+        (f'{BOTH}law = "hertz"\nshape = "cylinder"', "stop.radius: does not go with a cylinder"),
+        (f"{BOTH}restitution = 0.7", 'stop.radius: does not go with law = "restitution"'),
+        (f'{BOTH}law = "linear"\nshape = "flat punch"', "stop.damping: the loss of the linear stop is not said"),
+    ],
+)
+def test_faults_of_a_stop_by_its_materials(stop: str, told: str) -> None:
+    assert told in faults(stop)

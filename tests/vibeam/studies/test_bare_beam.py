@@ -17,6 +17,7 @@ from vibeam.casefile.read import parse
 from vibeam.casefile.template import template
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
+from vibeam.report.derive import contact_table
 from vibeam.report.maps.stability import sheet
 from vibeam.report.modes import modal
 from vibeam.runs.result import Result
@@ -117,12 +118,71 @@ def test_a_mass_that_the_beam_outweighs_has_no_row_of_a_massless_beam() -> None:
 
 
 def test_a_negative_restitution_of_mode_1_is_said_in_words() -> None:
-    assert ill_posed({"sdof": 0.7, "law": float("nan")}) == []
-    told = ill_posed({"two": -0.1, "beam": -0.6714})
+    scene = bare().scene
+    assert ill_posed({"sdof": 0.7, "law": float("nan")}, scene) == []
+    told = ill_posed({"two": -0.1, "beam": -0.6714}, scene)
     assert len(told) == 1
     assert told[0].startswith("two (-0.1) and beam (-0.67): R₁ < 0, mode 1 goes on into the stop")
     assert mode_table(bare().scene, 5).notes[0].startswith("from 3 modes on (-0.16): R₁ < 0")
     assert mode_table(parse(TEXT).scene, 5).notes == ()
+
+
+def bare_text() -> str:
+    """The case file without its table [mass] and what drives it, and with its stop at 132 mm."""
+    beam, _, rest = TEXT.partition("[mass]")
+    kept = [line for line in rest[rest.index("[stop]") :].splitlines() if not line.startswith(("voltage", "gain"))]
+    return beam + "\n".join(kept).replace("[stop]", '[stop]\nposition = "132 mm"')
+
+
+@pytest.mark.parametrize("more", [{}, {"stop.gap_at": "sensor", "stop.second_gap": "2 mm", "stop.restitution": 0}])
+def test_the_table_that_a_message_writes_makes_the_stop_yield(more: dict[str, object]) -> None:
+    """Pasted as it is, the case runs, and has neither the message nor the coefficient any more."""
+    text, asked = bare_text(), {"drive.amplitude": "0.3 mm"}
+    rigid = parse(text, set=asked | more)
+    note = mode_table(rigid.scene, 5).notes[0]
+    before, _, after = text.partition("[stop]")
+    pasted = f"{before}{note[note.rindex('[stop]') :]}\n\n{after[after.index('[sensor]') :]}"
+    made = parse(pasted, set=asked | SHORT | {"sweep.frequency.points": 1, "sweep.frequency.to": "14 Hz"})
+    old, new = rigid.scene.stop, made.scene.stop
+    assert (new.gap, new.position, new.second_gap) == (old.gap, old.position, old.second_gap)
+    assert (new.gap_at, new.law.restitution) == (old.gap_at, max(old.restitution, 0.05))
+    assert mode_table(made.scene, 5).notes == ()
+    assert vibeam.run(made)["beam"].up.impacts[0] > 0
+
+
+def test_the_modes_write_it_where_no_coefficient_shows_mode_1_what_is_held() -> None:
+    held = bare(**{"stop.restitution_of": "first mode"})
+    note = mode_table(held.scene, 5).notes[0]
+    assert "at the contact, and none is above 1" in note
+    assert 'law = "hunt-crossley"\n' in note
+    with pytest.raises(ValueError, match="or let the stop yield: vibeam modes writes its table"):
+        held.system("beam")
+
+
+def test_derive_shows_the_contact_of_a_stop_that_yields() -> None:
+    """Of a sphere Hertz's formulas of a free mass 1/S, S of the modes below 3/2t_c, to 1e-6."""
+    bodies = {"stop.law": "hertz", "stop.radius": "5 mm", "stop.youngs_modulus": "210 GPa", "stop.poissons_ratio": 0.3}
+    case = bare(**bodies, **{"beam.poissons_ratio": 0.3, "stop.restitution": None})
+    table = derive(case)
+    assert [row.speed for row in table.contacts] == [0.01, 0.1, 1.0]
+    modes = assemble(case.scene).modes()
+    modulus = case.scene.beam.youngs_modulus / (2 * 0.91)
+    for row in table.contacts:
+        assert 1 / row.mass == pytest.approx(np.sum((assemble(case.scene).contact @ modes.shapes[:, : row.modes]) ** 2))
+        assert row.duration == pytest.approx(2.868 * (row.mass**2 / (0.005 * modulus**2 * row.speed)) ** 0.2, rel=2e-4)
+        assert modes.frequency[row.modes - 1] < 1.5 / row.duration < modes.frequency[row.modes]
+        assert row.pressure == pytest.approx(2 * modulus * row.radius / (pi * 0.005), rel=1e-6)
+    assert "Hertz's theory is of small contacts: from" in table.notes[-1]
+    assert "pressure" in [column.header for column in contact_table(table.contacts).columns]
+    assert derive(bare()).contacts == ()
+
+
+def test_derive_gives_the_damping_that_is_the_same_in_every_fidelity() -> None:
+    soft = {"stop.law": "linear", "stop.stiffness": "20 N/mm", "stop.restitution": 0.8}
+    table = derive(bare(**soft))
+    damping = float(table.notes[-1].partition('damping = "')[2].partition(" N s/m")[0])
+    row = derive(bare(**soft | {"stop.restitution": None, "stop.damping": f"{damping} N s/m"})).contacts[0]
+    assert (row.modes, row.restitution) == (table.contacts[0].modes, pytest.approx(0.8, abs=1e-4))
 
 
 def test_no_impact_at_any_frequency_is_said() -> None:

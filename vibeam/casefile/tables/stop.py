@@ -17,6 +17,7 @@ from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS
 from vibeam_models.keys import Key, defaults_of, keys_of
 from vibeam_models.laws import CONSTANT, LAWS, ContactLaw, declarations
+from vibeam_models.laws.hertz import KEYS as OF_BODIES
 from vibeam_models.registry import Home
 from vibeam_models.stop import Stop
 
@@ -24,7 +25,7 @@ from vibeam_models.stop import Stop
 def stop_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the stop of a beam, or of a single degree of freedom, in whose units examples are then."""
     plain = KINDS[case.kind].plain
-    yield from _law(case.stop, not plain)
+    yield from _law(case.stop, not plain, getattr(case, "beam", None))
     yield from _second(case, "" if plain else " m")
     yield from _drift(case.stop)
     yield from _wear(case)
@@ -36,20 +37,30 @@ def law_of(stop: Any) -> type[ContactLaw]:
     return law.form_of(stop)
 
 
-def contact_law(stop: Any) -> ContactLaw | None:
-    """The law of a checked stop, as declared; None where it is one coefficient of restitution."""
+def contact_law(stop: Any, beam: Any = None) -> ContactLaw | None:
+    """The law of a checked stop, as declared; None where it is one coefficient of restitution.
+
+    ``beam``: the table whose material is that of the body that meets the stop; None without one.
+    """
     law = law_of(stop)
-    return None if law.name == CONSTANT else law(**{name: getattr(stop, name) for name in keys_of(law)})
+    if law.name == CONSTANT:
+        return None
+    own = {name: getattr(stop, name) for name in keys_of(law)}
+    return law(**own | {name: getattr(beam, of) for name, of in law.of_beam.items() if own[name] is None})
 
 
-def _law(stop: SimpleNamespace, with_units: bool) -> Iterator[Complaint]:
+def _law(stop: SimpleNamespace, with_units: bool, beam: Any) -> Iterator[Complaint]:
     law = law_of(stop)
     own, named = keys_of(law), f'law = "{law.name}"'
     for name in own.keys() - defaults_of(law).keys():
         if getattr(stop, name) is None:
             yield ("stop", name), _missing(name, own[name], with_units)
+    for name, of in law.of_beam.items():
+        if getattr(stop, name) is None and getattr(beam, of, None) is None:
+            where = f"; or {of} in [beam]" if beam is not None else ""
+            yield ("stop", name), f"{_missing(name, own[name], with_units)}{where}"
     for name in sorted(law_keys().keys() - own.keys()):
-        if getattr(stop, name) is not None:
+        if getattr(stop, name, None) is not None:
             yield ("stop", name), f"does not go with {named}{law.form}: take it out"
     for name, message in law.faults(stop):
         yield ("stop", name), message
@@ -149,5 +160,5 @@ def _stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
 @lru_cache(maxsize=8)
 def _sdof_stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
     doc = "The stop of the single degree of freedom."
-    made: type[Table] = less(stop_table(), "SdofStopTable", doc, *OF_RIG, plain=True)
+    made: type[Table] = less(stop_table(), "SdofStopTable", doc, *OF_RIG, *OF_BODIES, plain=True)
     return made
