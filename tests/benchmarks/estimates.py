@@ -25,7 +25,7 @@ import numpy as np
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
-from vibeam.periodic.orbit import orbits
+from vibeam.periodic.orbit_search import orbits
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.records import Basis, ErrorEstimate
 from vibeam.system.impact_system import Drive, ImpactSystem

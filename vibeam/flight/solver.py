@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -130,9 +130,10 @@ class FlightSolver(EventDrivenSolver):
         return RegimeSolver(self.system, *self._made_for, limit=self.limit)
 
 
-def exact_solver(
-    system: ImpactSystem, slowest: float, span: float = 0.0
-) -> FlightSolver | RegimeSolver | ContactsSolver:
+ExactSolver: TypeAlias = "FlightSolver | RegimeSolver | ContactsSolver"
+
+
+def exact_solver(system: ImpactSystem, slowest: float, span: float = 0.0) -> ExactSolver:
     """The engine that takes ``system``, made for drives of ``slowest`` rad/s and more."""
     if system.further is not None:
         from vibeam.flight.several.solver import ContactsSolver

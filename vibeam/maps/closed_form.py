@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from vibeam.case.grid_keys import FREQUENCY
 from vibeam.maps.points import Axis, GridPoints, grid_points
 from vibeam.periodic.doubled_branches import doubled_branches
-from vibeam.periodic.orbit import Orbit, orbits
+from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import orbit_curve
+from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.train_branch import Setting, TrainBranch
 from vibeam.periodic.train_orbits import displacements_at
 from vibeam.periodic.trains import Train

@@ -20,10 +20,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam.flight.disturbance.tangent import TangentMaps
+from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.readout import rests, struck
-from vibeam.periodic.stroboscopic import DECAY, Cycle, Flown, StroboscopicMap
+from vibeam.periodic.orbit import Orbit
+from vibeam.periodic.shooting import cycle
+from vibeam.periodic.stroboscopic import DECAY, Flown, StroboscopicMap
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import count as counted
@@ -113,12 +115,14 @@ def lyapunov(
     require("state", state, State, none_too=True)
     begin, settle, periods, wanted = _checked(system, t_start, settle, periods, count)
     here = StroboscopicMap(system, drive, begin)
+    if reason := tangent_fault(system):
+        raise ValueError(f"system: Lyapunov exponents are not known for {reason}")
     for step in _pieces(settle):
         state = here.flown(state, step).state
     section, start = here.in_flight(state)
-    cycle = section.cycle(start)
-    if cycle is not None:
-        return _of_cycle(section, cycle, wanted)
+    orbit = cycle(section, start)
+    if orbit is not None:
+        return _of_orbit(orbit, wanted)
     return mean_exponents(section, start, periods, wanted)
 
 
@@ -142,13 +146,12 @@ def _pieces(periods: int) -> Iterator[int]:
         periods -= PIECE
 
 
-def _of_cycle(section: StroboscopicMap, cycle: Cycle, wanted: int) -> LyapunovSpectrum:
-    time = cycle.periods * section.period
+def _of_orbit(orbit: Orbit, wanted: int) -> LyapunovSpectrum:
     with np.errstate(divide="ignore"):
-        found = np.log(np.abs(cycle.multipliers[:wanted])) / time
+        found = np.log(np.abs(orbit.multipliers[:wanted])) / orbit.span
     return LyapunovSpectrum(
-        found, np.zeros(wanted), cycle.periods, time, *_events(cycle.flown), cycle.state, section.time
-    )  # fmt: skip
+        found, np.zeros(wanted), orbit.periods, orbit.span, len(orbit.times), orbit.rests, orbit.state, orbit.time
+    )
 
 
 def mean_exponents(section: StroboscopicMap, start: State, periods: int, wanted: int) -> LyapunovSpectrum:
@@ -190,7 +193,7 @@ class _Disturbances:
 
     def along(self, flown: Flown) -> None:
         """Carry the disturbances along; directions that are lost have −∞ from then on."""
-        maps = TangentMaps(flown.system, flown.drive, flown.segments, flown.state)
+        maps = flown.maps()
         rate = maps.fastest if self.frame.shape[1] > 1 else 0.0
         for i in range(len(maps)):
             pause()

@@ -1,9 +1,8 @@
-"""Stroboscopic map of a driven system by exact flights: its fixed points by Newton's method, their multipliers.
+"""Stroboscopic map of a driven system by exact flights: its Jacobian, and the multipliers of its fixed points.
 
 The map P carries (η, η') at one phase of the drive over n of its periods. Its Jacobian is the product of the tangent
-maps of the motion (``flight.disturbance.tangent``), so that Newton's method x ← x − (DP − 1)⁻¹ (P(x) − x) converges
-quadratically on any periodic motion whose tangent maps are known: with any number of impacts and rests, stable or not.
-The phase is taken in the middle of the longest flight, where neither side of an impact is near.
+maps of the motion (``flight.disturbance.tangent``), where these are known; elsewhere it is taken by central differences
+of flights.
 
 The eigenvalues of the product M of all maps are good to a share ε of the largest. Where some are weaker than that by
 far (a mode that dies within the period), they are taken from M's factors one by one: an orthonormal frame is carried
@@ -22,9 +21,9 @@ import numpy as np
 
 from vibeam.flight.disturbance.tangent import TangentMaps, tangent_fault
 from vibeam.flight.engine.threads import pause
-from vibeam.flight.event_driven import EventDrivenSolver, Segments
+from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
-from vibeam.flight.solver import exact_solver
+from vibeam.flight.solver import ExactSolver, exact_solver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
@@ -83,11 +82,10 @@ def _by_frames(factors: list[Array], frame: Array) -> Complex:
 
 
 IMPACTS = 10**7  # at most, in one call
-LONGEST = 16  # drive periods after which a motion is looked at for repeating
 NEAR = 0.02  # share of the motion's size within which it must return for a fixed point to be looked for
 GIVEN = 1e-7  # share within which a start is on the fixed point, stable or not
-NEWTON, ROUND_OFF, STALLED = 25, 1e-14, 1e-10
-WATCH = 64  # periods, times n, over which a motion near a stable fixed point must not leave it
+ROUND_OFF, STALLED = 1e-14, 1e-10  # steps of Newton's method that end it, the latter where they shrink no more
+DIFFERENCE = 1e-5  # share of the motion's size by which neighbouring flights differ
 
 
 @dataclass(frozen=True)
@@ -99,15 +97,9 @@ class Flown:
     segments: Segments
     state: State
 
-
-@dataclass(frozen=True)
-class Cycle:
-    """Periodic motion: drive periods, the tangent maps along it, its 2n Floquet multipliers, largest first."""
-
-    periods: int
-    state: State
-    multipliers: Complex
-    flown: Flown
+    def maps(self) -> TangentMaps:
+        """Its tangent maps; ValueError where they are not known."""
+        return TangentMaps(self.system, self.drive, self.segments, self.state)
 
 
 class MotionEnded(ValueError, ArithmeticError):
@@ -115,21 +107,31 @@ class MotionEnded(ValueError, ArithmeticError):
 
 
 class StroboscopicMap:
-    """Stroboscopic map of one system and drive; ValueError where its tangent maps are not known, or without a period.
+    """Stroboscopic map of one system and drive at ``time`` of the drive, s; ValueError without a drive period.
 
-    ``time``: of the drive at which states are taken, s.
+    ``runner``: an exact solver of the system, to be shared by maps at drives for which it was made. ``carried``: of the
+    system's modes so many, the last ones, move as they do whatever the contact does (oscillators that bring further
+    harmonics of the drive): they are no unknowns of a periodic motion.
     """
 
-    def __init__(self, system: ImpactSystem, drive: Drive, time: float = 0.0) -> None:
+    def __init__(
+        self, system: ImpactSystem, drive: Drive, time: float = 0.0, *, runner: ExactSolver | None = None,
+        carried: int = 0,
+    ) -> None:  # fmt: skip
         if not drive.omega > 0:
             raise ValueError("drive: omega must be > 0: without a drive period there is no stroboscopic map")
-        runner = exact_solver(system, drive.omega)
-        if reason := tangent_fault(system):
-            raise ValueError(f"system: Lyapunov exponents are not known for {reason}")
-        assert isinstance(runner, EventDrivenSolver)
-        self.system, self.drive, self.runner, self.time = system, drive, runner, time
-        self.period = 2 * np.pi / drive.omega
-        self.units = np.concatenate([np.where(system.omega > 0, system.omega, drive.omega), np.ones(system.size)])
+        self.runner = exact_solver(system, drive.omega) if runner is None else runner
+        self.system, self.drive, self.time = system, drive, time
+        self.period, n = 2 * np.pi / drive.omega, system.size
+        self.units = np.concatenate([np.where(system.omega > 0, system.omega, drive.omega), np.ones(n)])
+        self.unknowns = np.concatenate([np.arange(n - carried), n + np.arange(n - carried)])
+
+    def at(self, time: float) -> StroboscopicMap:
+        """The map of the same motion at another time of the drive, s."""
+        moved = object.__new__(StroboscopicMap)
+        moved.__dict__.update(self.__dict__)
+        moved.time = time % self.period
+        return moved
 
     def flown(self, state: State | None, periods: float, begin: float | None = None) -> Flown:
         """Motion over ``periods`` from ``state`` at ``begin`` (None: ``time``); MotionEnded where it fails."""
@@ -142,68 +144,55 @@ class StroboscopicMap:
             raise MotionEnded(f"the motion ended: {ended.value}")
         return Flown(self.system, self.drive, segments, last)
 
-    def in_flight(self, state: State | None) -> tuple[StroboscopicMap, State]:
-        """The map at the middle of the longest flight of the next period, and the state there."""
-        trace = self.flown(state, 1.0).segments.trace
-        lengths = np.where(trace[:, layout.WHAT] == layout.RESTING, 0.0, trace[:, layout.DURATION])
+    def in_flight(self, state: State | None, periods: int = 1) -> tuple[StroboscopicMap, State]:
+        """The map at the middle of the longest flight of the next ``periods``, and the state there.
+
+        Without any flight, of the longest contact.
+        """
+        trace = self.flown(state, float(periods)).segments.trace
+        free = trace[:, layout.WHAT] == layout.FREE
+        lengths = np.where(free if free.any() else True, trace[:, layout.DURATION], 0.0)
         longest = int(np.argmax(lengths))
         begin = self.time % self.period
         after = float(trace[longest, layout.START] + lengths[longest] / 2 - begin) / self.period
-        moved = object.__new__(StroboscopicMap)
-        moved.__dict__.update(self.__dict__)
-        moved.time = (begin + after * self.period) % self.period
-        return moved, self.flown(state, after).state
+        return self.at(begin + after * self.period), self.flown(state, after).state
 
     def vector(self, state: State) -> Array:
-        """State (2n,) in units of velocity."""
-        return np.asarray(np.concatenate([state.displacement, state.velocity]) * self.units)
+        """Unknowns of a state in units of velocity: (2n,) without modes that are carried."""
+        return np.asarray((np.concatenate([state.displacement, state.velocity]) * self.units)[self.unknowns])
 
-    def cycle(self, state: State) -> Cycle | None:
-        """The periodic motion that ``state`` is on, or near to where it is stable; None without one."""
-        start, size, flown = self.vector(state), 0.0, state
-        for periods in range(1, LONGEST + 1):
-            flown = self.flown(flown, 1).state
-            back = self.vector(flown)
-            size = max(size, float(np.linalg.norm(start)), float(np.linalg.norm(back)))
-            if np.linalg.norm(back - start) > NEAR * size:
-                continue
-            found = self._newton(state, periods, size)
-            if found is None:
-                continue
-            apart = float(np.linalg.norm(self.vector(found.state) - start)) / max(size, np.finfo(float).tiny)
-            if apart <= GIVEN or (apart <= NEAR and abs(found.multipliers[0]) < 1 and self._stays(state, found)):
-                return found
-        return None
+    def moved(self, state: State, by: Array) -> State:
+        """The state with its unknowns moved, in units of velocity."""
+        values = np.concatenate([state.displacement, state.velocity])
+        values[self.unknowns] += by / self.units[self.unknowns]
+        return State(values[: self.system.size], values[self.system.size :], state.resting)
 
-    def _newton(self, state: State, periods: int, size: float) -> Cycle | None:
-        last, floor = np.inf, np.finfo(float).tiny
-        for _ in range(NEWTON):
-            try:
-                flown = self.flown(state, periods)
-            except ArithmeticError:  # the step led beyond the stop
-                return None
-            maps = TangentMaps(flown.system, flown.drive, flown.segments, flown.state)
-            step = self._step(state, flown.state, jacobian(maps))
-            length = float(np.linalg.norm(step)) / max(size, floor)
-            if length <= ROUND_OFF or (length < STALLED and length >= last / 2):
-                return Cycle(periods, state, cycle_multipliers(maps, self.units), flown)
-            if not np.isfinite(length) or length > 1:
-                return None
-            values = (self.vector(state) - step) / self.units
-            state, last = State(values[: self.system.size], values[self.system.size :], state.resting), length
-        return None
+    def jacobian(self, state: State, periods: int, flown: Flown) -> Array:
+        """Jacobian of the map over ``periods`` by the unknowns in units of velocity, along the motion ``flown``."""
+        if tangent_fault(self.system):
+            return self._by_differences(state, periods, flown)
+        whole = jacobian(flown.maps()) * (self.units[:, None] / self.units)
+        return np.asarray(whole[np.ix_(self.unknowns, self.unknowns)])
 
-    def _step(self, state: State, after: State, matrix: Array) -> Array:
-        scaled = matrix * (self.units[:, None] / self.units)
-        apart = self.vector(after) - self.vector(state)
-        return np.asarray(np.linalg.lstsq(scaled - np.eye(len(scaled)), apart, rcond=None)[0])
+    def _by_differences(self, state: State, periods: int, flown: Flown) -> Array:
+        small, columns = DIFFERENCE * self.size(flown), []
+        for unit in np.eye(len(self.unknowns)):
+            ends = [self.flown(self.moved(state, side * small * unit), periods).state for side in (1, -1)]
+            columns.append((self.vector(ends[0]) - self.vector(ends[1])) / (2 * small))
+        return np.array(columns).T
 
-    def _stays(self, state: State, cycle: Cycle) -> bool:
-        """Test whether the motion from ``state`` has come no nearer to leaving the cycle after a while."""
-        centre = self.vector(cycle.state)
-        later = self.vector(self.flown(state, WATCH * cycle.periods).state)
-        before = float(np.linalg.norm(self.vector(state) - centre))
-        return bool(np.linalg.norm(later - centre) <= before + GIVEN * np.linalg.norm(centre))
+    def multipliers(self, flown: Flown, matrix: Array) -> Complex:
+        """Multipliers, largest first, of the periodic motion ``flown`` with the Jacobian ``matrix``."""
+        if not tangent_fault(self.system) and len(self.unknowns) == 2 * self.system.size:
+            return cycle_multipliers(flown.maps(), self.units)
+        values = np.linalg.eigvals(matrix).astype(complex)
+        return np.asarray(values[np.argsort(-np.abs(values), kind="stable")])
+
+    def size(self, flown: Flown) -> float:
+        """Size of a motion in units of velocity: the largest of its states at the ends of segments."""
+        poses = np.concatenate([flown.segments.poses.reshape(len(flown.segments.poses), -1)])
+        known = (poses * self.units)[:, self.unknowns]
+        return float(np.sqrt(max(np.max(np.sum(known**2, axis=1)), np.sum(self.vector(flown.state) ** 2))))
 
 
 def jacobian(maps: TangentMaps) -> Array:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vibeam.periodic.closed_orbits import AdmissibilityCheck
 from vibeam.periodic.modal_sums import offsets, resonant
 from vibeam.periodic.multipliers import monodromy
-from vibeam.periodic.orbit import AdmissibilityCheck
 from vibeam.periodic.orbit_curve import checked
 from vibeam.periodic.trains import Train, carried, lags, newton, phasors
 from vibeam.system.impact_system import Drive, ImpactSystem

@@ -14,7 +14,7 @@ import numpy as np
 
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary, boundaries
-from vibeam.periodic.orbit import orbits
+from vibeam.periodic.orbit_search import orbits
 from vibeam.solvers.averaging import slow_flow
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array

@@ -8,8 +8,9 @@ from dataclasses import fields, replace
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.periodic.closed_orbits import AdmissibilityCheck, closed_orbits
 from vibeam.periodic.modal_sums import offsets, resonant
-from vibeam.periodic.orbit import AdmissibilityCheck, Orbit, orbits
+from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import checked
 from vibeam.periodic.trains import phasors
 from vibeam.solvers.steady import SteadySolver
@@ -81,7 +82,7 @@ class OrbitSolver(SteadySolver):
         """All motions, harder impact first; none at the resonance of an undamped mode."""
         if resonant(self.system, drive.omega, self.periods):
             return ()
-        return orbits(self.system, drive, self.periods, self.witness)
+        return closed_orbits(self.system, drive, self.periods, self.witness)
 
     def _linear(self, drive: Drive) -> State | None:
         """Motion under the drive alone at its phase 0, where it exists and never reaches the stop."""

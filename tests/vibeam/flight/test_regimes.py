@@ -324,7 +324,7 @@ def test_solvers_refuse_what_they_cannot_take(name: str) -> None:
         with pytest.raises(ValueError, match=what):
             solver(name, system, 95.0)
     with pytest.raises(ValueError, match="couples"):
-        vibeam.orbits(made(2, coupled=True), DRIVE)
+        vibeam.orbit_curve(made(2, coupled=True), [DRIVE.omega], DRIVE.amplitude)
 
 
 @pytest.mark.parametrize(("law", "coupled"), [(TABLE, False), (None, True), (TABLE, True)])

@@ -11,7 +11,8 @@ from vibeam.flight.trajectory import simulate
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import boundaries
 from vibeam.periodic.doubled_branches import DoubledBranch, doubled_branches
-from vibeam.periodic.orbit import orbits
+from vibeam.periodic.orbit_search import orbits
+from vibeam.periodic.shooting import cycle
 from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.periodic.train_branch import TrainBranch
 from vibeam.periodic.train_orbits import states_before, train_orbit
@@ -47,7 +48,7 @@ def test_a_doubling_begins_each() -> None:
         displacement, before = states_before(system, drive, span, train)
         after = State(displacement[0], before[0] + train.impulses[0] * system.contact)
         beside, start = StroboscopicMap(system, drive, float(train.times[0])).in_flight(after)
-        found = beside.cycle(start)
+        found = cycle(beside, start)
         assert found is not None
         assert found.periods == each.periods // 2
         assert found.multipliers[0] == pytest.approx(-1, abs=1e-7)

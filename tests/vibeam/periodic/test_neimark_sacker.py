@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import boundaries
-from vibeam.periodic.orbit import orbits
+from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.train_boundaries import train_boundaries
 from vibeam.periodic.train_orbits import TrainOrbit, settled_orbit, train_orbit
 from vibeam.system.impact_system import Drive, ImpactSystem

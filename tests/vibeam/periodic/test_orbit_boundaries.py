@@ -14,7 +14,7 @@ import pytest
 import vibeam
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary, boundaries, follow, on_nodes
-from vibeam.periodic.orbit import orbits
+from vibeam.periodic.orbit_search import orbits
 from vibeam.system.impact_system import Drive, ImpactSystem
 
 COCO = ImpactSystem.from_modes([1.0], 0.05, 1.0, 1.0, gap=1.0, restitution=0.8)

@@ -15,8 +15,8 @@ from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import boundaries, follow
 from vibeam.periodic.contours import BoundaryCurve
 from vibeam.periodic.modal_sums import sums
-from vibeam.periodic.orbit import orbits
 from vibeam.periodic.orbit_map import OrbitMap, orbit_map
+from vibeam.periodic.orbit_search import orbits
 from vibeam.system.impact_system import Drive, ImpactSystem
 
 B = 0.5e-3

@@ -12,7 +12,8 @@ from vibeam.periodic.bifurcation_functions import Kind, clearances, motions
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.clearance import least_minimum
 from vibeam.periodic.gap import SpanGap
-from vibeam.periodic.orbit import Orbit, orbits
+from vibeam.periodic.orbit import Orbit
+from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.trains import carried
 from vibeam.system.impact_system import Drive, ImpactSystem
 

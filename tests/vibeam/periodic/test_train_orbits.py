@@ -8,7 +8,7 @@ import pytest
 import vibeam
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import boundaries
-from vibeam.periodic.orbit import orbits
+from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.train_orbits import TrainOrbit, settled_orbit, train_orbit
 from vibeam.periodic.trains import carried
 from vibeam.system.impact_system import Drive, ImpactSystem

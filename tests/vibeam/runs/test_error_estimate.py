@@ -15,7 +15,7 @@ from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.motions import OrbitKind, predicted
-from vibeam.periodic.orbit import orbits
+from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.predicted_response import nearby_orbits
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.estimate.error import estimate_error

@@ -22,7 +22,7 @@ from vibeam.cli.main import app
 from vibeam.figures.response_curve import write_frc
 from vibeam.flight.solver import FlightSolver
 from vibeam.observe.branches import motion_pieces
-from vibeam.periodic.orbit import orbits
+from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.trains import carried
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.averaging import AveragingSolver

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.periodic.bifurcation_functions import motions
+from vibeam.periodic.closed_orbits import AdmissibilityCheck
 from vibeam.periodic.modal_sums import resonant
 from vibeam.periodic.motions import Motions, OrbitKind, predicted, predicted_free, unsuited
-from vibeam.periodic.orbit import AdmissibilityCheck
 from vibeam.periodic.predicted_response import nearby_orbits
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate

@@ -140,7 +140,7 @@ def orbit() -> float:
 
 def closed_orbit() -> float:
     """Relative error of the velocity of the same orbit, as the equations of periodic motions give it."""
-    from vibeam.periodic.orbit import orbits
+    from vibeam.periodic.orbit_search import orbits
     from vibeam.system.impact_system import Drive
 
     found = [each.velocity for each in orbits(_at_stop(RATE, KEPT), Drive(2 * RATE, SIZE)) if each.admissible]

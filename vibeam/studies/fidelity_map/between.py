@@ -21,7 +21,8 @@ from vibeam.maps.block import SWEPT, onto_stops
 from vibeam.maps.irregular import NO_CONTACT, judged
 from vibeam.maps.points import GridPoints, scattered
 from vibeam.periodic.modal_sums import sums
-from vibeam.periodic.orbit import Orbit, orbits
+from vibeam.periodic.orbit import Orbit
+from vibeam.periodic.orbit_search import orbits
 from vibeam.runs.parallel import run_parallel
 from vibeam.studies.fidelity_map.judgement import Codes, ComparedModels, MappedMotions, cheapest, doubtful, motions
 from vibeam_models.arrays import Array

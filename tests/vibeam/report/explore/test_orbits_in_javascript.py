@@ -8,7 +8,7 @@ import pytest
 import vibeam
 from vibeam.periodic.modal_sums import resonant
 from vibeam.periodic.multipliers import monodromy
-from vibeam.periodic.orbit import orbits
+from vibeam.periodic.orbit_search import orbits
 from vibeam.solvers.orbit import OrbitSolver
 
 RATES = 47.7 * np.array([1, 6.27, 17.55, 34.4, 56.8, 84.9, 118.6, 157.9])

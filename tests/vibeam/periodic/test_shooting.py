@@ -1,0 +1,102 @@
+"""Periodic motions by shooting: closed forms as special cases, flights as the judge, reasons where there is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import vibeam
+from tests.vibeam.periodic.test_orbits import COCO, beam_like
+from vibeam.periodic.lift import lifted
+from vibeam.periodic.orbit import Orbit
+from vibeam.periodic.shooting import NoOrbit, Reason, shoot
+from vibeam.periodic.stroboscopic import StroboscopicMap
+from vibeam_models.laws.compliant import HuntCrossley, LinearStop
+
+
+def closed(modes: range, seeds: range, periods: int = 1) -> list[Orbit]:
+    """Admissible orbits of random plain systems."""
+    found = []
+    for system in (beam_like(n, seed) for n in modes for seed in seeds):
+        for omega in (1.3, 1.9):
+            found += vibeam.orbits(system, vibeam.Drive(periods * omega, 0.5 / periods), periods)
+    return [orbit for orbit in found if orbit.admissible]
+
+
+def test_orbits_shot_at_from_a_disturbed_start_are_those_in_closed_form() -> None:
+    """To 1e-12 of the motion's size; multipliers, whose condition is that of the monodromy matrix, to 1e-9 of it."""
+    rng, seen = np.random.default_rng(0), 0
+    for orbit in [*closed(range(1, 9), range(16)), *closed(range(1, 5), range(8), 2)]:
+        section = StroboscopicMap(orbit.system, orbit.drive)
+        time, state = lifted(orbit, orbit.system)
+        section = section.at(time)
+        size = np.linalg.norm(section.vector(state))
+        start = section.moved(state, 1e-5 * size * rng.normal(size=2 * orbit.system.size))
+        found = shoot(section, start, orbit.periods)
+        assert np.linalg.norm(section.vector(found.state) - section.vector(state)) < 1e-12 * size * condition(orbit)
+        assert found.velocities == pytest.approx(orbit.velocities, rel=1e-12 * condition(orbit))
+        period = orbit.span / orbit.periods
+        late = np.mod(found.times - orbit.times + period / 2, period) - period / 2
+        assert abs(late[0]) < 1e-12 * orbit.span * condition(orbit)
+        assert found.residual < 1e-13
+        largest = np.abs(orbit.multipliers[0])
+        np.testing.assert_allclose(
+            np.sort(np.abs(found.multipliers)), np.sort(np.abs(orbit.multipliers)), atol=1e-9 * max(largest, 1)
+        )
+        assert found.stable == orbit.stable
+        seen += 1
+    assert seen > 180
+
+
+def condition(orbit: Orbit) -> float:
+    """Largest response of a fixed point to an error of the map, at least 1."""
+    return float(max(1.0, 1 / np.abs(1 - orbit.multipliers).min()))
+
+
+def test_a_yielding_stop_goes_over_to_the_hard_one() -> None:
+    """As k grows the orbit of the linear stop tends to that of the restitution it gives, by 1/√k of contact time."""
+    drive = vibeam.Drive(2.0, 1.0)
+    hard = next(each for each in vibeam.orbits(COCO, drive) if each.stable and each.admissible)
+    apart = []
+    for stiffness in (1e4, 1e6, 1e8):
+        soft = replace(COCO, law=LinearStop.matched(stiffness, 0.8, 1.0))
+        [found] = vibeam.orbits(soft, drive, start=hard)
+        assert found.residual < 1e-13
+        apart.append(abs(found.velocity / hard.velocity - 1))
+    assert apart[2] < 2e-3
+    np.testing.assert_allclose(np.array(apart[:2]) / apart[1:], 10, rtol=0.1)
+
+
+def test_reasons_where_there_is_no_such_motion() -> None:
+    orbit = next(each for each in vibeam.orbits(COCO, vibeam.Drive(2.0, 1.0)) if each.admissible)
+    assert reason(COCO, orbit.drive, orbit.state, periods=2, time=orbit.time) is Reason.SHORTER
+    assert reason(COCO, vibeam.Drive(0.0, 0.0), orbit.state) is Reason.NO_PERIOD
+    assert reason(COCO, orbit.drive, vibeam.State([1.5], [0.0])) is Reason.ENDED
+    assert reason(COCO, vibeam.Drive(2.0, 0.01), orbit) is Reason.LEFT  # the drive is too weak to reach the stop
+
+
+def reason(
+    system: vibeam.ImpactSystem, drive: vibeam.Drive, start: object, periods: int = 1, time: float = 0
+) -> Reason:
+    with pytest.raises(NoOrbit) as refused:
+        vibeam.orbits(system, drive, periods, start=start, time=time)
+    return refused.value.reason
+
+
+@pytest.mark.parametrize("law", [LinearStop(2e3, 8.0), HuntCrossley(1e5, 0.2)])
+def test_flights_from_the_orbit_come_back(law: object) -> None:
+    system = vibeam.ImpactSystem.from_modes(
+        [1.0, 5.5, 14.0], 0.03, [1.0, -0.8, 0.6], [1.0, 0.5, 0.2], gap=0.1, law=law, second_gap=0.15
+    )
+    found = vibeam.orbits(system, vibeam.Drive(2.1, 0.2))
+    assert found
+    for orbit in found:
+        after = orbit.path().state
+        np.testing.assert_allclose(after.displacement, orbit.state.displacement, atol=1e-11)
+        np.testing.assert_allclose(after.velocity, orbit.state.velocity, atol=1e-11)
+        assert orbit.residual < 1e-11
+        assert orbit.reach == pytest.approx(
+            0.1 - orbit.path().at(np.linspace(0, 1, 40001) * orbit.span + orbit.time).min(), rel=1e-5
+        )

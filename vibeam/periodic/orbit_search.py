@@ -1,0 +1,169 @@
+"""Search for periodic motions at one drive: closed forms of plain systems, settled and shot motions of any system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from vibeam.flight.equilibrium import Contacts, equilibrium
+from vibeam.flight.trajectory import simulate
+from vibeam.periodic.closed_orbits import closed_orbits
+from vibeam.periodic.lift import lifted, response_alone
+from vibeam.periodic.orbit import Orbit
+from vibeam.periodic.shooting import NoOrbit, Reason, shoot
+from vibeam.periodic.stroboscopic import MotionEnded, StroboscopicMap
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.state import State
+from vibeam_models.arguments import count as counted
+from vibeam_models.arguments import number, refuse, require
+from vibeam_models.laws.mechanics import StopLaw
+
+SETTLE = 300  # drive periods flown before a motion is looked for
+ROUNDS = 4  # in which the equivalent hard stop's R follows the orbit's speed
+DISTINCT = 1e-7  # share of the motion's size by which two motions differ at the same time
+
+
+def orbits(
+    system: ImpactSystem,
+    drive: Drive,
+    periods: int = 1,
+    *,
+    start: State | Orbit | None = None,
+    time: float = 0.0,
+) -> tuple[Orbit, ...]:
+    """Find periodic motions that repeat after ``periods`` drive periods, stable and unstable, for any law and stops.
+
+    Without ``start``, of a plain system: all motions with one impact in ``periods``, in closed form, harder impact
+    first, those that are not admissible among them. Of any other system: the motions that are settled on from static
+    equilibrium, and those that shooting leads to from the orbits of the hard stop with the same R and from the motion
+    without contact: none, one or more. With ``start``: the one motion near a state at ``time`` (s, the drive's phase 0
+    at 0), or near an orbit, of this or of another model of the rig; NoOrbit, a ValueError with the ``reason``, where
+    Newton's method leads to none.
+
+    ValueError for an undamped mode at a resonance, and for modes without stiffness that no static force brings back to
+    the stop.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> drive = vibeam.Drive(2.0, 0.1)
+    >>> [orbit.stable for orbit in vibeam.orbits(system, drive)]
+    [True]
+    >>> from dataclasses import replace
+    >>> from vibeam_models.laws.compliant import LinearStop
+    >>> soft = replace(system, law=LinearStop.matched(1e4, 0.5, 1.0))
+    >>> [near] = vibeam.orbits(soft, drive, start=vibeam.orbits(system, drive)[0])
+    >>> bool(abs(near.velocity / vibeam.orbits(system, drive)[0].velocity - 1) < 0.1), near.admissible, near.stable
+    (True, True, True)
+    """
+    require("system", system, ImpactSystem)
+    require("drive", drive, Drive)
+    if start is None and not system.beyond_plain:
+        return closed_orbits(system, drive, periods)
+    faults: list[str] = []
+    count = counted("periods", periods, faults, least=1)
+    begin = number("time", time, faults)
+    refuse("orbits", faults)
+    if not drive.omega > 0:
+        raise NoOrbit(Reason.NO_PERIOD)
+    section = StroboscopicMap(system, drive, begin)
+    if start is not None:
+        return (near(section, start, count),)
+    return tuple(_all(section, count))
+
+
+def near(section: StroboscopicMap, start: State | Orbit, periods: int) -> Orbit:
+    """The motion near a state at the section's time, or near an orbit, whose contacts it keeps; NoOrbit without one."""
+    if isinstance(start, Orbit):
+        time, state = lifted(start, section.system)
+        found = shoot(section.at(time), state, periods)
+        if bool(len(found.times)) != bool(len(start.times)):
+            raise NoOrbit(Reason.LEFT, "", found.corrections)
+        return found
+    try:
+        section, state = section.in_flight(start, periods)
+    except MotionEnded as end:
+        raise NoOrbit(Reason.ENDED, str(end)) from None
+    return shoot(section, state, periods)
+
+
+def _all(section: StroboscopicMap, periods: int) -> Iterator[Orbit]:
+    """Distinct motions from all starts, stable ones first, harder impacts first."""
+    found: list[Orbit] = []
+    for begin, state in _starts(section, periods):
+        try:
+            moved, there = section.at(begin).in_flight(state, periods)
+            orbit = shoot(moved, there, periods)
+        except (NoOrbit, MotionEnded):
+            continue
+        if not any(_same(section, orbit, other) for other in found):
+            found.append(orbit)
+    speeds = [-np.nan_to_num(orbit.velocity) for orbit in found]
+    yield from (found[k] for k in sorted(range(len(found)), key=lambda k: (not found[k].stable, speeds[k])))
+
+
+def _same(section: StroboscopicMap, orbit: Orbit, other: Orbit) -> bool:
+    """Test whether two motions are one, in some drive period."""
+    if len(orbit.times) != len(other.times):
+        return False
+    ahead = (other.time - orbit.time) / section.period % 1.0
+    state, there = section.flown(orbit.state, ahead, orbit.time).state, section.at(other.time)
+    centre = there.vector(other.state)
+    for _ in range(orbit.periods):
+        if np.linalg.norm(there.vector(state) - centre) <= DISTINCT * np.linalg.norm(centre):
+            return True
+        state = there.flown(state, 1.0).state
+    return False
+
+
+def _starts(section: StroboscopicMap, periods: int) -> Iterator[tuple[float, State]]:
+    """Times, s, and states from which motions are shot at."""
+    still, alone = equilibrium(section.system), response_alone(section.system, section.drive, 0.0)
+    for state in (still, *(_thrown(section, still, sign) for sign in (1, -1))):
+        try:
+            yield 0.0, section.at(0.0).flown(state, SETTLE).state
+        except MotionEnded:
+            continue
+    if np.isfinite(alone.displacement).all():
+        yield 0.0, alone
+    for side in range(len(Contacts.of(section.system).gaps)):
+        for orbit in _equivalent(section, side, periods):
+            yield lifted(orbit, section.system)
+
+
+def _thrown(section: StroboscopicMap, still: State, sign: int) -> State:
+    """Equilibrium with the contact moving away from the first stop, or toward it, as fast as the base moves."""
+    speed = sign * section.drive.omega * abs(section.drive.amplitude)
+    return State(still.displacement, still.velocity - speed * section.system.contact / section.system.mobility)
+
+
+def _equivalent(section: StroboscopicMap, side: int, periods: int) -> Iterator[Orbit]:
+    """Orbits of the plain system with one contact and the law's R at the orbit's speed."""
+    system, contacts, drive = section.system, Contacts.of(section.system), section.drive
+    plain = replace(
+        system, contact=contacts.rows[side], gap=float(contacts.gaps[side]), law=None, coupling=None, second_gap=None,
+        further=None, restitution=float(contacts.restitutions[side]),
+    )  # fmt: skip
+    for root in (0, 1):
+        found: Orbit | None = None
+        for _ in range(ROUNDS if system.law is not None else 1):
+            if system.law is not None:
+                speed = drive.omega * abs(drive.amplitude) if found is None else found.velocity
+                plain = replace(plain, restitution=_restitution(system.law, plain.mobility, speed, section.period))
+            every = closed_orbits(plain, drive, periods)
+            found = every[min(root, len(every) - 1)] if every else None
+            if found is None:
+                break
+        if found is not None:
+            yield found
+
+
+def _restitution(law: StopLaw, mobility: float, speed: float, longest: float) -> float:
+    """R of a law at an impact ``speed``, m/s; of one that yields, by the flight of a free mass of that mobility."""
+    if not law.yields:
+        return float(law.rebound(np.array([speed]))[0] / speed)
+    free = ImpactSystem.from_modes(0.0, 0.0, np.sqrt(mobility), 0.0, law=law)
+    thrown = State(np.zeros(1), np.array([speed / np.sqrt(mobility)]))
+    back = simulate(free, Drive(0.0, 0.0), longest, thrown).state.velocity[0] * np.sqrt(mobility)
+    return float(np.clip(-back / speed, 0.0, 1.0))

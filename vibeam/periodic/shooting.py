@@ -1,0 +1,169 @@
+"""Periodic motions by shooting: damped Newton's method for P(x) = x, with P a stroboscopic map by exact flights.
+
+Each step x ← x − λ (DP − 1)⁻¹ (P(x) − x) is accepted where the simplified correction with the old Jacobian shrinks,
+|Δ̄| ≤ (1 − λ/2) |Δ| (the natural monotonicity test: Deuflhard 2011, Newton Methods for Nonlinear Problems, sec. 3.3),
+else λ is halved. The iteration ends at round-off, or with a reason.
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from vibeam.flight.kernels import layout
+from vibeam.flight.readout import rests, sides, struck
+from vibeam.periodic.orbit import Orbit
+from vibeam.periodic.stroboscopic import GIVEN, NEAR, ROUND_OFF, STALLED, Flown, MotionEnded, StroboscopicMap
+from vibeam.system.state import State
+from vibeam_models.arrays import Array
+
+NEWTON = 40  # steps
+LEAST = 1 / 256  # share of a step
+LARGEST = 1.0  # step, as a share of the motion's size
+SINGULAR = 0.02  # singular value of DP − 1 below which a fold is near
+SAME = 1e-8  # share of the motion's size within which a motion repeats after fewer periods
+LONGEST = 16  # drive periods after which a motion is looked at for repeating
+WATCH = 64  # periods, times n, over which a motion near a stable fixed point must not leave it
+
+
+class Reason(Enum):
+    """Reason why shooting led to no periodic motion."""
+
+    ENDED = "the flight from the start fails"
+    DIVERGED = "Newton's method wanders off: no such motion near the start"
+    FOLD = "a fold is near, and the residual does not fall: beyond it there is no such motion"
+    SHORTER = "it leads to a motion that repeats after fewer periods"
+    LEFT = "it leads to another motion, with other contacts than the start"
+    NO_PERIOD = "there is no drive, so that nothing says when a motion repeats"
+
+
+class NoOrbit(ValueError):
+    """Refusal of shooting, with its ``reason`` and Newton's ``corrections`` so far, as shares of the motion's size."""
+
+    def __init__(self, reason: Reason, more: str = "", corrections: tuple[float, ...] = ()) -> None:
+        super().__init__(f"no periodic motion: {reason.value}{f' ({more})' if more else ''}")
+        self.reason, self.corrections = reason, corrections
+
+
+def shoot(section: StroboscopicMap, state: State, periods: int) -> Orbit:
+    """The motion near ``state`` at the section's time that repeats after ``periods`` drive periods, not fewer.
+
+    Any law, contacts on any side or place, several impacts, rests, stable or not. NoOrbit with the reason.
+    """
+    fixed = _newton(section, state, periods)
+    for sooner in (k for k in range(1, periods) if periods % k == 0):
+        back = section.vector(section.flown(fixed.state, sooner).state)
+        if np.linalg.norm(back - section.vector(fixed.state)) <= SAME * fixed.size:
+            raise NoOrbit(Reason.SHORTER, f"after {sooner}, not {periods}", fixed.corrections)
+    return _orbit(section, periods, fixed)
+
+
+class _Fixed(NamedTuple):
+    """Fixed point of the map: its state, the motion from there on and its Jacobian."""
+
+    state: State
+    flown: Flown
+    matrix: Array
+    size: float
+    corrections: tuple[float, ...]
+
+
+def _newton(section: StroboscopicMap, state: State, periods: int) -> _Fixed:
+    try:
+        flown = section.flown(state, periods)
+    except ArithmeticError as end:
+        raise NoOrbit(Reason.ENDED, str(end)) from None
+    corrections: list[float] = []
+    for _ in range(NEWTON):
+        size = max(section.size(flown), np.finfo(float).tiny)
+        matrix = section.jacobian(state, periods, flown)
+        solve = _Solve(matrix)
+        step = solve(_apart(section, state, flown))
+        length = float(np.linalg.norm(step)) / size
+        last = corrections[-1] if corrections else np.inf
+        corrections.append(length)
+        if length <= ROUND_OFF or (length < STALLED and length >= last / 2):
+            return _Fixed(state, flown, matrix, size, tuple(corrections))
+        taken = _taken(section, state, step, periods, solve, length) if np.isfinite(length) else None
+        if taken is None:
+            raise NoOrbit(Reason.FOLD if solve.least < SINGULAR else Reason.DIVERGED, "", tuple(corrections))
+        state, flown = taken
+    raise NoOrbit(Reason.DIVERGED, f"after {NEWTON} steps", tuple(corrections))
+
+
+def _taken(
+    section: StroboscopicMap, state: State, step: Array, periods: int, solve: _Solve, length: float
+) -> tuple[State, Flown] | None:
+    """The state after the largest share of a step that brings it nearer, and its motion; None where none does."""
+    share, whole = min(1.0, LARGEST / length), float(np.linalg.norm(step))
+    while share >= LEAST:
+        trial = section.moved(state, -share * step)
+        try:
+            flown = section.flown(trial, periods)
+        except ArithmeticError:  # it led beyond the stop
+            share /= 2
+            continue
+        left = float(np.linalg.norm(solve(_apart(section, trial, flown))))
+        if left <= (1 - share / 2) * whole or (share == 1.0 and length < STALLED):
+            return trial, flown
+        share /= 2
+    return None
+
+
+class _Solve:
+    """Solution of (DP − 1) Δ = r, of the least size where the matrix is singular; ``least``: singular value."""
+
+    def __init__(self, matrix: Array) -> None:
+        self.left, self.values, self.right = np.linalg.svd(matrix - np.eye(len(matrix)))
+        self.least = float(self.values[-1])
+        small = self.values <= np.finfo(float).eps * len(matrix) * self.values[0]
+        self.inverse = np.where(small, 0.0, 1 / np.where(small, 1.0, self.values))
+
+    def __call__(self, apart: Array) -> Array:
+        return np.asarray(self.right.T @ (self.inverse * (self.left.T @ apart)))
+
+
+def _apart(section: StroboscopicMap, state: State, flown: Flown) -> Array:
+    return section.vector(flown.state) - section.vector(state)
+
+
+def _orbit(section: StroboscopicMap, periods: int, fixed: _Fixed) -> Orbit:
+    trace = fixed.flown.segments.trace
+    hit = struck(trace) & (trace[:, layout.BEFORE] > 0)
+    residual = float(np.linalg.norm(_apart(section, fixed.state, fixed.flown))) / fixed.size
+    return Orbit(
+        section.system, section.drive, periods, section.time % section.period, fixed.state,
+        trace[hit, layout.START] + trace[hit, layout.DURATION], trace[hit, layout.BEFORE], sides(trace)[hit],
+        int(rests(trace).sum()), bool(np.abs(np.linalg.eigvals(fixed.matrix)).max() < 1), True, residual,
+        fixed.corrections, partial(section.multipliers, fixed.flown, fixed.matrix), section.runner,
+    )  # fmt: skip
+
+
+def cycle(section: StroboscopicMap, state: State) -> Orbit | None:
+    """The periodic motion that ``state`` is on, or near to where it is stable; None without one."""
+    start, size, flown = section.vector(state), 0.0, state
+    for periods in range(1, LONGEST + 1):
+        flown = section.flown(flown, 1).state
+        back = section.vector(flown)
+        size = max(size, float(np.linalg.norm(start)), float(np.linalg.norm(back)))
+        if np.linalg.norm(back - start) > NEAR * size:
+            continue
+        try:
+            found = _orbit(section, periods, _newton(section, state, periods))
+        except (NoOrbit, MotionEnded):
+            continue
+        apart = float(np.linalg.norm(section.vector(found.state) - start)) / max(size, np.finfo(float).tiny)
+        if apart <= GIVEN or (apart <= NEAR and abs(found.multipliers[0]) < 1 and _stays(section, state, found)):
+            return found
+    return None
+
+
+def _stays(section: StroboscopicMap, state: State, orbit: Orbit) -> bool:
+    """Test whether the motion from ``state`` has come no nearer to leaving the orbit after a while."""
+    centre = section.vector(orbit.state)
+    later = section.vector(section.flown(state, WATCH * orbit.periods).state)
+    before = float(np.linalg.norm(section.vector(state) - centre))
+    return bool(np.linalg.norm(later - centre) <= before + GIVEN * np.linalg.norm(centre))
