@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from vibeam.flight.equilibrium import Contacts, equilibrium
-from vibeam.flight.trajectory import simulate
 from vibeam.periodic.closed_orbits import closed_orbits
 from vibeam.periodic.lift import lifted, response_alone
 from vibeam.periodic.orbit import Orbit
@@ -150,7 +149,7 @@ def _equivalent(section: StroboscopicMap, side: int, periods: int) -> Iterator[O
         for _ in range(ROUNDS if system.law is not None else 1):
             if system.law is not None:
                 speed = drive.omega * abs(drive.amplitude) if found is None else found.velocity
-                plain = replace(plain, restitution=_restitution(system.law, plain.mobility, speed, section.period))
+                plain = replace(plain, restitution=_restitution(system.law, plain.mobility, speed))
             every = closed_orbits(plain, drive, periods)
             found = every[min(root, len(every) - 1)] if every else None
             if found is None:
@@ -159,11 +158,8 @@ def _equivalent(section: StroboscopicMap, side: int, periods: int) -> Iterator[O
             yield found
 
 
-def _restitution(law: StopLaw, mobility: float, speed: float, longest: float) -> float:
-    """R of a law at an impact ``speed``, m/s; of one that yields, by the flight of a free mass of that mobility."""
-    if not law.yields:
-        return float(law.rebound(np.array([speed]))[0] / speed)
-    free = ImpactSystem.from_modes(0.0, 0.0, np.sqrt(mobility), 0.0, law=law)
-    thrown = State(np.zeros(1), np.array([speed / np.sqrt(mobility)]))
-    back = simulate(free, Drive(0.0, 0.0), longest, thrown).state.velocity[0] * np.sqrt(mobility)
-    return float(np.clip(-back / speed, 0.0, 1.0))
+def _restitution(law: StopLaw, mobility: float, speed: float) -> float:
+    """R of a law at an impact ``speed``, m/s; of one that yields, of a free mass of that mobility."""
+    if law.yields:
+        return law.free_impact(1 / mobility, speed).restitution
+    return float(law.rebound(np.array([speed]))[0] / speed)
