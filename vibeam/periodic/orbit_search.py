@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from vibeam.flight.equilibrium import Contacts, equilibrium
+from vibeam.flight.kernels import layout
 from vibeam.periodic.closed_orbits import closed_orbits
 from vibeam.periodic.lift import lifted, response_alone
 from vibeam.periodic.orbit import Orbit
@@ -17,9 +18,12 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import count as counted
 from vibeam_models.arguments import number, refuse, require
+from vibeam_models.arrays import Array
 from vibeam_models.laws.mechanics import StopLaw
 
 SETTLE = 300  # drive periods flown before a motion is looked for
+RETURNS, NEAREST = 200, 4  # periods in which a motion is watched for returns, and how many of them are taken
+SETTLED = 1e-4  # share of the motion's size by which a settled one misses itself
 ROUNDS = 4  # in which the equivalent hard stop's R follows the orbit's speed
 DISTINCT = 1e-7  # share of the motion's size by which two motions differ at the same time
 
@@ -119,16 +123,32 @@ def _same(section: StroboscopicMap, orbit: Orbit, other: Orbit) -> bool:
 def _starts(section: StroboscopicMap, periods: int) -> Iterator[tuple[float, State]]:
     """Times, s, and states from which motions are shot at."""
     still, alone = equilibrium(section.system), response_alone(section.system, section.drive, 0.0)
-    for state in (still, *(_thrown(section, still, sign) for sign in (1, -1))):
-        try:
-            yield 0.0, section.at(0.0).flown(state, SETTLE).state
-        except MotionEnded:
-            continue
+    for begin in (still, *(_thrown(section, still, sign) for sign in (1, -1))):
+        for state in _returns(section, begin, periods):
+            yield 0.0, state
     if np.isfinite(alone.displacement).all():
         yield 0.0, alone
     for side in range(len(Contacts.of(section.system).gaps)):
         for orbit in _equivalent(section, side, periods):
             yield lifted(orbit, section.system)
+
+
+def _returns(section: StroboscopicMap, begin: State, periods: int) -> list[State]:
+    """States of the motion settled on from ``begin`` that come nearest to themselves after ``periods``.
+
+    One of a motion that repeats, the nearest few of another: unstable motions lie beside them.
+    """
+    strobes: list[Array] = []
+    drive, hold = section.drive, RETURNS + periods
+    section.runner.steady(
+        [drive.omega], drive.amplitude, begin, SETTLE, hold, "contact", layout.OUTPUT_ALONE, None, strobes
+    )
+    rows = strobes[0].reshape(len(strobes[0]), -1) * section.units if strobes else np.zeros((0, 1))
+    if len(rows) <= hold:  # the motion ended on the way
+        return []
+    apart = np.linalg.norm(rows[periods:] - rows[:-periods], axis=1) / np.linalg.norm(rows, axis=1).max()
+    nearest = np.argsort(apart, kind="stable")[: 1 if apart[-1] < SETTLED else NEAREST]
+    return [State(*strobes[0][k]) for k in nearest]
 
 
 def _thrown(section: StroboscopicMap, still: State, sign: int) -> State:

@@ -90,13 +90,13 @@ def test_flights_from_the_orbit_come_back(law: object) -> None:
     system = vibeam.ImpactSystem.from_modes(
         [1.0, 5.5, 14.0], 0.03, [1.0, -0.8, 0.6], [1.0, 0.5, 0.2], gap=0.1, law=law, second_gap=0.15
     )
-    found = vibeam.orbits(system, vibeam.Drive(2.1, 0.2))
+    found = vibeam.orbits(system, vibeam.Drive(2.1, 0.2))  # the linear one settles, the other is chaotic
     assert found
     for orbit in found:
         after = orbit.path().state
-        np.testing.assert_allclose(after.displacement, orbit.state.displacement, atol=1e-11)
-        np.testing.assert_allclose(after.velocity, orbit.state.velocity, atol=1e-11)
-        assert orbit.residual < 1e-11
+        np.testing.assert_allclose(after.displacement, orbit.state.displacement, atol=1e-10)
+        np.testing.assert_allclose(after.velocity, orbit.state.velocity, atol=1e-10)
+        assert orbit.residual < 1e-10  # integrated contact to 1e-12 a step, grown by multipliers of some ten
         assert orbit.reach == pytest.approx(
             0.1 - orbit.path().at(np.linspace(0, 1, 40001) * orbit.span + orbit.time).min(), rel=1e-5
         )
