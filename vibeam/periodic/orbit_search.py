@@ -77,11 +77,14 @@ def orbits(
 
 
 def near(section: StroboscopicMap, start: State | Orbit, periods: int) -> Orbit:
-    """The motion near a state at the section's time, or near an orbit, whose contacts it keeps; NoOrbit without one."""
+    """The motion near a state at the section's time, or near an orbit; NoOrbit without one.
+
+    Near an orbit of the same modes and kind of stop it has the same contacts, near any other contacts if that has some.
+    """
     if isinstance(start, Orbit):
         time, state = lifted(start, section.system)
         found = shoot(section.at(time), state, periods)
-        if bool(len(found.times)) != bool(len(start.times)):
+        if not _akin(found, start):
             raise NoOrbit(Reason.LEFT, "", found.corrections)
         return found
     try:
@@ -89,6 +92,18 @@ def near(section: StroboscopicMap, start: State | Orbit, periods: int) -> Orbit:
     except MotionEnded as end:
         raise NoOrbit(Reason.ENDED, str(end)) from None
     return shoot(section, state, periods)
+
+
+def _akin(found: Orbit, start: Orbit) -> bool:
+    """Test whether a motion has the contacts of its start, in cyclic order."""
+    own, other = found.system, start.system
+    rigid = not (own.contact_law.yields or other.contact_law.yields)  # as a law yields one contact may become two
+    if not rigid or not start.admissible or own.size != other.size:
+        return bool(len(found.times)) == bool(len(start.times))
+    if start.rests or found.rests:  # after impacts whose number is that of the accumulation
+        return start.rests == found.rests
+    turns = [np.roll(found.contacts, k).tolist() for k in range(max(len(found.contacts), 1))]
+    return start.contacts.tolist() in turns
 
 
 def _all(section: StroboscopicMap, periods: int) -> Iterator[Orbit]:

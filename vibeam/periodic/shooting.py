@@ -56,9 +56,9 @@ def shoot(section: StroboscopicMap, state: State, periods: int) -> Orbit:
     fixed = _newton(section, state, periods)
     for sooner in (k for k in range(1, periods) if periods % k == 0):
         back = section.vector(section.flown(fixed.state, sooner).state)
-        if np.linalg.norm(back - section.vector(fixed.state)) <= SAME * fixed.size:
+        if np.linalg.norm(back - section.vector(fixed.state)) <= SAME * section.size(fixed.flown):
             raise NoOrbit(Reason.SHORTER, f"after {sooner}, not {periods}", fixed.corrections)
-    return _orbit(section, periods, fixed)
+    return orbit_at(section, periods, fixed.state, fixed.flown, fixed.matrix, fixed.corrections)
 
 
 class _Fixed(NamedTuple):
@@ -67,7 +67,6 @@ class _Fixed(NamedTuple):
     state: State
     flown: Flown
     matrix: Array
-    size: float
     corrections: tuple[float, ...]
 
 
@@ -86,7 +85,7 @@ def _newton(section: StroboscopicMap, state: State, periods: int) -> _Fixed:
         last = corrections[-1] if corrections else np.inf
         corrections.append(length)
         if length <= ROUND_OFF or (length < STALLED and length >= last / 2):
-            return _Fixed(state, flown, matrix, size, tuple(corrections))
+            return _Fixed(state, flown, matrix, tuple(corrections))
         taken = _taken(section, state, step, periods, solve, length) if np.isfinite(length) else None
         if taken is None:
             raise NoOrbit(Reason.FOLD if solve.least < SINGULAR else Reason.DIVERGED, "", tuple(corrections))
@@ -130,15 +129,20 @@ def _apart(section: StroboscopicMap, state: State, flown: Flown) -> Array:
     return section.vector(flown.state) - section.vector(state)
 
 
-def _orbit(section: StroboscopicMap, periods: int, fixed: _Fixed) -> Orbit:
-    trace = fixed.flown.segments.trace
+def orbit_at(
+    section: StroboscopicMap, periods: int, state: State, flown: Flown, matrix: Array,
+    corrections: tuple[float, ...] = (),
+) -> Orbit:  # fmt: skip
+    """Record of the periodic motion ``flown`` from ``state`` at the section's time; ``matrix``: the map's Jacobian."""
+    trace = flown.segments.trace
     hit = struck(trace) & (trace[:, layout.BEFORE] > 0)
-    residual = float(np.linalg.norm(_apart(section, fixed.state, fixed.flown))) / fixed.size
+    size = max(section.size(flown), np.finfo(float).tiny)
     return Orbit(
-        section.system, section.drive, periods, section.time % section.period, fixed.state,
+        section.system, section.drive, periods, section.time % section.period, state,
         trace[hit, layout.START] + trace[hit, layout.DURATION], trace[hit, layout.BEFORE], sides(trace)[hit],
-        int(rests(trace).sum()), bool(np.abs(np.linalg.eigvals(fixed.matrix)).max() < 1), True, residual,
-        fixed.corrections, partial(section.multipliers, fixed.flown, fixed.matrix), section.runner,
+        int(rests(trace).sum()), bool(np.abs(np.linalg.eigvals(matrix)).max() < 1), True,
+        float(np.linalg.norm(_apart(section, state, flown))) / size, corrections,
+        partial(section.multipliers, flown, matrix), section.runner,
     )  # fmt: skip
 
 
@@ -152,7 +156,8 @@ def cycle(section: StroboscopicMap, state: State) -> Orbit | None:
         if np.linalg.norm(back - start) > NEAR * size:
             continue
         try:
-            found = _orbit(section, periods, _newton(section, state, periods))
+            fixed = _newton(section, state, periods)
+            found = orbit_at(section, periods, fixed.state, fixed.flown, fixed.matrix, fixed.corrections)
         except (NoOrbit, MotionEnded):
             continue
         apart = float(np.linalg.norm(section.vector(found.state) - start)) / max(size, np.finfo(float).tiny)
