@@ -33,8 +33,6 @@ from vibeam.runs.sweep import sweep as sweep
 from vibeam.solvers import register_solver as register_solver
 from vibeam.solvers.declaration import CostSettings as CostSettings
 from vibeam.solvers.declaration import SolverDeclaration as SolverDeclaration
-from vibeam.solvers.several_harmonics import Harmonic as Harmonic
-from vibeam.solvers.several_harmonics import SeveralHarmonics as SeveralHarmonics
 from vibeam.store.errors import StoreError as StoreError
 from vibeam.studies import *
 from vibeam.system.impact_system import Drive as Drive
@@ -44,6 +42,8 @@ from vibeam.system.response import Branches as Branches
 from vibeam.system.response import FrequencyResponse as FrequencyResponse
 from vibeam.system.rows import Contact as Contact
 from vibeam.system.rows import TimeDerivative as TimeDerivative
+from vibeam.system.several_harmonics import Harmonic as Harmonic
+from vibeam.system.several_harmonics import SeveralHarmonics as SeveralHarmonics
 from vibeam.system.state import State as State
 from vibeam_models.structure import Structure as Structure
 from vibeam_reductions.declaration import ReductionDeclaration as ReductionDeclaration

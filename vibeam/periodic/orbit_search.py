@@ -15,6 +15,7 @@ from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.shooting import NoOrbit, Reason, shoot
 from vibeam.periodic.stroboscopic import MotionEnded, StroboscopicMap
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.several_harmonics import SeveralHarmonics
 from vibeam.system.state import State
 from vibeam_models.arguments import count as counted
 from vibeam_models.arguments import number, refuse, require
@@ -29,7 +30,7 @@ DISTINCT = 1e-7  # share of the motion's size by which two motions differ at the
 
 
 def orbits(
-    system: ImpactSystem,
+    system: ImpactSystem | SeveralHarmonics,
     drive: Drive,
     periods: int = 1,
     *,
@@ -43,10 +44,11 @@ def orbits(
     equilibrium, and those that shooting leads to from the orbits of the hard stop with the same R and from the motion
     without contact: none, one or more. With ``start``: the one motion near a state at ``time`` (s, the drive's phase 0
     at 0), or near an orbit, of this or of another model of the rig; NoOrbit, a ValueError with the ``reason``, where
-    Newton's method leads to none.
+    Newton's method leads to none. Under several harmonics states given are those of ``plain``, orbits found are those
+    of their ``system`` (``SeveralHarmonics.leave``).
 
-    ValueError for an undamped mode at a resonance, and for modes without stiffness that no static force brings back to
-    the stop.
+    ValueError for an undamped mode at a resonance, for modes without stiffness that no static force brings back to
+    the stop, and for another ``drive`` than that of several harmonics.
 
     >>> import vibeam
     >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
@@ -60,17 +62,21 @@ def orbits(
     >>> bool(abs(near.velocity / vibeam.orbits(system, drive)[0].velocity - 1) < 0.1), near.admissible, near.stable
     (True, True, True)
     """
-    require("system", system, ImpactSystem)
+    several = system if isinstance(system, SeveralHarmonics) else None
+    own = several.system if several is not None else system
+    require("system", own, ImpactSystem)
     require("drive", drive, Drive)
-    if start is None and not system.beyond_plain:
-        return closed_orbits(system, drive, periods)
+    if several is None and start is None and not own.beyond_plain:
+        return closed_orbits(own, drive, periods)
     faults: list[str] = []
     count = counted("periods", periods, faults, least=1)
     begin = number("time", time, faults)
+    if several is not None and drive != several.drive:
+        faults.append("drive: must be that of the several harmonics")
     refuse("orbits", faults)
     if not drive.omega > 0:
         raise NoOrbit(Reason.NO_PERIOD)
-    section = StroboscopicMap(system, drive, begin)
+    section = StroboscopicMap(own, drive, begin, several=several)
     if start is not None:
         return (near(section, start, count),)
     return tuple(_all(section, count))
@@ -82,16 +88,29 @@ def near(section: StroboscopicMap, start: State | Orbit, periods: int) -> Orbit:
     Near an orbit of the same modes and kind of stop it has the same contacts, near any other contacts if that has some.
     """
     if isinstance(start, Orbit):
-        time, state = lifted(start, section.system)
+        time, state = _lifted(section, start)
         found = shoot(section.at(time), state, periods)
         if not _akin(found, start):
             raise NoOrbit(Reason.LEFT, "", found.corrections)
         return found
     try:
-        section, state = section.in_flight(start, periods)
+        section, state = section.in_flight(_entered(section, start), periods)
     except MotionEnded as end:
         raise NoOrbit(Reason.ENDED, str(end)) from None
     return shoot(section, state, periods)
+
+
+def _lifted(section: StroboscopicMap, orbit: Orbit) -> tuple[float, State]:
+    """Time, s, and state of the section's system under the contact forces of an orbit."""
+    if section.several is None:
+        return lifted(orbit, section.system)
+    time, state = lifted(orbit, section.several.plain)
+    return time, section.several.joined(state, time)
+
+
+def _entered(section: StroboscopicMap, state: State) -> State:
+    """State of the section's system, of one of the modes at the section's time."""
+    return state if section.several is None else section.several.enter(state, section.time)
 
 
 def _akin(found: Orbit, start: Orbit) -> bool:
@@ -137,15 +156,16 @@ def _same(section: StroboscopicMap, orbit: Orbit, other: Orbit) -> bool:
 
 def _starts(section: StroboscopicMap, periods: int) -> Iterator[tuple[float, State]]:
     """Times, s, and states from which motions are shot at."""
-    still, alone = equilibrium(section.system), response_alone(section.system, section.drive, 0.0)
+    system = section.system if section.several is None else section.several.plain
+    still, alone = equilibrium(system), response_alone(system, section.drive, 0.0)
     for begin in (still, *(_thrown(section, still, sign) for sign in (1, -1))):
-        for state in _returns(section, begin, periods):
+        for state in _returns(section.at(0.0), begin, periods):
             yield 0.0, state
     if np.isfinite(alone.displacement).all():
-        yield 0.0, alone
-    for side in range(len(Contacts.of(section.system).gaps)):
-        for orbit in _equivalent(section, side, periods):
-            yield lifted(orbit, section.system)
+        yield 0.0, alone if section.several is None else section.several.joined(alone)
+    for side in range(len(Contacts.of(system).gaps)):
+        for orbit in _equivalent(system, section.drive, side, periods):
+            yield _lifted(section, orbit)
 
 
 def _returns(section: StroboscopicMap, begin: State, periods: int) -> list[State]:
@@ -156,9 +176,17 @@ def _returns(section: StroboscopicMap, begin: State, periods: int) -> list[State
     strobes: list[Array] = []
     drive, hold = section.drive, RETURNS + periods
     section.runner.steady(
-        [drive.omega], drive.amplitude, begin, SETTLE, hold, "contact", layout.OUTPUT_ALONE, None, strobes
+        [drive.omega],
+        drive.amplitude,
+        _entered(section, begin),
+        SETTLE,
+        hold,
+        "contact",
+        layout.OUTPUT_ALONE,
+        None,
+        strobes,
     )
-    rows = strobes[0].reshape(len(strobes[0]), -1) * section.units if strobes else np.zeros((0, 1))
+    rows = (strobes[0].reshape(len(strobes[0]), -1) * section.units)[:, section.unknowns]
     if len(rows) <= hold:  # the motion ended on the way
         return []
     apart = np.linalg.norm(rows[periods:] - rows[:-periods], axis=1) / np.linalg.norm(rows, axis=1).max()
@@ -168,13 +196,14 @@ def _returns(section: StroboscopicMap, begin: State, periods: int) -> list[State
 
 def _thrown(section: StroboscopicMap, still: State, sign: int) -> State:
     """Equilibrium with the contact moving away from the first stop, or toward it, as fast as the base moves."""
+    system = section.system if section.several is None else section.several.plain
     speed = sign * section.drive.omega * abs(section.drive.amplitude)
-    return State(still.displacement, still.velocity - speed * section.system.contact / section.system.mobility)
+    return State(still.displacement, still.velocity - speed * system.contact / system.mobility)
 
 
-def _equivalent(section: StroboscopicMap, side: int, periods: int) -> Iterator[Orbit]:
+def _equivalent(system: ImpactSystem, drive: Drive, side: int, periods: int) -> Iterator[Orbit]:
     """Orbits of the plain system with one contact and the law's R at the orbit's speed."""
-    system, contacts, drive = section.system, Contacts.of(section.system), section.drive
+    contacts = Contacts.of(system)
     plain = replace(
         system, contact=contacts.rows[side], gap=float(contacts.gaps[side]), law=None, coupling=None, second_gap=None,
         further=None, restitution=float(contacts.restitutions[side]),

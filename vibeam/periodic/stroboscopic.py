@@ -26,6 +26,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.solver import ExactSolver, exact_solver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
+from vibeam.system.several_harmonics import SeveralHarmonics
 from vibeam.system.state import State
 from vibeam_models.arrays import Array, Complex
 
@@ -109,22 +110,22 @@ class MotionEnded(ValueError, ArithmeticError):
 class StroboscopicMap:
     """Stroboscopic map of one system and drive at ``time`` of the drive, s; ValueError without a drive period.
 
-    ``runner``: an exact solver of the system, to be shared by maps at drives for which it was made. ``carried``: of the
-    system's modes so many, the last ones, move as they do whatever the contact does (oscillators that bring further
-    harmonics of the drive): they are no unknowns of a periodic motion.
+    ``runner``: an exact solver of the system, to be shared by maps at drives for which it was made. Under ``several``
+    harmonics, whose ``system`` and ``drive`` these are, the oscillators that bring them are no unknowns of a motion.
     """
 
     def __init__(
         self, system: ImpactSystem, drive: Drive, time: float = 0.0, *, runner: ExactSolver | None = None,
-        carried: int = 0,
+        several: SeveralHarmonics | None = None,
     ) -> None:  # fmt: skip
         if not drive.omega > 0:
             raise ValueError("drive: omega must be > 0: without a drive period there is no stroboscopic map")
         self.runner = exact_solver(system, drive.omega) if runner is None else runner
-        self.system, self.drive, self.time = system, drive, time
+        self.system, self.drive, self.time, self.several = system, drive, time, several
         self.period, n = 2 * np.pi / drive.omega, system.size
+        own = n if several is None else several.plain.size
         self.units = np.concatenate([np.where(system.omega > 0, system.omega, drive.omega), np.ones(n)])
-        self.unknowns = np.concatenate([np.arange(n - carried), n + np.arange(n - carried)])
+        self.unknowns = np.concatenate([np.arange(own), n + np.arange(own)])
 
     def at(self, time: float) -> StroboscopicMap:
         """The map of the same motion at another time of the drive, s."""
@@ -155,10 +156,13 @@ class StroboscopicMap:
         longest = int(np.argmax(lengths))
         begin = self.time % self.period
         after = float(trace[longest, layout.START] + lengths[longest] / 2 - begin) / self.period
-        return self.at(begin + after * self.period), self.flown(state, after).state
+        there, middle = self.at(begin + after * self.period), self.flown(state, after).state
+        if self.several is not None:  # whose oscillators are where the harmonics have them, to the last digit
+            middle = self.several.enter(self.several.leave(middle, there.time), there.time)
+        return there, middle
 
     def vector(self, state: State) -> Array:
-        """Unknowns of a state in units of velocity: (2n,) without modes that are carried."""
+        """Unknowns of a state in units of velocity: (2n,)."""
         return np.asarray((np.concatenate([state.displacement, state.velocity]) * self.units)[self.unknowns])
 
     def moved(self, state: State, by: Array) -> State:

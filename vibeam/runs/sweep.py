@@ -21,7 +21,7 @@ from vibeam_models.arguments import count, floats, number, refuse, require
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.solvers.several_harmonics import Shares
+    from vibeam.system.several_harmonics import Shares
 
 
 Direction = Literal["up", "down", "both"]

@@ -27,10 +27,10 @@ from vibeam.flight.trajectory import simulate
 from vibeam.observe.motion import integral
 from vibeam.observe.periodicity import repetition
 from vibeam.solvers import SOLVERS, solver
-from vibeam.solvers.several_harmonics import SeveralHarmonics, Shares, further, solved, with_oscillators
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.quantities import VELOCITIES_KEPT
 from vibeam.system.response import Ended, FrequencyResponse, join
+from vibeam.system.several_harmonics import SeveralHarmonics, Shares, further, solved, with_oscillators
 from vibeam.system.state import State
 from vibeam_models.arrays import Array, Complex
 

@@ -15,8 +15,8 @@ from stand_in import two_modes as rig
 import vibeam
 from vibeam.runs.sweep import march
 from vibeam.solvers.harmonic_point import steady_point
-from vibeam.solvers.several_harmonics import Harmonic, SeveralHarmonics
 from vibeam.system.response import FrequencyResponse
+from vibeam.system.several_harmonics import Harmonic, SeveralHarmonics
 from vibeam_models.laws.compliant import LinearStop
 
 OMEGA, SIZE = 2 * np.pi * 15.3, 8e-5

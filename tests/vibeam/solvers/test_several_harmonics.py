@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from stand_in import two_modes as rig
 
 import vibeam
-from vibeam.solvers.several_harmonics import Harmonic, SeveralHarmonics
+from vibeam.system.several_harmonics import Harmonic, SeveralHarmonics
 from vibeam_models.laws.compliant import LinearStop
 
 OMEGA, SIZE = 2 * np.pi * 15.3, 8e-5

@@ -1,4 +1,4 @@
-"""A drive of several harmonics for solvers that take one: the others as oscillators that no impact moves.
+"""A drive of several harmonics for what takes one: the others as oscillators that no impact moves.
 
 Between impacts everything is linear, so the steady response Im(H_j e^{ijΩt}) of the modes to the harmonic j is taken
 out of them, and the motion that is left feels the first harmonic and the impacts alone. What the contact then misses,
@@ -100,6 +100,11 @@ class SeveralHarmonics:
             np.concatenate([state.velocity - rate, pace]),
             state.resting,
         )
+
+    def joined(self, state: State, time: float = 0.0) -> State:
+        """``state`` of ``plain`` under the first harmonic alone as that of ``system``, with the others' response."""
+        forced, rate = self._forced(time)
+        return self.enter(State(state.displacement + forced, state.velocity + rate, state.resting), time)
 
     def leave(self, state: State, time: float = 0.0) -> State:
         """``state`` of ``system`` at ``time`` (s) as that of ``plain``."""
