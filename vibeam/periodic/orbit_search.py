@@ -63,7 +63,7 @@ def orbits(
     (True, True, True)
     """
     several = system if isinstance(system, SeveralHarmonics) else None
-    own = several.system if several is not None else system
+    own: ImpactSystem = system.system if isinstance(system, SeveralHarmonics) else system
     require("system", own, ImpactSystem)
     require("drive", drive, Drive)
     if several is None and start is None and not own.beyond_plain:
@@ -174,17 +174,9 @@ def _returns(section: StroboscopicMap, begin: State, periods: int) -> list[State
     One of a motion that repeats, the nearest few of another: unstable motions lie beside them.
     """
     strobes: list[Array] = []
-    drive, hold = section.drive, RETURNS + periods
+    drive, start, hold = section.drive, _entered(section, begin), RETURNS + periods
     section.runner.steady(
-        [drive.omega],
-        drive.amplitude,
-        _entered(section, begin),
-        SETTLE,
-        hold,
-        "contact",
-        layout.OUTPUT_ALONE,
-        None,
-        strobes,
+        [drive.omega], drive.amplitude, start, SETTLE, hold, "contact", layout.OUTPUT_ALONE, None, strobes
     )
     rows = (strobes[0].reshape(len(strobes[0]), -1) * section.units)[:, section.unknowns]
     if len(rows) <= hold:  # the motion ended on the way

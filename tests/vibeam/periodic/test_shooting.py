@@ -15,6 +15,7 @@ from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.shooting import NoOrbit, Reason, shoot
 from vibeam.periodic.shot_motions import shot_motions
 from vibeam.periodic.stroboscopic import StroboscopicMap
+from vibeam.solvers.harmonic_point import steady_point
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 
@@ -102,6 +103,28 @@ def test_flights_from_the_orbit_come_back(law: object) -> None:
         assert orbit.reach == pytest.approx(
             0.1 - orbit.path().at(np.linspace(0, 1, 40001) * orbit.span + orbit.time).min(), rel=1e-5
         )
+
+
+@pytest.mark.parametrize("law", [None, LinearStop.matched(1e4, 0.5, 0.8)])
+def test_orbits_under_several_harmonics_are_what_flights_settle_on(law: LinearStop | None) -> None:
+    """Amplitude of the settled steady point to 1e-9; the multipliers are the modes' alone, none of an oscillator."""
+    outputs, drive = {"tip": [1.3, -0.2]}, vibeam.Drive(2.1, 0.1)
+    plain = vibeam.ImpactSystem.from_modes(
+        [1.0, 6.0], [0.05, 0.03], [1.0, 0.4], [1.0, 0.3], restitution=0.5, gap=0.05, outputs=outputs, law=law
+    )
+    shares = [(2, 0.1, 0.3), (3, 0.05, 1.0)]
+    harmonics = tuple(vibeam.Harmonic(j, share * drive.omega**2 * drive.amplitude, phase) for j, share, phase in shares)
+    several = vibeam.SeveralHarmonics(plain, drive, harmonics)
+    [orbit] = vibeam.orbits(several, drive)
+    settings = {"settle": 300, "hold": 2, "solver_name": "flight", "output": "tip", "slowest": 2.1, "options": {}}
+    point, _ = steady_point(several, None, **settings)
+    assert orbit.amplitude("tip") == pytest.approx(point.amplitude[0], rel=1e-9)
+    assert orbit.stable
+    assert len(orbit.multipliers) == 4
+    before, after = several.leave(orbit.state, orbit.time), several.leave(orbit.path().state, orbit.time + orbit.span)
+    np.testing.assert_allclose(after.displacement, before.displacement, atol=1e-14)
+    [again] = vibeam.orbits(several, drive, start=vibeam.orbits(replace(plain, law=None), drive)[0])
+    assert again.velocity == pytest.approx(orbit.velocity, rel=1e-12)
 
 
 def test_shot_motions_are_those_in_closed_form() -> None:
