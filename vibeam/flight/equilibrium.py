@@ -7,13 +7,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.flight.linear.regimes import damper_of
+from vibeam.flight.linear.regimes import damper_of, fastest_rate, numbers_of
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array, Flags
+
+if TYPE_CHECKING:
+    from vibeam_models.laws.mechanics import Spring, StopLaw
 
 NOISE = 16 * 2.220446049250313e-16  # share of the parts of a sum below which it is their round-off
 #: rate of a mode without stiffness, as a share of the slowest other one, where the least energy is asked for
@@ -23,6 +27,9 @@ SMALLEST = 1e-150  # rad/s
 DRIVEN = 10.0  # how much larger than the base motion times its share a driven mode is taken to be
 IMPOSSIBLE = 1e-12  # residual of least distance programming that is none
 NEAR = 1e-9  # share of the largest penetration within which a contact counts as at its stop
+ROUNDS = 200  # of Newton's method
+SETTLED = 1e-15  # share of the displacement by which its last step may still move it
+STEP = 1e-4  # share of a penetration over which its stiffness is taken
 STRONG = 1e6  # drive over start beyond which the size of the motion is that of the start
 
 
@@ -33,17 +40,43 @@ class Contacts:
     system: ImpactSystem
     rows: Array  # (k, n)
     gaps: Array  # (k,)
-    restitutions: Array  # (k,)
+    laws: tuple[StopLaw, ...]  # k
 
     @classmethod
     def of(cls, system: ImpactSystem) -> Contacts:
         """The contacts of ``system``, in their order."""
-        found = [(system.contact, system.gap, system.restitution)]
+        found = [(system.contact, system.gap, system.contact_law)]
         if system.second_gap is not None:
-            found.append((-system.contact, system.second_gap, system.restitution))
-        found += [(each.row, each.gap, each.restitution) for each in system.further or ()]
-        rows, gaps, restitutions = zip(*found, strict=True)
-        return cls(system, np.array(rows), np.array(gaps), np.array(restitutions))
+            found.append((-system.contact, system.second_gap, system.contact_law))
+        found += [(each.row, each.gap, each.contact_law) for each in system.further or ()]
+        rows, gaps, laws = zip(*found, strict=True)
+        return cls(system, np.array(rows), np.array(gaps), tuple(laws))
+
+    @property
+    def springs(self) -> list[Spring | None]:
+        """Stiffness and damping of those that are linear stops."""
+        return [law.spring for law in self.laws]
+
+    @property
+    def fastest_rate(self) -> float:
+        """The highest rate (rad/s) that panels must resolve, whichever linear stops push."""
+        stiffness = sum(
+            spring.stiffness * float(row @ row) for row, spring in zip(self.rows, self.springs, strict=True) if spring
+        )
+        damping = sum(
+            spring.damping * float(row @ row) for row, spring in zip(self.rows, self.springs, strict=True) if spring
+        )
+        return float(np.hypot(fastest_rate(self.system), np.sqrt(stiffness))) + damping
+
+    def kernel_laws(self) -> tuple[Array, Array]:
+        """The laws' numbers (k, LAW_ROWS) for the kernels; their tables R(v) (k, 3, m), the last point repeated."""
+        found = [numbers_of(law, 1.0, float(row @ row)) for row, law in zip(self.rows, self.laws, strict=True)]
+        longest = max(table.shape[1] for _, table in found)
+        tables = [
+            np.pad(table, ((0, 0), (0, longest - table.shape[1])), "edge" if table.size else "constant")
+            for _, table in found
+        ]
+        return np.array([numbers for numbers, _ in found]), np.array(tables)
 
     @cached_property
     def spring(self) -> Array:
@@ -201,17 +234,48 @@ def equilibrium_on_contacts(system: ImpactSystem) -> State:
     stops push it.
     """
     contacts, free = Contacts.of(system), without_stop(system)
-    beyond = contacts.rows @ free - contacts.gaps
+    soft = [j for j, law in enumerate(contacts.laws) if law.yields]
+    rigid = [j for j, law in enumerate(contacts.laws) if not law.yields]
+    found, resting = _on_rigid(contacts, rigid, free, np.diag(np.sqrt(contacts.yields)))
+    for _ in range(ROUNDS if soft else 0):  # Newton's method, each step among the rigid stops
+        deep = contacts.rows[soft] @ found - contacts.gaps[soft]
+        pushes = [_push(contacts.laws[j], max(float(d), 0.0)) for j, d in zip(soft, deep, strict=True)]
+        force, stiff = np.array(pushes).T
+        stiffness = np.diag(1 / contacts.yields) + (contacts.rows[soft].T * stiff) @ contacts.rows[soft]
+        pull = free / contacts.yields + (stiff * (deep + contacts.gaps[soft]) - force) @ contacts.rows[soft]
+        half = np.linalg.inv(np.linalg.cholesky(stiffness)).T
+        before = found
+        found, resting = _on_rigid(contacts, rigid, half @ (half.T @ pull), half)
+        if np.max(np.abs(found - before)) <= SETTLED * np.max(np.abs(found)):
+            break
+    return State(found, np.zeros(system.size), resting=resting)
+
+
+def _push(law: StopLaw, depth: float) -> tuple[float, float]:
+    """Static force of a stop that yields, and its stiffness there."""
+    if depth <= 0:
+        return 0.0, 0.0
+    low, here, high = law.force(depth * np.array([1 - STEP, 1.0, 1 + STEP]), np.zeros(3)).tolist()
+    return here, (high - low) / (2 * STEP * depth)
+
+
+def _on_rigid(contacts: Contacts, rigid: list[int], free: Array, half: Array) -> tuple[Array, bool]:
+    """The displacement nearest to ``free`` among rigid stops, and whether it is on one; ``half`` halfᵀ: compliance.
+
+    Least distance programming (Lawson & Hanson 1974, ch. 23): μ ≥ 0 that minimises |Sᵀμ|² + (1 − hᵀμ)².
+    """
+    beyond = contacts.rows[rigid] @ free - contacts.gaps[rigid]
     if np.all(beyond <= 0):
-        return State(free, np.zeros(system.size))
-    # Least distance programming (Lawson & Hanson 1974, ch. 23): μ ≥ 0 that minimises |Sᵀμ|² + (1 − hᵀμ)².
-    rows, size = contacts.rows * np.sqrt(contacts.yields), float(np.max(beyond))
+        return free, False
+    rows, size = contacts.rows[rigid] @ half, float(np.max(beyond))
     scale = float(np.max(np.linalg.norm(rows, axis=1)))
     sides = np.concatenate([-rows / scale, beyond[:, None] / size], axis=1)
-    left = np.append(np.zeros(system.size), 1.0) - one_sided(sides, np.append(np.zeros(system.size), 1.0)) @ sides
+    left = np.append(np.zeros(len(free)), 1.0) - one_sided(sides, np.append(np.zeros(len(free)), 1.0)) @ sides
     if left[-1] < IMPOSSIBLE:
         raise ValueError("contacts: nothing fits between the stops")
-    moved = free - left[:-1] / left[-1] * np.sqrt(contacts.yields) * (size / scale)
-    at = np.flatnonzero(contacts.rows @ moved - contacts.gaps > -size * NEAR)
-    held = contacts.put(free, at.tolist())
-    return State(held, np.zeros(system.size), resting=True)
+    moved = free - half @ left[:-1] / left[-1] * (size / scale)
+    at = np.flatnonzero(contacts.rows[rigid] @ moved - contacts.gaps[rigid] > -size * NEAR)
+    rows = contacts.rows[rigid][at]
+    soft = half @ half.T @ rows.T
+    put = free - soft @ (np.linalg.pinv(rows @ soft, hermitian=True) @ (rows @ free - contacts.gaps[rigid][at]))
+    return put, True

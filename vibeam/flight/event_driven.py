@@ -61,7 +61,7 @@ class EventDrivenSolver(ABC):
     _move: ClassVar[Callable[..., tuple[int, float]]]
     _poses_at: ClassVar[Callable[..., None]]
     _cover: ClassVar[Callable[..., tuple[int, int]]]
-    _status_rows: ClassVar[int] = layout.STATUS_ROWS
+    _status_rows: int = layout.STATUS_ROWS
     _trace_columns: ClassVar[int] = layout.TRACE_COLUMNS
 
     def __init__(self, system: ImpactSystem, limit: int) -> None:

@@ -27,7 +27,7 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.flight.several.solver import ContactsSolver
+    from vibeam.flight.contacts.solver import ContactsSolver
 
 
 def reading_of(quantity: str) -> int:
@@ -136,7 +136,7 @@ ExactSolver: TypeAlias = "FlightSolver | RegimeSolver | ContactsSolver"
 def exact_solver(system: ImpactSystem, slowest: float, span: float = 0.0) -> ExactSolver:
     """The engine that takes ``system``, made for drives of ``slowest`` rad/s and more."""
     if system.further is not None:
-        from vibeam.flight.several.solver import ContactsSolver
+        from vibeam.flight.contacts.solver import ContactsSolver
 
         return ContactsSolver(system, slowest, span)
     if system.beyond_plain:

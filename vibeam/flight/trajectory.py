@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.contacts.layout import PUSHED_AT
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.readout import sides, struck
 from vibeam.flight.solver import exact_solver, warm_up_motion
@@ -24,10 +25,10 @@ from vibeam_models.arguments import count, counted, floats, number, refuse, requ
 from vibeam_models.arrays import Array, Index, ValueRecord
 
 if TYPE_CHECKING:
+    from vibeam.flight.contacts.solver import ContactsSolver
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
     from vibeam.flight.proof.certificate import Certificate
     from vibeam.flight.proof.errors import ImpactErrors
-    from vibeam.flight.several.solver import ContactsSolver
 
 STILL = 1e-11  # share of the motion's fastest velocity, and of ω times the static displacements, that is none
 FADING = 1e-3  # loss of speed at an impact, as a share, that is next to none
@@ -202,15 +203,18 @@ class Trajectory(ValueRecord):
         """
         if self.system.further is None:
             raise ValueError("holds: there is one place of contact: rests has its holds")
-        from vibeam.flight.several.readout import holds_of
+        from vibeam.flight.contacts.readout import holds_of
 
         return holds_of(self.segments.trace, self.t_end, contact)
 
     @property
     def contacts(self) -> Array:
-        """(m, 3): begin, s, duration, s, and largest force, N, of each contact with a stop that yields."""
+        """(m, 3): begin, s, duration, s, and largest force, N, of each contact with stops that yield."""
         trace = self.segments.trace
-        pushed = np.flatnonzero(trace[:, layout.WHAT] == regime_layout.CONTACT)
+        pushing = trace[:, layout.WHAT] == regime_layout.CONTACT
+        if self.system.further is not None:
+            pushing = trace[:, PUSHED_AT] > 0
+        pushed = np.flatnonzero(pushing)
         if not len(pushed):
             return np.empty((0, 3))
         begin, end = trace[pushed, layout.START], trace[pushed, layout.START] + trace[pushed, layout.DURATION]

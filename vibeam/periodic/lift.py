@@ -110,13 +110,14 @@ def contact_load(orbit: Orbit, fastest: float = 0.0) -> Load:
     system = orbit.system
     contacts = Contacts.of(system)
     parts = [NOTHING]
-    if not system.contact_law.yields:
-        rebound = contacts.restitutions[orbit.contacts] * orbit.velocities
-        if system.further is None:
-            rebound = system.contact_law.rebound(orbit.velocities)
-        mobility = np.sum(contacts.rows**2, axis=1)[orbit.contacts]
-        parts.append(Load(orbit.times, -(orbit.velocities + rebound) / mobility, orbit.contacts))
-    if orbit.rests or system.contact_law.yields:
+    for j, law in enumerate(contacts.laws):
+        struck = orbit.contacts == j
+        if not law.yields and struck.any():
+            impulses = -(orbit.velocities[struck] + law.rebound(orbit.velocities[struck])) / float(
+                contacts.rows[j] @ contacts.rows[j]
+            )
+            parts.append(Load(orbit.times[struck], impulses, orbit.contacts[struck]))
+    if orbit.rests or any(law.yields for law in contacts.laws):
         parts += _lasting(orbit.path(), contacts, max(fastest, float(np.max(system.omega))))
     return Load(*(np.concatenate(each) for each in zip(*parts, strict=True)))
 

@@ -77,13 +77,11 @@ class Orbit(ValueRecord, Viewed):
 
         NaN without impacts, and of a stop that yields.
         """
-        if not len(self.velocities) or self.system.contact_law.yields:
+        if not len(self.velocities):
             return np.nan
         contacts, struck = Contacts.of(self.system), int(self.contacts[self._hardest])
-        row, speed = contacts.rows[struck], np.array([self.velocity])
-        several = self.system.further is not None
-        back = contacts.restitutions[struck] * speed if several else self.system.contact_law.rebound(speed)
-        return float(-(speed + back)[0] / (row @ row))
+        row, law, speed = contacts.rows[struck], contacts.laws[struck], np.array([self.velocity])
+        return np.nan if law.yields else float(-(speed + law.rebound(speed))[0] / (row @ row))
 
     @property
     def _hardest(self) -> int:

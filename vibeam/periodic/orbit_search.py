@@ -196,9 +196,10 @@ def _thrown(section: StroboscopicMap, still: State, sign: int) -> State:
 def _equivalent(system: ImpactSystem, drive: Drive, side: int, periods: int) -> Iterator[Orbit]:
     """Orbits of the plain system with one contact and the law's R at the orbit's speed."""
     contacts = Contacts.of(system)
+    constant = contacts.laws[side].constant
     plain = replace(
         system, contact=contacts.rows[side], gap=float(contacts.gaps[side]), law=None, coupling=None, second_gap=None,
-        further=None, restitution=float(contacts.restitutions[side]),
+        further=None, restitution=system.restitution if constant is None else constant,
     )  # fmt: skip
     for root in (0, 1):
         found: Orbit | None = None

@@ -20,7 +20,7 @@ SOLVERS = Registry(
         "flight",
         "vibeam.flight.solver:FlightSolver",
         beyond_plain="vibeam.flight.solver:RegimeSolver",
-        several="vibeam.flight.several.solver:ContactsSolver",
+        several="vibeam.flight.contacts.solver:ContactsSolver",
         motion="exact",
         blocks=True,
         derivatives=True,

@@ -49,10 +49,13 @@ def _further(given: Any, law: Any, n: int, faults: list[str]) -> tuple[Any, ...]
             faults.append(f"further: {shown(each)} is no Contact")
         elif each.row.shape != (n,):
             faults.append(f"further: the row of a contact must be {n} finite numbers, one a mode")
-    if found and law is not None:
-        faults.append(f'further: the contact law "{getattr(law, "name", law)}" goes with contact at one place alone')
-    if len(found) > MOST_CONTACTS:
-        faults.append(f"further: {len(found)} contacts, at most {MOST_CONTACTS}")
+    laws = [law, *(getattr(each, "law", None) for each in found)]
+    if found and any(getattr(each, "integrated", False) for each in laws):
+        faults.append("further: a contact law that is integrated goes with contact at one place alone")
+    yielding = any(getattr(each, "yields", False) for each in laws)
+    most = MOST_CONTACTS // 2 if yielding else MOST_CONTACTS
+    if len(found) > most:
+        faults.append(f"further: {len(found)} contacts, at most {most}")
     return found or None
 
 

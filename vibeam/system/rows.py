@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam_models.arguments import number, read_only, refuse
+from vibeam_models.arguments import number, read_only, refuse, shown
 from vibeam_models.arrays import Array, ValueRecord
+
+if TYPE_CHECKING:
+    from vibeam_models.laws.mechanics import StopLaw
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Contact(ValueRecord):
     """A stop at Σ row_i η_i = ``gap`` (m), ``row`` (n,) positive toward it, with a coefficient of ``restitution``.
 
-    ValueError names every argument that is wrong: a row that is not finite numbers or all zero, a gap that is not
-    finite, a restitution outside [0, 1].
+    ``law``: R(v) in its place, or a stop that yields and pushes with a force (``vibeam_models``). ValueError names
+    every argument that is wrong: a row that is not finite numbers or all zero, a gap that is not finite, a restitution
+    outside [0, 1], a law that is none.
 
     >>> import vibeam
     >>> sides = [vibeam.Contact([-1.0], gap=0.2, restitution=0.5)]  # a second stop, opposite
@@ -27,6 +31,7 @@ class Contact(ValueRecord):
     row: Array
     gap: float
     restitution: float = 1.0
+    law: StopLaw | None = None
 
     def __post_init__(self) -> None:
         faults: list[str] = []
@@ -37,7 +42,27 @@ class Contact(ValueRecord):
         object.__setattr__(self, "gap", number("gap", self.gap, faults))
         coefficient = number("restitution", self.restitution, faults, least=0.0, most=1.0)
         object.__setattr__(self, "restitution", coefficient)
+        if self.law is not None:
+            self._check_law(faults)
         refuse("contact", faults)
+
+    def _check_law(self, faults: list[str]) -> None:
+        """A constant coefficient of restitution stands for itself."""
+        from vibeam_models.laws.mechanics import stop_law
+
+        law = stop_law(self.law)
+        if law is None:
+            faults.append(f"law: {shown(self.law)} is no contact law of vibeam_models.laws")
+        elif law.constant is not None:
+            object.__setattr__(self, "law", None)
+            object.__setattr__(self, "restitution", law.constant)
+
+    @property
+    def contact_law(self) -> StopLaw:
+        """Law of the contact: ``law``, or one coefficient of restitution."""
+        from vibeam_models.laws.restitution import Restitution
+
+        return Restitution(self.restitution) if self.law is None else self.law
 
 
 CALLED = {1: "velocity", 2: "acceleration"}

@@ -24,6 +24,8 @@ ENTRY_POINTS = {  # called from Python, which passes all that one call needs
     "entry.poses_at",
     "regimes.entry.move",
     "regimes.entry.poses_at",
+    "contacts.entry.move",
+    "contacts.entry.poses_at",
 }
 
 

@@ -12,6 +12,7 @@ from vibeam.flight.points.disturbances import carry
 from vibeam.flight.points.points import PlainPoints, PointSettings, compute
 from vibeam.flight.trajectory import simulate
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.rows import Contact
 from vibeam_models.laws.compliant import HuntCrossley
 
 DRIVE = Drive(omega=95.0, amplitude=1e-4)
@@ -31,6 +32,11 @@ def fly() -> None:
 def fly_in_regimes() -> None:
     """Motions, poses and certificates of the engine of any law and regime."""
     simulate(replace(PLAIN, law=HuntCrossley(1e6)), DRIVE, 0.1, certify=True).at(0.05)
+
+
+def fly_between_contacts() -> None:
+    """Motions and poses with several contacts."""
+    simulate(replace(PLAIN, further=(Contact(np.array([1.0, -0.5]), 1e-4, 0.5),)), DRIVE, 0.1).at(0.05)
 
 
 def fly_side_by_side() -> None:
@@ -54,6 +60,7 @@ def step() -> None:
 SCENES = {  # by group: the libraries and what calls all of their entry points
     "flight": (("tables", "flight", "certificate"), (fly,)),
     "regimes": (("regimes",), (fly_in_regimes,)),
+    "contacts": (("contacts",), (fly_between_contacts,)),
     "points": (("points",), (fly_side_by_side,)),
     "tangents": (("tangents",), (disturb,)),
     "moreau": (("moreau",), (step,)),

@@ -139,7 +139,7 @@ def derivative_along(
     which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
     clocks = trace[which, layout.AT_CLOCK] + times - trace[which, layout.START]
     if system.further is not None:
-        from vibeam.flight.several.readout import derivatives_in
+        from vibeam.flight.contacts.readout import derivatives_in
 
         found = derivatives_in(system, drive, trace[which], clocks, poses, wanted.row, order)
     else:

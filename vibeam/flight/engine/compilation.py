@@ -16,7 +16,7 @@ from numba.core import event
 LOG = logging.getLogger("vibeam")
 
 PLAIN, POINTS = "vibeam.flight.kernels", "vibeam.flight.points.kernels"
-REGIMES = f"{PLAIN}.regimes.entry"
+REGIMES, CONTACTS = f"{PLAIN}.regimes.entry", f"{PLAIN}.contacts.entry"
 FLIGHT = ("the flight kernels", "about a minute")
 IN_REGIMES = ("the kernels of yielding stops, R(v), second stops and coupled damping", "one to two minutes")
 KERNELS = {  # by entry point: what is compiled, and about how long that takes on a common machine
@@ -28,6 +28,8 @@ KERNELS = {  # by entry point: what is compiled, and about how long that takes o
     f"{REGIMES}.move": IN_REGIMES,
     f"{REGIMES}.poses_at": IN_REGIMES,
     f"{REGIMES}.cover": ("the kernels of their certificates", "about half a minute"),
+    f"{CONTACTS}.move": ("the kernels of several contacts", "one to two minutes"),
+    f"{CONTACTS}.poses_at": ("the kernels of several contacts", "one to two minutes"),
     f"{POINTS}.entry.run": ("the kernels of batches", "one to two minutes"),
     f"{POINTS}.disturbances.carry": ("the kernels of Lyapunov exponents", "about a minute"),
 }

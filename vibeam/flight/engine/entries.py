@@ -93,12 +93,16 @@ cover = EntryPoint("certificate", f"{KERNELS}.entry", "cover")
 regimes_move, regimes_poses_at, regimes_cover = (
     EntryPoint("regimes", f"{KERNELS}.regimes.entry", name) for name in ("move", "poses_at", "cover")
 )
+contacts_move, contacts_poses_at = (
+    EntryPoint("contacts", f"{KERNELS}.contacts.entry", name) for name in ("move", "poses_at")
+)
 run_points = EntryPoint("points", f"{POINTS}.entry", "run")
 carry_disturbances = EntryPoint("tangents", f"{POINTS}.disturbances", "carry")
 march = EntryPoint("moreau", f"{KERNELS}.moreau", "march")
 
 REGIMES = (regimes_move, regimes_poses_at, regimes_cover)
-ENTRIES = (tabulate, move, poses_at, cover, *REGIMES, run_points, carry_disturbances, march)
+CONTACTS = (contacts_move, contacts_poses_at)
+ENTRIES = (tabulate, move, poses_at, cover, *REGIMES, *CONTACTS, run_points, carry_disturbances, march)
 
 
 def origin() -> str:

@@ -116,12 +116,12 @@ def set_derivative(found: Regime, wanted: TimeDerivative) -> None:
     """
     weights, constant, load = wanted.row @ found.outof[len(wanted.row) :], 0.0, 0.0
     if wanted.order == 2:
-        weights, constant, load = _rate(found.blocks, weights)
+        weights, constant, load = signal_rate(found.blocks, weights)
     found.signals[layout.OUTPUT_SIGNAL, :-2] = weights
     found.signals[layout.OUTPUT_SIGNAL, -2:] = constant, load - wanted.base
 
 
-def _rate(blocks: Array, weights: Array) -> tuple[Array, float, float]:
+def signal_rate(blocks: Array, weights: Array) -> tuple[Array, float, float]:
     """Weights on y, constant and share of Ω²B sin φ of the rate of weights·y, ``weights`` (2m,)."""
     first, second = weights[0::2], weights[1::2]
     rate = np.empty(len(weights))
@@ -150,7 +150,7 @@ def _in_blocks(linear: LinearSystem, held: Array, constant: Array, load: Array, 
     blocks[layout.A11 : layout.A11 + 4] = found.blocks[order].reshape(m, 4).T * unit
     blocks[[layout.CONSTANT1, layout.CONSTANT2]] = (into[:, n:] @ constant).reshape(m, 2).T
     blocks[[layout.LOAD1, layout.LOAD2]] = (into[:, n:] @ load).reshape(m, 2).T
-    blocks[layout.MODE] = _lone_modes(outof)
+    blocks[layout.MODE] = lone_modes(outof)
     pairs, table, levels = regime(omega[order] * unit, sigma[order] * unit, disc[order] * unit**2, top)
     return Regime(
         pairs, table, levels, np.zeros(layout.SIGNAL_ROWS), np.zeros((layout.ATTACHED_ROWS, m)), blocks,
@@ -159,7 +159,7 @@ def _in_blocks(linear: LinearSystem, held: Array, constant: Array, load: Array, 
     )  # fmt: skip
 
 
-def _lone_modes(outof: Array) -> Array:
+def lone_modes(outof: Array) -> Array:
     """The mode whose displacement and velocity alone a block (2n, 2m) is, (m,); −1 where it moves several."""
     n, m = len(outof) // 2, outof.shape[1] // 2
     parts = outof.reshape(2, n, m, 2) != 0

@@ -19,7 +19,7 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam_models.laws.mechanics import Spring
+    from vibeam_models.laws.mechanics import Spring, StopLaw
 
 FORMULAS = {  # by ``KernelNumbers.formula``: family and curve of the kernels
     "constant": (regime_layout.IMPULSIVE, regime_layout.CONSTANT),
@@ -70,9 +70,14 @@ def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
 
 def law_of(system: ImpactSystem) -> tuple[Array, Array]:
     """The law's numbers, and the table R(v) where it is one; ValueError where the kernels have no formula of it."""
-    found, numbers = system.contact_law.kernel_numbers(), np.zeros(regime_layout.LAW_ROWS)
-    numbers[regime_layout.COEFFICIENT] = system.restitution
-    numbers[regime_layout.MOBILITY] = system.mobility
+    return numbers_of(system.contact_law, system.restitution, system.mobility)
+
+
+def numbers_of(law: StopLaw, restitution: float, mobility: float) -> tuple[Array, Array]:
+    """The same of the law of one contact."""
+    found, numbers = law.kernel_numbers(), np.zeros(regime_layout.LAW_ROWS)
+    numbers[regime_layout.COEFFICIENT] = restitution
+    numbers[regime_layout.MOBILITY] = mobility
     numbers[regime_layout.FAMILY], numbers[regime_layout.CURVE] = FORMULAS[found.formula]
     for name, value in found.values.items():
         numbers[NUMBERS[name]] = value

@@ -1,0 +1,60 @@
+"""Readout of motions with several contacts: holds, and derivatives along them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vibeam.flight.contacts.sets import ConstrainedSystem, ContactSet
+from vibeam.flight.equilibrium import Contacts, multipliers
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.contacts.layout import HELD_AT, PUSHED_AT
+from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.arrays import Array
+
+
+def holds_of(trace: Array, end: float, contact: int | None) -> Array:
+    """(m, 2): begin and end, s, of the stretches of a motion until ``end`` in which a contact, or any, was held.
+
+    A hold begins where the accumulation of impacts before it is over.
+    """
+    bits = trace[:, HELD_AT].astype(np.int64)
+    held = (bits if contact is None else bits >> contact & 1) > 0
+    change = np.diff(np.concatenate([[False], held, [False]]).astype(int))
+    times, first = np.append(trace[:, layout.START], end), np.flatnonzero(change == 1)
+    before = trace[np.maximum(first - 1, 0)]
+    accumulated = (first > 0) & (before[:, layout.END] == layout.CHATTER)
+    accumulated &= (contact is None) | (before[:, regime_layout.AT_SIDE] == contact)
+    return np.stack([times[first] + np.where(accumulated, before[:, layout.LEFT], 0.0), times[change == -1]], axis=1)
+
+
+def keys_of(trace: Array, contacts: int) -> Array:
+    """Key of the set of each segment (m,), see ``ContactEngine.sets``."""
+    return np.asarray(trace[:, HELD_AT] + float(1 << contacts) * trace[:, PUSHED_AT]).astype(np.int64)
+
+
+def derivatives_in(
+    system: ImpactSystem, drive: Drive, rows: Array, clocks: Array, poses: Array, row: Array, order: int
+) -> Array:
+    """Derivative of the ``order`` 2 or 3 of what a ``row`` reads, at states in the segments ``rows`` of a trace."""
+    contacts, found = Contacts.of(system), np.empty(len(rows))
+    keys = keys_of(rows, len(contacts.gaps))
+    for key in np.unique(keys):
+        here = keys == key
+        found[here] = _in_set(
+            contacts, ContactSet.of(int(key), len(contacts.gaps)), drive, clocks[here], poses[here], row
+        )[order - 2]
+    return found
+
+
+def _in_set(
+    contacts: Contacts, which: ContactSet, drive: Drive, clocks: Array, poses: Array, row: Array
+) -> tuple[Array, Array]:
+    """Second and third derivative (m,) of row·η in one set."""
+    system, held = ConstrainedSystem(contacts, which), contacts.rows[list(which.held)]
+    free = np.eye(len(row)) - (multipliers(held).T @ held if len(held) else 0.0)
+    load, phase = contacts.system.load * (drive.omega**2 * drive.amplitude), drive.omega * clocks[:, None]
+    pull = load * np.sin(phase) + system.static - poses[:, 1] @ system.damper - poses[:, 0] @ system.stiffness
+    second = pull @ free
+    rate = load * (drive.omega * np.cos(phase)) - second @ system.damper - poses[:, 1] @ system.stiffness
+    return second @ row, rate @ free @ row
