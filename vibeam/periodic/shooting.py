@@ -51,9 +51,14 @@ class NoOrbit(ValueError):
 def shoot(section: StroboscopicMap, state: State, periods: int) -> Orbit:
     """The motion near ``state`` at the section's time that repeats after ``periods`` drive periods, not fewer.
 
-    Any law, contacts on any side or place, several impacts, rests, stable or not. NoOrbit with the reason.
+    Any law, contacts on any side or place, several impacts, rests, stable or not. Its state is taken at the section's
+    time or, where that is in a contact, in the middle of the longest flight. NoOrbit with the reason.
     """
     fixed = _newton(section, state, periods)
+    free = fixed.flown.segments.trace[:, layout.WHAT] == layout.FREE
+    if free.any() and not free[0]:
+        section, state = section.in_flight(fixed.state, periods)
+        fixed = _newton(section, state, periods)._replace(corrections=fixed.corrections)
     for sooner in (k for k in range(1, periods) if periods % k == 0):
         back = section.vector(section.flown(fixed.state, sooner).state)
         if np.linalg.norm(back - section.vector(fixed.state)) <= SAME * section.size(fixed.flown):

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 import vibeam
 from tests.vibeam.periodic.test_orbits import COCO, beam_like
@@ -125,6 +126,51 @@ def test_orbits_under_several_harmonics_are_what_flights_settle_on(law: LinearSt
     np.testing.assert_allclose(after.displacement, before.displacement, atol=1e-14)
     [again] = vibeam.orbits(several, drive, start=vibeam.orbits(replace(plain, law=None), drive)[0])
     assert again.velocity == pytest.approx(orbit.velocity, rel=1e-12)
+
+
+def test_published_numbers_of_coco() -> None:
+    """COCO's impact demo, ẍ + 0.1ẋ + x = cos t with a stop at 1, e = 0.8: all printed digits, from rest."""
+    [orbit] = vibeam.orbits(COCO, vibeam.Drive(1.0, 1.0), start=vibeam.State([0.0], [0.0]))
+    assert (orbit.phase - np.pi / 2) % (2 * np.pi) == pytest.approx(0.07595216, abs=5e-8)
+    assert orbit.velocity == pytest.approx(1.69573294, abs=6e-8)
+    assert orbit.multipliers[0] == pytest.approx(-0.584295 + 0.005600j, abs=1.2e-6)
+
+
+@pytest.mark.parametrize("second", [False, True])
+def test_one_mode_between_symmetric_stops(second: bool) -> None:
+    """Closed form of the motion that strikes both stops in turn, x(t + T/2) = −x(t); a second stop, a second contact.
+
+    With p (a, b) the free part just after the impact at t = 0 and P its flow over T/2: (P + 1)(a, b) = (0, 1),
+    Im(H e^iψ) + pa = Δ, Ω Re(H e^iψ) + p(b − 1) = v = −p/(1 + R), a quadratic in p (Masri & Caughey 1966; Shaw 1985).
+    """
+    gap, restitution, rate, drive = 0.4, 0.7, 1.4, vibeam.Drive(1.4, 0.5)
+    other = {"second_gap": gap} if second else {"further": [vibeam.Contact([-1.0], gap, restitution)]}
+    system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, gap=gap, restitution=restitution, **other)
+    flow = expm(np.array([[0.0, 1.0], [-1.0, -0.1]]) * np.pi / rate)
+    a, b = np.linalg.solve(flow + np.eye(2), [0.0, 1.0])
+    response = abs(rate**2 * 0.5 / (1 - rate**2 + 0.1j * rate))
+    kappa = (1 - 1 / (1 + restitution) - b) / rate
+    impulse = np.roots([a**2 + kappa**2, -2 * a * gap, gap**2 - response**2]).real.min()
+    velocity = -impulse / (1 + restitution)
+    found = vibeam.orbits(system, drive)
+    [orbit] = [each for each in found if each.contacts.tolist() in ([0, 1], [1, 0])]
+    np.testing.assert_allclose(orbit.velocities, velocity, rtol=1e-12)
+    assert np.diff(orbit.times) == pytest.approx(np.pi / rate, rel=1e-12)
+    before = response * np.exp(1j * np.angle(rate**2 * 0.5 / (1 - rate**2 + 0.1j * rate)))
+    upper = orbit.times[orbit.contacts == 0][0]
+    assert (before * np.exp(1j * rate * upper)).imag + impulse * a == pytest.approx(gap, rel=1e-11)
+    half = turned(velocity, gap, upper, drive, restitution) @ flow
+    np.testing.assert_allclose(
+        np.sort_complex(orbit.multipliers), np.sort_complex(np.linalg.eigvals(half @ half)), rtol=1e-9
+    )
+    assert orbit.stable == (np.abs(orbit.multipliers[0]) < 1)
+
+
+def turned(velocity: float, gap: float, time: float, drive: vibeam.Drive, restitution: float) -> np.ndarray:
+    """Saltation matrix at the first stop."""
+    force = drive.omega**2 * drive.amplitude * np.sin(drive.omega * time)
+    before, after = (force - 0.1 * v - gap for v in (velocity, -restitution * velocity))
+    return np.array([[-restitution, 0.0], [(restitution * before + after) / velocity, -restitution]])
 
 
 def test_shot_motions_are_those_in_closed_form() -> None:
