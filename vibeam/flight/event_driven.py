@@ -201,7 +201,7 @@ class EventDrivenSolver(ABC):
         self,
         omegas: Sequence[float] | Array,
         amplitude: float | Array,
-        state: State | None,
+        state: State | Sequence[State] | None,
         settle: int,
         hold: int,
         output: str,
@@ -211,13 +211,15 @@ class EventDrivenSolver(ABC):
     ) -> tuple[FrequencyResponse, State]:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state.
 
+        ``state``: of the start; with one for each point they are flown apart, and nothing is carried.
         ``amplitude``: of the base, m, one for all or one each. ``reading``: how much is read off, see
         ``kernels.layout``; what is not is NaN. ``states``: a list to which the state after each point is added;
         ``strobes``: its states (hold + 1, 2, n) at the ends of the periods, from the end of the settling on.
         """
         if (reader := self._reader(output)) is not self:
             return reader.steady(omegas, amplitude, state, settle, hold, output, reading, states, strobes)
-        pose, status = self.pose(state)
+        starts = () if state is None or isinstance(state, State) else state
+        pose, status = self.pose(state if isinstance(state, State) else None)
         trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, self.system.size))
         watch = watch_of(self._watch(output), hold, trace, poses, reading)
         counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
@@ -226,6 +228,8 @@ class EventDrivenSolver(ABC):
         drives = [amplitude] * len(omegas) if isinstance(amplitude, float) else np.broadcast_to(amplitude, len(omegas))
         for index, (omega, drive) in enumerate(zip(omegas, drives, strict=True)):
             counts[:] = 0  # a point knows no more of the last than a State says
+            if starts:
+                pose, status = self._pose_of(starts[index])
             self._restart(pose, status, layout.RESTING if status[layout.KIND] == layout.RESTING else layout.FREE)
             outcome, period = unpaused(
                 self._move, engine, float(omega), float(drive), pose, status, 0.0, settle, hold, self.limit, watch,

@@ -22,15 +22,13 @@ from numpy.typing import NDArray
 from vibeam.studies.fit.explanation import (
     UNTOLD,
     Explanation,
-    LinearRows,
-    OtherMotion,
     costs,
     explained,
     flown_losses,
-    flown_rows,
     nearest,
 )
-from vibeam.studies.fit.problem import LEFT, NO_CONTACT, SCALE, Problem, robust
+from vibeam.studies.fit.orbits import OtherMotion
+from vibeam.studies.fit.problem import LEFT, SCALE, Problem, robust
 from vibeam.studies.fit.surface import quasi_random
 from vibeam_models.arrays import Array, Index
 
@@ -58,8 +56,8 @@ SMALLER = 6  # boxes at most
 class Minimum:
     """Least squares at shares ``x`` (P,): ``misfit`` Σ r², residuals, Jacobian (rows, P), each point's motion.
 
-    ``actual`` (points,): whether the model has that motion. ``others``: what the points do that are left out as outside
-    the family. ``loss``: over all points.
+    ``actual`` (points,): whether the model has that motion. ``others``: what the points do that are left out.
+    ``loss``: over all points. ``touches``: whether any has contact.
     """
 
     x: Array
@@ -70,6 +68,7 @@ class Minimum:
     actual: NDArray[np.bool_]
     others: dict[int, OtherMotion]
     loss: float
+    touches: bool = True
 
     @classmethod
     def at(cls, problem: Problem, x: Array, chosen: Index, explanation: Explanation) -> Minimum:
@@ -77,7 +76,7 @@ class Minimum:
         residual, jacobian = problem.residuals(x, chosen)
         return cls(
             x, float(residual @ residual), residual, jacobian, chosen, explanation.actual & (chosen != LEFT),
-            explanation.others, explanation.loss,
+            explanation.others, explanation.loss, bool(problem.touching(chosen).any()),
         )  # fmt: skip
 
     @property
@@ -95,11 +94,6 @@ class Minimum:
         """Linearised covariance (P, P) of the shares, with the bounds as a weak prior: a uniform distribution."""
         curvature = self.jacobian.T @ self.jacobian
         return np.asarray(np.linalg.inv(curvature + 12 * np.eye(len(curvature))))
-
-    @property
-    def touches(self) -> bool:
-        """Test whether any point has contact."""
-        return bool(np.any(self.chosen != NO_CONTACT))
 
 
 @dataclass(frozen=True)
@@ -131,12 +125,9 @@ class Scan:
 
 def minimise(
     problem: Problem, x: Array, chosen: Index, fixed: dict[int, float] | None = None, *, loss: str = "linear",
-    most: int = MANY, tolerance: float = 1e-7, rows: LinearRows | None = None,
+    most: int = MANY, tolerance: float = 1e-7,
 ) -> tuple[Array, float]:  # fmt: skip
-    """Minimise over the shares that are not ``fixed``, motions held: the minimum's shares and Σ r².
-
-    ``rows``: further, linear residuals.
-    """
+    """Minimise over the shares that are not ``fixed``, motions held: the minimum's shares and Σ r²."""
     from scipy.optimize import least_squares
 
     fixed = fixed or {}
@@ -155,8 +146,7 @@ def minimise(
             seen.clear()
             full = whole.copy()
             full[free] = part
-            own = problem.residuals(full, chosen)
-            seen[mark] = own if rows is None else rows.after(own, full)
+            seen[mark] = problem.residuals(full, chosen)
         return seen[mark]
 
     found = least_squares(
@@ -234,7 +224,6 @@ def probability(misfit: float, freedom: int) -> float:
 def settled(problem: Problem, x: Array, dropped: tuple[int, ...] = (), *, nearby: bool = False) -> Minimum:
     """Minimum from one start: points explained and keys minimised in turn, as long as the loss over all points falls.
 
-    The flown points outside the family steer the keys, linearised; least squares over the family alone follow.
     ``dropped``: points that are left out whatever explains them; ``nearby``: the start is near to the minimum.
     """
     x = x if nearby else on_nearest(problem, x, dropped)
@@ -250,8 +239,7 @@ def settled(problem: Problem, x: Array, dropped: tuple[int, ...] = (), *, nearby
 
 def _descended(problem: Problem, x: Array, found: Explanation, dropped: tuple[int, ...]) -> tuple[Array, Explanation]:
     """Keys that minimise with that explanation, and theirs; nearer ones where that has not lowered the loss."""
-    rows = flown_rows(problem, x, found.others)
-    goal, _ = minimise(problem, x, found.chosen, loss="cauchy", tolerance=ROUGHLY, rows=rows)
+    goal, _ = minimise(problem, x, found.chosen, loss="cauchy", tolerance=ROUGHLY)
     for share in SHARES:
         further = x + share * (goal - x)
         following = explained(problem, further, dropped)

@@ -1,13 +1,12 @@
 """Explanation of measured points at given keys: by a motion of the closed-form family, or one that the model flies.
 
-Points outside the closed-form family have no exact derivatives here; where their motion repeats alike at neighbouring
-keys it has a difference quotient. It steers the keys while points are explained, and takes no part in the estimate.
-
-The family has, at each point, the two roots of the closed-form orbit and the motion without contact. One that passes
-through the stop between its impacts, or is not stable, is no motion. Where none of the family is near to a point the
-model is flown there, upward and downward: what it does may be outside the family (several impacts until it repeats,
-another period, rest on the stop, no repeat), and lie nearer. Then the point is left out of the misfit, by name, since
-its derivatives by the keys are not known; what it is off still counts wherever two sets of keys are compared, so that
+The closed-form family has, at each point, the two roots of the closed-form orbit and the motion without contact. One
+that passes through the stop between its impacts, or is not stable, is no motion. Where none of the family is near to a
+point the model is flown there, upward and downward: what it does may be outside the family (several impacts until it
+repeats, another period, rest on the stop, no repeat), and lie nearer. A periodic one is followed from there
+(``orbits``). Of a model without closed forms (a stop that yields or is on both sides, R(v), damping that couples the
+modes) every motion is flown and followed. A point whose motion does not repeat is left out of the misfit, by name,
+since such a motion has no value of its own; what it is off still counts wherever two sets of keys are compared, so that
 no set is the better for leaving points out.
 """
 
@@ -16,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,143 +23,101 @@ from vibeam.periodic.bifurcation_functions import clearances
 from vibeam.periodic.bifurcation_functions import motions as motions_at
 from vibeam.periodic.orbit_curve import stability
 from vibeam.periodic.tangents import ModalData
-from vibeam.runs.sweep import sweep
+from vibeam.studies.fit.flights import NotFollowed, vector
+from vibeam.studies.fit.orbits import FollowedOrbit, OtherMotion, Shooting
 from vibeam.studies.fit.points import Points
-from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Problem, robust, value_of
+from vibeam.studies.fit.problem import FOLLOWED, IMPOSSIBLE, LEFT, NO_CONTACT, Problem, robust, value_of
 from vibeam.studies.fit.surface import ModalSurface
+from vibeam.studies.fit.trails import HOLD, LONG, SHORT, SettledPoint, settled_points
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.quantities import Ended
-from vibeam.system.response import Branches, FrequencyResponse
-from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, Flags, Index
 
-if TYPE_CHECKING:
-    from vibeam.batches.response import BatchResponse
-
-SETTLE, HOLD = 300, 32  # drive periods
+SETTLED = 1e-3  # share of its size within which a flight is on a motion that is known
 UNTOLD = 9.0  # least squared residual of a motion that does not repeat, whose value is that of no one record
 VARIES = 0.1  # share by which records of such a motion are taken to differ
 
 
-@dataclass(frozen=True)
-class OtherMotion:
-    """Motion outside the family: ``period`` drive periods until it repeats (0: not within 16), ``impacts`` in these.
-
-    ``rest``: share of the time at rest on the stop. ``value``: of the reference's quantity, SI; NaN where it is not
-    comparable. ``cost``: squared residual of the measured point.
-    """
-
-    period: int
-    impacts: int
-    rest: float
-    value: float
-    cost: float
-
-    @property
-    def called(self) -> str:
-        """The motion in words."""
-        if self.rest > 0:
-            return "rests on the stop in every period"
-        if self.period == 0:
-            return "does not repeat within 16 periods"
-        span = "a period" if self.period == 1 else f"in {self.period} periods"
-        return f"has {counted(self.impacts, 'impact')} {span}"
-
-
 def other_motions(problem: Problem, x: Array, which: Index) -> dict[int, list[OtherMotion]]:
-    """Motions outside the family at the points ``which``, flown upward and downward from their neighbours on."""
-    found: dict[int, list[OtherMotion]] = {}
-    for group, at, own in problem.parts():
-        asked = np.flatnonzero(np.isin(at, which))
-        if not len(asked) or group.unstable:
+    """Motions outside the family at the points ``which``: flown from their neighbours on, and those that are known."""
+    found: dict[int, list[OtherMotion]] = {int(j): [] for j in which}
+    for group, at, _ in problem.parts():
+        asked, forward = np.flatnonzero(np.isin(at, which)), problem.forward[group.fidelity]
+        if not len(asked) or (group.unstable and forward.closed):
             continue
-        forward = problem.forward[group.fidelity]
-        drive = problem.surfaces[group.fidelity].at(x).drive[own]
-        frequency, first = np.unique(group.frequency, return_index=True)
-        near = _with_neighbours(np.searchsorted(frequency, group.frequency[asked]), len(frequency))
-        system = forward.system(problem.values(x))
-        branches = sweep(
-            system, omega=2 * np.pi * frequency[near], amplitude=drive[first[near]], settle=SETTLE, hold=HOLD,
-            direction="both", output=forward.output,
-        )  # fmt: skip
-        assert isinstance(branches, Branches)
-        for _, flown in branches.items():
-            for j in asked.tolist():
-                k = int(np.argmin(np.abs(flown.frequency - group.frequency[j])))
-                found.setdefault(int(at[j]), []).extend(_outside(group, j, flown, k))
+        model = problem.trails.model(forward, problem.omega_of(group.fidelity))
+        places, settle = _with_neighbours(group, asked), LONG if forward.closed else SHORT
+        for each in settled_points(group, model.at(x), places, settle):
+            if int(at[each.place]) in found:
+                shooting = Shooting(model, group, each.place, int(at[each.place]))
+                found[shooting.point] += _outside(problem, x, shooting, each)
+        for j in asked.tolist():
+            known = [each.number for each in found[int(at[j])]]
+            for number, orbit in problem.trails.known(int(at[j]), x):
+                if number not in known and (orbit.stable or group.unstable):
+                    found[int(at[j])].append(_followed(group, j, orbit, number))
     return {j: each for j, each in found.items() if each}
 
 
-def _with_neighbours(places: Index, count: int) -> Index:
-    """Places and those beside them, ascending."""
+def _with_neighbours(group: Points, asked: Index) -> Index:
+    """Points asked for and those beside them in frequency, one a frequency."""
+    frequency, first = np.unique(group.frequency, return_index=True)
+    places = np.searchsorted(frequency, group.frequency[asked])
     every = np.unique(np.concatenate([places - 1, places, places + 1]))
-    return every[(every >= 0) & (every < count)]
+    return np.unique(np.concatenate([asked, first[every[(every >= 0) & (every < len(frequency))]]]))
 
 
-def _outside(group: Points, j: int, flown: FrequencyResponse, k: int) -> Iterator[OtherMotion]:
-    """The motion at place ``k`` of a sweep, where it is outside the family of point ``j``."""
-    period, rest = int(flown.period[k]), float(flown.rest[k])
-    if flown.ended[k] != Ended.COMPLETE.code or period < 0:
+def _followed(group: Points, j: int, orbit: FollowedOrbit, number: int) -> OtherMotion:
+    cost = ((orbit.value - float(group.value[j])) / float(group.uncertainty[j])) ** 2
+    return OtherMotion(orbit.period, orbit.impacts, orbit.rest, orbit.resting, orbit.value, cost, number)
+
+
+def _outside(problem: Problem, x: Array, shooting: Shooting, flown: SettledPoint) -> Iterator[OtherMotion]:
+    """The motion that a flight settles on, where it is outside the family: followed from there, where that goes."""
+    group, j, read, k = shooting.points, flown.place, flown.read, flown.k
+    closed, period, rest = shooting.model.forward.closed, int(read.period[k]), shooting.model.at(x).rest(read)[k]
+    if read.ended[k] != Ended.COMPLETE.code or (period < 0 and closed):
         return
-    impacts = round(float(flown.impacts_per_period[k]) * max(period, 1))
-    if (period, impacts) == (group.periods, 1) and rest == 0:
+    impacts = round(float(read.impacts_per_period[k]) * max(period, 1))
+    if closed and (period, impacts) == (group.periods, 1) and rest == 0 and not group.several:
         return
-    value = float(getattr(flown, group.quantity)[k]) if group.gain is None else float("nan")
-    off, told = value - float(group.value[j]), period > 0
+    value = float(getattr(read, group.quantity)[k]) if group.gain is None else float("nan")
+    off, told = value - float(group.value[j]), period != 0
     spread = float(np.hypot(group.uncertainty[j], 0.0 if told else VARIES * value))
     cost = (off / spread) ** 2 if np.isfinite(off) else 0.0
-    yield OtherMotion(period, impacts, rest, value if told else float("nan"), cost if told else max(cost, UNTOLD))
+    seen = OtherMotion(
+        period, impacts, rest, flown.state.resting, value if told else float("nan"), cost if told else max(cost, UNTOLD)
+    )
+    if told:
+        trails = problem.trails
+        number = trails.alike(shooting.point, x, vector(flown.state), seen.period, SETTLED)
+        with suppress(NotFollowed):
+            number = trails.number(shooting, shooting.settled(x, flown.state, seen)) if number is None else number
+            seen = _followed(group, j, trails.every[number].at(x), number)
+    yield seen
 
 
-SHORT = 150  # drive periods settled where starts are looked for
-STEP = 1e-3  # of a difference quotient, share of the bounds
-NEAR = 3.0  # residual of a flown motion up to which it is taken to be that of the point
-
-
-@dataclass(frozen=True)
-class LinearRows:
-    """Linear residuals about shares ``x``: ``residual`` (rows,) and ``jacobian`` (rows, P)."""
-
-    x: Array
-    residual: Array
-    jacobian: Array
-
-    def after(self, own: tuple[Array, Array], x: Array) -> tuple[Array, Array]:
-        """Residuals and Jacobian with these rows below them."""
-        moved = self.residual + self.jacobian @ (x - self.x)
-        return np.concatenate([own[0], moved]), np.concatenate([own[1], self.jacobian])
+SETTLE = 150  # drive periods settled where starts are looked for
 
 
 def flown_losses(problem: Problem, every: Array) -> Array:
     """Losses (m,) of shares (m, P): every point against the model's motion from rest."""
     cost = np.empty((len(every), problem.count))
     for group, at, own in problem.parts():
-        value = _flown(problem, group, own, every, SHORT)[0]
+        forward = problem.forward[group.fidelity]
+        value = _flown(problem, group, own, every) if forward.closed else _soon(problem, group, every)
         off = (value - group.value) / group.uncertainty
         cost[:, at] = np.where(np.isfinite(off), off**2, 1e300)
     return np.array([robust(each) for each in cost])
 
 
-def flown_rows(problem: Problem, x: Array, others: dict[int, OtherMotion]) -> LinearRows | None:
-    """Residuals of points outside the family and their difference quotients; None where there is none."""
-    away = np.where(x < 0.5, STEP, -STEP)
-    every, residual, jacobian = np.vstack([x, x + np.diag(away)]), [], []
-    for group, at, own in problem.parts():
-        some = np.flatnonzero(np.isin(at, [j for j, each in others.items() if np.isfinite(each.value)]))
-        if not len(some):
-            continue
-        value, found = _flown(problem, group.some(some), own[some], every, SETTLE)
-        alike = np.all(found.period == found.period[0], axis=0) & (found.period[0] > 0)
-        for k, j in enumerate(some.tolist()):
-            if alike[k] and abs(value[0, k] - others[int(at[j])].value) < NEAR * group.uncertainty[j]:
-                residual.append((value[0, k] - group.value[j]) / group.uncertainty[j])
-                jacobian.append((value[1:, k] - value[0, k]) / away / group.uncertainty[j])
-    return LinearRows(x, np.array(residual), np.array(jacobian)) if residual else None
+def _soon(problem: Problem, group: Points, every: Array) -> Array:
+    model = problem.forward[group.fidelity]
+    return np.array([problem.trails.soon(group, model, x)[0] for x in every])
 
 
-def _flown(problem: Problem, group: Points, own: Index, every: Array, settle: int) -> tuple[Array, BatchResponse]:
-    """Values (m, points) of a group's quantity from rest at shares (m, P), NaN where there is no system; all that is
-    read off."""
+def _flown(problem: Problem, group: Points, own: Index, every: Array) -> Array:
+    """Values (m, points) of a group's quantity from rest at shares (m, P), NaN where there is no system."""
     surface, omega = problem.surfaces[group.fidelity], group.omega
     known = []
     for k, x in enumerate(every):
@@ -169,10 +125,10 @@ def _flown(problem: Problem, group: Points, own: Index, every: Array, settle: in
             known.append((k, surface.at(x)))
     systems = np.array([_system(data) for _, data in known], dtype=object)[:, None]
     drive = np.array([data.drive[own] for _, data in known])
-    flown = batch(systems, omega[None, :], drive, settle=settle, hold=HOLD, output="seen")
+    flown = batch(systems, omega[None, :], drive, settle=SETTLE, hold=HOLD, output="seen")
     value = np.full((len(every), len(omega)), np.nan)
     value[[k for k, _ in known]] = getattr(flown, group.quantity)
-    return value, flown
+    return value
 
 
 def _system(data: ModalData) -> ImpactSystem:
@@ -189,7 +145,7 @@ HANDICAP = 9.0  # of a motion that does not exist at this drive against one that
 
 @dataclass(frozen=True)
 class Explanation:
-    """Motion of each point (``LEFT``: out of the family), whether the model has it, squared residuals (points,).
+    """Motion of each point (``LEFT``: none), whether the model has it, squared residuals (points,).
 
     ``others``: the motion of each point that is left out.
     """
@@ -218,8 +174,9 @@ def nearest(problem: Problem, x: Array) -> tuple[Index, float]:
         value, beyond = problem.motions(x)
     except ValueError:
         return np.zeros(problem.count, dtype=np.int64), IMPOSSIBLE
-    cost = costs(problem, value, beyond)
-    return _unfolded(problem, x, beyond, np.argmin(cost, axis=0)), robust(cost.min(axis=0))
+    cost, known = costs(problem, value, beyond), np.isfinite(value).any(axis=0)
+    chosen = np.where(known, _unfolded(problem, x, beyond, np.argmin(cost, axis=0)), LEFT)
+    return chosen, robust(cost.min(axis=0)[known])
 
 
 def explained(problem: Problem, x: Array, dropped: tuple[int, ...] = ()) -> Explanation:
@@ -233,10 +190,13 @@ def explained(problem: Problem, x: Array, dropped: tuple[int, ...] = ()) -> Expl
     found, real, others = cost[chosen, at], allowed[chosen, at], {}
     for j, motions in other_motions(problem, x, np.flatnonzero(~real | (found > FAR**2))).items():
         other = min(motions, key=lambda each: each.cost)
-        if other.cost < asked[chosen[j], j] and not problem.unstable[j]:
-            chosen[j], found[j], others[j] = LEFT, other.cost, other
+        if other.cost < asked[chosen[j], j]:
+            chosen[j] = LEFT if other.number is None else FOLLOWED + other.number
+            found[j], real[j], others[j] = other.cost, True, other
     chosen[list(dropped)] = LEFT
-    others = {j: each for j, each in others.items() if j not in dropped}
+    found_none = (chosen < LEFT) & ~np.isfinite(value).any(axis=0)
+    chosen[found_none] = LEFT
+    others = {j: each for j, each in others.items() if chosen[j] == LEFT and j not in dropped}
     return Explanation(chosen, real & (chosen != LEFT), found, others)
 
 
@@ -244,8 +204,11 @@ def actual(problem: Problem, x: Array, beyond: Array) -> Flags:
     """Motions (3, points) that the model has; ``beyond`` of ``Problem.motions``."""
     found = np.zeros(beyond.shape, dtype=bool)
     found[NO_CONTACT] = beyond[NO_CONTACT] == 0
-    systems = {name: each.system(problem.values(x)) for name, each in problem.forward.items()}
+    systems = {name: each.system(problem.values(x)) for name, each in problem.forward.items() if each.closed}
     for group, at, own in problem.parts():
+        if group.several or group.fidelity not in systems:
+            found[:, at] = False
+            continue
         system, drive = systems[group.fidelity], problem.surfaces[group.fidelity].at(x).drive[own]
         points = motions_at(system, group.periods, group.omega, drive, np.full(len(group), system.gap))
         clear = np.stack([clearances(system, points, root) > 0 for root in ROOTS], axis=1)
@@ -265,7 +228,7 @@ def _unfolded(problem: Problem, x: Array, beyond: Array, chosen: Index) -> Index
     """
     found = chosen.copy()
     for group, at, own in problem.parts():
-        lost = (beyond[:2, at] > 0).all(axis=0) & (chosen[at] != NO_CONTACT) & group.unstable
+        lost = (beyond[:2, at] > 0).all(axis=0) & (chosen[at] < NO_CONTACT) & group.unstable
         if lost.any():
             surface = problem.surfaces[group.fidelity]
             data = surface.at(x).driven(own)

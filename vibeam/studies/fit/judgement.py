@@ -191,6 +191,8 @@ def _struck(problem: Problem, minimum: Minimum) -> tuple[Array, Array]:
     """Impact velocity (points,), 0 without, and derivative of the value by the restitution of the contact."""
     speed, by = np.zeros((2, problem.count))
     for group, at, own in problem.parts():
+        if group.fidelity not in problem.surfaces:
+            continue
         data = problem.surfaces[group.fidelity].at(minimum.x)
         row = np.zeros((1, len(data.packed())))
         row[0, 6 * len(data.omega) + 1] = 1.0

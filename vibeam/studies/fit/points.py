@@ -27,13 +27,15 @@ Gain = Callable[[Array], NDArray[np.complex128]]
 class Points:
     """Points of one reference and period: ``frequency`` Hz, ``value`` and standard ``uncertainty`` in SI, (points,).
 
-    ``gain``: of the filter that they were measured behind. ``unstable``: unstable motions may be among them.
+    ``several``: their motions are known to have several impacts until they repeat. ``gain``: of the filter that they
+    were measured behind. ``unstable``: unstable motions may be among them.
     """
 
     reference: str
     fidelity: str
     quantity: str
     periods: int
+    several: bool
     frequency: Array
     value: Array
     uncertainty: Array
@@ -94,21 +96,18 @@ def _of_reference(case: Case, name: str) -> tuple[list[Points], list[str]]:
     lost = len(points) - len(kept)
     notes = [f"{name}: {lost} points without a period are left out"] if lost else []
     several = _several_impacts(reference)
-    left = sum(each.line in several for each in kept)
-    if left:
-        notes.append(f"{name}: {left} points with several impacts a span are left out: a fit knows one in n periods")
-        kept = [each for each in kept if each.line not in several]
     gain = _gain(case.chain_of(reference.fidelity))
     made = []
-    for periods in sorted({each.period or 1 for each in kept}):
-        own = [each for each in kept if (each.period or 1) == periods]
+    kinds = {each.line: (each.period or 1, each.line in several) for each in kept}
+    for kind in sorted(set(kinds.values())):
+        own = [each for each in kept if kinds[each.line] == kind]
         frequency, value, spread = (
             np.array([getattr(each, part) for each in own], dtype=float)
             for part in ("frequency", "value", "uncertainty")
         )
         unstable = case.fit is not None and name in case.fit.unstable
         made.append(
-            Points(name, reference.fidelity, reference.quantity, periods, frequency, value, spread, unstable, gain)
+            Points(name, reference.fidelity, reference.quantity, *kind, frequency, value, spread, unstable, gain)
         )
     return made, notes
 

@@ -1,16 +1,16 @@
 """Weighted residuals of measured points on the motions that they lie on, and their exact Jacobian.
 
-A point is compared with one motion of its frequency: one of the two roots of the closed-form orbit, or the motion
-without contact. While the keys move the choice is held, so that the misfit has no jump; between two minimisations it is
-made anew (``explanation``). Beyond a fold, or where the motion without contact would strike, there is no such motion:
-then that of the least drive that has one is taken, and a second residual tells how much that drive is off, in the
-point's relative uncertainty. A point that is ``LEFT`` out has no residual.
+A point is compared with one motion of its frequency: one of the two roots of the closed-form orbit, the motion without
+contact, or one that is shot and followed (``orbits``). While the keys move the choice is held, so that the misfit has
+no jump; between two minimisations it is made anew (``explanation``). Beyond a fold, or where the motion without contact
+would strike, there is no such motion: then that of the least drive that has one is taken, and a second residual tells
+how much that drive is off, in the point's relative uncertainty. A point that is ``LEFT`` out has no residual.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,6 +20,7 @@ from vibeam.periodic.output_signals import OutputValue, of_orbits, without_conta
 from vibeam.periodic.tangents import ModalData, Tangents
 from vibeam.studies.fit.points import Points, points_of
 from vibeam.studies.fit.surface import Forward, ModalSurface, surface_of
+from vibeam.studies.fit.trails import Trails
 from vibeam_models.arrays import Array, Index
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 Models = Callable[[str], tuple[ModalData, Tangents]]  # of a fidelity, at all of its points
 MOTIONS = ("harder impact", "softer impact", "no contact", "left out")
-NO_CONTACT, LEFT = 2, 3
+NO_CONTACT, LEFT, FOLLOWED = 2, 3, 4  # numbers of motions; from the last one on those of trails
 HARD = 3.0  # weight of a drive that is off by the relative uncertainty of a point
 HEAVIEST = 1e4
 IMPOSSIBLE = 1e9  # residual of values that make no system
@@ -41,7 +42,8 @@ NEAR = 0.01  # half-width of a box about given keys, share of the bounds
 class Problem:
     """Points in groups, forward models by fidelity, estimated keys; parameters are shares x (P,) of their bounds.
 
-    ``surfaces``: modal data of each fidelity at all of its points, over the bounds or a box in them.
+    ``surfaces``: modal data of each fidelity with closed forms, at all of its points, over the bounds or a box in them.
+    ``trails``: motions that are followed, which grow as they are; those of any other fidelity are such alone.
     """
 
     keys: tuple[FitKey, ...]
@@ -49,6 +51,7 @@ class Problem:
     forward: dict[str, Forward]
     surfaces: dict[str, ModalSurface]
     notes: tuple[str, ...] = ()
+    trails: Trails = field(default_factory=Trails)
 
     @classmethod
     def of(cls, case: Case) -> Problem:
@@ -70,7 +73,9 @@ class Problem:
     def within(self, low: Array, high: Array, tolerance: float) -> Problem:
         """The same problem with surfaces over a box of shares."""
         found = {
-            name: surface_of(each, self.omega_of(name), low, high, tolerance) for name, each in self.forward.items()
+            name: surface_of(each, self.omega_of(name), low, high, tolerance)
+            for name, each in self.forward.items()
+            if each.closed
         }
         return replace(self, surfaces=found)
 
@@ -81,7 +86,8 @@ class Problem:
 
     def only(self, group: Points, forward: Forward | None = None) -> Problem:
         """The same problem of one group alone, by its fidelity's model or another one."""
-        return replace(self, groups=(group,), forward={group.fidelity: forward or self.forward[group.fidelity]})
+        forward = forward or self.forward[group.fidelity]
+        return replace(self, groups=(group,), forward={group.fidelity: forward}, trails=Trails())
 
     def omega_of(self, name: str) -> Array:
         """Drive frequencies of all points of a fidelity, rad/s."""
@@ -148,11 +154,18 @@ class Problem:
     def motions(self, x: Array, samples: int = 0) -> tuple[Array, Array]:
         """Values and ln(B*/B) of all motions at every point, (3, points) each; ``samples``: see ``of_orbits``.
 
-        ValueError where the keys make no system.
+        ValueError where the keys make no system. Without closed forms NaN; with ``samples`` what the model has soon
+        after a start upward and downward.
         """
-        values, beyond = np.empty((3, self.count)), np.empty((3, self.count))
+        values, beyond = np.full((3, self.count), np.nan), np.zeros((3, self.count))
         data = {name: each.at(x) for name, each in self.surfaces.items()}
         for group, at, own in self.parts():
+            if not self.forward[group.fidelity].closed:
+                if samples:
+                    values[:2, at] = self.trails.soon(group, self.forward[group.fidelity], x)
+                continue
+            if group.several:
+                continue
             drives, still = data[group.fidelity].driven(own), self.surfaces[group.fidelity].still(len(own))
             for motion in range(3):
                 found = value_of(group, drives, still, motion, samples)
@@ -177,16 +190,18 @@ class Problem:
     def predicted(self, x: Array, chosen: Index, models: Models | None = None) -> tuple[Array, Array]:
         """Values and ln(B*/B) (2, points) of the chosen motions, with derivatives (P, 2, points) by the shares.
 
-        Where there is none at any drive the value is 0 and the drive off by a factor e. NaN of a point left out.
+        Where there is none at any drive the value is 0 and the drive off by a factor e. NaN of a point left out. A
+        motion that is lost goes on as its tangent does.
         """
         values, by = np.zeros((2, self.count)), np.zeros((len(self.keys), 2, self.count))
         values[0, chosen == LEFT] = np.nan
         known = models or (lambda name: self.surfaces[name].with_tangents(x))
-        made = {name: known(name) for name in self.forward}
+        made = {name: known(name) for name in self.surfaces}
         for group, at, own in self.parts():
-            for motion in np.unique(chosen[at]).tolist():
-                if motion == LEFT:
-                    continue
+            if len(some := np.flatnonzero(chosen[at] >= FOLLOWED)):
+                numbers = (chosen[at[some]] - FOLLOWED).tolist()
+                values[0, at[some]], by[:, 0, at[some]] = self.trails.values(numbers, x, group.omega[some])
+            for motion in np.unique(chosen[at][chosen[at] < LEFT]).tolist():
                 some = np.flatnonzero(chosen[at] == motion)
                 data, tangents = made[group.fidelity]
                 own_data, own_tangents = data.driven(own[some]), tangents.driven(own[some])
@@ -196,6 +211,14 @@ class Problem:
                 by[:, 0, at[some]] = np.where(none, 0.0, found.by)
                 by[:, 1, at[some]] = np.where(none, 0.0, found.by_beyond)
         return values, by
+
+    def called(self, motion: int) -> str:
+        """Motion of that number in words."""
+        return MOTIONS[motion] if motion < FOLLOWED else self.trails.every[motion - FOLLOWED].called
+
+    def touching(self, chosen: Index) -> NDArray[np.bool_]:
+        """Points (points,) whose motions have contact."""
+        return np.array([self.called(each) != MOTIONS[NO_CONTACT] for each in chosen.tolist()])
 
     def exact(self, x: Array) -> Models:
         """Modal data by the models themselves, with the surfaces' derivatives."""

@@ -20,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.studies.fit.estimate import Minimum, minimise
-from vibeam.studies.fit.explanation import actual
+from vibeam.studies.fit.explanation import actual, other_motions
+from vibeam.studies.fit.orbits import differentiate
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.surface import Forward
@@ -216,25 +217,39 @@ def _candidates(
     known: tuple[Array, int],
 ) -> Iterator[NextPoint]:  # fmt: skip
     (group, frequency), (settings, forward), (spread, target) = where, variant, known
-    asked = replace(group.at(frequency), periods=1)
+    asked = replace(group.at(frequency), periods=1, several=False)
+    relative = float(np.median(problem.uncertainty / np.abs(problem.measured)))
     try:
-        own = problem.only(asked, forward).about(minimum.x)
-        _, beyond = own.motions(minimum.x)
-        allowed = actual(own, minimum.x, beyond)
-        data, tangents = own.surfaces[group.fidelity].with_tangents(minimum.x)
+        motions = list(_motions(problem.only(asked, forward), minimum.x))
     except ValueError:
         return
-    relative = float(np.median(problem.uncertainty / np.abs(problem.measured)))
+    for j, called, value, slope in motions:
+        after = _after(spread, slope, relative * abs(value))[target]
+        half = np.sqrt(LEVEL * np.array([spread[target, target], after])) * problem.width[target]
+        yield NextPoint(
+            problem.keys[target].key, float(frequency[j]), settings, called, group.fidelity, value, float(half[0]),
+            float(half[1]),
+        )  # fmt: skip
+
+
+def _motions(problem: Problem, x: Array) -> Iterator[tuple[int, str, float, Array]]:
+    """Motions that the model of one group has: point, the motion in words, value and derivatives (P,)."""
+    (group,) = problem.groups
+    if not problem.forward[group.fidelity].closed:
+        for j, others in other_motions(problem, x, np.arange(len(group))).items():
+            for number in {each.number for each in others if each.number is not None}:
+                orbit = problem.trails.every[number].at(x)
+                differentiate([(problem.trails.every[number].shooting, orbit)])
+                assert orbit.by is not None
+                yield j, orbit.called, orbit.value, orbit.by
+        return
+    own = problem.about(x)
+    allowed = actual(own, x, own.motions(x)[1])
+    data, tangents = own.surfaces[group.fidelity].with_tangents(x)
     for motion in range(3):
-        found = value_of(asked, data, tangents, motion)
+        found = value_of(group, data, tangents, motion)
         for j in np.flatnonzero(allowed[motion] & np.isfinite(found.value) & (np.abs(found.value) > 0)).tolist():
-            slope = found.by[:, j]
-            after = _after(spread, slope, relative * abs(found.value[j]))[target]
-            half = np.sqrt(LEVEL * np.array([spread[target, target], after])) * problem.width[target]
-            yield NextPoint(
-                problem.keys[target].key, float(frequency[j]), settings, MOTIONS[motion], group.fidelity,
-                float(found.value[j]), float(half[0]), float(half[1]),
-            )  # fmt: skip
+            yield j, MOTIONS[motion], float(found.value[j]), found.by[:, j]
 
 
 def _after(spread: Array, slope: Array, uncertainty: float) -> Array:

@@ -12,7 +12,7 @@ import numpy as np
 from vibeam.case.source import of_source
 from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
 from vibeam.studies.fit.judgement import WIDEST, Judgement, alternatives, patterns, unit_factor, without_outliers
-from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
+from vibeam.studies.fit.problem import FOLLOWED, LEFT, MOTIONS, Problem, value_of
 from vibeam.studies.fit.profile import FitRow, NextPoint, Profile, next_points, profile
 from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges
@@ -76,6 +76,10 @@ class FitStudy(ValueRecord, ViewedTable):
         The latter is linearised. NaN where there is no such motion.
         """
         x, group = self.minimum.x, next(each for each in self.problem.groups if each.reference == reference)
+        if motion not in MOTIONS[:LEFT] or not self.problem.forward[group.fidelity].closed:
+            numbers = {int(each) - FOLLOWED for each in self.minimum.chosen if each >= FOLLOWED}
+            value, by = self.problem.trails.branch(numbers, reference, motion, x, frequency)
+            return value, np.sqrt(np.einsum("kp,kl,lp->p", by, self.minimum.covariance, by))
         surface = self.problem.only(group.at(frequency)).about(x).surfaces[group.fidelity]
         found = value_of(group.at(frequency), *surface.with_tangents(x), MOTIONS.index(motion))
         error = np.sqrt(np.einsum("kp,kl,lp->p", found.by, self.minimum.covariance, found.by))
@@ -167,5 +171,5 @@ def _points(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterato
             why = "contradicts the other points"
         yield FittedPoint(
             reference, fidelity, float(problem.frequency[j]), measured, uncertainty, value,
-            (value - measured) / uncertainty, MOTIONS[int(minimum.chosen[j])], bool(minimum.actual[j]), why,
+            (value - measured) / uncertainty, problem.called(int(minimum.chosen[j])), bool(minimum.actual[j]), why,
         )  # fmt: skip

@@ -40,6 +40,7 @@ class Forward:
     """Model of a fidelity, the estimated keys, and the output that is observed.
 
     ``changed``: False for a key that the fidelity sets itself. ``offsets``: added to the values of the keys.
+    ``closed``: motions with one impact are known in closed form, with derivatives.
     """
 
     model: Model
@@ -47,15 +48,17 @@ class Forward:
     changed: tuple[bool, ...]
     output: str
     offsets: tuple[float, ...]
+    closed: bool
 
     @classmethod
     def of(cls, case: Case, name: str, keys: Sequence[FitKey]) -> Forward:
-        """Forward model of one fidelity; ValueError for one whose motions have no closed form."""
+        """Forward model of one fidelity; ValueError for one whose motions are not periodic ones of the drive."""
         model = case.model(name)
         changed = tuple(each.key not in model.fidelity.changes for each in keys)
-        found = cls(model, tuple(keys), changed, case.sweep.output, (0.0,) * len(keys))
-        _refuse(case, name, found.system(np.array([each.start for each in keys])))
-        return found
+        made = model.at({each.key: each.start for each, own in zip(keys, changed, strict=True) if own}).system()
+        _refuse(case, name, made)
+        closed = not derivatives_fault(made) and made.derivative(case.sweep.output) is None
+        return cls(model, tuple(keys), changed, case.sweep.output, (0.0,) * len(keys), closed)
 
     def values(self, x: Array) -> Array:
         """Values of the keys (P,), SI, at shares of their bounds."""
@@ -81,15 +84,15 @@ class Forward:
 
 def _refuse(case: Case, name: str, made: ImpactSystem) -> None:
     scene = case.scene_of(name)
-    told = derivatives_fault(made)
-    if not told and scene.harmonics:
+    told = ""
+    if scene.harmonics:
         told = "a fit knows a drive of one harmonic: take drive.harmonic away"
     if not told and scene.stop is not None and (scene.stop.drift is not None or scene.stop.wear is not None):
         told = "a fit knows a gap that stays: take drift and wear away"
     if told:
         raise ValueError(f"fidelity.{name}: {told}")
     try:
-        made.output(case.sweep.output)
+        made.derivative(case.sweep.output)
     except KeyError as wrong:
         raise ValueError(f"sweep.output: {wrong.args[0]}") from None
 

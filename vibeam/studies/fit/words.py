@@ -9,6 +9,7 @@ the ridge itself, the path of the profile: a product of powers of two keys, or f
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from math import log, pi
 from typing import TYPE_CHECKING, NamedTuple
@@ -19,7 +20,7 @@ from numpy.typing import NDArray
 from vibeam.observe.restitution import first_mode_restitution
 from vibeam.studies.fit.estimate import Minimum, probability
 from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
-from vibeam.studies.fit.problem import MOTIONS, Problem
+from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import BOUND, LEVEL, FitRow, Profile
 from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import with_unit
@@ -42,7 +43,8 @@ DRIVES = ("drive.gain", "drive.voltage", "drive.amplitude")
 def facts(problem: Problem, minimum: Minimum, judgement: Judgement) -> list[str]:
     """The misfit where it can be judged, and the number of points on each motion."""
     found = [_verdict(minimum, judgement)] if minimum.freedom > 0 else []
-    counts = [f"{n} with {MOTIONS[k]}" for k, n in enumerate(np.bincount(minimum.chosen, minlength=3)[:3]) if n]
+    kinds = Counter(problem.called(each) for each in sorted(minimum.chosen[minimum.used].tolist()))
+    counts = [f"{n} with {each}" for each, n in kinds.items()]
     counts += [f"{n} left out" for n in [int(np.sum(~minimum.used))] if n]
     return [*found, f"{counted(problem.count, 'point')}: {', '.join(counts)}."]
 
@@ -159,7 +161,7 @@ def _on_others(problem: Problem, minimum: Minimum) -> Iterator[str]:
     for called, points in kinds.items():
         which = np.isin(np.arange(problem.count), points)
         off = np.sqrt([minimum.others[j].cost for j in points if np.isfinite(minimum.others[j].value)])
-        told = f"At {_where(problem, which)} the motion {called}, which a fit does not know"
+        told = f"At {_where(problem, which)} the motion has {called}, and cannot be followed"
         if len(off):
             far = f"{off.max():.2g} standard uncertainties off" + (" at most" if len(off) > 1 else "")
             told += f"; flown it is {far}"
@@ -266,6 +268,8 @@ def _slow_flow(problem: Problem, names: dict[str, Array], values: Array) -> tupl
     found = []
     for row in values:
         made = forward.system(row)
+        if made.law is not None:
+            return None
         seen = first_mode_restitution(made)
         if seen <= 0:
             return None

@@ -1,0 +1,183 @@
+"""vibeam fit where motions have no closed form: stops that yield, on both sides, several impacts a period."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import vibeam
+from vibeam.casefile.read import parse
+from vibeam.exchange.curves.record import ReferenceCurve
+from vibeam.studies.fit.estimate import minimise, settled
+from vibeam.studies.fit.flights import NotFollowed
+from vibeam.studies.fit.problem import FOLLOWED, Problem
+from vibeam.studies.fit.profile import LEVEL
+
+RIG = """
+[modes]
+frequency = ["11.3 Hz", "61 Hz", "170 Hz"]
+damping_ratio = 0.02
+modal_mass = "1 kg"
+contact = [1.1, 0.7, -0.4]
+sensor = [0.8, -0.5, 0.3]
+base = [0.9, 0.4, 0.2]
+[stop]
+gap = "0.1 mm"
+{stop}
+[drive]
+amplitude = "0.15 mm"
+[sweep]
+frequency = {{ from = "{first} Hz", to = "{last} Hz", points = {points} }}
+direction = "up"
+settle = 300
+hold = 32
+[fidelity.beam]
+reduction = "full"
+[fit.keys]
+{keys}
+"""
+
+LINEAR = 'law = "linear"\nstiffness = "2e4 N/m"\ndamping = "20 N s/m"'
+
+LINEAR_KEYS = """
+"stop.stiffness" = ["5e3 N/m", "8e4 N/m"]
+"stop.gap" = ["-0.1 mm", "0.3 mm"]
+"drive.amplitude" = ["0.05 mm", "0.4 mm"]
+"""
+
+BOTH_SIDES = LINEAR + '\nsecond_gap = "0.3 mm"'
+
+HUNT = 'law = "hunt-crossley"\nhertz_stiffness = 2e6\nrestitution = 0.8\nvelocity = "0.02 m/s"'
+
+
+def rig(stop=LINEAR, keys=LINEAR_KEYS, first=10.0, last=16.0, points=13, **changes):
+    """A rig of three modes."""
+    return parse(RIG.format(stop=stop, keys=keys, first=first, last=last, points=points), set=changes)
+
+
+def measured(case, truth, noise=0.01, seed=1, direction="up"):
+    """The case with points of a sweep at the keys ``truth``, by the flight solver, and noise."""
+    own = case.with_keys(truth)
+    omega = 2 * np.pi * case.sweep.frequency
+    amplitude = np.broadcast_to(own.amplitude_of("beam", omega), omega.shape)
+    flown = vibeam.sweep(
+        own.system("beam"), omega=omega, amplitude=amplitude, settle=400, hold=32, direction=direction, output="sensor"
+    )
+    value = flown.amplitude * (1 + noise * np.random.default_rng(seed).standard_normal(len(omega)))
+    curve = ReferenceCurve.of(flown.frequency, value, uncertainty=(noise or 0.01) * flown.amplitude)
+    given = case.with_reference("lab", curve, "beam")
+    return replace(given, fit=replace(case.fit, references=("lab",))), flown
+
+
+TRUTH = {"stop.stiffness": "1.5e4 N/m", "stop.gap": "0.08 mm", "drive.amplitude": "0.17 mm"}
+
+VALUES = np.array([1.5e4, 8e-5, 1.7e-4])
+
+
+def test_a_linear_stop_is_fitted_and_its_keys_lie_in_the_intervals():
+    case, flown = measured(rig(), TRUTH)
+    assert (flown.period == 1).all()
+    study = vibeam.fit(case)
+    assert study.judgement.described
+    assert not any(point.left_out for point in study.points)
+    assert {point.motion for point in study.points} <= {"1 impact a period", "no contact"}
+    for row, value in zip(study.rows, VALUES, strict=True):
+        assert row.low < value < row.high
+        assert row.high - row.low < 0.2 * value
+
+
+@pytest.mark.parametrize(
+    ("stop", "first", "last", "kinds"),
+    [
+        (BOTH_SIDES, 10.0, 16.0, {"1 impact a period", "2 impacts a period"}),
+        (HUNT, 10.0, 16.0, {"1 impact a period"}),
+        (
+            'restitution = 0.5\nsecond_gap = "0.3 mm"',
+            6.0,
+            8.3,
+            {"no contact", "1 impact a period", "2 impacts a period"},
+        ),
+    ],
+    ids=["linear, both sides", "Hunt-Crossley", "rigid, both sides"],
+)
+def test_exact_points_give_the_keys_that_made_them(stop, first, last, kinds):
+    """Without noise: to 1e-4, what the flown points have settled to within 400 periods."""
+    keys, truth = LINEAR_KEYS.split("\n", 2)[2], {key: TRUTH[key] for key in ("stop.gap", "drive.amplitude")}
+    case, flown = measured(rig(stop, keys, first, last, points=7), truth, noise=0.0)
+    problem = Problem.of(case)
+    true = (VALUES[1:] - problem.low) / problem.width
+    found = settled(problem, true + np.array([0.002, -0.002]), nearby=True)
+    assert (found.chosen >= FOLLOWED).all()
+    assert kinds <= {problem.called(each) for each in found.chosen.tolist()}
+    assert (flown.period != 0).all()
+    assert problem.values(found.x) == pytest.approx(VALUES[1:], rel=1e-4)
+
+
+@pytest.mark.parametrize("stop", [LINEAR, BOTH_SIDES], ids=["one side", "both sides"])
+def test_derivatives_are_those_of_converged_orbits(stop):
+    """Against central differences of motions that are shot anew, in steps whose error falls with their square."""
+    case, _ = measured(rig(stop, points=5), TRUTH)
+    problem = Problem.of(case)
+    x = problem.start
+    found = settled(problem, x, nearby=True)
+    x, chosen = found.x, found.chosen
+    assert (chosen >= FOLLOWED).all()
+    _, by = problem.predicted(x, chosen)
+    off = []
+    for step in (2e-3, 1e-3):
+        slopes = np.array(
+            [
+                (problem.predicted(x + row, chosen)[0][0] - problem.predicted(x - row, chosen)[0][0]) / (2 * step)
+                for row in step * np.eye(3)
+            ]
+        )
+        off.append(np.abs(slopes - by[:, 0]).max() / np.abs(by[:, 0]).max())
+    assert off[1] < 1e-4
+    assert off[0] / off[1] == pytest.approx(4, rel=0.2)
+
+
+WIDE = {"stop.gap": "1 mm", "drive.amplitude": "0.17 mm"}
+
+WIDE_KEYS = '"stop.gap" = ["0.5 mm", "1.5 mm"]\n"drive.amplitude" = ["0.05 mm", "0.4 mm"]'
+
+
+def test_a_motion_that_is_followed_beyond_its_fold_is_lost_and_told():
+    """Contact beside none: a smaller drive ends the former in a fold, and the latter is not taken for it."""
+    case, _ = measured(rig(keys=WIDE_KEYS, first=12.0, last=13.5, points=4, **WIDE), WIDE)
+    problem = Problem.of(case)
+    found = settled(problem, problem.start, nearby=True)
+    assert [problem.called(each) for each in found.chosen.tolist()] == 4 * ["1 impact a period"]
+    trail, near = problem.trails.every[int(found.chosen[-1]) - FOLLOWED], found.x
+    small = near - [0.0, 0.25]
+    with pytest.raises(NotFollowed, match="lost"):
+        trail.at(small)
+    value, _ = problem.predicted(small, found.chosen)
+    assert np.isfinite(value).all()  # as the tangent goes on
+
+
+@pytest.mark.parametrize("direction", ["up", "down"])
+def test_points_of_either_of_two_motions_are_told_apart(direction):
+    """Contact and none side by side at 12.5 … 14 Hz: a sweep up measures one, a sweep down the other."""
+    case, flown = measured(rig(keys=WIDE_KEYS, first=12.0, last=14.0, points=5, **WIDE), WIDE, direction=direction)
+    problem = Problem.of(case)
+    found = settled(problem, problem.start, nearby=True)
+    told = [problem.called(each) for each in found.chosen.tolist()]
+    assert told == ["no contact" if each == 0 else "1 impact a period" for each in flown.impacts_per_period]
+    assert ("no contact" in told) == (direction == "down")
+    assert found.actual.all()
+
+
+@pytest.mark.slow
+def test_intervals_of_a_linear_stop_hold_the_truth():
+    """Twenty sets of noise, three keys: the likelihood ratio at the truth is below the 95 % level in most (≥ 16)."""
+    inside = np.zeros(3)
+    for seed in range(20):
+        case, _ = measured(rig(), TRUTH, seed=seed)
+        problem = Problem.of(case)
+        truth = (VALUES - problem.low) / problem.width
+        found = settled(problem, truth, nearby=True)
+        least = [minimise(problem, found.x, found.chosen, {k: float(truth[k])})[1] for k in range(3)]
+        inside += [each - found.misfit < LEVEL for each in least]
+    assert (inside >= 16).all()

@@ -1,0 +1,138 @@
+"""Models of a fidelity at values of the keys, ready to fly: sweeps, flights over whole periods, tangent maps."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from vibeam.case.fidelity import system
+from vibeam.flight.solver import ExactSolver, exact_solver, reading_of
+from vibeam.periodic.stroboscopic import MotionEnded, StroboscopicMap
+from vibeam.studies.fit.surface import Forward
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.quantities import Ended
+from vibeam.system.response import FrequencyResponse
+from vibeam.system.state import State
+from vibeam_models.arrays import Array
+from vibeam_models.base_motion import drive_amplitude
+
+KEPT = 24  # models kept ready to fly
+LIMIT = 100_000  # impacts in one flight
+READING = reading_of("reach")
+
+
+class NotFollowed(ArithmeticError):
+    """No periodic motion was found where one was looked for."""
+
+
+@dataclass(frozen=True)
+class ReadyModel:
+    """Model at one set of keys, ready to fly: its scene, system, solver, and the unit of each modal value (2n,).
+
+    The signs of its modes, which are arbitrary, are those of the models beside it.
+    """
+
+    scene: Any
+    system: ImpactSystem
+    solver: ExactSolver
+    units: Array
+    output: str
+
+    def base(self, omega: Array) -> Array:
+        """Base amplitudes (points,), m, at drives ``omega`` (points,) rad/s."""
+        return np.broadcast_to(np.asarray(drive_amplitude(self.scene, omega), dtype=float), omega.shape)
+
+    def drive(self, omega: float) -> Drive:
+        """Drive at ``omega`` rad/s."""
+        return Drive(omega, float(self.base(np.array([omega]))[0]))
+
+    def rest(self, found: FrequencyResponse) -> list[float]:
+        """Shares of the time at rest on a rigid stop, one a point."""
+        return [0.0] * len(found.rest) if self.system.contact_law.yields else found.rest.tolist()
+
+    def swept(
+        self, omega: Array, state: State | None, settle: int, hold: int
+    ) -> tuple[FrequencyResponse, list[State]]:  # fmt: skip
+        """Points in turn, the state carried on, and the state after each."""
+        states: list[State] = []
+        found, _ = self.solver.steady(omega, self.base(omega), state, settle, hold, self.output, READING, states)
+        return found, states
+
+    def over(self, omega: Array, starts: list[State], periods: int) -> tuple[FrequencyResponse, Array]:
+        """Flights over whole periods, each from its own start: what is read off, and states after (points, 2n).
+
+        NaN where one fails.
+        """
+        after: list[State] = []
+        found, _ = self.solver.steady(omega, self.base(omega), starts, 0, periods, self.output, READING, after)
+        vectors = np.array([vector(each) for each in after])
+        vectors[found.ended != Ended.COMPLETE.code] = np.nan
+        return found, vectors
+
+    def mapped(self, drive: Drive, start: State, periods: int) -> tuple[Array, Array]:
+        """State (2n,) after some periods and the tangent map in units of velocity; NotFollowed where that fails."""
+        section = StroboscopicMap(self.system, drive, runner=self.solver)
+        try:
+            flown = section.flown(start, periods)
+            return vector(flown.state), section.jacobian(start, periods, flown)
+        except MotionEnded as ended:
+            raise NotFollowed(str(ended)) from None
+
+
+class OrbitModel:
+    """Model of a fidelity that flies at drives of ``slowest`` rad/s and more, made once for each set of keys."""
+
+    def __init__(self, forward: Forward, slowest: float) -> None:
+        self.forward, self.slowest, self.ready = forward, slowest, OrderedDict[bytes, ReadyModel]()
+        self.like: ImpactSystem | None = None
+
+    def at(self, x: Array) -> ReadyModel:
+        """The model at shares ``x``; ValueError where there is none."""
+        if (mark := x.tobytes()) not in self.ready:
+            model = self.forward.at(self.forward.values(x))
+            scene = model.scene()
+            made = system(scene, model.fidelity)
+            self.like = self.like or made
+            made = _aligned(made, self.like)
+            units = np.append(np.where(made.omega > 0, made.omega, self.slowest), np.ones(made.size))
+            solver = exact_solver(made, self.slowest)
+            self.ready[mark] = ReadyModel(scene, made, solver, units, self.forward.output)
+            while len(self.ready) > KEPT:
+                self.ready.popitem(last=False)
+        return self.ready[mark]
+
+
+def _aligned(made: ImpactSystem, like: ImpactSystem) -> ImpactSystem:
+    """The same system with its modes' signs as in ``like``."""
+    total = np.zeros(made.size)
+    for one, other in zip(_rows(made), _rows(like), strict=True):
+        total += one * other / (float(np.abs(other).max()) or 1.0) ** 2
+    sign = np.where(total < 0, -1.0, 1.0)
+    if (sign > 0).all():
+        return made
+    contact, load, static, *seen = (sign * row for row in _rows(made))
+    derivatives = {name: replace(each, row=sign * each.row) for name, each in made.derivatives.items()}
+    further = None if made.further is None else tuple(replace(each, row=sign * each.row) for each in made.further)
+    coupling = None if made.coupling is None else sign[:, None] * made.coupling * sign
+    return replace(
+        made, contact=contact, load=load, static=static, outputs=dict(zip(made.outputs, seen, strict=True)),
+        derivatives=derivatives, further=further, coupling=coupling,
+    )  # fmt: skip
+
+
+def _rows(system: ImpactSystem) -> list[Array]:
+    return [system.contact, system.load, system.static, *system.outputs.values()]
+
+
+def vector(state: State) -> Array:
+    """State as one row (2n,)."""
+    return np.concatenate([state.displacement, state.velocity])
+
+
+def state_of(values: Array, resting: bool) -> State:
+    """State of a row (2n,)."""
+    displacement, velocity = np.split(values, 2)
+    return State.reached(displacement, velocity, resting)

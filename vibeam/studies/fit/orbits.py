@@ -1,0 +1,235 @@
+"""Periodic motions that measured points lie on where no closed form knows them: shot, and followed as the keys move.
+
+With P(y, p) the map of the modal state y over the motion's n drive periods at keys p, flown exactly, M = ∂P/∂y its
+tangent map and r(y, p) what is read off these periods, the motion y = P(y, p) and its reading have the derivatives
+
+    dy/dp = (1 − M)⁻¹ ∂P/∂p,    dr/dp = ∂r/∂y dy/dp + ∂r/∂p.
+
+∂P/∂p is a central difference of two flights from y with the model at moved keys; dr/dp is one of two readings there,
+from y moved by dy/dp. A motion is followed to other keys by Newton's method on P(y) = y from where its derivative
+leads; what that corrects must be less than what the derivative moved, else the way is halved, and where that does not
+help the motion is lost: its value goes on as its tangent does, so that a misfit has no jump, and it counts as none of
+the model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from vibeam.studies.fit.flights import LIMIT, NotFollowed, OrbitModel, ReadyModel, state_of, vector
+from vibeam.studies.fit.points import Points
+from vibeam.system.quantities import Ended
+from vibeam.system.response import FrequencyResponse
+from vibeam.system.state import State
+from vibeam_models.arguments import counted
+from vibeam_models.arrays import Array
+
+STEP = 3e-5  # of a difference quotient, share of the bounds
+ITERATIONS, QUADRATIC = 12, 1e-7  # of Newton's method; share of the size of a correction that is the last one
+ALLOWED = 0.02  # share of the motion's size by which a correction may exceed what the derivative moved
+STEADY = 1 + 1e-9  # modulus of a multiplier up to which a motion is stable
+SAMPLES, FINER = 512, 8  # a period, of what is filtered; times as many after it
+
+
+@dataclass
+class FollowedOrbit:
+    """Periodic motion at shares ``x`` of the keys: modal state (2n,) at the drive's phase 0, its ``value``, SI.
+
+    ``period`` in drive periods, ``impacts`` in these, or touches of a stop that yields; ``rest``: share of the time at
+    rest on a rigid one, ``resting``: at phase 0. ``tangent``: M in units of velocity. Derivatives of the state (P, 2n)
+    and of the value (P,) are None until they are asked for, NaN where a flight beside the motion fails.
+    """
+
+    x: Array
+    state: Array
+    period: int
+    impacts: int
+    rest: float
+    resting: bool
+    value: float
+    tangent: Array = field(repr=False)
+    state_by: Array | None = field(default=None, repr=False)
+    by: Array | None = field(default=None, repr=False)
+
+    @cached_property
+    def stable(self) -> bool:
+        """Test whether every multiplier is within the unit circle."""
+        return bool(np.abs(np.linalg.eigvals(self.tangent)).max() <= STEADY)
+
+    @property
+    def called(self) -> str:
+        """The motion in words."""
+        return called(self.period, self.impacts, self.rest)
+
+    def apart(self, state: Array, units: Array) -> float:
+        """Distance of a state (2n,), as a share of the motion's size."""
+        return float(np.linalg.norm((self.state - state) * units) / np.linalg.norm(self.state * units))
+
+
+@dataclass(frozen=True)
+class OtherMotion:
+    """Motion that a flight settles on: ``period`` drive periods until it repeats (0: not within 16), its ``impacts``.
+
+    ``rest``: share of the time at rest on a rigid stop; ``resting``: at the drive's phase 0.
+    ``value``: of the reference's quantity, SI; NaN where it is not comparable. ``cost``: squared residual of the
+    measured point. ``number``: of the motion as it is followed, where it can be.
+    """
+
+    period: int
+    impacts: int
+    rest: float
+    resting: bool
+    value: float
+    cost: float
+    number: int | None = None
+
+    @property
+    def called(self) -> str:
+        """The motion in words."""
+        return called(self.period, self.impacts, self.rest)
+
+
+def called(period: int, impacts: int, rest: float) -> str:
+    """Motion in words."""
+    if rest > 0:
+        return "a rest on the stop in every period"
+    if period == 0:
+        return "no repeat within 16 periods"
+    if not impacts:
+        return "no contact"
+    return f"{counted(impacts, 'impact')} {'a period' if period == 1 else f'in {period} periods'}"
+
+
+@dataclass(frozen=True)
+class Shooting:
+    """Shooting at a measured point: number ``point`` of all, at ``place`` of its group."""
+
+    model: OrbitModel
+    points: Points
+    place: int
+    point: int
+
+    @property
+    def omega(self) -> float:
+        """Drive frequency, rad/s."""
+        return float(self.points.omega[self.place])
+
+    def orbit(self, x: Array, start: Array, like: FollowedOrbit | OtherMotion) -> FollowedOrbit:
+        """Periodic motion at shares ``x`` that Newton's method finds from a state; NotFollowed without.
+
+        It has the periods of the motion ``like``, and rests where that does.
+        """
+        made, state, periods = self.model.at(x), start, max(like.period, 1)
+        drive = made.drive(self.omega)
+        for _ in range(ITERATIONS):
+            after, tangent = made.mapped(drive, state_of(state, like.resting), periods)
+            off, size = (after - state) * made.units, float(np.linalg.norm(after * made.units))
+            step = np.linalg.lstsq(np.eye(len(off)) - tangent, off, rcond=None)[0]
+            length = float(np.linalg.norm(step))
+            if not length <= size:
+                raise NotFollowed("Newton's method left the motion")
+            state = state + step / made.units
+            if length <= QUADRATIC * size:
+                return self._read(made, x, state, like.resting, periods, tangent)
+        raise NotFollowed("Newton's method did not converge")
+
+    def _read(
+        self, made: ReadyModel, x: Array, state: Array, resting: bool, periods: int, tangent: Array
+    ) -> FollowedOrbit:
+        start = state_of(state, resting)
+        found, _ = made.over(np.array([self.omega]), [start], periods)
+        if found.ended[0] != Ended.COMPLETE.code:
+            raise NotFollowed(Ended.of_code(int(found.ended[0])).value)
+        value = quantities(made, [self], found, [start], periods)[0]
+        impacts = round(float(found.impacts_per_period[0]) * periods)
+        return FollowedOrbit(x, state, periods, impacts, made.rest(found)[0], resting, float(value), tangent)
+
+    def further(self, near: FollowedOrbit, x: Array) -> FollowedOrbit:
+        """The motion at shares ``x`` from where its derivative leads; NotFollowed where Newton's method leaves it."""
+        assert near.state_by is not None
+        units, start = self.model.at(x).units, near.state + (x - near.x) @ near.state_by
+        found = self.orbit(x, start, near)
+        if not found.apart(start, units) <= near.apart(start, units) + ALLOWED:
+            raise NotFollowed("Newton's method left the motion")
+        return found
+
+    def settled(self, x: Array, state: State, like: OtherMotion) -> FollowedOrbit:
+        """Periodic motion that a flight has settled on, or nearly; NotFollowed where there is none so near."""
+        found = self.orbit(x, vector(state), like)
+        if found.apart(vector(state), self.model.at(x).units) > ALLOWED:
+            raise NotFollowed("Newton's method left the motion")
+        return found
+
+
+def differentiate(pairs: list[tuple[Shooting, FollowedOrbit]]) -> None:
+    """Derivatives of motions at one set of keys, all of one model and one number of periods together."""
+    kinds: dict[tuple[OrbitModel, int], list[tuple[Shooting, FollowedOrbit]]] = {}
+    for shooting, orbit in pairs:
+        if orbit.by is None:
+            kinds.setdefault((shooting.model, orbit.period), []).append((shooting, orbit))
+    for (model, periods), own in kinds.items():
+        _differentiate(model, [each for each, _ in own], [each for _, each in own], periods)
+
+
+def _differentiate(model: OrbitModel, shootings: list[Shooting], orbits: list[FollowedOrbit], periods: int) -> None:
+    x, units = orbits[0].x, model.at(orbits[0].x).units
+    omega, state = np.array([each.omega for each in shootings]), np.array([each.state for each in orbits])
+    closing = np.eye(len(units)) - np.array([each.tangent for each in orbits])
+    inverse = np.linalg.pinv(closing)
+    by, state_by = np.zeros((len(orbits), len(x))), np.zeros((len(orbits), len(x), len(units)))
+
+    def flown(at: Array, starts: Array) -> tuple[Array, Array]:
+        own = [state_of(row, each.resting) for row, each in zip(starts, orbits, strict=True)]
+        found, after = model.at(at).over(omega, own, periods)
+        return after, quantities(model.at(at), shootings, found, own, periods)
+
+    for k in np.flatnonzero(model.forward.changed).tolist():
+        ends = np.clip(x[k] + np.array([-STEP, STEP]), 0.0, 1.0)
+        low, high = (np.where(np.arange(len(x)) == k, end, x) for end in ends)
+        try:
+            apart = (flown(high, state)[0] - flown(low, state)[0]) / (ends[1] - ends[0])
+            state_by[:, k] = (inverse @ (apart * units)[..., None])[..., 0] / units
+            above, below = (flown(each, state + (each[k] - x[k]) * state_by[:, k])[1] for each in (high, low))
+            by[:, k] = (above - below) / (ends[1] - ends[0])
+        except ValueError:  # no such system on one side
+            by[:, k] = np.nan
+    for each, own, motion in zip(orbits, by, state_by, strict=True):
+        each.by, each.state_by = own, motion
+
+
+def quantities(
+    made: ReadyModel, shootings: list[Shooting], found: FrequencyResponse, starts: list[State], periods: int
+) -> Array:
+    """Measured quantities (points,) of flights over whole periods; NaN where one fails."""
+    values = np.array([getattr(found, each.points.quantity)[k] for k, each in enumerate(shootings)])
+    for k, each in enumerate(shootings):
+        if each.points.gain is not None and each.points.quantity != "impact_velocity" and np.isfinite(values[k]):
+            values[k] = _filtered(made, each, starts[k], periods)
+    return values
+
+
+def _filtered(made: ReadyModel, shooting: Shooting, start: State, periods: int) -> float:
+    """Quantity behind the filter, from the harmonics of samples."""
+    assert shooting.points.gain is not None
+    drive, quantity = made.drive(shooting.omega), shooting.points.quantity
+    span = periods * 2 * np.pi / drive.omega
+    segments = made.solver.simulate(drive, start, 0.0, span, LIMIT)[3]
+    times = np.arange(SAMPLES * periods) * span / (SAMPLES * periods)
+    row = made.system.contact if quantity == "reach" else made.system.output(made.output)
+    harmonics = np.fft.rfft(made.solver.poses_at(drive, segments, times)[:, 0] @ row)
+    harmonics *= shooting.points.gain(np.arange(len(harmonics)) / span)
+    signal = np.fft.irfft(harmonics, n=FINER * len(times)) * FINER
+    high, low = _peak(signal), -_peak(-signal)
+    found = {"amplitude": (high - low) / 2, "maximum": high, "minimum": low, "reach": made.system.gap - low}
+    return found[quantity]
+
+
+def _peak(signal: Array) -> float:
+    """Largest value of a periodic signal, by a parabola through the largest sample and its neighbours."""
+    k = int(np.argmax(signal))
+    before, here, after = (float(signal[each % len(signal)]) for each in (k - 1, k, k + 1))
+    bend = before - 2 * here + after
+    return here - (after - before) ** 2 / (8 * bend) if bend < 0 else here

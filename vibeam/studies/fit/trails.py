@@ -1,0 +1,187 @@
+"""Motions of measured points over the keys: found by flights that settle, then followed, each known by its number."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from vibeam.studies.fit.flights import NotFollowed, OrbitModel, ReadyModel
+from vibeam.studies.fit.orbits import FollowedOrbit, Shooting, differentiate
+from vibeam.studies.fit.points import Points
+from vibeam.studies.fit.surface import Forward
+from vibeam.system.quantities import Ended
+from vibeam.system.response import FrequencyResponse
+from vibeam.system.state import State
+from vibeam_models.arrays import Array, Index
+
+HALVINGS = 3  # of the way to other keys
+ALIKE = 1e-4  # share of the motion's size within which two motions at the same keys are one
+NEARBY = 0.1  # distance of keys up to which a known motion is followed there, share of the bounds
+SLOWER = 0.9  # of the lowest frequency: models are ready for drives beside the points too
+SOON, SHORT, LONG, HOLD = 25, 40, 300, 32  # drive periods settled, and held
+
+
+class SettledPoint(NamedTuple):
+    """Point ``place`` as the model settles on it: entry ``k`` of all that is read off, and the state after it."""
+
+    place: int
+    read: FrequencyResponse
+    k: int
+    state: State
+
+
+def settled_points(
+    points: Points, made: ReadyModel, places: Index, settle: int, hold: int = HOLD
+) -> Iterator[SettledPoint]:
+    """Motions that a model settles on, swept up and down over the points ``places``.
+
+    A motion that does not repeat after a short ``settle`` settles on.
+    """
+    order = places[np.argsort(points.omega[places], kind="stable")]
+    for leg in (order, order[::-1]):
+        found, states = made.swept(points.omega[leg], None, settle, hold)
+        for k, place in enumerate(leg.tolist()):
+            if hold < HOLD or settle >= LONG or found.ended[k] != Ended.COMPLETE.code or found.period[k] != 0:
+                yield SettledPoint(place, found, k, states[k])
+                continue
+            further, (after,) = made.swept(points.omega[place : place + 1], states[k], LONG, hold)
+            yield SettledPoint(place, further, 0, after)
+
+
+@dataclass
+class Trail:
+    """One motion of one measured point over the keys: what was found of it so far. It grows as it is followed."""
+
+    shooting: Shooting
+    found: list[FollowedOrbit]
+
+    @property
+    def called(self) -> str:
+        """The motion in words, as it was found last."""
+        return self.found[-1].called
+
+    def nearest(self, x: Array) -> FollowedOrbit:
+        """That of the nearest keys."""
+        return min(reversed(self.found), key=lambda each: float(np.abs(each.x - x).max()))
+
+    def at(self, x: Array) -> FollowedOrbit:
+        """The motion at shares ``x``; NotFollowed where it is lost."""
+        return self._reached(x, HALVINGS)
+
+    def beside(self, x: Array, omega: float) -> tuple[Shooting, FollowedOrbit]:
+        """The motion at shares ``x`` and a drive at or beside the point's own."""
+        found = self.at(x)
+        if omega == self.shooting.omega:
+            return self.shooting, found
+        moved = replace(self.shooting, points=self.shooting.points.at(np.array([omega]) / (2 * np.pi)), place=0)
+        return moved, moved.orbit(x, found.state, found)
+
+    def _reached(self, x: Array, halvings: int) -> FollowedOrbit:
+        near = self.nearest(x)
+        if np.array_equal(near.x, x):
+            return near
+        try:
+            differentiate([(self.shooting, near)])
+            self.found.append(self.shooting.further(near, x))
+        except (NotFollowed, ValueError):
+            if not halvings:
+                raise NotFollowed("the motion is lost") from None
+            self._reached((near.x + x) / 2, halvings - 1)
+            return self._reached(x, halvings - 1)
+        return self.found[-1]
+
+
+class Trails:
+    """Motions of measured points that are followed, each with a number, and the models that fly, by fidelity."""
+
+    def __init__(self) -> None:
+        self.every: list[Trail] = []
+        self.models: dict[str, OrbitModel] = {}
+
+    def model(self, forward: Forward, omega: Array) -> OrbitModel:
+        """A fidelity's model as it flies at drives ``omega`` (points,) rad/s."""
+        name = forward.model.fidelity.name
+        if name not in self.models:
+            self.models[name] = OrbitModel(forward, SLOWER * float(omega.min()))
+        return self.models[name]
+
+    def alike(self, point: int, x: Array, state: Array, period: int, within: float) -> int | None:
+        """Number of the motion that is known at a point and shares ``x`` and has that state; None without."""
+        for number, trail in enumerate(self.every):
+            near = trail.nearest(x)
+            known = trail.shooting.point == point and np.array_equal(near.x, x) and near.period == period
+            if known and near.apart(state, trail.shooting.model.at(x).units) < within:
+                return number
+        return None
+
+    def number(self, shooting: Shooting, found: FollowedOrbit) -> int:
+        """Number of the motion that was found at a point: that of one that is known, or a new one's."""
+        number = self.alike(shooting.point, found.x, found.state, found.period, ALIKE)
+        if number is None:
+            self.every.append(Trail(shooting, [found]))
+        return len(self.every) - 1 if number is None else number
+
+    def known(self, point: int, x: Array) -> Iterator[tuple[int, FollowedOrbit]]:
+        """Motions of a point that are known nearby and can be followed to shares ``x``, with their numbers."""
+        for number, trail in enumerate(self.every):
+            if trail.shooting.point == point and float(np.abs(trail.nearest(x).x - x).max()) < NEARBY:
+                with suppress(NotFollowed):
+                    yield number, trail.at(x)
+
+    def values(self, numbers: list[int], x: Array, omega: Array) -> tuple[Array, Array]:
+        """Values (m,) of motions at shares ``x`` and drives (m,), and derivatives (P, m); as tangents go on where lost.
+
+        Another drive than the point's own is one beside it.
+        """
+        trails = [self.every[each] for each in numbers]
+        nearest = [trail.nearest(x) for trail in trails]
+        for mark in {each.x.tobytes() for each in nearest}:
+            some = [(a.shooting, b) for a, b in zip(trails, nearest, strict=True) if b.x.tobytes() == mark]
+            differentiate(some)
+        found: list[tuple[Shooting, FollowedOrbit]] = []
+        for trail, near, rate in zip(trails, nearest, omega.tolist(), strict=True):
+            try:
+                found.append(trail.beside(x, rate))
+            except NotFollowed:
+                found.append((trail.shooting, near))
+        differentiate([each for each in found if np.array_equal(each[1].x, x)])
+        slopes = np.nan_to_num(np.array([each.by for _, each in found]))
+        return np.array([each.value + by @ (x - each.x) for (_, each), by in zip(found, slopes, strict=True)]), slopes.T
+
+    def branch(self, numbers: set[int], reference: str, kind: str, x: Array, frequency: Array) -> tuple[Array, Array]:
+        """Value (points,) of a kind of motion at other frequencies, Hz, and derivatives (P, points); NaN without.
+
+        Each is followed from its nearest neighbour that is known, the measured points of that kind first.
+        """
+        known: list[tuple[float, Shooting, FollowedOrbit]] = []
+        for trail in (self.every[each] for each in sorted(numbers)):
+            if trail.called == kind and trail.shooting.points.reference == reference:
+                with suppress(NotFollowed):
+                    known.append((trail.shooting.omega, trail.shooting, trail.at(x)))
+        value, by = np.full(len(frequency), np.nan), np.zeros((len(x), len(frequency)))
+        omega = 2 * np.pi * frequency
+        first = [min((abs(each - own[0]) for own in known), default=0.0) for each in omega]
+        for k in np.argsort(first, kind="stable").tolist():
+            near = min(known, key=lambda each: abs(each[0] - omega[k]), default=None)
+            if near is None:
+                break
+            beside = replace(near[1], points=near[1].points.at(frequency[k : k + 1]), place=0)
+            with suppress(NotFollowed):
+                found = beside.orbit(x, near[2].state, near[2])
+                if found.called == kind:
+                    known.append((float(omega[k]), beside, found))
+                    differentiate([(beside, found)])
+                    value[k], by[:, k] = found.value, found.by
+        return value, by
+
+    def soon(self, points: Points, forward: Forward, x: Array) -> Array:
+        """Values (2, points) soon after a start upward and downward at shares ``x``."""
+        found, model = np.full((2, len(points)), np.nan), self.model(forward, points.omega)
+        for each in settled_points(points, model.at(x), np.arange(len(points)), SOON, 1):
+            leg = int(np.isfinite(found[0, each.place]))
+            found[leg, each.place] = getattr(each.read, points.quantity)[each.k]
+        return found
