@@ -97,15 +97,18 @@ class Orbit(ValueRecord, Viewed):
 
         KeyError for an unknown output.
         """
+        return self.window(output)[0]
+
+    def window(self, output: str = "contact") -> tuple[FrequencyResponse, State]:
+        """The same from the drive's next phase 0 on, and the state there; errors as in ``watched``."""
         if not self.admissible:
             raise ValueError("orbit: it passes through the stop, so there is no motion to watch")
-        self.system.output(output) if self.system.derivative(output) is None else None
         period = self.span / self.periods
         next_, state = period * np.ceil(self.time / period), self.state
         if next_ > self.time:
             state = self._runner.simulate(self.drive, state, self.time, next_, IMPACTS)[2]
         drive = self.drive
-        return self._runner.steady([drive.omega], drive.amplitude, state, 0, self.periods, output)[0]
+        return self._runner.steady([drive.omega], drive.amplitude, state, 0, self.periods, output)
 
     def amplitude(self, output: str = "contact") -> float:
         """½(max − min) of an output over the motion, m; errors as in ``watched``."""

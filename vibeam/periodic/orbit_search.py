@@ -11,6 +11,7 @@ from vibeam.flight.equilibrium import Contacts, equilibrium
 from vibeam.flight.kernels import layout
 from vibeam.periodic.closed_orbits import closed_orbits
 from vibeam.periodic.lift import lifted, response_alone
+from vibeam.periodic.modal_sums import fault, resonant
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.shooting import NoOrbit, Reason, shoot
 from vibeam.periodic.stroboscopic import MotionEnded, StroboscopicMap
@@ -79,7 +80,7 @@ def orbits(
     section = StroboscopicMap(own, drive, begin, several=several)
     if start is not None:
         return (near(section, start, count),)
-    return tuple(_all(section, count))
+    return tuple(every(section, count))
 
 
 def near(section: StroboscopicMap, start: State | Orbit, periods: int) -> Orbit:
@@ -125,8 +126,8 @@ def _akin(found: Orbit, start: Orbit) -> bool:
     return start.contacts.tolist() in turns
 
 
-def _all(section: StroboscopicMap, periods: int) -> Iterator[Orbit]:
-    """Distinct motions from all starts, stable ones first, harder impacts first."""
+def every(section: StroboscopicMap, periods: int) -> Iterator[Orbit]:
+    """Distinct motions from all starts, stable ones first, of these the harder impact first."""
     found: list[Orbit] = []
     for begin, state in _starts(section, periods):
         try:
@@ -194,13 +195,15 @@ def _thrown(section: StroboscopicMap, still: State, sign: int) -> State:
 
 
 def _equivalent(system: ImpactSystem, drive: Drive, side: int, periods: int) -> Iterator[Orbit]:
-    """Orbits of the plain system with one contact and the law's R at the orbit's speed."""
+    """Orbits of the plain system with one contact and the law's R at the orbit's speed; none where it has none."""
     contacts = Contacts.of(system)
     constant = contacts.laws[side].constant
     plain = replace(
         system, contact=contacts.rows[side], gap=float(contacts.gaps[side]), law=None, coupling=None, second_gap=None,
         further=None, restitution=system.restitution if constant is None else constant,
     )  # fmt: skip
+    if fault(plain) or resonant(plain, drive.omega, periods):
+        return
     for root in (0, 1):
         found: Orbit | None = None
         for _ in range(ROUNDS if system.law is not None else 1):

@@ -30,6 +30,8 @@ SOLVERS = Registry(
     SolverDeclaration(
         "orbit",
         "vibeam.solvers.orbit:OrbitSolver",
+        beyond_plain="vibeam.solvers.shot_orbit:ShotOrbitSolver",
+        several="vibeam.solvers.shot_orbit:ShotOrbitSolver",
         stationary=True,
         derivatives=True,
         curves=True,

@@ -41,7 +41,7 @@ class OrbitSolver(SteadySolver):
     ) -> State:
         """As ``SteadySolver.point``: the state at the drive's phase 0."""
         found, last = self._point(drive, hold, output)
-        _copy(found, response, index)
+        copy_point(found, response, index)
         return last
 
     def curves(self, omegas: Sequence[float] | Array, amplitude: float | Array, output: str) -> MotionCurves:
@@ -109,7 +109,8 @@ def _with_one_impact(window: FrequencyResponse, orbit: Orbit, hold: int) -> Freq
     )
 
 
-def _copy(point: FrequencyResponse, response: FrequencyResponse, index: int) -> None:
+def copy_point(point: FrequencyResponse, response: FrequencyResponse, index: int) -> None:
+    """Write a point of length 1 into a response."""
     for each in fields(FrequencyResponse):
         if each.name != "frequency":
             getattr(response, each.name)[index] = getattr(point, each.name)[0]

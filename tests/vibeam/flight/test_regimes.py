@@ -316,7 +316,7 @@ def test_a_plain_system_runs_on_the_flight_kernels_and_others_do_not() -> None:
         assert isinstance(solver("flight", system, 95.0), RegimeSolver)
 
 
-@pytest.mark.parametrize("name", ["orbit", "averaging", "mapping", "zhuravlev", "ivanov", "moreau", "direct"])
+@pytest.mark.parametrize("name", ["averaging", "mapping", "zhuravlev", "ivanov", "moreau", "direct"])
 def test_solvers_refuse_what_they_cannot_take(name: str) -> None:
     from vibeam.solvers import solver
 
