@@ -23,6 +23,7 @@ PLACES = {
     "elastic-stop": "rigs/elastic_stop.toml",
     "two-beams": "stuttgart/two_beams.toml",
     "absorber": "rigs/absorber.toml",
+    "ball-in-cavity": "rigs/ball_in_cavity.toml",
     "frame": "matrices/frame.toml",
     "modes": "matrices/dtu_modes.toml",
 }  # example: its case file, from the folder of cases
