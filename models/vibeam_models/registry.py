@@ -65,7 +65,8 @@ class Home:
     """By which ``name`` a case file has a declaration, and where it is: ``"module:Class"``, or the class.
 
     What must be known without importing it stands here: ``repeated``, its table is a list of tables; ``on``:
-    ``"beam"``, or ``"base"`` for what the beam stands on; ``key``: its declaration where it is one key of a table.
+    ``"beam"``, or ``"base"`` for what the beam stands on; ``key``: its declaration where it is one key of a table;
+    ``part_of``: table that it goes with, and is left out with.
     """
 
     name: str
@@ -73,6 +74,7 @@ class Home:
     repeated: bool = False
     on: str = "beam"
     key: Key | None = None
+    part_of: str = ""
 
     def load(self) -> Any:
         """The declaration."""

@@ -31,6 +31,7 @@ from vibeam.casefile.validation import (
     units_of,
 )
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
+from vibeam_models.effects import parts_of
 
 OWN = ("set", "without")
 Validate = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
@@ -198,7 +199,9 @@ def _remove(tables: dict[str, Any], parts: list[str]) -> None:
 
 
 def _remove_on(tables: dict[str, Any], name: str) -> None:
-    """Take away what is on a beam that is left out: entries of lists of tables with ``on`` = its name."""
+    """Take away what is on a beam that is left out: its parts, entries of lists of tables with ``on`` = its name."""
+    for part in parts_of(name):
+        tables.pop(part, None)
     for key, value in tables.items():
         if isinstance(value, list) and any(_is_on(each, name) for each in value):
             tables[key] = [each for each in value if not _is_on(each, name)]

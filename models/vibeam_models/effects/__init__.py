@@ -51,6 +51,7 @@ EFFECTS: Registry[Home] = Registry(
     ),
     Home("further_stop", "vibeam_models.effects.further_stop:FurtherStop", repeated=True),
     Home("opposite", "vibeam_models.effects.opposite:Opposite"),
+    Home("leaf", "vibeam_models.effects.leaf:Leaf", part_of="opposite"),
     Home("torsion", "vibeam_models.effects.torsion:Torsion"),
     Home("gravity", "vibeam_models.effects.gravity:Gravity"),
     Home(
@@ -68,6 +69,11 @@ LAST = "beam.massless"  # it condenses what all others have left
 def tables() -> dict[str, Home]:
     """The effects that have a table of their own."""
     return {name: home for name, home in EFFECTS.items() if "." not in name}
+
+
+def parts_of(table: str) -> list[str]:
+    """The tables of effects that go with another one."""
+    return [name for name, home in EFFECTS.items() if home.part_of == table]
 
 
 def keys_in(table: str) -> dict[str, Key]:

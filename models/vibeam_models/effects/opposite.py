@@ -29,7 +29,9 @@ class Opposite(Effect):
     """
 
     position: float = quantity("m", "where it is met, from its own x = 0", "380 mm", above=0)
-    arm: float = quantity("m", "the contact stands this far beyond that place, on what turns with it", "57 mm", 0.0)
+    arm: float = quantity(
+        "m", "the contact stands this far beyond that place, on what turns with it or on a [leaf]", "57 mm", 0.0
+    )
     length: float | None = quantity("m", "length, from x = 0 to its tip", "392.5 mm", None, above=0)
     shape: str | None = word(tuple(SHAPES), "of its section", "tube", None)
     width: float | None = dimension("rectangle", "width")
@@ -73,12 +75,13 @@ class Opposite(Effect):
         return self.beam(scene).mass + sum(mass for effect in scene.of("opposite") for mass, _ in effect.weights)
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
-        """Both beams side by side; the contact reads u₁(x₁) − u₂(x₂) − a θ₂(x₂), a the arm.
+        """Both beams side by side; the contact reads u₁(x₁) − u₂(x₂) − a θ₂(x₂), a the arm, or u₁(x₁) − the leaf's.
 
         Further outputs, m: ``"opposite"``, the second beam's displacement at the contact, and ``"opposite_tip"``.
         """
         other, at = self.other_beam(scene)
-        meeting = at.row(self.position) + self.arm * at.row(self.position, 1)
+        rigid = at.row(self.position) + self.arm * at.row(self.position, 1)
+        meeting = other.contact if scene.named("leaf") else rigid
         outputs = {"opposite": meeting, "opposite_tip": other.outputs["tip"]}
         other = other.with_(outputs=outputs, units=dict.fromkeys(outputs, "m"))
         both = side_by_side(structure, other, np.concatenate([structure.contact, -meeting]))
@@ -93,6 +96,6 @@ class Opposite(Effect):
         places = [x for middle, half in zones for x in (middle, middle - half, middle + half)]
         inserted = [] if any(abs(self.position - middle) <= half for middle, half in zones) else [self.position]
         structure, space = bare_beam(self.beam(scene), [*places, *inserted])
-        for effect in effects:
+        for effect in sorted(effects, key=lambda each: each.name == "leaf"):  # it stands on all others
             structure, space = effect.apply(structure, space, scene)
         return structure, space

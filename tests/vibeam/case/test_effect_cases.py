@@ -92,6 +92,8 @@ def test_the_template_with_all_its_comments_opened_is_told_what_excludes_what():
         "torsion",
         "output.gauge.absolute",
         "stop.damping",
+        "stop.shape",
+        "stop.stiffness",
         "stop.exponent",
         "stop.leaf_length",
         "stop.leaf_width",

@@ -131,6 +131,13 @@ LAW_NAMES = " | ".join(f'"{name}"' for name in LAWS)
 LEAF = 'law = "leaf spring"\nleaf_length = "57 mm"\nleaf_width = "40 mm"\nleaf_thickness = "1 mm"\n'
 LEAF += 'leaf_modulus = "210 GPa"\n'
 
+OFF_LEAF = (
+    "leaf.length: opposite.arm says where on the leaf the contact is: "
+    'write arm = "0.057 m" for its tip, or less, above 0'
+)
+MASSIVE = '[leaf]\nlength = "57 mm"\nwidth = "40 mm"\nthickness = "1 mm"\nmass = "18 g"\n'
+
+
 FAULTS = [
     (PLAIN.replace('width = "20 mm"\n', ""), 'beam.width: missing (width of the section): write width = "… mm"'),
     (TUBE.replace('wall = "1 mm"', 'wall = "9 mm"'),
@@ -169,6 +176,10 @@ FAULTS = [
      'clamp: goes with a beam clamped at its start, not with ends = "pinned-pinned": write [[support]]'),
     (PLAIN + '[[plate]]\non = "opposite"\nstart = 0\nend = 0.1\nwidth = 0.02\nthickness = 1e-3\nmass = 0.01\n',
      'plate.0.on: there is no opposite beam: add [opposite], or write on = "beam"'),
+    (PLAIN + MASSIVE,
+     "leaf: stands on an opposite beam: add [opposite]; a leaf on the base is an [opposite] beam itself"),
+    (PLAIN + MASSIVE + '[opposite]\nposition = "700 mm"\n', OFF_LEAF),
+    (PLAIN + MASSIVE + '[opposite]\nposition = "700 mm"\narm = "60 mm"\n', OFF_LEAF),
     (PLAIN + '[opposite]\nposition = "1.2 m"\n', "opposite.position: 1.2 m is beyond its tip: it is 1 m long"),
     (PLAIN + '[opposite]\nposition = 1\ndiameter = 0.01\n',
      'opposite.diameter: does not go with shape = "rectangle": write shape = "round", or take it out'),
@@ -216,3 +227,19 @@ def test_lists_of_tables_that_a_case_does_not_name_are_no_part_of_it():
     assert "[]" not in case.text
     assert parse(case.text).key == case.key
     assert parse(PLAIN + '[[support]]\nposition = "0.5 m"\n').key != case.key
+
+
+def test_a_leaf_goes_with_the_opposite_beam_that_carries_it():
+    stand = '[opposite]\nposition = "700 mm"\narm = "50 mm"\n'
+    case = parse(PLAIN + MASSIVE + stand, set={"fidelity.alone": {
+        "reduction": "modal", "modes": 4, "without": ["opposite"]}, "fidelity.stiff": {
+        "reduction": "modal", "modes": 4, "without": ["leaf"]}})  # fmt: skip
+    assert case.scene_of("alone") == parse(PLAIN).scene
+    assert case.scene_of("stiff") == parse(PLAIN + stand).scene
+    parse(PLAIN + MASSIVE + stand, set={"sweep.output": "opposite_tip"})
+    with pytest.raises(CaseError, match=r"sweep\.output: 'opposite_tip' is not one of"):
+        parse(PLAIN, set={"sweep.output": "opposite_tip"})
+    with pytest.raises(CaseError, match="leaf: yields by itself"):
+        parse(PLAIN + MASSIVE + stand, set={
+            "stop.law": "leaf spring", "stop.leaf_length": "57 mm", "stop.leaf_width": "40 mm",
+            "stop.leaf_thickness": "1 mm", "stop.leaf_modulus": "210 GPa"})  # fmt: skip

@@ -25,7 +25,9 @@ from vibeam_models.base import Base
 from vibeam_models.base_motion import drive_amplitude, moving_platform
 from vibeam_models.beam import assemble
 from vibeam_models.effects.gravity import Gravity
+from vibeam_models.effects.leaf import Leaf
 from vibeam_models.effects.masses import AddedMass, MasslessBeam
+from vibeam_models.effects.opposite import Opposite
 from vibeam_models.effects.platform import Platform, Shaker
 from vibeam_models.effects.supports import Clamp
 from vibeam_models.effects.torsion import Torsion
@@ -54,6 +56,7 @@ SCENES = {
     "transverse": replace(BARE, effects=(Gravity("transverse"),)),
     "torsion, eccentric": replace(BARE, effects=(Torsion(1e-3, 2.8e-5, shear_modulus=80e9),)),
     "added mass": replace(BARE, effects=(AddedMass(2.4e-3, 0.09),)),
+    "leaf": replace(BARE, effects=(Opposite(0.12, 0.04), Leaf(0.04, 0.012, 0.6e-3, 2.3e-3))),
     "rotary inertia": replace(BARE, effects=(INERTIA,)),
     "rigid zone": replace(BARE, effects=(ZONE,)),
     "platform": replace(BARE, effects=(PLATFORM,)),

@@ -17,13 +17,14 @@ from vibeam_models.keys import keys_of
 from vibeam_models.laws import CONSTANT, LAWS
 from vibeam_models.outputs import DISPLACEMENT, OUTPUT_QUANTITIES, Output, OutputQuantity
 
-RESERVED = (*OUTPUTS, "opposite", "opposite_tip")
+OF_OPPOSITE = ("opposite", "opposite_tip")  # outputs of a case with a second beam
+RESERVED = (*OUTPUTS, *OF_OPPOSITE)
 
 
 #: name of an output that every case of the kind has (the words are for completion), or of one of its [output.NAME]
 OUTPUT_NAME = ValueEntry(
     TEXT.parse,
-    f"{Word(OUTPUTS).describe()} | one of [output.NAME]",
+    f"{Word(OUTPUTS).describe()} | one of [output.NAME] | with [opposite] {Word(OF_OPPOSITE).describe()}",
     {"anyOf": [{"enum": list(OUTPUTS)}, TEXT.schema()]},
 )
 
@@ -84,8 +85,9 @@ def _over(tables: Any, x: float) -> list[Any]:
 def beam_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
     """A complaint where an output is asked for that the case does not have, or that cannot be read there."""
     own: Mapping[str, Any] = case.output or {}
-    if output is not None and output not in (*OUTPUTS, *own):
-        words = (*OUTPUTS, *filter(NAME.fullmatch, own))
+    usual = OUTPUTS if case.opposite is None else RESERVED
+    if output is not None and output not in (*usual, *own):
+        words = (*usual, *filter(NAME.fullmatch, own))
         near = suggestion(output, words)
         meant = f"; did you mean {near!r}?" if near else ""
         yield path, f"{as_shown_in_message(output)} is not one of {Word(words).describe()}{meant}"

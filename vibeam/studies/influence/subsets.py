@@ -20,6 +20,7 @@ from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
 from vibeam.system.curves import evenly
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
+from vibeam_models.effects import parts_of
 
 
 def effects_of(declared: BaseModel) -> tuple[str, ...]:
@@ -49,7 +50,8 @@ def companions(declared: BaseModel, name: str) -> tuple[str, ...]:
 
 
 def _on(declared: BaseModel, name: str) -> Iterator[str]:
-    """Effects, tables of which there are several, with ``on`` = ``name``: that beam carries them."""
+    """Effects, tables of which there are several, with ``on`` = ``name``, and its parts: that beam carries them."""
+    yield from (part for part in parts_of(name) if getattr(declared, part, None) is not None)
     for field in physics_keys(type(declared)):
         if is_repeated(fields_of(type(declared))[field]):
             carried = [getattr(each, "on", None) == name for each in _tables(getattr(declared, field))]
