@@ -8,6 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibeam.exchange.faults import CaseError
 from vibeam.exchange.files import dotted
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 SMALL = (4.6, 2.8)  # inches of a figure
 POINTS = 400  # of an orbit that is drawn
+SHOWN = 8  # contacts of an orbit
 
 
 def rows(record: Any) -> tuple[list[dict[str, Any]], Mapping[str, str], Mapping[str, str]]:
@@ -95,20 +97,40 @@ def _derived(table: DerivedTable) -> StudySheet:
 
 
 def _orbit(orbit: Orbit) -> StudySheet:
+    met, many = "contact" if orbit.system.contact_law.yields else "impact", len(orbit.times)
+    met = counted(many, met) if many > 1 else f"{'one' if many else 'no'} {met}"
+    kind = f"{'Stable' if orbit.stable else 'Unstable'} motion with {met}"
+    kind += f" and {counted(orbit.rests, 'rest')}" if orbit.rests else ""
+    clear = "." if orbit.admissible else ", which passes through the stop between: no motion."
+    table = blank("Orbit", "stop|", "phase (rad)|", "velocity before (m/s)|", "reach (m)|", "largest multiplier|")
+    whole = f"{orbit.reach:.5g}", f"{abs(orbit.multipliers[0]):.5g}"
+    for stop, phase, velocity in _contacts(orbit):
+        table.add_row(stop, phase, velocity, *whole)
+        whole = "", ""
+    times = np.linspace(orbit.time, orbit.time + orbit.span, POINTS)
+    lines = {"contact": _place(orbit, times), "stop": np.full(POINTS, orbit.system.gap)}
+    if orbit.system.second_gap is not None:
+        lines["second stop"] = np.full(POINTS, -orbit.system.second_gap)
+    drawn = partial(_lines, "time (drive periods)", "displacement (m)", orbit.drive.omega * times / (2 * np.pi), lines)
+    return StudySheet(f"{kind} in {counted(orbit.periods, 'drive period')}{clear}", [table], draw=drawn)
+
+
+def _contacts(orbit: Orbit) -> list[tuple[str, str, str]]:
+    """Stop, phase and velocity of the hardest contacts in the order of time; dashes without any."""
+    hardest = sorted(np.argsort(-orbit.velocities, kind="stable")[:SHOWN])
+    phases = np.mod(orbit.drive.omega * orbit.times, 2 * np.pi * orbit.periods)
+    rows = zip(orbit.contacts[hardest], phases[hardest], orbit.velocities[hardest], strict=True)
+    return [(str(stop + 1), f"{phase:.5g}", f"{speed:.5g}") for stop, phase, speed in rows] or [("–", "–", "–")]
+
+
+def _place(orbit: Orbit, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Displacement of the contact; of what is no motion, as if there were no stop between its impacts."""
     from vibeam.periodic.trains import carried
 
-    kind = (
-        f"{'Stable' if orbit.stable else 'Unstable'} motion with one impact in {counted(orbit.periods, 'drive period')}"
-    )
-    clear = "." if orbit.admissible else ", which passes through the stop between: no motion."
-    table = blank("Orbit", "impact at phase (rad)|", "velocity before (m/s)|", "reach (m)|", "largest multiplier|")
-    numbers = orbit.phase, orbit.velocity, orbit.reach, abs(orbit.multipliers[0])
-    table.add_row(*(f"{value:.5g}" for value in numbers))
-    times = np.linspace(orbit.time, orbit.time + orbit.span, POINTS)
-    place = carried(orbit.system, orbit.drive, orbit.state, orbit.time, times)[0] @ orbit.system.contact
-    lines = {"contact": place, "stop": np.full(POINTS, orbit.system.gap)}
-    drawn = partial(_lines, "time (drive periods)", "displacement (m)", orbit.drive.omega * times / (2 * np.pi), lines)
-    return StudySheet(kind + clear, [table], draw=drawn)
+    if orbit.admissible:
+        return orbit.path().at(times)
+    moved, _ = carried(orbit.system, orbit.drive, orbit.state, orbit.time, times)
+    return np.asarray(moved @ orbit.system.contact)
 
 
 def _map(found: Any) -> StudySheet:

@@ -266,7 +266,7 @@ def test_check_without_a_reference_says_so(command: Command, sdof: Path) -> None
 
 def test_check_refuses_what_run_would(command: Command, sdof: Path) -> None:
     linear = 'stop={law = "linear", stiffness = 100.0, restitution = 0.9, gap = 0.0}'
-    words = ("--set", linear, "--set", 'fidelity.sdof.solver="orbit"')
+    words = ("--set", linear, "--set", 'fidelity.sdof.solver="mapping"')
     shown = [command(name, sdof, *words, expect=2).stderr for name in ("check", "run")]
     assert "cannot take" in shown[0]
     assert shown[0] == shown[1]
