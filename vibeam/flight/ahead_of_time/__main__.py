@@ -34,7 +34,7 @@ from vibeam.flight.engine.entries import ENTRIES
 from vibeam.flight.engine.loading import FOLDER, WASM, file_of, manifest, write_manifest
 from vibeam.flight.kernels.sources import digest, sources_of
 
-GROUPS = ("points", "contacts", "regimes", "flight", "tangents", "moreau")  # the longest first
+GROUPS = ("points", "contacts", "regimes", "flight", "tangents", "tangent_maps", "moreau")  # the longest first
 
 SETTINGS = {
     "VIBEAM_KERNELS": "numba",

@@ -6,13 +6,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.engine.entries import march
+from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
 from vibeam.flight.points.disturbances import carry
 from vibeam.flight.points.points import PlainPoints, PointSettings, compute
 from vibeam.flight.trajectory import simulate
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.rows import Contact
+from vibeam.system.state import State
 from vibeam_models.laws.compliant import HuntCrossley
 
 DRIVE = Drive(omega=95.0, amplitude=1e-4)
@@ -49,6 +52,12 @@ def disturb() -> None:
     carry(POINT, False, np.ones(1, dtype=np.int64), np.ones((1, 1, 2, 2)), single=True)
 
 
+def carry_along() -> None:
+    """Tangent maps of a motion without duration."""
+    at_once = Segments(np.zeros((1, layout.TRACE_COLUMNS)), np.zeros((1, 2, 2)), 1.0)
+    TangentMaps(PLAIN, DRIVE, at_once, State(np.zeros(2), np.zeros(2))).product()
+
+
 def step() -> None:
     """No step of Moreau–Jean time stepping."""
     march(
@@ -63,5 +72,6 @@ SCENES = {  # by group: the libraries and what calls all of their entry points
     "contacts": (("contacts",), (fly_between_contacts,)),
     "points": (("points",), (fly_side_by_side,)),
     "tangents": (("tangents",), (disturb,)),
+    "tangent_maps": (("tangent_maps",), (carry_along,)),
     "moreau": (("moreau",), (step,)),
 }

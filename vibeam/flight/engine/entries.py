@@ -98,11 +98,13 @@ contacts_move, contacts_poses_at = (
 )
 run_points = EntryPoint("points", f"{POINTS}.entry", "run")
 carry_disturbances = EntryPoint("tangents", f"{POINTS}.disturbances", "carry")
+carry_frame = EntryPoint("tangent_maps", f"{KERNELS}.tangents.entry", "carry")
 march = EntryPoint("moreau", f"{KERNELS}.moreau", "march")
 
 REGIMES = (regimes_move, regimes_poses_at, regimes_cover)
 CONTACTS = (contacts_move, contacts_poses_at)
-ENTRIES = (tabulate, move, poses_at, cover, *REGIMES, *CONTACTS, run_points, carry_disturbances, march)
+TANGENTS = (carry_disturbances, carry_frame)
+ENTRIES = (tabulate, move, poses_at, cover, *REGIMES, *CONTACTS, run_points, *TANGENTS, march)
 
 
 def origin() -> str:

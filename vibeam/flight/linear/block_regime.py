@@ -131,27 +131,47 @@ def signal_rate(blocks: Array, weights: Array) -> tuple[Array, float, float]:
     return rate, float(constant), float(first @ blocks[layout.LOAD1] + second @ blocks[layout.LOAD2])
 
 
-def _in_blocks(linear: LinearSystem, held: Array, constant: Array, load: Array, top: int) -> Regime:
+@dataclass(frozen=True)
+class SortedPlanes:
+    """y = ``into`` (η, η'), (η, η') = ``outof`` y with y' = A y in ``blocks`` (m, 2, 2), each with σ, ω and σ² − ω²."""
+
+    into: Array
+    outof: Array
+    blocks: Array
+    omega: Array
+    sigma: Array
+    disc: Array
+
+
+def sorted_planes(linear: LinearSystem) -> SortedPlanes:
     """Blocks sorted by rate, made in a unit of time of the system's own.
 
     The unit is a power of two, so that other units of time change no digit.
     """
-    unit, n = _own_unit(linear), len(held)
+    unit, n = _own_unit(linear), len(linear.spring)
     own = replace(
         linear, spring=linear.spring / unit**2, damper=linear.damper / unit, stiffness=linear.stiffness / unit**2,
         damping=linear.damping / unit,
     )  # fmt: skip
     found, sizes = planes(own), np.concatenate([own.scale, np.full(n, 1.0 / unit)])
     omega, sigma, disc = pair_constants(found.blocks)
-    order, m = np.argsort(rates(omega, sigma), kind="stable"), len(omega)
+    order = np.argsort(rates(omega, sigma), kind="stable")
     pick = np.stack([2 * order, 2 * order + 1], axis=1).ravel()
-    into, outof = found.inverse[pick] * sizes, found.columns[:, pick] / sizes[:, None]
+    return SortedPlanes(
+        found.inverse[pick] * sizes, found.columns[:, pick] / sizes[:, None], found.blocks[order] * unit,
+        omega[order] * unit, sigma[order] * unit, disc[order] * unit**2,
+    )  # fmt: skip
+
+
+def _in_blocks(linear: LinearSystem, held: Array, constant: Array, load: Array, top: int) -> Regime:
+    found, n = sorted_planes(linear), len(held)
+    into, outof, m = found.into, found.outof, len(found.omega)
     blocks = np.zeros((layout.BLOCK_ROWS, m))
-    blocks[layout.A11 : layout.A11 + 4] = found.blocks[order].reshape(m, 4).T * unit
+    blocks[layout.A11 : layout.A11 + 4] = found.blocks.reshape(m, 4).T
     blocks[[layout.CONSTANT1, layout.CONSTANT2]] = (into[:, n:] @ constant).reshape(m, 2).T
     blocks[[layout.LOAD1, layout.LOAD2]] = (into[:, n:] @ load).reshape(m, 2).T
     blocks[layout.MODE] = lone_modes(outof)
-    pairs, table, levels = regime(omega[order] * unit, sigma[order] * unit, disc[order] * unit**2, top)
+    pairs, table, levels = regime(found.omega, found.sigma, found.disc, top)
     return Regime(
         pairs, table, levels, np.zeros(layout.SIGNAL_ROWS), np.zeros((layout.ATTACHED_ROWS, m)), blocks,
         np.ascontiguousarray(into), np.ascontiguousarray(outof), held, np.zeros((layout.SIGNALS, 2 * m + 2)),
