@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import events
+import mpmath
 import numpy as np
 import pytest
 from yielding import Yielding, flown, tangent
@@ -12,7 +14,6 @@ import vibeam
 from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.event_driven import EventDrivenSolver, Segments
 from vibeam.flight.solver import exact_solver
-from vibeam.periodic.stroboscopic import jacobian
 from vibeam.system.state import State
 from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
 
@@ -20,6 +21,7 @@ TWO = vibeam.ImpactSystem.from_modes([1.0, 2.6], [0.02, 0.05], [1.0, 0.6], [1.0,
 COUPLED = np.array([[0.05, 0.02], [0.02, 0.3]])
 DRIVE = vibeam.Drive(2.9, 1.0)
 START, SPAN = [0.1, -0.05, 0.8, 0.3], 4.0
+START_BELOW = [-0.1, -0.05, 0.8, 0.3]
 SYSTEMS = {
     "linear": replace(TWO, law=LinearStop(400.0)),
     "linear, damped": replace(TWO, law=LinearStop(400.0, 6.0)),
@@ -54,7 +56,7 @@ def motion(system: vibeam.ImpactSystem, drive: vibeam.Drive, start: list[float],
 
 def mapped(system: vibeam.ImpactSystem, drive: vibeam.Drive, start: list[float], span: float) -> np.ndarray:
     segments, last = motion(system, drive, start, span)
-    return jacobian(TangentMaps(system, drive, segments, last))
+    return TangentMaps(system, drive, segments, last).product()
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
@@ -67,7 +69,7 @@ def test_maps_are_the_differences_of_flights_in_24_digits(name: str) -> None:
     reached = np.concatenate([last.displacement, last.velocity])
     np.testing.assert_allclose([float(each) for each in end], reached, rtol=0, atol=1e-10)
     want = tangent(independent(system), drive, START, 0.0, SPAN, 24)
-    found = jacobian(TangentMaps(system, DRIVE, segments, last))
+    found = TangentMaps(system, DRIVE, segments, last).product()
     np.testing.assert_allclose(found, want, rtol=0, atol=4e-11 * np.abs(want).max())
 
 
@@ -94,10 +96,38 @@ def test_factors_of_a_long_contact_are_its_map() -> None:
     system = replace(TWO, law=Hertz(3.0), static=np.array([9.0, 0.0]))
     segments, last = motion(system, DRIVE, [2.5, 0.0, 0.0, 0.0], 30.0)
     maps = TangentMaps(system, DRIVE, segments, last)
-    whole = jacobian(maps)
+    whole = maps.product()
     found, count = np.eye(4), 0
     for i in range(len(maps)):
         for matrix in maps.steps(i, maps.fastest, 0.01):
             found, count = matrix @ found, count + 1
     assert count > 2 * len(maps)
     np.testing.assert_allclose(found, whole, rtol=0, atol=1e-10 * np.abs(whole).max())
+
+
+PRESSED = replace(TWO, gap=0.0, restitution=0.3, static=np.array([1.5, 0.0]))
+
+
+PLASTIC = replace(PRESSED, restitution=0.0, zeta=np.array([0.05, 0.3]))
+
+
+@pytest.mark.parametrize(
+    "system", [replace(TWO, restitution=0.7), PRESSED, PLASTIC], ids=["impacts", "chatter and rests", "plastic"]
+)
+def test_maps_of_a_hard_stop_are_differences_of_flights_in_35_digits(system: vibeam.ImpactSystem) -> None:
+    """Through rests the map leaves out the second order of the last velocity of an accumulation."""
+    modes = events.Modes(*(each.tolist() for each in (system.omega, system.zeta, system.contact, system.load)),
+                         system.gap, system.restitution, system.static.tolist())  # fmt: skip
+    columns, small, span = [], mpmath.mpf(10) ** -12, 7.0
+    with mpmath.workdps(40):
+        for k in range(4):
+            ends = []
+            for way in (1, -1):
+                start = [mpmath.mpf(x) + (way * small if i == k else 0) for i, x in enumerate(START_BELOW)]
+                under_way = events.Motion(modes, events.Drive(1.3, 2.0), events.State(start[:2], start[2:]), digits=35)
+                under_way.run(t_end=span)
+                ends.append([*under_way.state().displacement, *under_way.state().velocity])
+            columns.append([float((a - b) / (2 * small)) for a, b in zip(*ends, strict=True)])
+    want = np.array(columns).T
+    found = mapped(system, vibeam.Drive(1.3, 2.0), START_BELOW, span)
+    np.testing.assert_allclose(found, want, rtol=0, atol=1e-10 * np.abs(want).max())

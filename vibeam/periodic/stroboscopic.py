@@ -175,7 +175,7 @@ class StroboscopicMap:
         """Jacobian of the map over ``periods`` by the unknowns in units of velocity, along the motion ``flown``."""
         if tangent_fault(self.system):
             return self._by_differences(state, periods, flown)
-        whole = jacobian(flown.maps()) * (self.units[:, None] / self.units)
+        whole = flown.maps().product() * (self.units[:, None] / self.units)
         return np.asarray(whole[np.ix_(self.unknowns, self.unknowns)])
 
     def _by_differences(self, state: State, periods: int, flown: Flown) -> Array:
@@ -197,12 +197,3 @@ class StroboscopicMap:
         poses = np.concatenate([flown.segments.poses.reshape(len(flown.segments.poses), -1)])
         known = (poses * self.units)[:, self.unknowns]
         return float(np.sqrt(max(np.max(np.sum(known**2, axis=1)), np.sum(self.vector(flown.state) ** 2))))
-
-
-def jacobian(maps: TangentMaps) -> Array:
-    """Product (2n, 2n) of the tangent maps along a whole motion."""
-    matrix = np.eye(2 * maps.system.size)
-    for i in range(len(maps)):
-        pause()
-        matrix = maps.over(i) @ matrix
-    return matrix

@@ -23,6 +23,7 @@ import pytest
 
 import vibeam
 from vibeam.flight.ahead_of_time.__main__ import build
+from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.engine import browser, entries, loading
 from vibeam.flight.engine.entries import ENTRIES, EntryPoint, march, move, poses_at, tabulate
 from vibeam.flight.engine.loading import (
@@ -110,7 +111,8 @@ def motion(system: vibeam.ImpactSystem) -> list[np.ndarray[Any, Any]]:
     assert path.certificate
     swept = vibeam.sweep(system, omega=[90.0, 97.0], amplitude=2e-4, settle=30, hold=10)
     found = [path.segments.trace, path.modes_at(np.linspace(0, path.t_end, 50)), swept.amplitude, swept.reach]
-    return [*found, swept.mode_energy, swept.impact_velocities, path.certificate.pieces]
+    tangent = TangentMaps(system, DRIVE, path.segments, path.state).product()
+    return [*found, swept.mode_energy, swept.impact_velocities, path.certificate.pieces, tangent]
 
 
 def both(system: vibeam.ImpactSystem, monkeypatch: pytest.MonkeyPatch, one: Any, other: Any) -> Any:

@@ -38,10 +38,10 @@ def plan_of(system: ImpactSystem, drive: Drive, touched: bool) -> TangentPlan:
     """
     last = _LAST.made
     if last is not None and last[0] is system and last[2] >= touched:
-        plan = last[3] if last[1] == drive else last[3]._replace(law=_law(system, drive))
+        touched, plan = last[2], last[3] if last[1] == drive else last[3]._replace(law=_law(system, drive))
     else:
         plan = tangent_plan(system, drive, touched)
-    _LAST.made = system, drive, touched or (last is not None and last[3] is plan and last[2]), plan
+    _LAST.made = system, drive, touched, plan
     return plan
 
 
@@ -49,11 +49,12 @@ def tangent_plan(system: ImpactSystem, drive: Drive, touched: bool) -> TangentPl
     """The arrays."""
     n, contact = system.size, np.stack([system.contact, -system.contact])
     free = LinearSystem(system.omega**2, damper_of(system), system.contact)
-    at_stop = [_flow(_at_stop(system, free, row)) for row in contact[: 1 if system.second_gap is None else 2]] * touched
     none = Flow(np.zeros((layout.BLOCK_ROWS, 0)), np.zeros((0, 2 * n)), np.zeros((2 * n, 0)))
+    upper = _flow(_at_stop(system, free, contact[0])) if touched else none
+    lower = _flow(_at_stop(system, free, contact[1])) if touched and system.second_gap is not None else upper
     gaps = np.array([system.gap, inf if system.second_gap is None else system.second_gap])
     return TangentPlan(
-        _modes(system) if system.coupling is None else _flow(free), *(at_stop * 2 + [none] * 2)[:2],
+        _modes(system) if system.coupling is None else _flow(free), upper, lower,
         _law(system, drive), contact, gaps, np.array(free.damper), np.array(free.spring), np.array(system.load),
         np.array(system.static), rule(), _workspace(n),
     )  # fmt: skip

@@ -13,9 +13,11 @@ acceleration before an impact, and ρ(v) = R(v) v the velocity after it:
 - entry and release of a stop with F = max(0, k d^p (1 + a d')), Hertz' or Hunt and Crossley's: F goes to zero with d,
   and where d' < −1/a it is zero before: it is continuous everywhere and nothing jumps. In between go the variational
   equations δη'' + D δη' + Λ δη = −c (∂F/∂d c·δη + ∂F/∂d' c·δη'), see ``kernels.tangents.contact``;
-- a completed accumulation of impacts, which ends at rest on the stop: whatever the contact point's disturbance was,
-  its displacement and velocity end at the stop's, while impulses along c leave all that is orthogonal to c alone:
-  δη⁺ = (1 − c cᵀ/S) δη⁻, δη'⁺ likewise, to the order of the last impact velocity computed. Two directions are lost.
+- an impact that ends at rest on the stop, plastic or the last one of a completed accumulation: whatever the contact
+  point's disturbance was, its displacement and velocity end at the stop's, while impulses along c leave all that is
+  orthogonal to c alone but for the damping of the way that the contact point has gone: with P = 1 − c cᵀ/S,
+  δη⁺ = P δη⁻, δη'⁺ = P (δη'⁻ + Dc (c·δη⁻)/S), of an accumulation to second order of the last impact velocity
+  computed. Two directions are lost.
 - release from rest, where the force is zero: nothing jumps.
 
 An impact with R = 0 loses one direction: the contact point leaves from the stop, whatever came before. Compiled code
@@ -165,3 +167,13 @@ class TangentMaps:
 def _dots(rows: Array, others: Array) -> Array:
     """Scalar products of rows, (m,)."""
     return np.asarray((rows[:, None, :] @ others[:, :, None])[:, 0, 0])
+
+
+def state_matrix(system: ImpactSystem) -> Array:
+    """State matrix (2n, 2n) of the free modes, coupled by damping or not."""
+    n = system.size
+    matrix = np.zeros((2 * n, 2 * n))
+    matrix[:n, n:] = np.eye(n)
+    matrix[n:, :n] = -np.diag(system.omega**2)
+    matrix[n:, n:] = -damper_of(system)
+    return matrix

@@ -19,7 +19,7 @@ def pass_event(plan: TangentPlan, motion: Flown, i: int, frame: Array) -> None:
     """Columns of ``frame`` (2n, c) past the end of segment i."""
     end, before, side = int(motion.trace[i, layout.END]), motion.trace[i, layout.BEFORE], side_of(motion.trace, i)
     if end == layout.CHATTER or end == layout.STUCK:
-        project(plan, frame)
+        settle(plan, frame)
     elif end == layout.IMPACT and before > 0.0 and plan.law[row.FAMILY] == regime_row.IMPULSIVE:
         impact(plan, motion, i, side, frame)
     elif end == layout.IMPACT and before > 0.0 and plan.law[row.FAMILY] == regime_row.LINEAR:
@@ -61,6 +61,29 @@ def project(plan: TangentPlan, frame: Array) -> None:
 
 
 @kernel
+def settle(plan: TangentPlan, frame: Array) -> None:
+    """The same where the contact comes to rest, and what its damping has given the others: P D c (c·δη)/S."""
+    n, mobility, c = plan.contact.shape[1], plan.law[row.MOBILITY], plan.contact[0]
+    project(plan, frame)
+    along = 0.0
+    for k in range(n):
+        along += c[k] * braked(plan, 0, k) / mobility
+    for k in range(n):
+        share = (braked(plan, 0, k) - along * c[k]) / mobility
+        for j in range(frame.shape[1]):
+            frame[n + k, j] += share * plan.work.lines[TOP, j]
+
+
+@kernel
+def braked(plan: TangentPlan, side: int, k: int) -> float:
+    """(D c)_k."""
+    total = 0.0
+    for j in range(plan.contact.shape[1]):
+        total += plan.damper[k, j] * plan.contact[side, j]
+    return total
+
+
+@kernel
 def impact(plan: TangentPlan, motion: Flown, i: int, side: int, frame: Array) -> None:
     """Saltation of an impact with R and d(Rv)/dv at the speed before it."""
     n, mobility, lines = plan.contact.shape[1], plan.law[row.MOBILITY], plan.work.lines
@@ -69,10 +92,8 @@ def impact(plan: TangentPlan, motion: Flown, i: int, side: int, frame: Array) ->
     lean = struck * acceleration(plan, motion, i, side) / before
     along_row(plan, side, frame)
     for k in range(n):
-        braked = 0.0
-        for j in range(n):
-            braked += plan.damper[k, j] * plan.contact[side, j]
-        late, c = turned * braked + lean * plan.contact[side, k], plan.contact[side, k]
+        c = plan.contact[side, k]
+        late = turned * braked(plan, side, k) + lean * c
         for j in range(frame.shape[1]):
             frame[k, j] -= turned * c * lines[TOP, j]
             frame[n + k, j] += late * lines[TOP, j] - struck * c * lines[BOTTOM, j]
