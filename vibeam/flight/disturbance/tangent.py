@@ -36,7 +36,7 @@ from vibeam.flight.disturbance.packing import plan_of
 from vibeam.flight.engine.entries import carry_frame
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.tangents.layout import DISC, END, FLOW, SIGMA, WHOLE, Extent, Flown
+from vibeam.flight.kernels.tangents.layout import DISC, END, FLOW, SIGMA, WHOLE, Extent, TracedMotion
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.readout import sides
 from vibeam_models.arrays import Array
@@ -70,7 +70,7 @@ class TangentMaps:
             raise ValueError(f"tangent maps are not known for {reason}")
         self.system, self.drive, self.trace = system, drive, segments.trace
         last = np.array([[state.displacement, state.velocity]])
-        self._motion = Flown(segments.trace, np.concatenate([segments.poses, last]), self._rebounds())
+        self._motion = TracedMotion(segments.trace, np.concatenate([segments.poses, last]), self._rebounds())
         self.poses, self.ends = self._motion.poses[:-1], self._motion.poses[1:]
         touched = bool(np.any(self.trace[:, layout.WHAT] != layout.FREE))
         self._plan = plan_of(system, drive, touched and not system.contact_law.integrated)

@@ -8,13 +8,13 @@ from vibeam.flight.kernels.regimes import layout as regime_row
 from vibeam.flight.kernels.tangents import layout as row
 from vibeam.flight.kernels.tangents.contact import begin_contact, pass_contact
 from vibeam.flight.kernels.tangents.flow import propagate
-from vibeam.flight.kernels.tangents.layout import Extent, Flown, TangentPlan
+from vibeam.flight.kernels.tangents.layout import Extent, TangentPlan, TracedMotion
 from vibeam.flight.kernels.tangents.saltation import pass_event, project, side_of
 from vibeam_models.arrays import Array
 
 
 @entry
-def carry(plan: TangentPlan, motion: Flown, extent: Extent, frame: Array, kept: Array) -> tuple[int, int]:
+def carry(plan: TangentPlan, motion: TracedMotion, extent: Extent, frame: Array, kept: Array) -> tuple[int, int]:
     """Columns of ``frame`` (2n, c ≤ 2n) past the segments of ``extent``: factors kept, panels of integrated contact.
 
     Where ``kept`` (k, 2n, 2n) has room, every part is a factor of its own: the frame is kept and begun anew from 1.
@@ -42,7 +42,7 @@ def keep(frame: Array, kept: Array) -> None:
 
 
 @kernel
-def flow_over(plan: TangentPlan, motion: Flown, i: int, part: int, parts: int, frame: Array) -> int:
+def flow_over(plan: TangentPlan, motion: TracedMotion, i: int, part: int, parts: int, frame: Array) -> int:
     """Columns of ``frame`` over one of equal parts of segment i; panels of integrated contact."""
     what, side = motion.trace[i, layout.WHAT], side_of(motion.trace, i)
     duration = motion.trace[i, layout.DURATION] / parts

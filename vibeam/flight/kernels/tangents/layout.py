@@ -91,7 +91,7 @@ class TangentPlan(NamedTuple):
     work: Workspace
 
 
-class Flown(NamedTuple):
+class TracedMotion(NamedTuple):
     """A motion: its segments, and at each end of them the pose after it, and R and d(Rv)/dv of an impact."""
 
     trace: Array  # (s, columns)

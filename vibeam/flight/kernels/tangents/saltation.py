@@ -8,14 +8,14 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.regimes import layout as regime_row
 from vibeam.flight.kernels.tangents import layout as row
-from vibeam.flight.kernels.tangents.layout import Flown, TangentPlan
+from vibeam.flight.kernels.tangents.layout import TangentPlan, TracedMotion
 from vibeam_models.arrays import Array
 
 TOP, BOTTOM = range(2)  # rows of work.lines: c·δη and c·δη'
 
 
 @kernel
-def pass_event(plan: TangentPlan, motion: Flown, i: int, frame: Array) -> None:
+def pass_event(plan: TangentPlan, motion: TracedMotion, i: int, frame: Array) -> None:
     """Columns of ``frame`` (2n, c) past the end of segment i."""
     end, before, side = int(motion.trace[i, layout.END]), motion.trace[i, layout.BEFORE], side_of(motion.trace, i)
     if end == layout.CHATTER or end == layout.STUCK:
@@ -84,7 +84,7 @@ def braked(plan: TangentPlan, side: int, k: int) -> float:
 
 
 @kernel
-def impact(plan: TangentPlan, motion: Flown, i: int, side: int, frame: Array) -> None:
+def impact(plan: TangentPlan, motion: TracedMotion, i: int, side: int, frame: Array) -> None:
     """Saltation of an impact with R and d(Rv)/dv at the speed before it."""
     n, mobility, lines = plan.contact.shape[1], plan.law[row.MOBILITY], plan.work.lines
     before = motion.trace[i, layout.BEFORE]
@@ -100,7 +100,7 @@ def impact(plan: TangentPlan, motion: Flown, i: int, side: int, frame: Array) ->
 
 
 @kernel
-def acceleration(plan: TangentPlan, motion: Flown, i: int, side: int) -> float:
+def acceleration(plan: TangentPlan, motion: TracedMotion, i: int, side: int) -> float:
     """The contact's acceleration towards the stop just before the event that ends segment i, without its force."""
     trace, pose, n = motion.trace, motion.poses[i + 1], plan.contact.shape[1]
     after = 0.0
