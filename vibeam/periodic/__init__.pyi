@@ -1,6 +1,10 @@
 from vibeam.periodic.bifurcation_functions import Kind as Kind
 from vibeam.periodic.boundaries import boundaries as boundaries
-from vibeam.periodic.boundaries import follow as follow
+from vibeam.periodic.boundaries import follow_boundary as follow_boundary
+from vibeam.periodic.branch_walk import BranchEnd as BranchEnd
+from vibeam.periodic.follow import Branch as Branch
+from vibeam.periodic.follow import BranchBoundary as BranchBoundary
+from vibeam.periodic.follow import follow as follow
 from vibeam.periodic.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from vibeam.periodic.lyapunov import lyapunov as lyapunov
 from vibeam.periodic.orbit import Orbit as Orbit

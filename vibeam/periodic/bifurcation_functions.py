@@ -35,6 +35,8 @@ class Kind(Enum):
     PLUS_ONE = "a multiplier is 1"
     DOUBLING = "a multiplier is −1: period doubling"
     NEIMARK_SACKER = "a pair of complex multipliers crosses the unit circle"
+    REST = "a rest on the stop begins or ends"
+    CONTACT = "a contact that lasted begins to open, or an open one to last"
 
 
 class MotionsAt(NamedTuple):

@@ -1,6 +1,6 @@
 """Bifurcations and ends of branches of periodic motions, along frequency, amplitude or gap.
 
-They are bracketed along one parameter, and followed along a second one (``follow``).
+They are bracketed along one parameter, and followed along a second one (``follow_boundary``).
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from vibeam_models.arrays import Array, Complex, ValueRecord
 Range = float | tuple[float, float]
 Found = tuple[float, Kind, int]
 ENDS = (Kind.FOLD, Kind.GRAZING)
-BRANCHES = {kind: (0,) if kind is Kind.FOLD else (0, 1) for kind in Kind}
+CLOSED = (Kind.FOLD, Kind.GRAZING, Kind.TOUCHING, Kind.PLUS_ONE, Kind.DOUBLING, Kind.NEIMARK_SACKER)
+BRANCHES = {kind: (0,) if kind is Kind.FOLD else (0, 1) for kind in CLOSED}
 TOUCH = 1e-9  # share of the motion's size by which the contact may pass the gap
 JUMP = 1e-4  # a sign change whose value stays above this share of its neighbours' is a jump or a pole, no root
 TOWARD_END = 10.0 ** -np.arange(0.5, 10.5, 0.5)  # grid refinements where a branch ends within a step
@@ -57,7 +58,7 @@ def boundaries(
     *,
     gap: Range | None = None,
     points: int = 501,
-    kinds: tuple[Kind, ...] = tuple(Kind),
+    kinds: tuple[Kind, ...] = CLOSED,
     per_level: DrivePerLevel | None = None,
 ) -> tuple[Boundary, ...]:
     """Find all boundaries of both branches in a range of one parameter, in ascending order.
@@ -186,7 +187,7 @@ WIDTHS = 10.0 ** np.arange(-7.0, -1.9, 0.5)  # search windows around the guess, 
 HALVINGS = 6
 
 
-def follow(system: ImpactSystem, start: Boundary, parameter: str, values: ArrayLike) -> tuple[Boundary, ...]:
+def follow_boundary(system: ImpactSystem, start: Boundary, parameter: str, values: ArrayLike) -> tuple[Boundary, ...]:
     """Follow the boundary ``start`` through ``values`` of a second ``parameter`` (omega, amplitude or gap), in order.
 
     Each is located to round-off in ``start.parameter``, guessed from the two before it; steps too long for that are
@@ -199,7 +200,7 @@ def follow(system: ImpactSystem, start: Boundary, parameter: str, values: ArrayL
     >>> import vibeam
     >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
     >>> doubling = [each for each in vibeam.boundaries(system, 0.1, (1.2, 3.0)) if each.clear][0]
-    >>> lower = vibeam.follow(system, doubling, "gap", [0.0, 0.01])[-1]  # at which frequency with a gap of 0.01
+    >>> lower = vibeam.follow_boundary(system, doubling, "gap", [0.0, 0.01])[-1]  # at which frequency with a gap of 0.01
     >>> lower.kind.name, lower.gap, lower.omega < doubling.omega
     ('DOUBLING', 0.01, True)
     """

@@ -171,14 +171,14 @@ class StroboscopicMap:
         values[self.unknowns] += by / self.units[self.unknowns]
         return State(values[: self.system.size], values[self.system.size :], state.resting)
 
-    def jacobian(self, state: State, periods: int, flown: Flown) -> Array:
+    def jacobian(self, state: State, periods: float, flown: Flown) -> Array:
         """Jacobian of the map over ``periods`` by the unknowns in units of velocity, along the motion ``flown``."""
         if tangent_fault(self.system):
             return self._by_differences(state, periods, flown)
         whole = flown.maps().product() * (self.units[:, None] / self.units)
         return np.asarray(whole[np.ix_(self.unknowns, self.unknowns)])
 
-    def _by_differences(self, state: State, periods: int, flown: Flown) -> Array:
+    def _by_differences(self, state: State, periods: float, flown: Flown) -> Array:
         small, columns = DIFFERENCE * self.size(flown), []
         for unit in np.eye(len(self.unknowns)):
             ends = [self.flown(self.moved(state, side * small * unit), periods).state for side in (1, -1)]

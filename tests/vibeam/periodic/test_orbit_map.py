@@ -12,7 +12,7 @@ import pytest
 
 import vibeam
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.boundaries import boundaries, follow
+from vibeam.periodic.boundaries import boundaries, follow_boundary
 from vibeam.periodic.contours import BoundaryCurve
 from vibeam.periodic.modal_sums import sums
 from vibeam.periodic.orbit_map import OrbitMap, orbit_map
@@ -101,7 +101,7 @@ def test_a_curve_runs_where_a_boundary_is_followed(name: str) -> None:
             continue
         on = [c.omega[c.gap == here] for c in found.curves if c.kind is at.kind and c.branch == at.branch]
         assert np.abs(np.concatenate([*on, [np.inf]]) - at.omega).min() < 1e-10, at
-        for onward in follow(system, at, "gap", [above]):
+        for onward in follow_boundary(system, at, "gap", [above]):
             on = [c.omega[c.gap == above] for c in found.curves if c.kind is at.kind and c.branch == at.branch]
             joined += bool(np.abs(np.concatenate([*on, [np.inf]]) - onward.omega).min() < 1e-10)
     assert joined

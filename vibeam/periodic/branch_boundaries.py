@@ -1,0 +1,163 @@
+"""Boundaries met on a branch: bifurcations by smooth functions of M, touches by the equations of motions that graze.
+
+A fold is a zero of ∏(1 − μ) at which the branch turns, a period doubling one of ∏(1 + μ), a Neimark–Sacker bifurcation
+one of ∏(1 − μ_j μ_k) over pairs of multipliers at which a complex pair has modulus 1. Each is bracketed between two
+points of the branch and found by Brent's method on motions that are converged to round-off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from vibeam.periodic.bifurcation_functions import Kind
+from vibeam.periodic.continuation import BranchPoint, Section
+from vibeam.periodic.grazing import Approach, GrazingMotion, approaches, together, weakest_impacts
+from vibeam_models.arrays import Array
+
+JUMP = 1e-4  # a sign change whose value stays above this share of its neighbours' is a jump or a pole, no root
+CIRCLE = 1e-6  # distance of a pair of multipliers from the unit circle within which it is on it
+PAIRED = 1e-9  # imaginary share below which a multiplier counts as real
+NEAR = 0.15  # share of the motion's size by which a touch or an impact must be about to vanish
+FAR, AHEAD = 0.1, 4.0  # share of the motion's size, or steps, within which a grazing motion must lie
+STRAIGHT = 0.7  # cosine of the angle between the branch and the way there
+SECANT, ROOT = 30, 1e-13  # steps of the secant method, and the change at which they end
+
+
+class Met(NamedTuple):
+    """Boundary on a step: its kind, how far along, the motion there; of a grazing motion its place z alone."""
+
+    kind: Kind
+    along: float
+    point: BranchPoint | None
+    z: Array
+
+
+@dataclass(frozen=True)
+class Step:
+    """Step of a branch from a point along the unit vector ``along``; ``slope``: of F by the parameter."""
+
+    start: BranchPoint
+    along: Array
+    slope: Array
+
+    @property
+    def section(self) -> Section:
+        """Section of its points."""
+        return self.start.section
+
+    def point(self, length: float) -> BranchPoint | None:
+        """Point in the plane at ``length`` along."""
+        return self.section.corrected(self.start.z + length * self.along, self.along, self.slope)
+
+
+TESTS: dict[Kind, Callable[[BranchPoint], float]] = {
+    Kind.PLUS_ONE: lambda point: point.at_plus_one,
+    Kind.DOUBLING: lambda point: point.at_minus_one,
+    Kind.NEIMARK_SACKER: lambda point: point.on_circle,
+}
+
+
+def bifurcations(step: Step, length: float, end: BranchPoint, turned: bool) -> list[Met]:
+    """Bifurcations between a step's start and its ``end``, in order; ``turned``: the branch has gone through a fold."""
+    found = list[Met]()
+    for kind, test in TESTS.items():
+        if not test(step.start) * test(end) < 0:
+            continue
+        at = root_on(step, test, 0.0, length)
+        point = None if at is None else step.point(at)
+        if at is None or point is None or (kind is Kind.NEIMARK_SACKER and not _on_circle(point)):
+            continue
+        found.append(Met(Kind.FOLD if turned and kind is Kind.PLUS_ONE else kind, at, point, point.z))
+    return sorted(found, key=lambda each: each.along)
+
+
+def root_on(step: Step, test: Callable[[BranchPoint], float], low: float, high: float) -> float | None:
+    """Length along a step at which ``test`` is zero; None where its sign changes by a jump."""
+    values = dict[float, float]()
+
+    def at(length: float) -> float:
+        point = step.point(length)
+        if point is None:
+            raise ArithmeticError
+        values[length] = test(point)
+        return values[length]
+
+    try:
+        if at(low) * at(high) < 0:
+            brentq(at, low, high, xtol=1e-15, rtol=4 * np.finfo(float).eps, disp=False)
+    except ArithmeticError:
+        pass
+    sizes = np.abs(np.array(list(values.values())))
+    if len(values) < 3 or not sizes.min() <= JUMP * sizes.max():
+        return None
+    return list(values)[int(np.argmin(sizes))]
+
+
+def _on_circle(point: BranchPoint) -> bool:
+    values = point.multipliers
+    paired = np.abs(values.imag) > PAIRED * np.abs(values)
+    return bool((paired & (np.abs(np.abs(values) - 1) < CIRCLE)).any())
+
+
+def grazing_ahead(step: Step, length: float, few: BranchPoint | None = None) -> Met | None:
+    """The nearest motion ahead that grazes, within reach of a step: a touch that begins, or an impact that vanishes.
+
+    ``few``: the point of the step with fewer touches, where that is known: its next touch is looked for alone.
+    """
+    candidates = [(Kind.TOUCHING, approaches(few or step.start))]
+    if few is None and not step.start.flown.system.contact_law.yields:
+        candidates.append((Kind.GRAZING, weakest_impacts(step.start)))
+    met = [_grazing(step, length, kind, found, few or step.start) for kind, found in candidates if found]
+    return min((each for each in met if each is not None), key=lambda each: each.along, default=None)
+
+
+def _grazing(step: Step, length: float, kind: Kind, found: list[Approach], point: BranchPoint) -> Met | None:
+    if found[0].distance > NEAR:
+        return None
+    section, windows = step.section, together(found)
+    motion = GrazingMotion(section, windows)
+    start = section.carried(point.z, motion.turn_from(section.phase))
+    grazed = motion.solved(start)
+    if grazed is None:
+        return None
+    z = motion.at_phase(grazed, section.phase)
+    along, apart = float((z - step.start.z) @ step.along), float(np.linalg.norm(z - step.start.z))
+    reach = max(AHEAD * length, FAR * float(np.linalg.norm(step.start.z)))
+    return Met(kind, along, None, z) if STRAIGHT * apart <= along <= reach else None
+
+
+def birth(start: BranchPoint, end: BranchPoint) -> BranchPoint | None:
+    """The doubling at which the motions of a step were born; None where they do not pass one of half their span.
+
+    Gone past it they come again, shifted by half a span: what they are off their half's fixed point changes sign.
+    """
+    section = start.section
+    if section.periods % 2:
+        return None
+    half = replace(section, periods=section.periods // 2)
+    try:
+        before, after = (half.residual(point.z)[0] for point in (start, end))
+        slope = half.slope(end.z)
+    except ArithmeticError:
+        return None
+    share = float(np.linalg.norm(before) / (np.linalg.norm(before) + np.linalg.norm(after)))
+    guess = start.z + share * (end.z - start.z)
+    here = half.corrected(guess, np.append(np.zeros(len(before)), 1.0), slope) if before @ after < 0 else None
+    return None if here is None else _doubling(Step(here, half.tangent(here, slope), slope))
+
+
+def _doubling(step: Step) -> BranchPoint | None:
+    """The doubling near a step's start, by the secant method."""
+    first, second, low, at = 0.0, 1e-5, step.start.at_minus_one, step.point(1e-5)
+    for _ in range(SECANT):
+        if at is None or at.at_minus_one == low or abs(second - first) <= ROOT:
+            return at
+        new = second - at.at_minus_one * (second - first) / (at.at_minus_one - low)
+        first, second, low = second, new, at.at_minus_one
+        at = step.point(second)
+    return None
