@@ -200,7 +200,7 @@ def follow_boundary(system: ImpactSystem, start: Boundary, parameter: str, value
     >>> import vibeam
     >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
     >>> doubling = [each for each in vibeam.boundaries(system, 0.1, (1.2, 3.0)) if each.clear][0]
-    >>> lower = vibeam.follow_boundary(system, doubling, "gap", [0.0, 0.01])[-1]  # at which frequency with a gap of 0.01
+    >>> lower = vibeam.follow_boundary(system, doubling, "gap", [0.0, 0.01])[-1]  # with a gap of 0.01
     >>> lower.kind.name, lower.gap, lower.omega < doubling.omega
     ('DOUBLING', 0.01, True)
     """

@@ -15,30 +15,33 @@ import numpy as np
 from scipy.optimize import brentq
 
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.continuation import BranchPoint, Section
-from vibeam.periodic.grazing import Approach, GrazingMotion, approaches, together, weakest_impacts
+from vibeam.periodic.continuation import BranchPoint, BranchSection
+from vibeam.periodic.grazing import Approach, GrazingMotion, apart, approaches, together, weakest_impacts
 from vibeam_models.arrays import Array
 
 JUMP = 1e-4  # a sign change whose value stays above this share of its neighbours' is a jump or a pole, no root
 CIRCLE = 1e-6  # distance of a pair of multipliers from the unit circle within which it is on it
 PAIRED = 1e-9  # imaginary share below which a multiplier counts as real
-NEAR = 0.15  # share of the motion's size by which a touch or an impact must be about to vanish
 FAR, AHEAD = 0.1, 4.0  # share of the motion's size, or steps, within which a grazing motion must lie
 STRAIGHT = 0.7  # cosine of the angle between the branch and the way there
 SECANT, ROOT = 30, 1e-13  # steps of the secant method, and the change at which they end
 
 
 class Met(NamedTuple):
-    """Boundary on a step: its kind, how far along, the motion there; of a grazing motion its place z alone."""
+    """Boundary on a step: its kind, how far along, the motion there; of a grazing motion its place z alone.
+
+    ``way``: of the branch there, about.
+    """
 
     kind: Kind
     along: float
     point: BranchPoint | None
     z: Array
+    way: Array
 
 
 @dataclass(frozen=True)
-class Step:
+class BranchStep:
     """Step of a branch from a point along the unit vector ``along``; ``slope``: of F by the parameter."""
 
     start: BranchPoint
@@ -46,7 +49,7 @@ class Step:
     slope: Array
 
     @property
-    def section(self) -> Section:
+    def section(self) -> BranchSection:
         """Section of its points."""
         return self.start.section
 
@@ -62,7 +65,7 @@ TESTS: dict[Kind, Callable[[BranchPoint], float]] = {
 }
 
 
-def bifurcations(step: Step, length: float, end: BranchPoint, turned: bool) -> list[Met]:
+def bifurcations(step: BranchStep, length: float, end: BranchPoint, turned: bool) -> list[Met]:
     """Bifurcations between a step's start and its ``end``, in order; ``turned``: the branch has gone through a fold."""
     found = list[Met]()
     for kind, test in TESTS.items():
@@ -72,11 +75,13 @@ def bifurcations(step: Step, length: float, end: BranchPoint, turned: bool) -> l
         point = None if at is None else step.point(at)
         if at is None or point is None or (kind is Kind.NEIMARK_SACKER and not _on_circle(point)):
             continue
-        found.append(Met(Kind.FOLD if turned and kind is Kind.PLUS_ONE else kind, at, point, point.z))
+        found.append(
+            Met(Kind.FOLD if turned and kind is Kind.PLUS_ONE else kind, at, point, point.z, end.z - step.start.z)
+        )
     return sorted(found, key=lambda each: each.along)
 
 
-def root_on(step: Step, test: Callable[[BranchPoint], float], low: float, high: float) -> float | None:
+def root_on(step: BranchStep, test: Callable[[BranchPoint], float], low: float, high: float) -> float | None:
     """Length along a step at which ``test`` is zero; None where its sign changes by a jump."""
     values = dict[float, float]()
 
@@ -104,31 +109,33 @@ def _on_circle(point: BranchPoint) -> bool:
     return bool((paired & (np.abs(np.abs(values) - 1) < CIRCLE)).any())
 
 
-def grazing_ahead(step: Step, length: float, few: BranchPoint | None = None) -> Met | None:
+def grazing_ahead(step: BranchStep, length: float, few: BranchPoint | None = None) -> Met | None:
     """The nearest motion ahead that grazes, within reach of a step: a touch that begins, or an impact that vanishes.
 
     ``few``: the point of the step with fewer touches, where that is known: its next touch is looked for alone.
     """
-    candidates = [(Kind.TOUCHING, approaches(few or step.start))]
-    if few is None and not step.start.flown.system.contact_law.yields:
-        candidates.append((Kind.GRAZING, weakest_impacts(step.start)))
-    met = [_grazing(step, length, kind, found, few or step.start) for kind, found in candidates if found]
-    return min((each for each in met if each is not None), key=lambda each: each.along, default=None)
+    point, yields = few or step.start, step.start.flown.system.contact_law.yields
+    found = approaches(point) + ([] if few or yields else weakest_impacts(point))
+    found.sort(key=lambda each: each.distance)
+    for some in together(found):
+        met = _grazing(step, length, some, point)
+        if met is not None:
+            return met
+    return None
 
 
-def _grazing(step: Step, length: float, kind: Kind, found: list[Approach], point: BranchPoint) -> Met | None:
-    if found[0].distance > NEAR:
-        return None
-    section, windows = step.section, together(found)
-    motion = GrazingMotion(section, windows)
-    start = section.carried(point.z, motion.turn_from(section.phase))
-    grazed = motion.solved(start)
-    if grazed is None:
+def _grazing(step: BranchStep, length: float, found: list[Approach], point: BranchPoint) -> Met | None:
+    """The motion that grazes as ``found`` on a ``point`` of the step, where there is one ahead."""
+    section = step.section
+    motion = GrazingMotion(section, apart([each.window for each in found]))
+    grazed = motion.solved(section.carried(point.z, motion.turn_from(section.phase)))
+    if grazed is None or not motion.clear(grazed):
         return None
     z = motion.at_phase(grazed, section.phase)
-    along, apart = float((z - step.start.z) @ step.along), float(np.linalg.norm(z - step.start.z))
+    along, distance = float((z - step.start.z) @ step.along), float(np.linalg.norm(z - step.start.z))
     reach = max(AHEAD * length, FAR * float(np.linalg.norm(step.start.z)))
-    return Met(kind, along, None, z) if STRAIGHT * apart <= along <= reach else None
+    kind = Kind.GRAZING if any(each.struck for each in found) else Kind.TOUCHING
+    return Met(kind, along, None, z, step.along) if STRAIGHT * distance <= along <= reach else None
 
 
 def birth(start: BranchPoint, end: BranchPoint) -> BranchPoint | None:
@@ -148,10 +155,10 @@ def birth(start: BranchPoint, end: BranchPoint) -> BranchPoint | None:
     share = float(np.linalg.norm(before) / (np.linalg.norm(before) + np.linalg.norm(after)))
     guess = start.z + share * (end.z - start.z)
     here = half.corrected(guess, np.append(np.zeros(len(before)), 1.0), slope) if before @ after < 0 else None
-    return None if here is None else _doubling(Step(here, half.tangent(here, slope), slope))
+    return None if here is None else _doubling(BranchStep(here, half.tangent(here, slope), slope))
 
 
-def _doubling(step: Step) -> BranchPoint | None:
+def _doubling(step: BranchStep) -> BranchPoint | None:
     """The doubling near a step's start, by the secant method."""
     first, second, low, at = 0.0, 1e-5, step.start.at_minus_one, step.point(1e-5)
     for _ in range(SECANT):

@@ -9,13 +9,14 @@ import numpy as np
 from vibeam.flight.kernels import layout
 from vibeam.flight.readout import rests
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.branch_boundaries import Met, Step, bifurcations, birth, grazing_ahead
+from vibeam.periodic.branch_boundaries import BranchStep, Met, bifurcations, birth, grazing_ahead
 from vibeam.periodic.continuation import BranchPoint, better_phase
 from vibeam_models.arrays import Array
 
 LEAST = 1e-11  # step at which a branch is given up
 STRAY = 0.2  # distance of the corrected point from a step's end, as a share of the step, beyond which it is too long
 GROWTH, EASY = 1.6, 0.04  # of a step after one that strayed by less than so much
+WARY = 2e-3  # step above which it is shortened where the branch may have been left for one that crosses it
 CLOSE = 1e-3  # share of the step at which a motion that grazes was found ahead, down to which steps are halved
 BEYOND = (1e-3, 1e-4, 1e-5, 1e-6)  # steps beyond a touch at which a motion is looked for
 AFRESH = 1e-4  # step after a change of the events that was approached by halving
@@ -50,14 +51,14 @@ class Walk:
         self.length = step
         self.end: BranchEnd | None = None
         self.target: Met | None = None  # motion that grazes, ahead
-        self.approach = step
+        self.approach, self.fall = step, 0.0
         self._face(start, ahead)
 
     def _face(self, point: BranchPoint, ahead: Array) -> None:
         """Tangent at a point, the same way as ``ahead``."""
         slope = point.section.slope(point.z)
         along = point.section.tangent(point, slope)
-        self.at = Step(point, along * (1.0 if along @ ahead >= 0 else -1.0), slope)
+        self.at = BranchStep(point, along * (1.0 if along @ ahead >= 0 else -1.0), slope)
 
     def renewed(self, start: Array, first: BranchPoint) -> Walk:
         """Walk with the same limits along another branch, from its ``first`` point away from ``start``."""
@@ -77,30 +78,25 @@ class Walk:
         while self.length >= LEAST:
             ahead = self.at.point(self.length)
             away = np.inf if ahead is None else self._strayed(ahead)
-            if ahead is None or away > STRAY:
-                if self._grazes(None):
+            if ahead is not None and away <= STRAY and not self._suspect(ahead):
+                if ahead.itinerary == self.at.start.itinerary:
+                    self._take(ahead, self.length)
+                    self.length *= GROWTH if away < EASY else 1.0
                     return
-                if self._close():
-                    break
-                self.length /= 2
-                continue
-            if ahead.itinerary == self.at.start.itinerary:
-                self._take(ahead, self.length)
-                self.length *= GROWTH if away < EASY else 1.0
+                if self._changes(ahead):
+                    return
+            elif self._grazes():
                 return
-            if self._changes(ahead):
-                return
+            elif self.target is not None and self.length < CLOSE * self.approach:
+                break
             self.length /= 2
-        if self.target is None:
-            return self._give_up()
-        self._note(self.target)
-        self.end = BranchEnd.GRAZING
+        self._give_up()
 
-    def _close(self) -> bool:
-        """Test whether the motion that grazes has been come as near to as the flight's map, singular there, allows."""
-        if self.target is None:
-            return False
-        return self.length < CLOSE * self.approach
+    def _suspect(self, ahead: BranchPoint) -> bool:
+        """Test whether ∏(1 − μ), on its way to zero, has turned instead: as on a branch that crosses there."""
+        here, there = self.at.start.at_plus_one, ahead.at_plus_one
+        expected = here + self.fall * self.length
+        return self.length > WARY and here * expected < 0 < here * there
 
     def _strayed(self, ahead: BranchPoint) -> float:
         return float(np.linalg.norm(ahead.z - self.at.start.z - self.length * self.at.along)) / self.length
@@ -113,6 +109,7 @@ class Walk:
             ahead = self._at_limit(ahead) or ahead
             length = float((ahead.z - last.z) @ step.along)
         here, before = self._centred(ahead, last)
+        self.fall = (ahead.at_plus_one - last.at_plus_one) / length
         self._face(here, here.z - before)
         turned = self.at.along[-1] * step.along[-1] < 0
         met = bifurcations(step, length, ahead, turned)
@@ -149,9 +146,9 @@ class Walk:
         moved = section.corrected(guess, way / np.linalg.norm(way), section.slope(guess))
         return (ahead, last.z) if moved is None else (moved, before)
 
-    def _grazes(self, few: BranchPoint | None) -> bool:
-        """Test whether a motion that grazes lies ahead, and end the walk there."""
-        met = None if self.target else grazing_ahead(self.at, self.length, few)
+    def _grazes(self) -> bool:
+        """Look for a motion that grazes ahead, and go on beyond it where the stop yields; else steps come near it."""
+        met = None if self.target else grazing_ahead(self.at, self.length)
         if met is None:
             return False
         if self.at.start.flown.system.contact_law.yields:
@@ -178,7 +175,7 @@ class Walk:
         if ahead.itinerary.rests != start.itinerary.rests:
             return self._changed(ahead, Kind.REST)
         if not yields:
-            return self._grazes(None)
+            return self._grazes()
         few = min(start, ahead, key=lambda each: sum(each.itinerary.touches))
         met = grazing_ahead(self.at, self.length, few)
         if met is not None and met.along <= self.length * 1.000001:
@@ -190,24 +187,26 @@ class Walk:
         """Go over a change that halving the step has brought near enough."""
         if self.length > 2 * LEAST:
             return False
-        self._take(ahead, self.length, Met(kind, self.length, ahead, ahead.z))
+        self._take(ahead, self.length, Met(kind, self.length, ahead, ahead.z, self.at.along))
         self.length = AFRESH
         return True
 
     def _give_up(self) -> None:
-        start = self.at.start
+        """End where steps become too short: at a motion that grazes, where a rest ends, or for no reason known."""
+        start, self.end = self.at.start, BranchEnd.LOST
         trace = start.flown.segments.trace
-        resting = trace[rests(trace), layout.DURATION]
-        span = float(trace[:, layout.DURATION].sum())
-        self.end = BranchEnd.LOST
-        if len(resting) and float(resting.min()) < SHORT * span:
-            self._note(Met(Kind.REST, 0.0, start, start.z))
+        resting, span = trace[rests(trace), layout.DURATION], float(trace[:, layout.DURATION].sum())
+        if self.target is not None:
+            self._note(self.target)
+            self.end = BranchEnd.GRAZING
+        elif len(resting) and float(resting.min()) < SHORT * span:
+            self._note(Met(Kind.REST, 0.0, start, start.z, self.at.along))
             self.end = BranchEnd.REST
 
     def _born(self, last: BranchPoint, ahead: BranchPoint) -> bool:
         found = birth(last, ahead)
         if found is None:
             return False
-        self._note(Met(Kind.DOUBLING, 0.0, found, found.z))
+        self._note(Met(Kind.DOUBLING, 0.0, found, found.z, self.at.along))
         self.end = BranchEnd.BIRTH
         return True

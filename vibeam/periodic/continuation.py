@@ -1,9 +1,9 @@
 """Points of a branch of periodic motions: z = (state at a section, one parameter) with P(z) = state.
 
-P is the flight over n drive periods from a fixed phase of the drive, the section. With the state x in units of velocity
-over the motion's size, and the parameter over its scale, a branch is the curve F(z) = P(z) − x = 0. Its derivatives by x
-are the exact tangent maps of the motion, M − 1; the one by the parameter is a central difference, renewed at each point.
-A step goes along the tangent t and comes back in the plane normal to it (pseudo-arclength: Keller 1977; Allgower & Georg
+P is the flight over n drive periods from a fixed phase of the drive, the section. With the state x in units of
+velocity over the motion's size, and the parameter over its scale, a branch is the curve F(z) = P(z) − x = 0. Its
+derivatives by x are the exact tangent maps of the motion, M − 1; the one by the parameter is a central difference. A
+step goes along the tangent t and comes back in the plane normal to it (pseudo-arclength: Keller 1977; Allgower & Georg
 1990, ch. 6): F(z) = 0, t·(z − z₀ − s t) = 0, which is regular at folds too.
 """
 
@@ -28,7 +28,7 @@ from vibeam_models.arrays import Array, Complex
 Setting = Callable[[float], tuple[ImpactSystem, Drive]]
 STEP = 1e-6  # of the parameter in its central difference, as a share of its scale
 NEWTON, RENEWED = 14, (3, 6, 9)  # steps; those at which the derivative by the parameter is renewed
-SMALL, STALLED = 1e-13, 1e-10  # size of a step at which they end, also where round-off stops them
+SMALL, STALLED, LATE = 1e-13, (1e-10, 1e-6), 6  # size of a step at which they end, also where round-off stops them
 ASTRAY = 2.0  # a step longer than this share of the motion leads elsewhere
 REAL = 1e-9  # imaginary share below which a multiplier counts as real
 SLOWER = 0.75  # share of a drive's frequency for which its solver is made
@@ -50,7 +50,7 @@ class Itinerary(NamedTuple):
 class BranchPoint:
     """Periodic motion at a section: z, its flight over a span from there, and M (2n, 2n) in units of velocity."""
 
-    section: Section
+    section: BranchSection
     z: Array
     state: State
     chart: StroboscopicMap
@@ -112,7 +112,7 @@ class Runners:
 
 
 @dataclass(frozen=True)
-class Section:
+class BranchSection:
     """Section at a ``phase`` of the drive, 0 … 2π, and the scales of z.
 
     ``units`` (2n,): factors that make a state one of velocities; ``size``: of the motion in them; ``scale``: of the
@@ -129,7 +129,7 @@ class Section:
     runners: Runners = field(default_factory=Runners, compare=False)
 
     @classmethod
-    def of(cls, setting: Setting, periods: int, time: float, state: State, value: float, scale: float) -> Section:
+    def of(cls, setting: Setting, periods: int, time: float, state: State, value: float, scale: float) -> BranchSection:
         """Section through a ``state`` at the drive's ``time``, s, of a motion at ``value`` of the parameter."""
         system, drive = setting(value)
         there = StroboscopicMap(system, drive, time)
@@ -171,7 +171,7 @@ class Section:
     def monodromy(self, z: Array, chart: StroboscopicMap, flown: Flown) -> Array:
         """M (2n, 2n) of a flight from z, in units of velocity."""
         ratio = self.units / chart.units
-        return chart.jacobian(self.state(z), self.periods, flown) * (ratio[:, None] / ratio)
+        return np.asarray(chart.jacobian(self.state(z), self.periods, flown) * (ratio[:, None] / ratio))
 
     def slope(self, z: Array) -> Array:
         """Derivative (2n,) of F by the scaled parameter."""
@@ -195,7 +195,9 @@ class Section:
                 rows = np.vstack([np.column_stack([matrix - np.eye(len(values)), slope]), normal])
                 step = np.linalg.lstsq(rows, np.append(values, normal @ (z - guess)), rcond=None)[0]
                 length = float(np.linalg.norm(step))
-                if length <= SMALL * (1 + float(np.linalg.norm(z))) or (length < STALLED and length >= last / 2):
+                if length <= SMALL * (1 + float(np.linalg.norm(z))) or (
+                    length < STALLED[turn >= LATE] and length >= last / 2
+                ):
                     return BranchPoint(self, z, self.state(z), chart, flown, matrix)
                 if not length <= ASTRAY:
                     return None
@@ -204,7 +206,7 @@ class Section:
             return None
         return None
 
-    def moved(self, phase: float) -> Section:
+    def moved(self, phase: float) -> BranchSection:
         """The same scales at another phase."""
         return replace(self, phase=phase % (2 * np.pi))
 

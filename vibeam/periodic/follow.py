@@ -8,12 +8,12 @@ from functools import cached_property
 import numpy as np
 
 from vibeam.periodic.bifurcation_functions import NAMES, Kind
+from vibeam.periodic.branch_boundaries import Met
 from vibeam.periodic.branch_walk import BranchEnd, Walk
-from vibeam.periodic.continuation import BranchPoint, Section, Setting
+from vibeam.periodic.continuation import BranchPoint, BranchSection, Setting
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.shooting import Fixed, orbit_at
+from vibeam.periodic.shooting import orbit_at
 from vibeam.periodic.stroboscopic import StroboscopicMap
-from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arguments import count, number, refuse, require
 from vibeam_models.arrays import Array, Complex, Flags, ValueRecord
 
@@ -33,6 +33,7 @@ class BranchBoundary(ValueRecord):
     value: float  #: of the parameter
     multipliers: Complex
     _point: BranchPoint | None = field(compare=False, repr=False)
+    _way: Array = field(compare=False, repr=False)
 
     @cached_property
     def orbit(self) -> Orbit:
@@ -78,7 +79,7 @@ class Branch(ValueRecord):
         point = at._point
         if point is None or at.kind not in (Kind.DOUBLING, Kind.PLUS_ONE):
             raise ValueError(f"at: {at.kind.name} begins no branch: a DOUBLING or PLUS_ONE of this one does")
-        start, ahead = _beside(point, 2 if at.kind is Kind.DOUBLING else 1, float(np.sign(side)))
+        start, ahead = _beside(point, at._way, 2 if at.kind is Kind.DOUBLING else 1, float(np.sign(side)))
         return _followed(self._walk.renewed(start, ahead), (ahead.section.point(start),))
 
 
@@ -91,10 +92,10 @@ def follow(
     ``along``: "omega" (rad/s), "amplitude" or "gap" (m), or a function of a number that returns a system and a drive;
     ``value``: that number at the orbit, needed for a function. The branch ends at ``to``, at ``behind`` (None: the
     orbit's own value) on the other side, where the motion ceases, or after ``longest`` steps; ``end`` says which.
-    ``step``: the longest, as a share of the motion's size and of the way. Any law whose tangent maps are known, any
-    number of impacts and rests, either side. What is met on the way (``Kind``) is located to round-off, but where
-    events change otherwise than by a touch, to 1e-10 of the way; two of one kind within a step are missed. ValueError
-    for arguments that make no sense, and an orbit that is not admissible or not one of the system at ``value``.
+    ``step``: the longest, as a share of the motion's size and of the way. Any law, any number of impacts and rests,
+    either side. What is met on the way (``Kind``) is located to round-off, but where events change otherwise than by a
+    touch to 1e-10 of the way, and where branches cross (PLUS_ONE) to 1e-8; two of one kind within a step are missed.
+    ValueError for arguments that make no sense, and an orbit that is not admissible or none of the system at ``value``.
 
     >>> import vibeam
     >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
@@ -137,7 +138,7 @@ def _setting(orbit: Orbit, along: str | Setting, value: float | None) -> tuple[S
 def _first(orbit: Orbit, setting: Setting, value: float, scale: float) -> BranchPoint:
     """The orbit as a point of a branch, its section in the middle of the longest flight."""
     here, state = StroboscopicMap(orbit.system, orbit.drive, orbit.time).in_flight(orbit.state)
-    section = Section.of(setting, orbit.periods, here.time, state, value, scale)
+    section = BranchSection.of(setting, orbit.periods, here.time, state, value, scale)
     z = section.place(state, value)
     try:
         point = section.corrected(z, np.append(np.zeros(len(z) - 1), 1.0), section.slope(z))
@@ -154,21 +155,27 @@ def _followed(walk: Walk, before: tuple[BranchPoint, ...] = ()) -> Branch:
     points = (*before, *walk.points)
     stable = np.array([bool(abs(each.multipliers[0]) < 1) for each in points])
     stable[: len(before)] = stable[len(before)]
-    met = tuple(
-        BranchBoundary(each.kind, value, np.zeros(0, complex) if each.point is None else each.point.multipliers, each.point)
-        for each, value in walk.met
-    )
+    met = tuple(BranchBoundary(each.kind, value, _multipliers(each), each.point, each.way) for each, value in walk.met)
     return Branch(np.array([each.value for each in points]), stable, met, walk.end, points, walk)
 
 
-def _beside(point: BranchPoint, times: int, side: float) -> tuple[Array, BranchPoint]:
-    """Where a branch begins, and the first motion of it, off along the null vector of M + 1, or M − 1."""
+def _multipliers(met: Met) -> Complex:
+    return np.zeros(0, dtype=complex) if met.point is None else met.point.multipliers
+
+
+def _beside(point: BranchPoint, way: Array, times: int, side: float) -> tuple[Array, BranchPoint]:
+    """Beginning of a branch of so many ``times`` the span, and the first motion of it.
+
+    There the derivatives of the equations have two null vectors: the tangent of the branch that goes the ``way``, and
+    one across, along which the other branch leaves.
+    """
     section = replace(point.section, periods=times * point.section.periods)
-    sign = 1.0 if times == 2 else -1.0
-    null = np.append(np.linalg.svd(point.monodromy + sign * np.eye(len(point.monodromy)))[2][-1], 0.0)
-    tangent = point.section.tangent(point, point.section.slope(point.z))
-    across = null - (null @ tangent) * tangent
-    normal = side * across / np.linalg.norm(across)
+    both = section.point(point.z)
+    rows = np.column_stack([both.monodromy - np.eye(len(both.monodromy)), section.slope(point.z)])
+    null = np.linalg.svd(rows)[2][-2:]
+    tangent = point.section.tangent(point, point.section.slope(point.z)) if times == 2 else way
+    share = null @ tangent
+    normal = side * np.array([-share[1], share[0]]) @ null / np.linalg.norm(share)
     for part in FIRST:
         guess = point.z + part * normal
         ahead = section.corrected(guess, normal, section.slope(guess))
@@ -188,4 +195,4 @@ def _orbit(point: BranchPoint) -> Orbit:
     """The record of a motion on a branch."""
     ratio = point.chart.units / point.section.units
     matrix = point.monodromy * (ratio[:, None] / ratio)
-    return orbit_at(point.chart, point.section.periods, Fixed(point.state, point.flown, matrix, point.chart.size(point.flown)))
+    return orbit_at(point.chart, point.section.periods, point.state, point.flown, matrix)

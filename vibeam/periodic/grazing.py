@@ -1,9 +1,9 @@
 """Grazing of periodic motions: a motion that touches a stop with no velocity, and the parameter at which it does.
 
-A touch that is about to begin, or an impact whose velocity is about to vanish, makes the map P singular (its slope grows
-like 1/v). The motion that grazes is regular all the same: at the touch it goes on as if the stop were not there. So its
-flight is computed through a window around the touch in which all stops are away, and by the exact flight elsewhere, and
-is found together with the parameter by Newton's method on the 2n + 1 equations
+A touch that is about to begin, or an impact whose velocity is about to vanish, makes the map P singular: its slope
+grows like 1/v. The motion that grazes is regular all the same: at the touch it goes on as if the stop were not there.
+So its flight is computed through a window around the touch in which all stops are away, by the exact flight elsewhere,
+and found together with the parameter μ by Newton's method on the 2n + 1 equations
 
     P(y; μ) − y = 0,      gap(t_m) = 0,  t_m where the contact's velocity is zero
 
@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -23,10 +24,9 @@ from scipy.optimize import brentq
 from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.kernels import layout
 from vibeam.flight.readout import sides
-from vibeam.flight.solver import exact_solver
-from vibeam.periodic.continuation import NEWTON, SMALL, STALLED, STEP, BranchPoint, Runners, Section
+from vibeam.periodic.continuation import NEWTON, SMALL, STALLED, STEP, BranchPoint, BranchSection, Runners
 from vibeam.periodic.stroboscopic import StroboscopicMap
-from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
@@ -34,7 +34,10 @@ AWAY = 1e3  # gap of a stop that is away, in sizes of the motion
 SAMPLES = 33  # instants of a window among which the touch is bracketed
 PER_RADIAN = 6.0  # instants of a flight for each radian of the fastest mode, among which touches are looked for
 INSTANTS = (40, 2000)  # of a flight, least and most
-TOGETHER = 1.2  # touches that come within so many times the nearest gap have windows of their own
+NEAR = 0.15  # share of the motion's size by which a touch or an impact must be about to vanish
+TOGETHER = 1.2  # touches that come within so many times the nearest gap come with it
+CUT = 0.05  # share of the distance of two touches that is kept between their windows
+BEYOND = 1e-9  # share of the motion's size by which the contact may be beyond the stop in a window
 
 
 class Window(NamedTuple):
@@ -47,10 +50,14 @@ class Window(NamedTuple):
 
 
 class Approach(NamedTuple):
-    """Touch that may begin: how far away it is, as a share of the motion's size, and its window."""
+    """Touch that may begin, or an impact that may vanish: how far from that, as a share of the motion's size.
+
+    ``struck``: whether it is an impact.
+    """
 
     distance: float
     window: Window
+    struck: bool
 
 
 def open_system(system: ImpactSystem, size: float) -> ImpactSystem:
@@ -76,7 +83,7 @@ def approaches(point: BranchPoint) -> list[Approach]:
                 room = ((times[at] - begin) / 2, (end - times[at]) / 2) if at else ((end - begin) / 8,) * 2
                 touch = drive.omega * float(times[at])
                 window = Window(touch - drive.omega * room[0], touch + drive.omega * room[1], k, touch)
-                found.append(Approach(-float(h[at]) / float(size[k]), window))
+                found.append(Approach(-float(h[at]) / float(size[k]), window, False))
     return sorted(found, key=lambda each: each.distance)
 
 
@@ -93,7 +100,7 @@ def weakest_impacts(point: BranchPoint) -> list[Approach]:
         at = float(trace[j, layout.START])
         room = float(trace[i, layout.DURATION]) / 2, float(trace[j, layout.DURATION]) / 2
         window = Window(drive.omega * (at - room[0]), drive.omega * (at + room[1]), int(side[i]), drive.omega * at)
-        found.append(Approach(float(trace[i, layout.BEFORE]) / fastest, window))
+        found.append(Approach(float(trace[i, layout.BEFORE]) / fastest, window, True))
     return sorted(found, key=lambda each: each.distance)
 
 
@@ -104,10 +111,26 @@ def _flights(trace: Array) -> Iterator[tuple[float, float]]:
             yield float(row[layout.START]), float(row[layout.START] + row[layout.DURATION])
 
 
-def together(found: list[Approach]) -> list[Window]:
-    """Window of the nearest touch, and those of the others that come with it."""
-    near = TOGETHER * max(found[0].distance, SMALL)
-    return [each.window for each in found if each.distance <= near]
+def together(found: list[Approach]) -> Iterator[list[Approach]]:
+    """Sets of touches that may come at once: all that are near, then each of the nearest with those like it."""
+    near = [each for each in found if each.distance < NEAR]
+    if len(near) > 1:
+        yield near
+    for struck in (False, True):
+        alike = [each for each in near if each.struck == struck]
+        if alike:
+            yield [each for each in alike if each.distance <= TOGETHER * max(alike[0].distance, SMALL)]
+
+
+def apart(windows: list[Window]) -> list[Window]:
+    """The windows in order, cut half way between touches where they overlap."""
+    ordered = sorted(windows, key=lambda each: each.touch)
+    for k, (one, other) in enumerate(pairwise(ordered)):
+        if one.end > other.begin:
+            middle = (one.touch + other.touch) / 2
+            width = CUT * (other.touch - one.touch)
+            ordered[k], ordered[k + 1] = one._replace(end=middle - width), other._replace(begin=middle + width)
+    return ordered
 
 
 class Grazed(NamedTuple):
@@ -130,12 +153,11 @@ class _Passage:
 
 
 class GrazingMotion:
-    """Equations of the motion that grazes in the first of some windows, in (y, μ): y the state where it begins."""
+    """Equations of the motion that grazes in the first of some windows, in order, in (y, μ): y the state there."""
 
-    def __init__(self, section: Section, windows: list[Window]) -> None:
-        first, span = windows[0], 2 * np.pi * section.periods
-        later = sorted(within_span(each, first.begin, span) for each in windows[1:])
-        self.section, self.windows, self.away = section.moved(first.begin), [first, *later], Runners()
+    def __init__(self, section: BranchSection, windows: list[Window]) -> None:
+        self.windows, self.away = windows, Runners()
+        self.section = section.moved(windows[0].begin)
 
     def turn_from(self, phase: float) -> float:
         """Angle by which the drive turns from a phase to where the first window begins."""
@@ -153,7 +175,7 @@ class GrazingMotion:
                 rows[:, -1] = self._slope(z)
                 step = np.linalg.solve(rows, values)
                 length = float(np.linalg.norm(step))
-                if length <= SMALL * (1 + float(np.linalg.norm(z))) or (length < STALLED and length >= last / 2):
+                if length <= SMALL * (1 + float(np.linalg.norm(z))) or (length < STALLED[0] and length >= last / 2):
                     return Grazed(z, here.touch, self.windows[0].contact)
                 if not length <= 1.0:
                     return None
@@ -161,6 +183,22 @@ class GrazingMotion:
         except (ArithmeticError, ValueError):
             return None
         return None
+
+    def clear(self, found: Grazed) -> bool:
+        """Test whether the motion that grazes keeps clear of the stops in its other windows."""
+        near, away = self._charts(found.z)
+        contacts, state = Contacts.of(near.system), self.section.state(found.z)
+        size = self.section.size / self.section.units[: near.system.size]
+        for is_open, begin, end in self._legs():
+            chart = (away if is_open else near).at(begin / near.drive.omega)
+            flown = chart.flown(state, (end - begin) / (2 * np.pi))
+            times = flown.segments.trace[0, layout.START] + np.linspace(0, (end - begin) / near.drive.omega, SAMPLES)
+            poses = chart.runner.poses_at(near.drive, flown.segments, times[:-1]) if is_open else np.zeros((0, 2, 1))
+            for row, gap in zip(contacts.rows, contacts.gaps, strict=True) if is_open else ():
+                if np.max(poses[:, 0] @ row) - gap > BEYOND * float(np.abs(row) @ size):
+                    return False
+            state = flown.state
+        return True
 
     def _slope(self, z: Array) -> Array:
         """Derivatives (2n + 1,) of the equations by the scaled parameter."""
@@ -212,7 +250,10 @@ class GrazingMotion:
         times = np.linspace(begin, begin + length, SAMPLES)
         heights = poses(times)[:, 0] @ row
         at = int(np.clip(np.argmax(heights), 1, SAMPLES - 2))
-        speed = lambda t: float(poses(np.array([t]))[0, 1] @ row)  # noqa: E731
+
+        def speed(t: float) -> float:
+            return float(poses(np.array([t]))[0, 1] @ row)
+
         ends = speed(times[at - 1]), speed(times[at + 1])
         if not ends[0] > 0 > ends[1]:
             raise ArithmeticError
@@ -230,12 +271,6 @@ class GrazingMotion:
             if goal <= end:
                 break
         return section.place(state, section.value(found.z))
-
-
-def within_span(window: Window, begin: float, span: float) -> Window:
-    """The window within a span from ``begin`` on."""
-    turn = (window.begin - begin) % span + begin - window.begin
-    return Window(window.begin + turn, window.end + turn, window.contact, window.touch + turn)
 
 
 def _between(
