@@ -48,8 +48,11 @@ NOTHING = Load(np.zeros(0), np.zeros(0), np.zeros(0, dtype=np.int64))
 def lifted(orbit: Orbit, other: ImpactSystem) -> tuple[float, State]:
     """Time, s, in the middle of the orbit's longest flight, and the state of ``other`` there under its contact forces.
 
-    ``other``: a model with as many contacts, at the orbit's drive. ValueError where an undamped mode is at resonance.
+    ``other`` at the orbit's drive. ValueError where it lacks a contact that the orbit strikes, and where an undamped
+    mode of it is at resonance.
     """
+    if (there := len(Contacts.of(other).rows)) <= orbit.contacts.max(initial=-1):
+        raise ValueError(f"lift: the orbit strikes contact {orbit.contacts.max() + 1}, and the other model has {there}")
     load = contact_load(orbit, float(np.max(other.omega)))
     closed = bool(len(orbit.times)) and orbit.times[0] <= orbit.time
     time = orbit.time + (orbit.span / 2 if closed else 0.0)
