@@ -229,7 +229,7 @@ class EventDrivenSolver(ABC):
         for index, (omega, drive) in enumerate(zip(omegas, drives, strict=True)):
             counts[:] = 0  # a point knows no more of the last than a State says
             if starts:
-                pose, status = self._pose_of(starts[index])
+                pose[:], status[:] = self._pose_of(starts[index])
             self._restart(pose, status, layout.RESTING if status[layout.KIND] == layout.RESTING else layout.FREE)
             outcome, period = unpaused(
                 self._move, engine, float(omega), float(drive), pose, status, 0.0, settle, hold, self.limit, watch,

@@ -28,11 +28,12 @@ from vibeam.studies.fit.explanation import (
     nearest,
 )
 from vibeam.studies.fit.orbits import OtherMotion
-from vibeam.studies.fit.problem import LEFT, SCALE, Problem, robust
+from vibeam.studies.fit.problem import FOLLOWED, LEFT, SCALE, Problem, robust
 from vibeam.studies.fit.surface import quasi_random
 from vibeam_models.arrays import Array, Index
 
 SCANNED = 32  # keys looked at, for each that is estimated
+FLOWN_KEYS = 16  # the same, of models without closed forms
 SAMPLES = 64  # a period, of the motions of the scan
 TRIED, SETTLED = 6, 3  # starts minimised from; of these, settled
 FEW, MANY = 8, 40  # evaluations of a minimisation
@@ -107,7 +108,7 @@ class Scan:
     @classmethod
     def of(cls, problem: Problem) -> Scan:
         """Scan of the case's own keys and of quasi-random ones."""
-        count = SCANNED * len(problem.keys)
+        count = (SCANNED if problem.surfaces else FLOWN_KEYS) * len(problem.keys)
         every = np.vstack([problem.start, quasi_random(count, len(problem.keys))])
         rows = []
         for x in every:
@@ -138,19 +139,21 @@ def minimise(
     if not free:
         residual, _ = problem.residuals(whole, chosen)
         return whole, float(residual @ residual)
-    seen: dict[bytes, tuple[Array, Array]] = {}
+    seen: dict[tuple[bytes, bool], tuple[Array, Array]] = {}
+    followed = bool((chosen >= FOLLOWED).any())
 
-    def at(part: Array) -> tuple[Array, Array]:
-        mark = part.tobytes()
+    def at(part: Array, slopes: bool) -> tuple[Array, Array]:
+        mark = part.tobytes(), slopes or not followed
         if mark not in seen:
             seen.clear()
             full = whole.copy()
             full[free] = part
-            seen[mark] = problem.residuals(full, chosen)
+            seen[mark] = problem.residuals(full, chosen, slopes=slopes)
         return seen[mark]
 
     found = least_squares(
-        lambda part: at(part)[0], np.clip(whole[free], FINE, 1 - FINE), jac=lambda part: at(part)[1][:, free],
+        lambda part: at(part, False)[0], np.clip(whole[free], FINE, 1 - FINE),
+        jac=lambda part: at(part, True)[1][:, free],
         bounds=(0.0, 1.0), xtol=tolerance, ftol=tolerance, gtol=1e-9, max_nfev=most, loss=loss, f_scale=SCALE,
     )  # fmt: skip
     whole[free] = found.x
@@ -243,7 +246,7 @@ def _descended(problem: Problem, x: Array, found: Explanation, dropped: tuple[in
     for share in SHARES:
         further = x + share * (goal - x)
         following = explained(problem, further, dropped)
-        if following.loss < found.loss - GAIN:
+        if following.loss < found.loss - GAIN or np.array_equal(following.chosen, found.chosen):
             break
     return further, following
 

@@ -28,9 +28,10 @@ from vibeam.studies.fit.orbits import FollowedOrbit, OtherMotion, Shooting
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import FOLLOWED, IMPOSSIBLE, LEFT, NO_CONTACT, Problem, robust, value_of
 from vibeam.studies.fit.surface import ModalSurface
-from vibeam.studies.fit.trails import HOLD, LONG, SHORT, SettledPoint, settled_points
+from vibeam.studies.fit.trails import HOLD, LONG, SHORT, SettledPoint, Trails, settled_points
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.quantities import Ended
+from vibeam.system.state import State
 from vibeam_models.arrays import Array, Flags, Index
 
 SETTLED = 1e-3  # share of its size within which a flight is on a motion that is known
@@ -74,27 +75,44 @@ def _followed(group: Points, j: int, orbit: FollowedOrbit, number: int) -> Other
 
 def _outside(problem: Problem, x: Array, shooting: Shooting, flown: SettledPoint) -> Iterator[OtherMotion]:
     """The motion that a flight settles on, where it is outside the family: followed from there, where that goes."""
+    seen = _seen(shooting, x, flown)
+    if seen is None:
+        return
+    number = _number(problem.trails, shooting, x, flown.state, seen)
+    if number is None and seen.period == 0 and not shooting.model.forward.closed:  # it may not have settled yet
+        beside = shooting.points.omega[flown.place : flown.place + 1]
+        read, (after,) = shooting.model.at(x).swept(beside, flown.state, LONG, HOLD)
+        seen = _seen(shooting, x, SettledPoint(flown.place, read, 0, after)) or seen
+        number = _number(problem.trails, shooting, x, after, seen) if seen.period else None
+    if number is not None:
+        seen = _followed(shooting.points, flown.place, problem.trails.every[number].at(x), number)
+    yield seen
+
+
+def _number(trails: Trails, shooting: Shooting, x: Array, state: State, seen: OtherMotion) -> int | None:
+    """Number of the periodic motion that a flight settles on; one that has not repeated yet: of a stable one near."""
+    number = trails.alike(shooting.point, x, vector(state), max(seen.period, 1), SETTLED)
+    if number is None and (seen.period or not shooting.model.forward.closed):
+        with suppress(NotFollowed):
+            found = shooting.settled(x, state, seen)
+            return trails.number(shooting, found) if seen.period or found.stable else None
+    return number
+
+
+def _seen(shooting: Shooting, x: Array, flown: SettledPoint) -> OtherMotion | None:
+    """The motion that a flight settles on; None where it is of the family, or the flight fails."""
     group, j, read, k = shooting.points, flown.place, flown.read, flown.k
     closed, period, rest = shooting.model.forward.closed, int(read.period[k]), shooting.model.at(x).rest(read)[k]
-    if read.ended[k] != Ended.COMPLETE.code or (period < 0 and closed):
-        return
-    impacts = round(float(read.impacts_per_period[k]) * max(period, 1))
-    if closed and (period, impacts) == (group.periods, 1) and rest == 0 and not group.several:
-        return
+    impacts = round(float(read.impacts_per_period[k]) * max(period, 1)) if np.isfinite(rest) else 0
+    own = (period, impacts) == (group.periods, 1) and rest == 0 and not group.several
+    if read.ended[k] != Ended.COMPLETE.code or (closed and (period < 0 or own)):
+        return None
     value = float(getattr(read, group.quantity)[k]) if group.gain is None else float("nan")
     off, told = value - float(group.value[j]), period != 0
     spread = float(np.hypot(group.uncertainty[j], 0.0 if told else VARIES * value))
     cost = (off / spread) ** 2 if np.isfinite(off) else 0.0
-    seen = OtherMotion(
-        period, impacts, rest, flown.state.resting, value if told else float("nan"), cost if told else max(cost, UNTOLD)
-    )
-    if told:
-        trails = problem.trails
-        number = trails.alike(shooting.point, x, vector(flown.state), seen.period, SETTLED)
-        with suppress(NotFollowed):
-            number = trails.number(shooting, shooting.settled(x, flown.state, seen)) if number is None else number
-            seen = _followed(group, j, trails.every[number].at(x), number)
-    yield seen
+    told_value, told_cost = (value, cost) if told else (float("nan"), max(cost, UNTOLD))
+    return OtherMotion(period, impacts, rest, flown.state.resting, told_value, told_cost)
 
 
 SETTLE = 150  # drive periods settled where starts are looked for

@@ -28,7 +28,7 @@ from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 
 STEP = 3e-5  # of a difference quotient, share of the bounds
-ITERATIONS, QUADRATIC = 12, 1e-7  # of Newton's method; share of the size of a correction that is the last one
+ITERATIONS, QUADRATIC = 12, 1e-6  # of Newton's method; share of the size of a correction that is the last one
 ALLOWED = 0.02  # share of the motion's size by which a correction may exceed what the derivative moved
 STEADY = 1 + 1e-9  # modulus of a multiplier up to which a motion is stable
 SAMPLES, FINER = 512, 8  # a period, of what is filtered; times as many after it

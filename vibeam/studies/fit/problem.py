@@ -172,14 +172,16 @@ class Problem:
                 values[motion, at], beyond[motion, at] = found.value, found.beyond
         return values, beyond
 
-    def residuals(self, x: Array, chosen: Index, models: Models | None = None) -> tuple[Array, Array]:
+    def residuals(
+        self, x: Array, chosen: Index, models: Models | None = None, slopes: bool = True
+    ) -> tuple[Array, Array]:
         """Residuals (2 points,) and Jacobian (2 points, P) by the shares, with each point's motion held.
 
         Values that make no system (a restitution of mode 1 that no contact gives) are worse than any that do.
-        ``models``: in place of the surfaces.
+        ``models``: in place of the surfaces. Without ``slopes`` the Jacobian lacks motions that are followed.
         """
         try:
-            values, by = self.predicted(x, chosen, models)
+            values, by = self.predicted(x, chosen, models, slopes)
         except ValueError:
             return np.full(2 * self.count, IMPOSSIBLE), np.zeros((2 * self.count, len(x)))
         scale, hardness = np.where(chosen == LEFT, 0.0, 1 / self.uncertainty), self.hardness
@@ -187,7 +189,9 @@ class Problem:
         by = np.concatenate([by[:, 0] * scale, by[:, 1] * hardness], axis=1)
         return np.concatenate([off, values[1] * hardness]), by.T
 
-    def predicted(self, x: Array, chosen: Index, models: Models | None = None) -> tuple[Array, Array]:
+    def predicted(
+        self, x: Array, chosen: Index, models: Models | None = None, slopes: bool = True
+    ) -> tuple[Array, Array]:
         """Values and ln(B*/B) (2, points) of the chosen motions, with derivatives (P, 2, points) by the shares.
 
         Where there is none at any drive the value is 0 and the drive off by a factor e. NaN of a point left out. A
@@ -200,7 +204,7 @@ class Problem:
         for group, at, own in self.parts():
             if len(some := np.flatnonzero(chosen[at] >= FOLLOWED)):
                 numbers = (chosen[at[some]] - FOLLOWED).tolist()
-                values[0, at[some]], by[:, 0, at[some]] = self.trails.values(numbers, x, group.omega[some])
+                values[0, at[some]], by[:, 0, at[some]] = self.trails.values(numbers, x, group.omega[some], slopes)
             for motion in np.unique(chosen[at][chosen[at] < LEFT]).tolist():
                 some = np.flatnonzero(chosen[at] == motion)
                 data, tangents = made[group.fidelity]

@@ -13,7 +13,6 @@ from vibeam.studies.fit.flights import NotFollowed, OrbitModel, ReadyModel
 from vibeam.studies.fit.orbits import FollowedOrbit, Shooting, differentiate
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.surface import Forward
-from vibeam.system.quantities import Ended
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arrays import Array, Index
@@ -37,19 +36,12 @@ class SettledPoint(NamedTuple):
 def settled_points(
     points: Points, made: ReadyModel, places: Index, settle: int, hold: int = HOLD
 ) -> Iterator[SettledPoint]:
-    """Motions that a model settles on, swept up and down over the points ``places``.
-
-    A motion that does not repeat after a short ``settle`` settles on.
-    """
+    """Motions that a model settles on, swept up and down over the points ``places``."""
     order = places[np.argsort(points.omega[places], kind="stable")]
     for leg in (order, order[::-1]):
         found, states = made.swept(points.omega[leg], None, settle, hold)
         for k, place in enumerate(leg.tolist()):
-            if hold < HOLD or settle >= LONG or found.ended[k] != Ended.COMPLETE.code or found.period[k] != 0:
-                yield SettledPoint(place, found, k, states[k])
-                continue
-            further, (after,) = made.swept(points.omega[place : place + 1], states[k], LONG, hold)
-            yield SettledPoint(place, further, 0, after)
+            yield SettledPoint(place, found, k, states[k])
 
 
 @dataclass
@@ -112,9 +104,10 @@ class Trails:
     def alike(self, point: int, x: Array, state: Array, period: int, within: float) -> int | None:
         """Number of the motion that is known at a point and shares ``x`` and has that state; None without."""
         for number, trail in enumerate(self.every):
-            near = trail.nearest(x)
-            known = trail.shooting.point == point and np.array_equal(near.x, x) and near.period == period
-            if known and near.apart(state, trail.shooting.model.at(x).units) < within:
+            near = trail.nearest(x) if trail.shooting.point == point else None
+            if near is None or near.period != period or not np.array_equal(near.x, x):
+                continue
+            if near.apart(state, trail.shooting.model.at(x).units) < within:
                 return number
         return None
 
@@ -132,10 +125,10 @@ class Trails:
                 with suppress(NotFollowed):
                     yield number, trail.at(x)
 
-    def values(self, numbers: list[int], x: Array, omega: Array) -> tuple[Array, Array]:
+    def values(self, numbers: list[int], x: Array, omega: Array, slopes: bool = True) -> tuple[Array, Array]:
         """Values (m,) of motions at shares ``x`` and drives (m,), and derivatives (P, m); as tangents go on where lost.
 
-        Another drive than the point's own is one beside it.
+        Another drive than the point's own is one beside it. Derivatives are 0 without ``slopes``.
         """
         trails = [self.every[each] for each in numbers]
         nearest = [trail.nearest(x) for trail in trails]
@@ -148,9 +141,10 @@ class Trails:
                 found.append(trail.beside(x, rate))
             except NotFollowed:
                 found.append((trail.shooting, near))
-        differentiate([each for each in found if np.array_equal(each[1].x, x)])
-        slopes = np.nan_to_num(np.array([each.by for _, each in found]))
-        return np.array([each.value + by @ (x - each.x) for (_, each), by in zip(found, slopes, strict=True)]), slopes.T
+        if slopes:
+            differentiate([each for each in found if np.array_equal(each[1].x, x)])
+        by = np.array([np.zeros(len(x)) if each.by is None else np.nan_to_num(each.by) for _, each in found])
+        return np.array([each.value + own @ (x - each.x) for (_, each), own in zip(found, by, strict=True)]), by.T
 
     def branch(self, numbers: set[int], reference: str, kind: str, x: Array, frequency: Array) -> tuple[Array, Array]:
         """Value (points,) of a kind of motion at other frequencies, Hz, and derivatives (P, points); NaN without.
@@ -163,8 +157,8 @@ class Trails:
                 with suppress(NotFollowed):
                     known.append((trail.shooting.omega, trail.shooting, trail.at(x)))
         value, by = np.full(len(frequency), np.nan), np.zeros((len(x), len(frequency)))
-        omega = 2 * np.pi * frequency
-        first = [min((abs(each - own[0]) for own in known), default=0.0) for each in omega]
+        omega, own = 2 * np.pi * frequency, dict[int, tuple[Shooting, FollowedOrbit]]()
+        first = [min((abs(each - rate) for rate, _, _ in known), default=0.0) for each in omega]
         for k in np.argsort(first, kind="stable").tolist():
             near = min(known, key=lambda each: abs(each[0] - omega[k]), default=None)
             if near is None:
@@ -174,8 +168,10 @@ class Trails:
                 found = beside.orbit(x, near[2].state, near[2])
                 if found.called == kind:
                     known.append((float(omega[k]), beside, found))
-                    differentiate([(beside, found)])
-                    value[k], by[:, k] = found.value, found.by
+                    value[k], own[k] = found.value, (beside, found)
+        differentiate(list(own.values()))
+        for k, (_, found) in own.items():
+            by[:, k] = 0.0 if found.by is None else found.by
         return value, by
 
     def soon(self, points: Points, forward: Forward, x: Array) -> Array:
