@@ -129,7 +129,7 @@ class StroboscopicMap:
 
     def at(self, time: float) -> StroboscopicMap:
         """The map of the same motion at another time of the drive, s."""
-        moved = object.__new__(StroboscopicMap)
+        moved = object.__new__(type(self))
         moved.__dict__.update(self.__dict__)
         moved.time = time % self.period
         return moved

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.exchange.faults import CaseError
-from vibeam.runs.estimate.records import FidelityEstimate, counted_reasons
+from vibeam.runs.estimate.records import Basis, FidelityEstimate, counted_reasons
 from vibeam.runs.keys import estimates_key
 from vibeam.runs.store.records import ESTIMATED
 from vibeam.system.number_text import percent
@@ -121,6 +121,7 @@ def _swept(name: str, found: FidelityEstimate, quantities: Sequence[str], points
     errors = errors[np.isfinite(errors)]  # velocities are not, without impacts
     largest = float(errors.max()) if len(errors) else np.nan
     reasons = counted_reasons(each.basis[~each.known] for each in parts)
+    points -= reasons.pop(Basis.LEFT_OUT, 0)
     unknown = {basis.value: count for basis, count in reasons.items()}
     return SweptFidelity(name, largest, points - sum(unknown.values()), points, unknown)
 
@@ -153,7 +154,7 @@ def until_within(
     from vibeam.runs.estimate.of_case import estimates, full_model
 
     try:
-        full_model(case.scene_of(jobs[0].name), 2 * np.pi * case.sweep.frequency)
+        full_model(case.scene_of(jobs[0].name))
     except ValueError as refusal:
         message = f"the error cannot be estimated ({refusal}): take this key away"
         raise CaseError([case.fault("accuracy", message=message)]) from None

@@ -179,8 +179,7 @@ def test_faults_are_told(settings: dict[str, Any], said: str) -> None:
 @pytest.mark.parametrize(
     ("name", "settings", "said"),
     [
-        ("rigs/elastic_stop", {}, r'the error cannot be estimated \(no closed-form motions with the contact law'),
-        ("dtu_loose", {"stop.second_gap": "1 mm"}, r"\(the full model: no closed-form motions with a second stop\)"),
+        ("dtu_loose", {"stop.wear": "1e-9 mm"}, r"the error cannot be estimated \(each impact widens the gap"),
         ("dtu_neutral", {"stop.restitution_of": "contact"}, "No fidelity is within.*add a fidelity with more modes"),
     ],
 )  # fmt: skip

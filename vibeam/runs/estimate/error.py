@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,13 +14,13 @@ from vibeam.periodic.modal_sums import resonant
 from vibeam.periodic.motions import Motions, OrbitKind, predicted, predicted_free, unsuited
 from vibeam.periodic.predicted_response import nearby_orbits
 from vibeam.periodic.train_sums import Trains
+from vibeam.runs.estimate.by_orbits import SETTLED, BesidePoint, ModelPair, beside
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import StatesAfter
-from vibeam_models.arrays import Array, Index
+from vibeam_models.arrays import Array, Flags, Index
 
-SETTLED = 1e-3  # largest relative difference in impact velocity between a point and its exact orbit
 MOST = 8  # impacts before the motion repeats
 
 
@@ -130,15 +130,17 @@ READ_OFF = 2e-6  # share to which a flight is read off
 
 def estimate_error(
     response: FrequencyResponse, system: ImpactSystem, full: ImpactSystem, amplitude: ArrayLike,
-    output: str = "contact", after: StatesAfter | None = None,
+    output: str = "contact", after: StatesAfter | None = None, points: Flags | None = None,
+    drift: Array | None = None,
 ) -> ErrorEstimate:  # fmt: skip
     """Estimate the error of ``response``, of the model ``system``, against the same motion of the model ``full``.
 
-    It is not flown: where several motions coexist, a sweep of it may be on another one (``flown`` tells).
+    Where several motions coexist, a sweep of ``full`` may be on another one: ``of_case`` tells.
 
-    ``amplitude`` of the base motion, m, one number or one a point; ``output``: what the response was read of. The
-    states ``after`` its points are needed for motions with several impacts. ValueError where one of the models has no
-    closed-form motions.
+    ``amplitude`` of the base motion, m, one number or one a point; ``output``: what the response was read of;
+    ``drift`` (points,): growth of the gap, m. The states ``after`` its points are needed for motions that no closed
+    form of both models knows: these go by orbits (``by_orbits``), where the models have none at all at the ``points``
+    (mask, None: all).
 
     >>> import vibeam
     >>> full = vibeam.ImpactSystem.from_modes([1.0, 7.0], 0.05, [1.0, 0.1], [1.0, 0.1], restitution=0.5)
@@ -147,11 +149,9 @@ def estimate_error(
     >>> found.known.tolist(), bool(abs(found.amplitude[0]) < 0.1)
     ([True], True)
     """
-    for each, name in ((system, "the model"), (full, "the full model")):
-        if reason := unsuited(each):
-            raise ValueError(f"{name}: {reason}")
     base = np.array(np.broadcast_to(np.asarray(amplitude, dtype=float), len(response)))
-    swept = swept_motions(system, response, base, after)
+    closed = drift is None and not (unsuited(system) or unsuited(full))
+    swept = swept_motions(system, response, base, after) if closed else _nothing_swept(len(response))
     made = _Rows(np.full((len(QUANTITIES), len(response)), np.nan), np.full((4, len(response)), np.nan), swept.basis)
     for which, trains in _without_resonance(full, swept):
         different, back = _distinct(trains)
@@ -160,9 +160,20 @@ def estimate_error(
     if len(swept.free):
         omega = 2 * np.pi * response.frequency[swept.free]
         made.enter(response, swept.free, predicted_free(full, omega, base[swept.free], output), Basis.FREE)
+    open_ = np.isin(swept.basis, [Basis.RESTS.code, Basis.SEVERAL.code]) if closed else np.ones(len(response), bool)
+    if open_.any():
+        which = np.flatnonzero(open_ if closed or points is None else points)
+        made.basis[open_] = Basis.LEFT_OUT.code
+        states = after or StatesAfter.unknown(len(response), system.size)
+        made.enter_shot(beside(ModelPair(system, full, output, drift), response, base, states, which))
     names = (*QUANTITIES, *(f"{name}_bound" for name in QUANTITIES), "correction")
     rows = dict(zip(names, (*made.signed, *made.bounds), strict=True))
     return ErrorEstimate(frequency=response.frequency.copy(), basis=made.basis, **rows)
+
+
+def _nothing_swept(points: int) -> SweptMotions:
+    """Points of which no closed form knows anything."""
+    return SweptMotions((), np.zeros(0, dtype=np.int64), np.full(points, Basis.LEFT_OUT.code))
 
 
 def _distinct(trains: Trains) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -203,3 +214,11 @@ class _Rows:
         self.bounds[3, which] = there.first
         codes = np.array([same.code, *(Basis[each.name].code for each in OrbitKind if each is not OrbitKind.ORBIT)])
         self.basis[which] = codes[there.found]
+
+    def enter_shot(self, found: Iterable[tuple[int, BesidePoint]]) -> None:
+        """Enter what was found beside points by orbits."""
+        for point, there in found:
+            signed = there.errors
+            self.signed[:, point] = signed
+            self.bounds[:, point] = *(np.abs(signed) + (1 + np.abs(signed)) * READ_OFF), there.correction
+            self.basis[point] = there.basis.code

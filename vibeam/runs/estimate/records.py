@@ -29,10 +29,12 @@ class Basis(CodedEnum):
     RESONANT = "an undamped mode is driven at a resonance"
     FREE = "clear of the stop, as the full model"
     ANOTHER = "the full model makes another motion"
+    REACHED = "along the orbit that the full model comes to from this motion"
+    LEFT_OUT = "not computed: between points whose orbits are"
 
 
-KNOWN = (Basis.ORBIT, Basis.FREE)  # those with an estimate
-WITHOUT_IMPACTS = (Basis.FREE, Basis.FAILED)  # neither model is known to touch the stop
+KNOWN = (Basis.ORBIT, Basis.REACHED, Basis.FREE)  # those with an estimate
+WITHOUT_IMPACTS = (Basis.FREE, Basis.FAILED, Basis.LEFT_OUT)  # neither model is known to touch the stop
 
 
 QUANTITIES = ("amplitude", "reach", "impact_velocity")
@@ -44,8 +46,9 @@ class ErrorEstimate(ValueRecord):
 
     ``amplitude``, ``reach``, ``impact_velocity``: this model's over the fuller one's, less 1; the same with ``_bound``:
     the estimate of the error's size, which has the uncertainty of the estimate on top. NaN where ``basis``, the code of
-    a ``Basis``, is another than ORBIT or FREE, and velocities also without impacts. ``correction``: size of the first
-    Newton correction of the impacts, rad and share of the impulse: it grows without bound toward a fold.
+    a ``Basis``, is none of ``KNOWN``, and velocities also without impacts. ``correction``: size of the first
+    Newton correction of the impacts, rad and share of the impulse, or of the state, share of the motion's size: it
+    grows without bound toward a fold.
     """
 
     frequency: Array
@@ -78,7 +81,8 @@ class ErrorEstimate(ValueRecord):
 class FidelityEstimate:
     """Estimates of one fidelity, by direction; ``why``: there is none at all.
 
-    Against a full model of ``modes`` modes; ``whole``: it is that model itself.
+    Against a full model of ``modes`` modes; ``whole``: it is that model itself. ``swept``: its own sweep tells where
+    it makes another motion.
     """
 
     modes: int
@@ -86,6 +90,7 @@ class FidelityEstimate:
     why: str = ""
     whole: bool = False
     cpu_seconds: float = 0.0
+    swept: bool = True
 
 
 NAN = float("nan")
@@ -102,8 +107,8 @@ class EstimateSummary:
     """Estimated error in amplitude of one fidelity against the full model of ``modes`` modes.
 
     ``worst``, ``rms``: over the ``points`` at which it is known, of ``total`` at which one of the models touches the
-    stop; NaN where that is less than half of them. ``unknown``: number of the others by reason; ``why``: there is no
-    estimate at all.
+    stop; NaN where that is less than half of them. ``unknown``: number of the others by reason; ``left_out``: points
+    that were not computed; ``why``: there is no estimate at all; ``swept`` as in ``FidelityEstimate``.
     """
 
     fidelity: str
@@ -115,6 +120,8 @@ class EstimateSummary:
     unknown: Mapping[str, int]
     why: str = ""
     cpu_seconds: float = 0.0
+    left_out: int = 0
+    swept: bool = True
 
     @property
     def cell(self) -> str:
@@ -161,8 +168,9 @@ def summary(name: str, found: FidelityEstimate) -> EstimateSummary:
     worst, rms = NAN, NAN
     if len(bounds) and len(bounds) >= LEAST * total:
         worst, rms = float(bounds.max()), float(np.sqrt(np.mean(bounds**2)))
+    left_out = sum(int(np.count_nonzero(part.basis == Basis.LEFT_OUT.code)) for part in parts)
     return EstimateSummary(
-        name, found.modes, worst, rms, len(bounds), total, unknown, found.why, found.cpu_seconds
+        name, found.modes, worst, rms, len(bounds), total, unknown, found.why, found.cpu_seconds, left_out, found.swept
     )  # fmt: skip
 
 
@@ -180,6 +188,7 @@ def _sentences(rows: Sequence[EstimateSummary]) -> Iterator[str]:
             reasons.setdefault(row.why, []).append(row.fidelity)
     for why, names in reasons.items():
         yield f"{', '.join(names)}: not estimated against the full model ({why})"
+    yield from _of_cost(rows)
     for row in rows:
         if row.unknown:
             listed = "; ".join(f"{reason}: {count}" for reason, count in row.unknown.items())
@@ -188,3 +197,19 @@ def _sentences(rows: Sequence[EstimateSummary]) -> Iterator[str]:
                 f"{row.fidelity} against the full model: known at {row.points} of {row.total} points with impacts{few} "
                 f"({listed})"
             )
+
+
+def _of_cost(rows: Sequence[EstimateSummary]) -> Iterator[str]:
+    """Sentences on estimates that took flights of the full model: at which points, for how long, and not swept."""
+    few = [row for row in rows if row.left_out]
+    if few:
+        names, seconds = ", ".join(row.fidelity for row in few), sum(row.cpu_seconds for row in few)
+        yield (
+            f"{names}: by orbits of the full model ({few[0].modes} modes) at frequencies evenly spread and around the "
+            f"peak, {seconds:.2g} s of CPU time"
+        )
+    if unswept := [row.fidelity for row in rows if not row.swept]:
+        yield (
+            f"{', '.join(unswept)}: {COLUMN} is of the same motion in the full model; whether a sweep of that is on it "
+            "was not flown, for that takes longer"
+        )

@@ -146,7 +146,7 @@ ESTIMATE_ROWS = {
     "correction": "first Newton correction of the impacts, rad and share of the impulse",
     "basis": "what the estimate is of, or why there is none",
 }
-HEAD = ("modes", "whole", "cpu_seconds")
+HEAD = ("modes", "whole", "cpu_seconds", "swept")
 
 
 def _write_estimates(home: h5py.Group, found: Mapping[str, FidelityEstimate]) -> None:
@@ -172,7 +172,7 @@ def read_estimates(home: h5py.Group) -> dict[str, FidelityEstimate]:
 
 
 def _estimate(group: h5py.Group) -> FidelityEstimate:
-    head = {field: group.attrs[field].item() for field in HEAD}
+    head = {field: group.attrs[field].item() for field in HEAD if field in group.attrs}
     branches = {
         way: ErrorEstimate(group[way]["frequency"][()], **{name: group[way][name][()] for name in ESTIMATE_ROWS})
         for way in ("up", "down")
