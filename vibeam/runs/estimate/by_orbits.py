@@ -201,13 +201,13 @@ class MapByLowerModes(StroboscopicMap):
         self._lower = lower
         self._kept: list[Array] = []
 
-    def jacobian(self, state: State, periods: int, flown: Flown) -> Array:
+    def jacobian(self, state: State, periods: float, flown: Flown) -> Array:
         """See the base class; along the motion of the lower modes alone."""
         if not self._kept:
             self._kept = [self._made(state, periods)] * KEPT
         return self._kept.pop()
 
-    def _made(self, state: State, periods: int) -> Array:
+    def _made(self, state: State, periods: float) -> Array:
         n, whole = self._lower.system.size, self.system.size
         lower, begun = self._lower.at(self.time), State(state.displacement[:n], state.velocity[:n])
         matrix, kept = np.zeros((2 * whole, 2 * whole)), np.concatenate([np.arange(n), whole + np.arange(n)])
