@@ -11,7 +11,6 @@ from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.effects.masses import AddedMass
 from vibeam_models.effects.opposite import Opposite
 from vibeam_models.effects.sections import Section
-from vibeam_models.laws.yielding import LeafSpring
 
 BARE = replace(POINT_MASS, mass=None)
 EI = STEEL.bending_stiffness
@@ -79,11 +78,3 @@ def test_both_beams_weigh():
     scene = with_effects(BARE, Opposite(0.1, length=0.36), AddedMass(0.5, 0.3, on="opposite"))
     assert scene.moving_mass == pytest.approx(3 * STEEL.mass_per_length * STEEL.length + 0.5, rel=1e-14)
     assert scene.weights == ()
-
-
-def test_a_leaf_spring_is_its_geometry():
-    """Stuttgart's leaf: 57 mm × 40 mm × 1 mm of steel, 11 to 12 kN/m by the drawing."""
-    law = LeafSpring(0.057, 0.04, 0.001, 210e9, restitution=1.0).contact(5.0)
-    assert law.stiffness == pytest.approx(3 * 210e9 * (0.04 * 0.001**3 / 12) / 0.057**3, rel=1e-14)
-    assert 11e3 < law.stiffness < 12e3
-    assert law.damping < 1e-50

@@ -97,8 +97,8 @@ RIGS = Registry(
     Rig(
         "two-beams", "beam", "two cantilevers that meet at a leaf spring", "two-beams",
         "beam.length beam.width beam.thickness beam.youngs_modulus beam.density beam.damping_ratio opposite.position"
-        " opposite.arm stop.position stop.gap stop.law stop.leaf_length stop.leaf_width stop.leaf_thickness"
-        " stop.leaf_modulus stop.restitution sensor.position drive.force drive.at",
+        " opposite.arm stop.position stop.gap stop.law stop.stiffness"
+        " stop.restitution sensor.position drive.force drive.at",
         instead={
             "beam.damping_ratio": 0.0025, "drive.force": "0.1 N", "drive.at": "300 mm", "sweep.settle": 500,
             "sweep.frequency": {"from": "32 Hz", "to": "35 Hz", "points": 61},

@@ -40,14 +40,12 @@ class Leaf(Effect):
 
     @classmethod
     def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
-        """As ``Effect.faults``: no beam that carries it, a contact off the leaf, its flexibility said twice."""
+        """As ``Effect.faults``: no beam that carries it, a contact off the leaf."""
         if case.opposite is None:
             yield "", "stands on an opposite beam: add [opposite]; a leaf on the base is an [opposite] beam itself"
         elif None not in (table.length, case.opposite.arm) and not 0 < case.opposite.arm <= table.length:
             said = f'opposite.arm says where on the leaf the contact is: write arm = "{table.length:g} m" for its tip'
             yield "length", f"{said}, or less, above 0"
-        if case.stop.law == "leaf spring":
-            yield "", 'yields by itself: leave stop.law = "leaf spring" out, which would count its flexibility twice'
 
     @property
     def carried_by(self) -> str:

@@ -24,7 +24,6 @@ LAWS: Registry[Home] = Registry(
     Home("velocity restitution", "vibeam_models.laws.rigid:VelocityDependent"),
     Home("viscous restitution", "vibeam_models.laws.rigid:Viscous"),
     Home("linear", "vibeam_models.laws.yielding:Linear"),
-    Home("leaf spring", "vibeam_models.laws.yielding:LeafSpring"),
     Home("hertz", "vibeam_models.laws.yielding:Elastic"),
     Home("hunt-crossley", "vibeam_models.laws.yielding:Damped"),
 )

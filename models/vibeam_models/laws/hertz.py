@@ -46,12 +46,10 @@ class ElasticBodies:
     shape: str | None = word(
         tuple(SIZES), "of the stop where it is met; absent = sphere; law linear needs flat punch", "sphere", None
     )
-    radius: float | None = quantity(
-        "m", "of the stop's sphere or flat punch, with youngs_modulus in place of its stiffness", "5 mm", None, above=0
-    )
+    radius: float | None = quantity("m", "of its sphere or flat punch; in place of a stiffness", "5 mm", None, above=0)
     length: float | None = quantity(
         "m",
-        "of the line in which a cylinder is met, with youngs_modulus in place of its stiffness",
+        "contact length of its cylinder; in place of a stiffness",
         "10 mm",
         None,
         above=0,
@@ -59,10 +57,10 @@ class ElasticBodies:
     youngs_modulus: float = quantity("Pa", "modulus of elasticity of the stop", "210 GPa", above=0)
     poissons_ratio: float = quantity("", "of the stop", 0.3, least=0, most=0.5)
     counterbody_youngs_modulus: float | None = quantity(
-        "Pa", "modulus of elasticity of the body that meets the stop; absent = the beam's", "70 GPa", None, above=0
+        "Pa", "of what meets the stop; absent = the beam's", "70 GPa", None, above=0
     )
     counterbody_poissons_ratio: float | None = quantity(
-        "", "of the body that meets the stop; absent = the beam's", 0.33, None, least=0, most=0.5
+        "", "of what meets the stop; absent = the beam's", 0.33, None, least=0, most=0.5
     )
 
     shapes: ClassVar[tuple[str, ...]] = (SPHERE, CYLINDER)

@@ -1,4 +1,4 @@
-"""Declarations of the laws of a stop that yields: linear, a leaf spring, Hertz's, Hunt and Crossley's."""
+"""Declarations of the laws of a stop that yields: linear, Hertz's, Hunt and Crossley's."""
 
 from __future__ import annotations
 
@@ -92,35 +92,6 @@ class LinearBodies(ElasticBodies, ContactLaw):
     def contact(self, mobility: float) -> LinearStop:
         """The linear stop of that stiffness."""
         return Linear(self.body_stiffness, self.damping, self.restitution).contact(mobility)
-
-
-@dataclass(frozen=True)
-class LeafSpring(ContactLaw):
-    """The linear stop of stiffness 3EI/l³ = E b t³/4l³, static: its own modes must lie far above the drive."""
-
-    leaf_length: float = quantity("m", "of law leaf spring: free length", "57 mm", above=0)
-    leaf_width: float = quantity("m", "of law leaf spring", "40 mm", above=0)
-    leaf_thickness: float = quantity("m", "of law leaf spring, along the motion", "1 mm", above=0)
-    leaf_modulus: float = quantity("Pa", "of law leaf spring: modulus of elasticity", "210 GPa", above=0)
-    damping: float | None = declared(Linear.__dataclass_fields__["damping"].metadata["key"], None)
-    restitution: float | None = declared(RESTITUTION, None)
-
-    name: ClassVar[str] = "leaf spring"
-    compliant: ClassVar[bool] = True
-
-    @classmethod
-    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
-        """The loss, said once."""
-        yield from _said_once(cls.name, stop)
-
-    @property
-    def stiffness(self) -> float:
-        """E b t³/4l³ in N/m."""
-        return self.leaf_modulus * self.leaf_width * self.leaf_thickness**3 / (4 * self.leaf_length**3)
-
-    def contact(self, mobility: float) -> LinearStop:
-        """The linear stop of that stiffness."""
-        return Linear(self.stiffness, self.damping, self.restitution).contact(mobility)
 
 
 def _soft(stop: Any) -> Iterator[tuple[str, str]]:

@@ -128,9 +128,6 @@ def test_timoshenkos_beam_is_softer():
 
 NAMES = " | ".join(f'"{name}"' for name in SHAPES)
 LAW_NAMES = " | ".join(f'"{name}"' for name in LAWS)
-LEAF = 'law = "leaf spring"\nleaf_length = "57 mm"\nleaf_width = "40 mm"\nleaf_thickness = "1 mm"\n'
-LEAF += 'leaf_modulus = "210 GPa"\n'
-
 OFF_LEAF = (
     "leaf.length: opposite.arm says where on the leaf the contact is: "
     'write arm = "0.057 m" for its tip, or less, above 0'
@@ -149,10 +146,10 @@ FAULTS = [
      f"beam.shape: 'tub' is not one of {NAMES}; did you mean 'tube'?"),
     (TUBE.replace('"tube"', '"tub"') + FIRST + 'outer_diameter = "20 mm"\n',
      f"beam.shape: 'tub' is not one of {NAMES}; did you mean 'tube'?"),
-    (PLAIN.replace("restitution = 0.7", 'law = "leaf_spring"\nleaf_length = "20 mm"\nrestitution = 0.7'),
-     f"stop.law: 'leaf_spring' is not one of {LAW_NAMES}; did you mean 'leaf spring'?"),
-    (PLAIN.replace("restitution = 0.7", LEAF + "restitution = 0"),
-     'stop.restitution: 0 is more than law = "leaf spring" can lose: write a number above 0'),
+    (PLAIN.replace("restitution = 0.7", 'law = "liner"\nstiffness = "1 N/mm"\nrestitution = 0.7'),
+     f"stop.law: 'liner' is not one of {LAW_NAMES}; did you mean 'linear'?"),
+    (PLAIN.replace("restitution = 0.7", 'law = "linear"\nstiffness = "1 N/mm"\nrestitution = 0'),
+     'stop.restitution: 0 is more than law = "linear" can lose: write a number above 0'),
     (PLAIN.replace('amplitude = "0.1 mm"', 'force = ["1 N", "2 N"]\nfrequency = [6, 4]\nat = "0.5 m"'),
      "drive.frequency: the list must ascend, each number once; the direction is said elsewhere"),
     (PLAIN.replace('amplitude = "0.1 mm"', 'moment = "1 N m"\nat = "0 mm"'), "drive.at: '0 mm' must be > 0"),
@@ -239,7 +236,3 @@ def test_a_leaf_goes_with_the_opposite_beam_that_carries_it():
     parse(PLAIN + MASSIVE + stand, set={"sweep.output": "opposite_tip"})
     with pytest.raises(CaseError, match=r"sweep\.output: 'opposite_tip' is not one of"):
         parse(PLAIN, set={"sweep.output": "opposite_tip"})
-    with pytest.raises(CaseError, match="leaf: yields by itself"):
-        parse(PLAIN + MASSIVE + stand, set={
-            "stop.law": "leaf spring", "stop.leaf_length": "57 mm", "stop.leaf_width": "40 mm",
-            "stop.leaf_thickness": "1 mm", "stop.leaf_modulus": "210 GPa"})  # fmt: skip

@@ -200,12 +200,13 @@ def test_the_file_keeps_the_comparison_and_drops_it_with_the_case(tmp_path: Path
     json.dumps(kept["sdof"], default=float)
 
 
-def test_a_leaf_spring_is_called_by_its_name() -> None:
-    """To the system it is a linear stop."""
-    leaf = {"leaf_length": "57 mm", "leaf_width": "40 mm", "leaf_thickness": "1 mm", "leaf_modulus": "210 GPa"}
-    case = load(RIG, set={"stop.law": "leaf spring", "stop.restitution_of": "contact",
-                                      **{f"stop.{key}": value for key, value in leaf.items()}})  # fmt: skip
+def test_a_law_is_called_by_the_name_that_the_case_has() -> None:
+    """To the system Hunt and Crossley's law without loss is Hertz's."""
+    law = {"law": "hunt-crossley", "hertz_stiffness": 1e9, "restitution": 1, "velocity": "0.1 m/s"}
+    settings = {f"stop.{key}": value for key, value in law.items()}
+    case = load(RIG, set={"stop.restitution_of": "contact"} | settings)
+    assert case.system("beam").law.name == "hertz"
     model = held_comparison.ComparedModel("beam", case.scene, case.system("beam"), np.ones(1), np.ones(1), "sensor")
     other = replace(model, name="other")
     said = held_comparison.held_comparison(model, [other]).limit.why
-    assert said == 'no closed-form motions with the contact law "leaf spring"'
+    assert said == 'no closed-form motions with the contact law "hunt-crossley"'

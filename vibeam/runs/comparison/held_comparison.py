@@ -85,7 +85,7 @@ def _excluded(model: ComparedModel) -> str:
 
 
 def _as_written(model: ComparedModel, features: str) -> str:
-    """Features with the contact law by the case's name: a leaf spring is a linear stop to the system."""
+    """Features with the contact law by the case's name: without loss hunt-crossley is hertz to the system."""
     law, built = getattr(model.scene.stop, "law", None), model.system.law
     return features if law is None or built is None else features.replace(f'"{built.name}"', f'"{law.name}"')
 
