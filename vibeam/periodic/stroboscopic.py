@@ -32,7 +32,7 @@ from vibeam_models.arrays import Array, Complex
 
 DECAY = 8.0  # nepers within one factor, beyond which the weakest direction would drown in round-off
 WEAK = 1e-6  # share of the largest multiplier below which the product's eigenvalues are not good enough
-ROUNDS = 100  # of the frame
+ROUNDS, FEWEST = 100, 8  # of the frame
 CONVERGED = 40.0  # nepers by which two directions must have parted in all rounds to be told apart
 
 
@@ -69,13 +69,16 @@ def _eigenvalues(factors: list[Array], frame: Array) -> Complex:
 
 def _by_frames(factors: list[Array], frame: Array) -> Complex:
     logs = np.zeros(frame.shape[1])
-    for _ in range(ROUNDS):
+    for turn in range(1, ROUNDS + 1):
         begin, total = frame, np.eye(len(logs))
         for matrix in factors:
             frame, upper = np.linalg.qr(matrix @ frame)
             total = upper @ total
         with np.errstate(divide="ignore"):
             logs += np.log(np.abs(np.diag(total)))
+        parted = -np.diff(logs)
+        if turn >= FEWEST and not np.any((parted <= CONVERGED) & (parted * ROUNDS > CONVERGED / 2 * turn)):
+            break  # those that have not parted yet never will
     turned = begin.T @ frame
     cuts = [0, *(np.flatnonzero(-np.diff(logs) > CONVERGED) + 1), len(logs)]
     groups = [slice(a, b) for a, b in pairwise(cuts)]
