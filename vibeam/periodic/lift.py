@@ -32,6 +32,7 @@ from vibeam_models.arrays import Array, Index
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 TURN = 4.0  # radians of the fastest mode to a panel of Gauss' quadrature
 MOST_PANELS = 256  # a segment
+GONE = 300.0  # nepers a span, from which on nothing is left of a mode in the middle of a flight
 
 
 class Load(NamedTuple):
@@ -53,7 +54,8 @@ def lifted(orbit: Orbit, other: ImpactSystem) -> tuple[float, State]:
     """
     if (there := len(Contacts.of(other).rows)) <= orbit.contacts.max(initial=-1):
         raise ValueError(f"lift: the orbit strikes contact {orbit.contacts.max() + 1}, and the other model has {there}")
-    load = contact_load(orbit, float(np.max(other.omega)))
+    left = (other.zeta * other.omega * orbit.span < GONE) | bool(np.any(other.omega == 0))
+    load = contact_load(orbit, float(np.max(other.omega[left], initial=0.0)))
     closed = bool(len(orbit.times)) and orbit.times[0] <= orbit.time
     time = orbit.time + (orbit.span / 2 if closed else 0.0)
     found = _response(other, orbit.drive, orbit.span, load, time)
