@@ -235,7 +235,10 @@ def settled(problem: Problem, x: Array, dropped: tuple[int, ...] = (), *, nearby
         further, following = _descended(problem, x, found, dropped)
         if following.loss > found.loss - GAIN:
             break
+        alike = np.array_equal(following.chosen, found.chosen)
         x, found = further, following
+        if alike:  # the keys are at their minimum
+            break
     final, _ = minimise(problem, x, found.chosen, tolerance=ROUGHLY)
     return Minimum.at(problem, final, found.chosen, found)
 
