@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from vibeam.periodic.clearance import least_minimum
-from vibeam.periodic.gap import SpanGap
+from vibeam.periodic.gap import FlightGap
 from vibeam.periodic.modal_sums import Roots, Sums, balance, sums
 from vibeam.periodic.multipliers import multipliers, real_crossing
 from vibeam.system.impact_system import ImpactSystem
@@ -93,7 +93,7 @@ def clearances(system: ImpactSystem, points: MotionsAt, branch: int, ceiling: fl
     """
     striking = np.flatnonzero((points.roots.impulse[:, branch] < 0) & np.isfinite(points.roots.phase[:, branch]))
     size = np.abs(points.total.unit * points.amplitude) + np.abs(points.gap)
-    flights = SpanGap.of(system, points.total, points.roots, points.amplitude, branch).chosen(striking)
+    flights = FlightGap.of(system, points.total, points.roots, points.amplitude, branch).chosen(striking)
     result = np.full(len(size), np.nan)
     result[striking] = np.minimum(least_minimum(flights, ceiling * size[striking]).value / size[striking], ceiling)
     return result

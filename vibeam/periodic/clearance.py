@@ -13,16 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.periodic.gap import SpanGap, TrainGap
+from vibeam.periodic.gap import FlightGap
 from vibeam_models.arrays import Array, Flags, Index
 
 FIRST = 8  # initial intervals a drive period
 HALVINGS = 45  # halvings after which a flat minimum counts as a point of inflection
 SMALLEST = 1e-15  # share of the motion's size taken as round-off
 STEPS = 60
-
-
-GapFlights = SpanGap | TrainGap  # flights from impact to impact
 
 
 class GapMinimum(NamedTuple):
@@ -43,7 +40,7 @@ class _Pieces(NamedTuple):
         return _Pieces(self.motion[which], self.left[which], self.width[which])
 
 
-def least_minimum(flights: GapFlights, ceiling: Array) -> GapMinimum:
+def least_minimum(flights: FlightGap, ceiling: Array) -> GapMinimum:
     """Least local minimum of every motion's gap; ∞ where all are above its ``ceiling`` (motions,), m."""
     best = GapMinimum(np.full(len(flights), np.inf), np.full(len(flights), np.nan))
     floor = SMALLEST * np.abs(flights.part)
@@ -60,7 +57,7 @@ def least_minimum(flights: GapFlights, ceiling: Array) -> GapMinimum:
     return best
 
 
-def _initial(flights: GapFlights) -> _Pieces:
+def _initial(flights: FlightGap) -> _Pieces:
     """Initial intervals: a few a drive period for every motion."""
     counts = np.ceil(flights.omega * flights.span / (2 * np.pi) * FIRST - 1e-9).astype(int)
     motion = np.repeat(np.arange(len(flights)), counts)
@@ -75,7 +72,7 @@ def _halved(pieces: _Pieces) -> _Pieces:
     return _Pieces(np.tile(pieces.motion, 2), left, np.tile(half, 2))
 
 
-def _classified(flights: GapFlights, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
+def _classified(flights: FlightGap, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
     """Classify intervals: those that stay open, and those with exactly one minimum."""
     motion, h = pieces.motion, pieces.width
     a = flights.gap(motion, pieces.left)
@@ -97,7 +94,7 @@ def _classified(flights: GapFlights, pieces: _Pieces, ceiling: Array, floor: Arr
     return ~above & ~steady & ~convex, single
 
 
-def _minima(flights: GapFlights, pieces: _Pieces) -> tuple[Array, Array]:
+def _minima(flights: FlightGap, pieces: _Pieces) -> tuple[Array, Array]:
     """Values and times of the one minimum in each interval: Newton's method on d', safeguarded by bisection."""
     low, high = pieces.left.copy(), pieces.left + pieces.width
     time = (low + high) / 2

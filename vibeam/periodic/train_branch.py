@@ -22,7 +22,7 @@ import numpy as np
 
 from vibeam.periodic.bifurcation_functions import REAL, Kind
 from vibeam.periodic.clearance import least_minimum
-from vibeam.periodic.gap import TrainGap
+from vibeam.periodic.gap import FlightGap
 from vibeam.periodic.modal_sums import offsets
 from vibeam.periodic.train_orbits import multipliers_of, states_before
 from vibeam.periodic.trains import Train, equations, phasors
@@ -121,7 +121,7 @@ def clearance(system: ImpactSystem, drive: Drive, span: float, train: Train) -> 
     times = train.times[order]
     lengths = np.diff(np.append(times, times[0] + span))
     many = np.full(len(times), drive.omega)
-    parts = TrainGap(system, many, lengths, (turned @ system.contact)[order], free[order])
+    parts = FlightGap(system, many, lengths, (turned @ system.contact)[order], free[order].T)
     size = float(np.abs(h @ system.contact)) + abs(system.gap)
     return min(float(least_minimum(parts, np.full(len(times), size)).value.min()) / size, 1.0)
 

@@ -11,7 +11,7 @@ import pytest
 from vibeam.periodic.bifurcation_functions import Kind, clearances, motions
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.clearance import least_minimum
-from vibeam.periodic.gap import SpanGap
+from vibeam.periodic.gap import FlightGap
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.trains import carried
@@ -45,7 +45,7 @@ MANY = some()
 def certified(orbit: Orbit, ceiling: float = np.inf) -> tuple[float, float]:
     points = points_of(orbit)
     branch = int(np.nanargmin(np.abs(points.roots.impulse[0] - orbit.impulse)))
-    flights = SpanGap.of(orbit.system, points.total, points.roots, points.amplitude, branch)
+    flights = FlightGap.of(orbit.system, points.total, points.roots, points.amplitude, branch)
     found = least_minimum(flights, np.array([ceiling]))
     return float(found.value[0]), float(found.time[0])
 
