@@ -65,19 +65,21 @@ class FlightGap:
 
     def gap(self, which: Index, times: Array) -> Gap:
         """Gap of the flights ``which`` (m,) at ``times`` (m,) after the impact, 0 ≤ τ ≤ span."""
-        system, total = self.system, np.zeros((4, len(times)))
+        system, total = self.system, list(_driven(self.omega[which], self.part[which], times))
         modes = np.flatnonzero(system.contact)
         swinging = (system.omega > 0) & (system.zeta < 1) & (len(modes) * len(times) <= AT_ONCE)
         some = modes[swinging[modes]]
         if len(some):
             c = system.contact[some]
-            *rows, fourth = _swinging(system.omega[some], system.zeta[some], self.free[some][:, :, which], times)
-            total += np.stack([*(c @ each for each in rows), np.abs(c) @ fourth])
+            rows = _swinging(system.omega[some], system.zeta[some], self.free[some][:, :, which], times)
+            total = [
+                sum_ + weight @ row for sum_, weight, row in zip(total, (-c, -c, -c, np.abs(c)), rows, strict=True)
+            ]
         for i in modes[~swinging[modes]]:
-            *rows, fourth = self._mode(i, which, times)
-            total += np.stack([*(system.contact[i] * each for each in rows), abs(system.contact[i]) * fourth])
-        driven = _driven(self.omega[which], self.part[which], times)
-        return Gap(*(one + sign * other for one, sign, other in zip(driven, (-1, -1, -1, 1), total, strict=True)))
+            one, rows = float(system.contact[i]), self._mode(i, which, times)
+            signed = (-one, -one, -one, abs(one))
+            total = [sum_ + weight * row for sum_, weight, row in zip(total, signed, rows, strict=True)]
+        return Gap(*total)
 
     def _mode(self, i: int, which: Index, times: Array) -> Gap:
         """One mode's z − z(0), z', z'' and the bound on z''''; without stiffness a fall."""

@@ -19,7 +19,7 @@ from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.modal_sums import fault, offsets
 from vibeam.periodic.predicted_response import nearby_orbits, stable_trains
 from vibeam.periodic.train_signal import Excited, clear, excited, extremes, sampled, signal
-from vibeam.periodic.train_sums import Trains, contact_phasor, modal_phasors, repeats_sooner
+from vibeam.periodic.trains import Trains, contact_phasor, modal_phasors, repeats_sooner
 from vibeam.system.curves import evenly
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Flags, Index, ValueRecord

@@ -18,13 +18,14 @@ so that D(1) < 0 or D(−1) < 0 proves a real multiplier beyond 1 or −1 at a c
 
 from __future__ import annotations
 
+from functools import reduce
+
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.linear.propagator import propagators
 from vibeam.periodic.modal_sums import Transfer
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.arrays import Array, Complex
+from vibeam_models.arrays import Array, Complex, Index
 
 CHUNK = 2048  # matrices built at once
 FEW = 200  # elements of all matrices, in fours, up to which eigenvalues cost less than powers
@@ -41,9 +42,7 @@ def real_crossing(system: ImpactSystem, transfer: Transfer, relative_acceleratio
         return np.asarray(still - relative_acceleration * s * transfer.t12)
 
 
-def monodromy(
-    system: ImpactSystem, span: Array, relative_acceleration: Array, modes: NDArray[np.int64] | None = None
-) -> Array:
+def monodromy(system: ImpactSystem, span: Array, relative_acceleration: Array, modes: Index | None = None) -> Array:
     """Monodromy matrix (points, 2n, 2n) on (η, η') just after impact, for flights of ``span`` s that end with a/v.
 
     ``modes``: indices of the modes kept; the others are taken to have decayed by the impact.
@@ -65,15 +64,26 @@ def monodromy(
     return matrix
 
 
-def multipliers(system: ImpactSystem, span: Array, relative_acceleration: Array) -> Complex:
-    """Compute the 2n Floquet multipliers (points, 2n), largest first; modes are scaled to one unit first."""
-    scale = np.where(system.omega > 0, system.omega, 1.0)
-    units = np.concatenate([scale, np.ones(system.size)])
-    found = np.empty((len(span), 2 * system.size), dtype=complex)
-    for first in range(0, len(span), CHUNK):
+def multipliers(
+    system: ImpactSystem, flights: Array, relative_acceleration: Array, modes: Index | None = None
+) -> Complex:
+    """Compute the 2n Floquet multipliers (points, 2n), largest first; modes are scaled to one unit first.
+
+    Of motions with one impact a span, ``flights`` (points,) s, or with m, (points, m) in the order of time. Each ends
+    at an impact with ``relative_acceleration``, of the shape of ``flights``; ``modes`` as in ``monodromy``.
+    """
+    kept = np.arange(system.size) if modes is None else modes
+    scale = np.where(system.omega[kept] > 0, system.omega[kept], 1.0)
+    units = np.concatenate([scale, np.ones(len(kept))])
+    flown, ends = (np.atleast_2d(each.T).T for each in (flights, relative_acceleration))
+    found = np.empty((len(flights), len(units)), dtype=complex)
+    for first in range(0, len(flights), CHUNK):
         chunk = slice(first, first + CHUNK)
-        matrix = monodromy(system, span[chunk], relative_acceleration[chunk]) * units[:, None] / units
-        found[chunk] = np.linalg.eigvals(matrix)
+        maps = (
+            monodromy(system, flown[chunk, k], ends[chunk, k], kept) * units[:, None] / units
+            for k in range(flown.shape[1])
+        )
+        found[chunk] = np.linalg.eigvals(reduce(lambda whole, each: each @ whole, maps))
     return np.take_along_axis(found, np.argsort(-np.abs(found), axis=1), axis=1)
 
 
@@ -93,7 +103,7 @@ def largest(system: ImpactSystem, span: Array, relative_acceleration: Array) -> 
     return np.concatenate([_mean_decay(system, span[chunk], relative_acceleration[chunk], lasting) for chunk in chunks])
 
 
-def _mean_decay(system: ImpactSystem, span: Array, relative_acceleration: Array, modes: NDArray[np.int64]) -> Array:
+def _mean_decay(system: ImpactSystem, span: Array, relative_acceleration: Array, modes: Index) -> Array:
     scale = np.where(system.omega[modes] > 0, system.omega[modes], 1.0)
     units = np.concatenate([scale, np.ones(len(modes))])
     power, log = monodromy(system, span, relative_acceleration, modes) * (units[:, None] / units), np.zeros(len(span))

@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.periodic.multipliers import largest, monodromy
-from vibeam.periodic.train_sums import Trains, ahead, contact_phasor, green_sums, residual
+from vibeam.periodic.multipliers import largest, multipliers
+from vibeam.periodic.trains import Trains, accelerations, ahead, contact_phasor, green_sums, in_time, residual
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Flags
 
@@ -62,8 +62,7 @@ def nearby_orbits(system: ImpactSystem, start: Trains) -> NearbyOrbits:
     contraction = second / np.maximum(first, 1e-300) if len(sizes) > 1 else np.zeros_like(first)
     found = (sizes[-1] <= CLOSED) & ((contraction < CONTRACTS) | (first <= CLOSED)) & (signs[0] == signs[-1])
     found &= np.all(now.impulses < 0, axis=1) & _in_order(start, now)
-    turned = response[:, None] * np.exp(1j * now.phases)
-    acceleration = (sums.bend @ now.impulses[:, :, None])[:, :, 0] - start.omega[:, None] ** 2 * turned.imag
+    acceleration = accelerations(now, response, sums)
     whole = now.moved(np.mod(now.phases, 2 * np.pi * now.periods), now.impulses)
     return NearbyOrbits(whole, found, first, acceleration)
 
@@ -100,14 +99,8 @@ def stable_trains(system: ImpactSystem, trains: Trains, acceleration: Array) -> 
     relative = acceleration / velocity
     if trains.phases.shape[1] == 1:
         return np.asarray(largest(system, trains.span, relative[:, 0]) < 1)
-    order = np.argsort(trains.phases, axis=1)
-    turned = np.take_along_axis(trains.phases, order, axis=1)
-    flights, ends = ahead(turned, trains), np.roll(np.take_along_axis(relative, order, axis=1), -1, axis=1)
+    flights, ends = in_time(trains, relative)
     left = np.exp(-system.zeta * system.omega * float(flights.min()))
     modes = np.flatnonzero((left > LASTS) | (system.zeta > 1))
     modes = modes[np.argsort(system.omega[modes])][:SLOWEST]
-    scale = np.concatenate([system.omega[modes], np.ones(len(modes))])
-    whole = np.eye(2 * len(modes))
-    for k in range(flights.shape[1]):
-        whole = (monodromy(system, flights[:, k], ends[:, k], modes) * scale[:, None] / scale) @ whole
-    return np.asarray(np.abs(np.linalg.eigvals(whole)).max(axis=1) < 1)
+    return np.asarray(np.abs(multipliers(system, flights, ends, modes)[:, 0]) < 1)

@@ -24,8 +24,8 @@ from vibeam.periodic.bifurcation_functions import REAL, Kind
 from vibeam.periodic.clearance import least_minimum
 from vibeam.periodic.gap import FlightGap
 from vibeam.periodic.modal_sums import offsets
-from vibeam.periodic.train_orbits import multipliers_of, states_before
-from vibeam.periodic.trains import Train, equations, phasors
+from vibeam.periodic.train_orbits import multipliers_of
+from vibeam.periodic.trains import Train, equations, phasors, states_before
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 
@@ -113,8 +113,8 @@ class TrainBranch:
 
 def clearance(system: ImpactSystem, drive: Drive, span: float, train: Train) -> float:
     """Least local minimum of the gap between impacts, certified, as a share of the motion's size, at most 1."""
-    after = states_before(system, drive, span, train)
-    after = after[0], after[1] + train.impulses[:, None] * system.contact
+    at, before = (each[0] for each in states_before(system, train.under(drive, span)))
+    after = at, before + train.impulses[:, None] * system.contact
     h, order = phasors(system, drive), np.argsort(train.times)
     turned = h * np.exp(1j * drive.omega * train.times)[:, None]
     free = np.stack([after[0] - turned.imag - offsets(system), after[1] - drive.omega * turned.real], axis=1)

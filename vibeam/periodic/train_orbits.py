@@ -8,10 +8,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.periodic.closed_orbits import AdmissibilityCheck
-from vibeam.periodic.modal_sums import offsets, resonant
-from vibeam.periodic.multipliers import monodromy
+from vibeam.periodic.modal_sums import resonant
+from vibeam.periodic.multipliers import multipliers
 from vibeam.periodic.orbit_curve import checked
-from vibeam.periodic.trains import Train, carried, lags, newton, phasors
+from vibeam.periodic.trains import (
+    Train,
+    accelerations,
+    carried,
+    contact_phasor,
+    green_sums,
+    in_time,
+    newton,
+    states_before,
+)
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array, Complex, ValueRecord
@@ -98,7 +107,7 @@ def _agree(found: Array, observed: Array) -> bool:
 def _orbit(system: ImpactSystem, drive: Drive, periods: int, train: Train) -> TrainOrbit:
     span = 2 * np.pi * periods / drive.omega
     velocities = system.impact_velocity(train.impulses)
-    displacement, before = states_before(system, drive, span, train)
+    displacement, before = (each[0] for each in states_before(system, train.under(drive, span)))
     values = multipliers_of(system, drive, span, train)
     state = State(displacement[0], before[0] + system.contact * train.impulses[0])
     witness = AdmissibilityCheck(system, drive.omega)
@@ -113,17 +122,9 @@ def _orbit(system: ImpactSystem, drive: Drive, periods: int, train: Train) -> Tr
     )  # fmt: skip
 
 
-def states_before(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
-    """Modal displacements and velocities (m, n) just before every impact."""
-    turned = phasors(system, drive) * np.exp(1j * drive.omega * train.times)[:, None]
-    lag = lags(system, span, train.times)
-    pushed = [np.einsum("jki,k->ji", part, train.impulses) * system.contact for part in lag]
-    return turned.imag + offsets(system) + pushed[0], drive.omega * turned.real + pushed[1]
-
-
 def displacements_at(system: ImpactSystem, drive: Drive, span: float, train: Train, times: Array) -> Array:
     """Modal displacements (times, n) at any times, s: a free flight from the last impact before each."""
-    displacement, before = states_before(system, drive, span, train)
+    displacement, before = (each[0] for each in states_before(system, train.under(drive, span)))
     after = before + train.impulses[:, None] * system.contact
     since = np.mod(times[:, None] - train.times, span)
     last = np.argmin(since, axis=1)
@@ -136,16 +137,8 @@ def displacements_at(system: ImpactSystem, drive: Drive, span: float, train: Tra
 
 def multipliers_of(system: ImpactSystem, drive: Drive, span: float, train: Train) -> Complex:
     """Multipliers, largest first, from the flights and impacts of one span, from just after the first impact."""
-    order = np.argsort(train.times)
-    train = Train(train.times[order], train.impulses[order])
-    velocities = system.impact_velocity(train.impulses)
-    displacement, before = states_before(system, drive, span, train)
-    force = np.outer(np.sin(drive.omega * train.times), system.load) * drive.omega**2 * drive.amplitude + system.static
-    toward = (force - 2 * system.zeta * system.omega * before - system.omega**2 * displacement) @ system.contact
-    relative_acceleration = toward / velocities
-    flights = np.diff(np.append(train.times, train.times[0] + span))
-    matrix = np.eye(2 * system.size)
-    for step in monodromy(system, flights, np.roll(relative_acceleration, -1)):
-        matrix = step @ matrix
-    values = np.linalg.eigvals(matrix).astype(complex)
-    return np.asarray(values[np.argsort(-np.abs(values))])
+    trains = train.under(drive, span)
+    response = contact_phasor(system, trains.omega, trains.amplitude)
+    toward = accelerations(trains, response, green_sums(system, trains))
+    flights, ends = in_time(trains, toward / system.impact_velocity(trains.impulses))
+    return np.asarray(multipliers(system, flights, ends)[0])

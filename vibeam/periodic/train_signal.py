@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.periodic.modal_sums import offsets
-from vibeam.periodic.train_sums import Trains, contact_phasor, flights, lags
+from vibeam.periodic.trains import Trains, contact_phasor, flights, lags
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Complex, Flags
 
@@ -132,7 +132,7 @@ def _summed(rates: Complex, trains: Trains) -> Complex:
     """Σ_k p_k e^{λ (t_j − t_k)} (parts, points, m) just after every impact j."""
     if trains.phases.shape[1] == 1:
         return np.broadcast_to(trains.impulses.astype(complex), (len(rates), *trains.phases.shape))
-    grown = np.exp(rates[:, None, None, None] * lags(trains)[0])
+    grown = np.exp(rates[:, None, None, None] * lags(trains))
     return np.asarray((grown @ trains.impulses[:, :, None])[..., 0])
 
 

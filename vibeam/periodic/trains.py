@@ -1,18 +1,17 @@
-"""Impact trains: m impacts in n drive periods; given their times, the motion is linear in the impulses.
+"""Impact trains: m impacts in n drive periods, of many motions at once; given their times, all is linear in impulses.
 
 With the periodic Green's function G(τ) = Σ c_i² g_i(τ) of ``modal_sums``, contact and restitution at impact j are
 
     Im(H e^{iΩt_j}) + Σ_k p_k G(t_j − t_k) = Δ
     Ω Re(H e^{iΩt_j}) + Σ_k p_k G'(t_j − t_k − 0) + p_j S/(1 + R) = 0
 
-2m smooth equations in the times and impulses, solved by Newton's method with their exact derivatives. The modal state
-between impacts follows in closed form.
+2m smooth equations in the times and impulses, solved by Newton's method with their exact derivatives. A model of n
+modes enters by the sums G, G', G'' at the m² lags alone, whatever model a train itself comes from.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,49 +19,203 @@ from vibeam.flight.linear.propagator import pairs, propagators
 from vibeam.periodic.modal_sums import green, offsets, phasor
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-from vibeam_models.arrays import Array, Complex
+from vibeam_models.arrays import Array, Complex, Flags, Index
 
-KEPT = 8  # responses to a drive: one motion asks for the same one several times
-
-
-def phasors(system: ImpactSystem, drive: Drive) -> Complex:
-    """Phasors h (n,): the steady response to the drive alone is Im(h e^{iΩt}) plus the static displacements."""
-    return _phasors(system.omega.tobytes(), system.zeta.tobytes(), system.load.tobytes(), drive)
+REPEATED = 1e-6  # difference of the impacts of a motion that repeats, rad and share of the impulse
 
 
-@lru_cache(maxsize=KEPT)
-def _phasors(*given: Any) -> Complex:
-    omega, zeta, load = (np.frombuffer(row) for row in given[:3])
-    drive, driven, found = given[3], load != 0, np.zeros(len(load), dtype=complex)
-    share = load[driven] * phasor(omega[driven], zeta[driven] * omega[driven], drive.omega)
-    found[driven] = drive.amplitude * share
-    found.setflags(write=False)
+class Trains(NamedTuple):
+    """Impact trains: drive phases Ωt (points, m), rad, and impulses (points, m), N s, over ``periods`` drive periods
+    at drives ``omega`` (points,) rad/s under base motion ``amplitude`` (points,) m."""
+
+    phases: Array
+    impulses: Array
+    omega: Array
+    amplitude: Array
+    periods: int
+
+    @property
+    def span(self) -> Array:
+        """Time after which the motion repeats (points,), s."""
+        return np.asarray(2 * np.pi * self.periods / self.omega)
+
+    @property
+    def impacts(self) -> int:
+        """Number m of impacts."""
+        return int(self.phases.shape[1])
+
+    def at(self, which: Index) -> Trains:
+        """Trains of the motions ``which``."""
+        phases, impulses, omega, amplitude = (row[which] for row in self[:4])
+        return Trains(phases, impulses, omega, amplitude, self.periods)
+
+    def moved(self, phases: Array, impulses: Array) -> Trains:
+        """Trains with other phases and impulses."""
+        return self._replace(phases=phases, impulses=impulses)
+
+    def in_order(self) -> Trains:
+        """The same motions with their impacts in the order of time."""
+        order = np.argsort(self.phases, axis=1)
+        return self.moved(*(np.take_along_axis(row, order, axis=1) for row in self[:2]))
+
+
+class Train(NamedTuple):
+    """Impact train of one motion: times, s, and impulses (m,) in the order of time."""
+
+    times: Array
+    impulses: Array
+
+    def under(self, drive: Drive, span: float) -> Trains:
+        """The one motion of ``Trains``, over a ``span`` in s."""
+        periods = int(np.rint(span * drive.omega / (2 * np.pi)))
+        base = np.array([drive.amplitude])
+        return Trains(drive.omega * self.times[None], self.impulses[None], np.array([drive.omega]), base, periods)
+
+
+class GreenSums(NamedTuple):
+    """Sums Σ c_i² g_i and their derivatives (points, m, m) at the lags t_j − t_k, just before an impact at lag 0."""
+
+    value: Array
+    slope: Array
+    bend: Array
+
+
+def green_sums(system: ImpactSystem, trains: Trains) -> GreenSums:
+    """Sums over all modes that the contact sees."""
+    seen = system.contact != 0
+    natural, zeta, square = (row[seen] for row in (system.omega, system.zeta, system.contact**2))
+    value, slope = green_at_lags(natural, zeta, trains)
+    bend = -2 * (zeta * natural)[:, None] * slope - natural[:, None] ** 2 * value
+    shape = (len(trains.omega), trains.impacts, trains.impacts)
+    return GreenSums(*((square @ each).reshape(shape) for each in (value, slope, bend)))
+
+
+def green_at_lags(natural: Array, zeta: Array, trains: Trains) -> tuple[Array, Array]:
+    """Green's functions g_i, g_i' (n, points m m) of modes at all lags."""
+    g0, g1 = green(natural[:, None], pairs(natural, zeta, trains.span))
+    m, own = trains.impacts, np.arange(trains.impacts)
+    if m == 1:
+        return g0, g1 - 1
+    lag = pairs(natural, zeta, lags(trains).ravel())
+    p00, p01, p10, p11 = (each.reshape(*g0.shape, m, m) for each in lag[:4])
+    g0, g1 = g0[:, :, None, None], g1[:, :, None, None]
+    value, slope = p00 * g0 + p01 * g1, p10 * g0 + p11 * g1
+    slope[:, :, own, own] -= 1
+    return value.reshape(len(natural), -1), slope.reshape(len(natural), -1)
+
+
+def lags(trains: Trains) -> Array:
+    """Lags t_j − t_k (points, m, m) within the span, s, 0 of an impact to itself."""
+    apart = (trains.phases[:, :, None] - trains.phases[:, None, :]) / trains.omega[:, None, None]
+    return np.asarray(np.mod(apart, trains.span[:, None, None]))
+
+
+def repeats_sooner(trains: Trains) -> Flags:
+    """Test (points,) whether a motion repeats after fewer drive periods than the trains' ``periods``."""
+    phases, impulses = trains.in_order()[:2]
+    n, m, found = trains.periods, trains.impacts, np.zeros(len(phases), dtype=bool)
+    for sooner in range(1, n):
+        if n % sooner == 0 and m * sooner % n == 0:
+            impacts = m * sooner // n
+            later = np.concatenate([phases, phases + 2 * np.pi * n], axis=1)[:, impacts : impacts + m]
+            off = np.abs(later - phases - 2 * np.pi * sooner)
+            off = np.maximum(off, np.abs(np.roll(impulses, -impacts, axis=1) / impulses - 1))
+            found |= np.all(off <= REPEATED, axis=1)
     return found
 
 
+def in_time(trains: Trains, before: Array) -> tuple[Array, Array]:
+    """Flights (points, m), s, in the order of time, and what is known just ``before`` the impacts at their ends."""
+    order = np.argsort(trains.phases, axis=1)
+    lasting = ahead(np.take_along_axis(trains.phases, order, axis=1), trains)
+    return lasting, np.roll(np.take_along_axis(before, order, axis=1), -1, axis=1)
+
+
+def flights(trains: Trains) -> Array:
+    """Time from each impact to the next one (points, m), s."""
+    order = np.argsort(trains.phases, axis=1)
+    found = np.empty_like(trains.phases)
+    np.put_along_axis(found, order, ahead(np.take_along_axis(trains.phases, order, axis=1), trains), axis=1)
+    return found
+
+
+def ahead(phases: Array, trains: Trains) -> Array:
+    """As ``flights``, of ascending ``phases`` (points, m)."""
+    whole = np.concatenate([phases, phases[:, :1] + 2 * np.pi * trains.periods], axis=1)
+    return np.asarray(np.diff(whole, axis=1) / trains.omega[:, None])
+
+
+def contact_phasor(system: ImpactSystem, omega: Array, amplitude: Array, row: Array | None = None) -> Complex:
+    """Steady response H (points,) of the contact, or of another ``row``, to the drive alone, m."""
+    weight = (system.contact if row is None else row) * system.load
+    seen = weight != 0
+    natural, sigma = system.omega[seen, None], (system.zeta * system.omega)[seen, None]
+    return np.asarray(amplitude * (weight[seen] @ phasor(natural, sigma, omega)))
+
+
+def modal_phasors(system: ImpactSystem, omega: Array, amplitude: Array | float) -> Complex:
+    """Steady response h (n, points) of the modes to the drive alone: Im(h e^{iΩt}), static displacements aside."""
+    found, driven = np.zeros((system.size, len(omega)), dtype=complex), system.load != 0
+    natural, sigma = system.omega[driven, None], (system.zeta * system.omega)[driven, None]
+    found[driven] = amplitude * (system.load[driven, None] * phasor(natural, sigma, omega))
+    return found
+
+
+def phasors(system: ImpactSystem, drive: Drive) -> Complex:
+    """As ``modal_phasors`` (n,), of one drive."""
+    return modal_phasors(system, np.array([drive.omega]), drive.amplitude)[:, 0]
+
+
+def residual(system: ImpactSystem, trains: Trains, response: Complex, sums: GreenSums) -> tuple[Array, Array]:
+    """Residuals (points, 2m) of contact, m, and restitution, m/s, and their derivatives (points, 2m, 2m).
+
+    Derivatives by the phases, rad, and the impulses; ``response``: the contact's to the drive alone (points,).
+    """
+    p, m, own = trains.impulses, trains.impacts, np.arange(trains.impacts)
+    omega, turned = trains.omega[:, None], response[:, None] * np.exp(1j * trains.phases)
+    slopes, (g, v, a), (velocity, push) = np.empty((len(p), 2 * m, 2 * m)), sums, (omega * turned.real, turned.imag)
+    for rows, first, drive in ((slice(m), v, velocity), (slice(m, None), a, -(omega**2) * push)):
+        off = first.copy()
+        off[:, own, own] = 0.0  # an impact's own lag does not change
+        by_time = -off * p[:, None]
+        by_time[:, own, own] += drive + _times(off, p)
+        slopes[:, rows, :m] = by_time / omega[:, :, None]
+    slopes[:, :m, m:], slopes[:, m:, m:] = g, v
+    slopes[:, m + own, m + own] += system.mobility / (1 + system.restitution)
+    height = push + float(system.contact @ offsets(system)) + _times(g, p) - system.gap
+    return np.concatenate([height, velocity + _times(slopes[:, m:, m:], p)], axis=1), slopes
+
+
+def accelerations(trains: Trains, response: Complex, sums: GreenSums) -> Array:
+    """Accelerations of the contact (points, m) just before each impact, m/s²; ``response`` as in ``residual``."""
+    turned = response[:, None] * np.exp(1j * trains.phases)
+    return np.asarray(_times(sums.bend, trains.impulses) - trains.omega[:, None] ** 2 * turned.imag)
+
+
+def _times(matrix: Array, vector: Array) -> Array:
+    return np.asarray((matrix @ vector[:, :, None])[:, :, 0])
+
+
+def states_before(system: ImpactSystem, trains: Trains) -> tuple[Array, Array]:
+    """Modal displacements and velocities (points, m, n) just before every impact, modes without stiffness at g = 0."""
+    struck, shape = system.contact != 0, (-1, len(trains.omega), trains.impacts, trains.impacts)
+    c, h = system.contact[struck], modal_phasors(system, trains.omega, trains.amplitude)
+    turned = h.T[:, None] * np.exp(1j * trains.phases)[:, :, None]
+    displacement, velocity = turned.imag + offsets(system), trains.omega[:, None, None] * turned.real
+    both = green_at_lags(system.omega[struck], system.zeta[struck], trains)
+    for found, each in zip((displacement, velocity), both, strict=True):
+        found[:, :, struck] += np.einsum("ipjk,pk->pji", each.reshape(shape), trains.impulses) * c
+    return displacement, velocity
+
+
 def state_after(system: ImpactSystem, drive: Drive, periods: int, phase: float, impulse: float) -> State:
-    """State just after impact: the drive's response and the impulse train's; the contact lies at the gap."""
-    g0, g1 = _green(system, np.array([2 * np.pi * periods / drive.omega]))
-    turned = phasors(system, drive) * np.exp(1j * phase)
-    displacement = turned.imag + offsets(system) + impulse * system.contact * g0
-    velocity = drive.omega * turned.real + impulse * system.contact * g1
-    return State(displacement + _rigid_displacement(system, displacement), velocity)
-
-
-def _green(system: ImpactSystem, span: Array) -> tuple[Array, Array]:
-    """Periodic Green's functions g(0), g'(0⁺) (n,) over a ``span`` (1,) s, 0 for modes not seen by the contact."""
-    natural = system.omega[:, None]
-    g0, g1 = green(natural, pairs(system.omega, system.zeta, span))
-    struck = system.contact != 0
-    return np.where(struck, g0[:, 0], 0.0), np.where(struck, g1[:, 0], 0.0)
-
-
-def _rigid_displacement(system: ImpactSystem, displacement: Array) -> Array:
-    """Displacement of the modes without stiffness that puts the contact at the gap."""
-    loose = np.where(system.omega == 0, system.contact, 0.0)
-    if not loose.any():
-        return np.zeros(system.size)
-    return np.asarray(loose * (system.gap - system.contact @ displacement) / (loose @ loose))
+    """State just after the impact of a motion with one a span; the contact lies at the gap."""
+    train = Train(np.array([phase / drive.omega]), np.array([impulse])).under(drive, 2 * np.pi * periods / drive.omega)
+    displacement, velocity = (each[0, 0] for each in states_before(system, train))
+    loose = np.where(system.omega == 0, system.contact, 0.0)  # modes without stiffness put the contact there
+    if loose.any():
+        displacement = displacement + loose * (system.gap - system.contact @ displacement) / (loose @ loose)
+    return State(displacement, velocity + impulse * system.contact)
 
 
 def carried(system: ImpactSystem, drive: Drive, start: State, begin: float, times: Array) -> tuple[Array, Array]:
@@ -84,33 +237,6 @@ LONGEST = 0.2  # largest Newton step, as a share of the span and of the impulses
 SMALL, STALLED = 1e-13, 1e-9  # the same at which the iteration ends, also where round-off stops its progress
 
 
-class Train(NamedTuple):
-    """Impact train: times, s, and impulses (m,) in the order of time."""
-
-    times: Array
-    impulses: Array
-
-
-class Lags(NamedTuple):
-    """Green's functions g_i, g_i' (m, m, n) at lags t_j − t_k within a span; a zero lag is just before the impact."""
-
-    value: Array
-    slope: Array
-
-
-def lags(system: ImpactSystem, span: float, times: Array) -> Lags:
-    """Green's functions between all impacts."""
-    start = _green(system, np.array([span]))
-    between = np.mod(times[:, None] - times[None, :], span)
-    np.fill_diagonal(between, 0.0)
-    p = propagators(system.omega, system.zeta, between.ravel())
-    value, slope = p.p00 * start[0] + p.p01 * start[1], p.p10 * start[0] + p.p11 * start[1]
-    m = len(times)
-    value, slope = value.reshape(m, m, -1), slope.reshape(m, m, -1)
-    slope[np.arange(m), np.arange(m)] -= 1.0
-    return Lags(value, slope)
-
-
 def newton(system: ImpactSystem, drive: Drive, periods: int, start: Train) -> Train | None:
     """Solve all equations to round-off from ``start`` by Newton's method; None where it does not converge."""
     span, m = 2 * np.pi * periods / drive.omega, len(start.times)
@@ -118,10 +244,10 @@ def newton(system: ImpactSystem, drive: Drive, periods: int, start: Train) -> Tr
     scale = np.concatenate([np.full(m, span), np.full(m, np.abs(start.impulses).max())])
     last = np.inf
     for _ in range(STEPS):
-        residual, slopes = equations(system, drive, span, Train(unknown[:m], unknown[m:]))
-        if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(slopes))):
+        values, slopes = equations(system, drive, span, Train(unknown[:m], unknown[m:]))
+        if not (np.all(np.isfinite(values)) and np.all(np.isfinite(slopes))):
             return None
-        step = np.linalg.lstsq(slopes * scale, residual, rcond=None)[0]
+        step = np.linalg.lstsq(slopes * scale, values, rcond=None)[0]
         size = float(np.abs(step).max())
         unknown = unknown - step * scale * min(1.0, LONGEST / max(size, LONGEST))
         if size < SMALL or (size < STALLED and size > last / 2):
@@ -131,21 +257,12 @@ def newton(system: ImpactSystem, drive: Drive, periods: int, start: Train) -> Tr
 
 
 def equations(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
-    """Residuals (2m,), m and m/s, and their derivatives (2m, 2m) by times and impulses."""
-    times, p = train
-    mobility, square = system.mobility, system.contact**2
-    turned = (system.contact @ phasors(system, drive)) * np.exp(1j * drive.omega * times)
-    lag = lags(system, span, times)
-    g, v = lag.value @ square, lag.slope @ square
-    a = (-2 * system.zeta * system.omega * lag.slope - system.omega**2 * lag.value) @ square
-    natural = np.eye(len(p), dtype=bool)
-    loss = np.diag(np.full(len(p), mobility / (1 + system.restitution)))
-    height = turned.imag + float(system.contact @ offsets(system)) + g @ p - system.gap
-    speed = drive.omega * turned.real + (v + loss) @ p
-    v0, a0 = np.where(natural, 0.0, v), np.where(natural, 0.0, a)
-    by_time = np.diag(drive.omega * turned.real + v0 @ p) - v0 * p
-    by_time_too = np.diag(-(drive.omega**2) * turned.imag + a0 @ p) - a0 * p
-    return np.concatenate([height, speed]), np.block([[by_time, g], [by_time_too, v + loss]])
+    """Residuals (2m,), m and m/s, of one motion and their derivatives (2m, 2m) by times and impulses."""
+    trains = train.under(drive, span)
+    response = contact_phasor(system, trains.omega, trains.amplitude)
+    values, slopes = residual(system, trains, response, green_sums(system, trains))
+    slopes[:, :, : trains.impacts] *= drive.omega
+    return values[0], slopes[0]
 
 
 def _ordered(train: Train, span: float) -> Train | None:

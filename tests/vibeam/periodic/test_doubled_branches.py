@@ -15,7 +15,8 @@ from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.shooting import cycle
 from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.periodic.train_branch import TrainBranch
-from vibeam.periodic.train_orbits import states_before, train_orbit
+from vibeam.periodic.train_orbits import train_orbit
+from vibeam.periodic.trains import states_before
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 
@@ -45,7 +46,7 @@ def test_a_doubling_begins_each() -> None:
         train = each.trains[0]
         half, span = each.impacts // 2, 2 * np.pi * each.periods / drive.omega
         np.testing.assert_allclose(train.times[half:] - train.times[:half], span / 2, rtol=1e-12)
-        displacement, before = states_before(system, drive, span, train)
+        displacement, before = (each[0] for each in states_before(system, train.under(drive, span)))
         after = State(displacement[0], before[0] + train.impulses[0] * system.contact)
         beside, start = StroboscopicMap(system, drive, float(train.times[0])).in_flight(after)
         found = cycle(beside, start)
@@ -63,7 +64,7 @@ def test_flights_from_stable_and_unstable_points_come_back(number: int) -> None:
     for at in (3, len(stable) // 3, len(stable) - 3):
         system, drive = setting(float(each.values[at]))
         train, span = each.trains[at], 2 * np.pi * each.periods / drive.omega
-        displacement, before = states_before(system, drive, span, train)
+        displacement, before = (each[0] for each in states_before(system, train.under(drive, span)))
         state = State(displacement[0], before[0] + train.impulses[0] * system.contact)
         first = float(train.times[0])
         flown = simulate(system, drive, first + 0.999 * span, state, t_start=first)

@@ -17,7 +17,7 @@ from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.motions import OrbitKind, predicted
 from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.predicted_response import nearby_orbits
-from vibeam.periodic.train_sums import Trains
+from vibeam.periodic.trains import Trains
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.of_case import estimates
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate, FidelityEstimate, estimate_texts
