@@ -19,15 +19,15 @@ from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
 
 TWO = vibeam.ImpactSystem.from_modes([1.0, 2.6], [0.02, 0.05], [1.0, 0.6], [1.0, 0.3], gap=0.3)
 SYSTEMS = {  # with a drive, how far states may be off as a share of the motion's size, and the digits of the judge
-    "linear": (replace(TWO, law=LinearStop(400.0)), vibeam.Drive(1.9, 0.5), 1e-11, 30),
-    "linear, damped": (replace(TWO, law=LinearStop(400.0, 6.0)), vibeam.Drive(1.9, 0.5), 1e-11, 30),
-    "linear, damped, two impacts": (replace(TWO, law=LinearStop(900.0, 9.0)), vibeam.Drive(1.3, 0.5), 1e-11, 30),
+    "linear": (replace(TWO, law=LinearStop(400.0)), vibeam.Drive(1.9, 0.5), 1e-12, 30),
+    "linear, damped": (replace(TWO, law=LinearStop(400.0, 6.0)), vibeam.Drive(1.9, 0.5), 1e-12, 30),
+    "linear, damped, two impacts": (replace(TWO, law=LinearStop(900.0, 9.0)), vibeam.Drive(1.3, 0.5), 1e-12, 30),
     "linear, damped, two stops, coupled": (
         replace(TWO, law=LinearStop(300.0, 6.0), second_gap=0.5, coupling=COUPLED, static=np.array([0.3, -0.1])),
-        vibeam.Drive(1.9, 0.5), 1e-11, 30,
+        vibeam.Drive(1.9, 0.5), 1e-12, 30,
     ),
-    "Hertz": (replace(TWO, law=Hertz(400.0)), vibeam.Drive(1.9, 0.5), 1e-10, 21),
-    "Hunt-Crossley": (replace(TWO, law=HuntCrossley(300.0, 0.6)), vibeam.Drive(1.9, 0.5), 1e-10, 21),
+    "Hertz": (replace(TWO, law=Hertz(400.0)), vibeam.Drive(1.9, 0.5), 1e-11, 21),
+    "Hunt-Crossley": (replace(TWO, law=HuntCrossley(300.0, 0.6)), vibeam.Drive(1.9, 0.5), 1e-11, 21),
 }  # fmt: skip
 
 

@@ -74,13 +74,13 @@ def _by_frames(factors: list[Array], frame: Array) -> Complex:
         for matrix in factors:
             frame, upper = np.linalg.qr(matrix @ frame)
             total = upper @ total
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             logs += np.log(np.abs(np.diag(total)))
-        parted = -np.diff(logs)
+            parted = -np.diff(logs)
         if turn >= FEWEST and not np.any((parted <= CONVERGED) & (parted * ROUNDS > CONVERGED / 2 * turn)):
             break  # those that have not parted yet never will
     turned = begin.T @ frame
-    cuts = [0, *(np.flatnonzero(-np.diff(logs) > CONVERGED) + 1), len(logs)]
+    cuts = [0, *(np.flatnonzero(parted > CONVERGED) + 1), len(logs)]
     groups = [slice(a, b) for a, b in pairwise(cuts)]
     return np.concatenate([np.linalg.eigvals(turned[g, g] @ total[g, g]).astype(complex) for g in groups])
 
