@@ -41,6 +41,7 @@ CONTRACTS, SMALL = (
     0.5,
     1e-4,
 )  # share of the first correction that the second is at most, and one that leads nowhere else
+SETTLE, HOLD = 300, 32  # drive periods flown to an orbit that nothing is known of, and watched
 LEAST_MODES, LASTS = 16, 14.0  # lower modes at least, and nepers a period by which all others decay
 KEPT = 4  # steps of Newton's method with one Jacobian of the lower modes
 
@@ -104,7 +105,7 @@ class TwoModels:
     def __init__(self, pair: ModelPair, grown: float, slowest: float) -> None:
         system, full = (replace(each, gap=each.gap + grown) if grown else each for each in pair[:2])
         self.output = pair.output
-        self._own, self._fuller = _Flyer(system, slowest), _Flyer(full, slowest)
+        self._own, self._fuller = ReadyModel(system, slowest), ReadyModel(full, slowest)
 
     def beside(self, response: FrequencyResponse, point: int, base: float, state: State | None) -> BesidePoint:
         """Motion of the fuller model beside one point of the other's response."""
@@ -132,21 +133,10 @@ class TwoModels:
 
     def _from(self, own: Orbit, seen: FrequencyResponse) -> BesidePoint:
         """Beside the other model's orbit ``own``, read as ``seen``."""
-        basis = Basis.ORBIT
-        for section in self._fuller.sections(own.drive):
-            time, state = lifted(own, section.system)
-            try:
-                found = _contracted(section.at(time), state, own.periods)
-                if found is None:
-                    found, basis = _reached(section.at(time), state, own.periods), Basis.REACHED
-            except (NoOrbit, MotionEnded):
-                return refused(Basis.NO_ORBIT)
-            if found is None or (basis is Basis.REACHED and len(found.times) != len(own.times)):
-                return refused(Basis.ANOTHER)
-            own = found
-        if not own.stable:
-            return refused(Basis.UNSTABLE)
-        return BesidePoint(basis, _values(seen) / _values(own.watched(self.output)) - 1, own.corrections[0])
+        basis, found = self._fuller.orbit_from(own)
+        if found is None:
+            return refused(basis)
+        return BesidePoint(basis, _values(seen) / _values(found.watched(self.output)) - 1, found.corrections[0])
 
 
 def _contracted(section: StroboscopicMap, state: State, periods: int) -> Orbit | None:
@@ -167,7 +157,7 @@ def _reached(section: StroboscopicMap, state: State, periods: int) -> Orbit | No
     return shoot(there, here, periods) if returns else None
 
 
-class _Flyer:
+class ReadyModel:
     """A model made ready once, and that of its lower modes where it has many."""
 
     def __init__(self, system: ImpactSystem, slowest: float) -> None:
@@ -175,7 +165,7 @@ class _Flyer:
         decays = 2 * np.pi / slowest * system.zeta * system.omega
         count = max(LEAST_MODES, int(np.count_nonzero(decays < LASTS)))
         few = system.coupling is None and system.further is None and 2 * count <= system.size
-        self.lower = _Flyer(_first_modes(system, count), slowest) if few else None
+        self.lower = ReadyModel(_first_modes(system, count), slowest) if few else None
 
     def section(self, drive: Drive) -> StroboscopicMap:
         """The stroboscopic map at phase 0 of a drive."""
@@ -183,9 +173,30 @@ class _Flyer:
             return StroboscopicMap(self.system, drive, runner=self.runner)
         return MapByLowerModes(self.system, drive, runner=self.runner, lower=self.lower.section(drive))
 
-    def sections(self, drive: Drive) -> list[StroboscopicMap]:
-        """The map of the lower modes, if there are many, then that of all."""
-        return [*([] if self.lower is None else [self.lower.section(drive)]), self.section(drive)]
+    def settled(self, drive: Drive) -> Orbit | None:
+        """The orbit settled on from static equilibrium; None where the motion does not repeat, or is clear of stops."""
+        seen, state = self.runner.steady([drive.omega], drive.amplitude, None, SETTLE, HOLD, "contact")
+        try:
+            return near(self.section(drive), state, int(seen.period[0])) if seen.period[0] > 0 else None
+        except (NoOrbit, MotionEnded):
+            return None
+
+    def orbit_from(self, own: Orbit) -> tuple[Basis, Orbit | None]:
+        """The stable orbit of this model beside that of another, or the reason why there is none."""
+        basis = Basis.ORBIT
+        for model in filter(None, (self.lower, self)):
+            section = model.section(own.drive)
+            time, state = lifted(own, section.system)
+            try:
+                found = _contracted(section.at(time), state, own.periods)
+                if found is None:
+                    found, basis = _reached(section.at(time), state, own.periods), Basis.REACHED
+            except (NoOrbit, MotionEnded):
+                return Basis.NO_ORBIT, None
+            if found is None or (basis is Basis.REACHED and len(found.times) != len(own.times)):
+                return Basis.ANOTHER, None
+            own = found
+        return (basis, own) if own.stable else (Basis.UNSTABLE, None)
 
 
 def _first_modes(system: ImpactSystem, count: int) -> ImpactSystem:

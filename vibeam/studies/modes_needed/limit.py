@@ -1,7 +1,9 @@
 """A rig in growing numbers of modes, for each thing that can be held: what each model gives, and the limit N → ∞.
 
-With a coefficient of restitution, R of the contact or R₁ of mode 1: the other one, and the exact motion with one impact
-a drive period. With a stop that yields: one collision of mode 1 with it. Elements grow with the modes, three for each.
+With a coefficient of restitution, R of the contact or R₁ of mode 1: the other one, and an exact periodic motion at one
+drive. With a stop that yields: one collision of mode 1 with it, and the exact motion. In closed form that is the one
+with one impact a drive period; where there is none, the one that eight modes settle on, found in the other models from
+its contact forces (``by_orbits``). Elements grow with the modes, three for each.
 
 With x_N = x + a N⁻ᵖ + …, the differences d_k = x_{2N} − x_N fall by 2⁻ᵖ at each doubling, and
 
@@ -14,33 +16,37 @@ limit in sight.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.fidelity import Fidelity, system
+from vibeam.case.fidelity import Fidelity, gap_drift, system
 from vibeam.case.held import PLACES, Held, holding
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.observe.restitution import first_mode_restitution
 from vibeam.periodic.motions import HARDER, SOFTER, Motions, closed_motions, unsuited
-from vibeam.runs.closed_motions import without_closed_forms
+from vibeam.periodic.orbit import Orbit
 from vibeam.runs.comparison.limit import LEAST_SHARE, resolving
+from vibeam.runs.estimate.by_orbits import ReadyModel
+from vibeam.runs.estimate.of_case import without_orbits
 from vibeam.solvers.collision import struck
 from vibeam.studies.modes_needed.reduction import plan_asked
-from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import FrequencyResponse
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
-from vibeam_models.scene import RigScene, Scene
+from vibeam_models.scene import AnyScene, RigScene, Scene
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
 WITHIN = 0.01  # share of the limit at which there are modes enough
+BEGUN = 3  # place of the model, of eight modes, whose settled motion is looked for in the others
 
 BARE = (
     "the contact has little or no mass of its own: its mobility grows with each mode more, mode 1 gets less of the "
@@ -52,7 +58,7 @@ MOVING_LAW = (
     "grows with each mode more: it is another stop each time. Give the damping itself"
 )
 
-NO_MOTION = "no stable motion with one impact a drive period in {0} modes at modes_needed.frequency: write another"
+NO_MOTION = "no stable motion of this kind in {0} modes at modes_needed.frequency: write another"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,13 +96,14 @@ class LimitRow(ObservedLimit):
 
     def observed(self) -> LimitRow:
         """The row with its limit, unless ``why`` says beforehand that there is none."""
-        missing = [str(n) for n, value in zip(self.counts, self.values, strict=True) if not isfinite(value)]
-        lost = NO_MOTION.format(", ".join(missing)) if missing else ""
+        missing = [k for k, value in enumerate(self.values) if not isfinite(value)]
+        lost = NO_MOTION.format(", ".join(str(self.counts[k]) for k in missing)) if missing else ""
         if self.why:
             return replace(self, why="; ".join(filter(None, [self.why, lost])))
-        seen = observed_limit(self.counts, self.values)
+        known = slice(missing[-1] + 1 if missing else 0, None)  # a few modes may make another motion
+        seen = observed_limit(self.counts[known], self.values[known])
         found: LimitRow = replace(self, **vars(seen))
-        return replace(found, enough=found._enough(), why=lost or seen.why)
+        return replace(found, enough=found._enough(), why=(lost or seen.why) if seen.why else "")
 
     def _enough(self) -> int:
         if not isfinite(self.limit) or not self.limit:
@@ -124,18 +131,16 @@ def limit(case: Case, /, plan: ModesNeededPlan | None = None, **settings: Any) -
         raise ValueError("a single degree of freedom given directly has no more modes")
     most = asked.modes if isinstance(scene, Scene) else min(asked.modes, structure_of(scene).size)
     counts = tuple(2**k for k in range(most.bit_length()))
-    if scene.stop.law is not None:
-        return _of_law(scene, counts, asked.speed)
     at = float(np.median(case.sweep.frequency)) if asked.frequency is None else asked.frequency
+    if scene.stop.law is not None:
+        return _of_law(case, scene, counts, asked.speed, at)
     return list(_of_coefficient(case, scene, counts, at))
 
 
 def _of_coefficient(case: Case, scene: RigScene, counts: tuple[int, ...], at: float) -> Iterator[LimitRow]:
     """Rows with R and with R₁ held."""
-    omega = 2 * np.pi * at
-    if why := without_closed_forms(scene, np.array([omega])):
+    if why := without_orbits(scene):
         raise ValueError(why)
-    base = float(np.ravel(case.amplitude_of(next(iter(case.fidelities)), np.array([omega])))[0])
     for held in PLACES:
         text = Held(held, scene.stop.usual_restitution).label
         try:
@@ -143,15 +148,11 @@ def _of_coefficient(case: Case, scene: RigScene, counts: tuple[int, ...], at: fl
         except ValueError as refusal:
             yield LimitRow(text, "all", "1", counts, (nan,) * len(counts), why=str(refusal))
             continue
-        if why := next(filter(None, map(unsuited, found)), ""):
-            raise ValueError(why)
         mobility = [each.mobility for each in found]
         bare = "" if mobility[-1] * LEAST_SHARE < mobility[len(mobility) // 2] else BARE
-        there = [exact_motion(each, omega, base, case.sweep.output) for each in found]
         for quantity, unit, values in (
             _other_coefficient(found, held),
-            ("amplitude", "m", _of(there, lambda each: each.amplitude)),
-            ("impact velocity", "m/s", _of(there, lambda each: each.impact_velocity)),
+            *exact_motions(case, scene, found, at),
         ):
             frequency = nan if unit == "1" else at
             yield LimitRow(text, quantity, unit, counts, values, frequency, why=bare).observed()
@@ -173,36 +174,78 @@ def models(scene: RigScene, counts: Sequence[int]) -> list[ImpactSystem]:
     ]
 
 
-def _of(there: Sequence[Motions | None], read: Callable[[Motions], Array]) -> tuple[float, ...]:
-    return tuple(nan if each is None else float(read(each)[0]) for each in there)
+Row = tuple[str, str, tuple[float, ...]]  # quantity, unit, its values in each model
 
 
-def exact_motion(model: ImpactSystem, omega: float, base: float, output: str) -> Motions | None:
-    """Stable exact motion with one impact a drive period, clear of the stop in between; None where there is none."""
-    drive, amplitude = np.array([omega]), np.array([base])
-    there = (closed_motions(model, drive, amplitude, output, kind) for kind in (HARDER, SOFTER))
+def exact_motions(case: Case, scene: AnyScene, found: Sequence[ImpactSystem], at: float) -> list[Row]:
+    """Amplitude and impact velocity of one stable exact motion at ``at`` Hz, in each model; NaN where it has none.
+
+    Of plain models with one impact a drive period, in closed form; of any others the one that the model in the middle
+    settles on, and from there through the models both ways.
+    """
+    omega, output = np.array([2 * np.pi * at]), case.sweep.output
+    base = np.ravel(np.asarray(case.amplitude_of(next(iter(case.fidelities)), omega), dtype=float))[:1]
+    drift = gap_drift(scene, omega)
+    moved = found if drift is None else [replace(each, gap=each.gap + float(drift[0])) for each in found]
+    there: Sequence[Motions | FrequencyResponse | None]
+    if any(map(unsuited, moved)):
+        through = _through([ReadyModel(each, omega[0]) for each in moved], Drive(omega[0], base[0]))
+        there = [None if each is None else each.watched(output) for each in through]
+    else:
+        there = [_closed(each, omega, base, output) for each in moved]
+    return [
+        ("amplitude", "m", tuple(nan if each is None else float(each.amplitude[0]) for each in there)),
+        ("impact velocity", "m/s", tuple(nan if each is None else float(each.impact_velocity[0]) for each in there)),
+    ]
+
+
+def _closed(model: ImpactSystem, omega: Array, base: Array, output: str) -> Motions | None:
+    there = (closed_motions(model, omega, base, output, kind) for kind in (HARDER, SOFTER))
     return next((each for each in there if each.stable[0]), None)
 
 
-def _of_law(scene: RigScene, counts: tuple[int, ...], speed: float) -> list[LimitRow]:
-    """Rows of one collision with a stop that yields: what mode 1 keeps of its velocity, and how long it lasts."""
+def _through(found: Sequence[ReadyModel], drive: Drive) -> list[Orbit | None]:
+    """The orbit that the model in the middle settles on, and those beside it in the others."""
+    middle = min(BEGUN, len(found) - 1)
+    through: list[Orbit | None] = [None] * len(found)
+    begun = found[middle].settled(drive)
+    if begun is None:
+        return through
+    through[middle] = begun
+    for way in (range(middle + 1, len(found)), range(middle - 1, -1, -1)):
+        last = begun
+        for k in way:
+            through[k] = found[k].orbit_from(last)[1]
+            last = through[k] or last
+    return through
+
+
+def _of_law(case: Case, scene: RigScene, counts: tuple[int, ...], speed: float, at: float) -> list[LimitRow]:
+    """Rows of one collision with a stop that yields, of mode 1, and of an exact motion."""
     text = f'law "{scene.stop.law.name}"' if scene.stop.law is not None else ""
     found = models(scene, counts)
+    why, exact = moving_law(found), [] if without_orbits(scene) else exact_motions(case, scene, found, at)
     try:
-        seen = [struck(each, speed) for each in found]
+        collisions = _collisions(found, speed)
     except ValueError as refusal:
-        return [LimitRow(text, "all", "1", counts, (nan,) * len(counts), speed=speed, why=str(refusal))]
-    why, lasted = moving_law(found), seen[-1].duration
-    frequencies = np.sort(found[-1].omega) / (2 * np.pi)
-    excited = int(np.count_nonzero(frequencies * lasted < 1)) if lasted > 0 else 0
-    return [
-        LimitRow(text, name, unit, counts, values, speed=speed, by_contact_time=excited, why=why).observed()
-        for name, unit, values in (
-            ("R₁ of mode 1", "1", tuple(each.mode_restitution for each in seen)),
-            ("R of the contact", "1", tuple(each.restitution for each in seen)),
-            ("contact time", "s", tuple(each.duration for each in seen)),
-        )
-    ]
+        once = [LimitRow(text, "collision", "1", counts, (nan,) * len(counts), speed=speed, why=str(refusal))]
+    else:
+        lasted = collisions[-1][2][-1]
+        excited = int(np.count_nonzero(found[-1].omega * lasted < 2 * np.pi)) if lasted > 0 else 0
+        once = [
+            LimitRow(text, *row[:2], counts, row[2], speed=speed, by_contact_time=excited, why=why).observed()
+            for row in collisions
+        ]
+    return once + [LimitRow(text, *row[:2], counts, row[2], at, why=why).observed() for row in exact]
+
+
+def _collisions(found: Sequence[ImpactSystem], speed: float) -> tuple[Row, ...]:
+    seen = [struck(each, speed) for each in found]
+    return (
+        ("R₁ of mode 1", "1", tuple(each.mode_restitution for each in seen)),
+        ("R of the contact", "1", tuple(each.restitution for each in seen)),
+        ("contact time", "s", tuple(each.duration for each in seen)),
+    )
 
 
 def moving_law(found: Sequence[ImpactSystem]) -> str:
