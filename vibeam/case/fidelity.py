@@ -147,7 +147,10 @@ def _at_its_stop(scene: RigScene, small: Structure, static: float) -> ImpactSyst
         raise ValueError(
             'stop: gap_at = "sensor": no static deflection of this structure carries the gap to the contact'
         )
-    further = {each.output: (each.gap, each.restitution) for each in scene.named("further_stop")}
+    stops = scene.named("further_stop")
+    further: dict[str, tuple[Any, ...]] = {
+        each.output: (each.gap, 1.0 if each.restitution is None else each.restitution) for each in stops
+    }
     bare = small.with_(contact_flexibility=0.0) if small.contact_flexibility else small
     built = ImpactSystem.from_structure(
         bare,
@@ -162,6 +165,13 @@ def _at_its_stop(scene: RigScene, small: Structure, static: float) -> ImpactSyst
         built = with_first_mode_restitution(built, built.restitution)
     if small.contact_flexibility:
         built = replace(built, law=built.contact_law.in_series(small.contact_flexibility))
+    if built.further is not None:
+        laws = {
+            each.output: each.contact(float(np.sum(own.row**2))) for each, own in zip(stops, built.further, strict=True)
+        }
+        further = {name: (*numbers, laws[name]) for name, numbers in further.items()}
+        mixed = [replace(own, law=law) for own, law in zip(built.further, laws.values(), strict=True)]
+        built = replace(built, further=tuple(mixed))
     if scene.platform is None or scene.platform.coupling == "one-way":
         return built
     from vibeam_models.base_motion import moving_platform

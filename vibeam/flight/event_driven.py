@@ -62,7 +62,7 @@ class EventDrivenSolver(ABC):
     _poses_at: ClassVar[Callable[..., None]]
     _cover: ClassVar[Callable[..., tuple[int, int]]]
     _status_rows: int = layout.STATUS_ROWS
-    _trace_columns: ClassVar[int] = layout.TRACE_COLUMNS
+    _trace_columns: int = layout.TRACE_COLUMNS
 
     def __init__(self, system: ImpactSystem, limit: int) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""

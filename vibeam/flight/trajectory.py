@@ -25,7 +25,6 @@ from vibeam_models.arguments import count, counted, floats, number, refuse, requ
 from vibeam_models.arrays import Array, Index, ValueRecord
 
 if TYPE_CHECKING:
-    from vibeam.flight.contacts.solver import ContactsSolver
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
     from vibeam.flight.proof.certificate import Certificate
     from vibeam.flight.proof.errors import ImpactErrors
@@ -109,7 +108,7 @@ class Trajectory(ValueRecord):
     state: State
     ended: Ended
     stats: Mapping[str, float] = field(compare=False)
-    _solver: EventDrivenSolver | ContactsSolver = field(compare=False)
+    _solver: EventDrivenSolver = field(compare=False)
     segments: Segments
     certificate: Certificate | None = field(default=None, compare=False)
 
@@ -297,8 +296,6 @@ def simulate(
     start, end, limit = _checked(t_start, t_end, max_impacts)
     if solver != "flight":
         raise ValueError(f"solver: {solver!r} keeps no exact path, only 'flight' does; its class has motion() instead")
-    if certify and system.further is not None:
-        raise ValueError("certify: there is no certificate of a motion with several contacts")
     runner = exact_solver(system, drive.omega, end - start)
     warm_up_motion(system, drive)
     ended, last, after, segments, stats = runner.simulate(drive, state, start, end, limit)
@@ -319,11 +316,13 @@ def _checked(t_start: Any, t_end: Any, max_impacts: Any) -> tuple[float, float, 
     return start, end, limit
 
 
-def _certificate(runner: EventDrivenSolver | ContactsSolver, drive: Drive, segments: Segments) -> Certificate:
-    from vibeam.flight.event_driven import EventDrivenSolver
+def _certificate(runner: EventDrivenSolver, drive: Drive, segments: Segments) -> Certificate:
+    if runner.system.further is not None:
+        from vibeam.flight.proof.contacts import certificate_of_contacts
+
+        return certificate_of_contacts(runner, drive, segments)
     from vibeam.flight.proof.certificate import certificate_of
 
-    assert isinstance(runner, EventDrivenSolver)
     return certificate_of(runner, drive, segments)
 
 

@@ -50,8 +50,6 @@ def _further(given: Any, law: Any, n: int, faults: list[str]) -> tuple[Any, ...]
         elif each.row.shape != (n,):
             faults.append(f"further: the row of a contact must be {n} finite numbers, one a mode")
     laws = [law, *(getattr(each, "law", None) for each in found)]
-    if found and any(getattr(each, "integrated", False) for each in laws):
-        faults.append("further: a contact law that is integrated goes with contact at one place alone")
     yielding = any(getattr(each, "yields", False) for each in laws)
     most = MOST_CONTACTS // 2 if yielding else MOST_CONTACTS
     if len(found) > most:

@@ -57,7 +57,7 @@ class ImpactSystem(ValueRecord):
     - ``coupling``: (n, n) modal damping matrix, symmetric, in place of 2ζω where damping couples the modes;
     - ``second_gap``: a second stop with the same law on the other side, at Σ contact_i η_i = −second_gap;
     - ``derivatives``: outputs that are velocities or accelerations, by name;
-    - ``further``: stops elsewhere, each a ``Contact`` with row, gap and restitution of its own; no ``law`` beside it.
+    - ``further``: stops elsewhere, each a ``Contact`` with row, gap and restitution or law of its own.
 
     Rows may be lists; they are kept as read-only arrays. ValueError names every argument that is wrong: a row that is
     not n finite numbers, negative ``omega`` or ``zeta``, ``contact`` all zero, ``restitution`` outside [0, 1], a
@@ -215,11 +215,11 @@ class ImpactSystem(ValueRecord):
         restitution: float = 1.0,
         law: StopLaw | None = None,
         second_gap: float | None = None,
-        further: Mapping[str, tuple[float, float]] | None = None,
+        further: Mapping[str, tuple[Any, ...]] | None = None,
     ) -> ImpactSystem:
         """Build the modal form of any Structure, all its modes; coupled damping is kept as ``coupling``, and so is
         that of a mode without stiffness, which has no damping ratio. ``further``: by the name of the output whose row
-        they have, gap and restitution of further contacts.
+        they have, gap, restitution and law (or none) of further contacts.
 
         ValueError as in the class, for matrices that are no structure's, and for a contact without mass at a stop that
         is no spring. Own matrices M, C and K, here two masses

@@ -39,7 +39,7 @@ def fly_in_regimes() -> None:
 
 def fly_between_contacts() -> None:
     """Motions and poses with several contacts."""
-    simulate(replace(PLAIN, further=(Contact(np.array([1.0, -0.5]), 1e-4, 0.5),)), DRIVE, 0.1).at(0.05)
+    simulate(replace(PLAIN, further=(Contact(np.array([1.0, -0.5]), 1e-4, 0.5),)), DRIVE, 0.1, certify=True).at(0.05)
 
 
 def fly_side_by_side() -> None:

@@ -41,20 +41,25 @@ def derivatives_in(
     keys = keys_of(rows, len(contacts.gaps))
     for key in np.unique(keys):
         here = keys == key
-        found[here] = _in_set(
-            contacts, ContactSet.of(int(key), len(contacts.gaps)), drive, clocks[here], poses[here], row
-        )[order - 2]
+        which = ContactSet.of(int(key), len(contacts.gaps))
+        found[here] = _in_set(contacts, which, drive, clocks[here], poses[here], order) @ row
     return found
 
 
-def _in_set(
-    contacts: Contacts, which: ContactSet, drive: Drive, clocks: Array, poses: Array, row: Array
-) -> tuple[Array, Array]:
-    """Second and third derivative (m,) of row·η in one set."""
+def _in_set(contacts: Contacts, which: ContactSet, drive: Drive, clocks: Array, poses: Array, order: int) -> Array:
+    """Second or third derivative (m, n) of η in one set; ValueError for the third where contact is integrated."""
     system, held = ConstrainedSystem(contacts, which), contacts.rows[list(which.held)]
-    free = np.eye(len(row)) - (multipliers(held).T @ held if len(held) else 0.0)
+    free = np.eye(poses.shape[2]) - (multipliers(held).T @ held if len(held) else 0.0)
     load, phase = contacts.system.load * (drive.omega**2 * drive.amplitude), drive.omega * clocks[:, None]
     pull = load * np.sin(phase) + system.static - poses[:, 1] @ system.damper - poses[:, 0] @ system.stiffness
+    curved = [j for j in which.pushed if contacts.laws[j].integrated]
+    for j in curved:
+        deep, rate = np.maximum(poses[:, 0] @ contacts.rows[j] - contacts.gaps[j], 0.0), poses[:, 1] @ contacts.rows[j]
+        pull -= contacts.laws[j].force(deep, rate)[:, None] * contacts.rows[j]
     second = pull @ free
+    if curved and order > 2:
+        raise ValueError(f"the jerk in a contact that is integrated, {contacts.laws[curved[0]].name!r}, is not read")
+    if order == 2:
+        return np.asarray(second)
     rate = load * (drive.omega * np.cos(phase)) - second @ system.damper - poses[:, 1] @ system.stiffness
-    return second @ row, rate @ free @ row
+    return np.asarray(rate @ free)

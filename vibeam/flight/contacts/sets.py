@@ -20,6 +20,7 @@ from vibeam.flight.kernels.contacts.layout import ContactEngine, room_for
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, lone_modes, signal_rate
 from vibeam.flight.linear.eigenpairs import LinearSystem
+from vibeam.flight.linear.regimes import runge_kutta
 from vibeam_models.arrays import Array
 
 COUPLES = 1e-13  # share of the damping of two held modes below which what couples them is round-off
@@ -218,6 +219,7 @@ def _empty(contacts: Contacts, slowest: float) -> ContactEngine:
     drive = np.zeros(layout.DRIVE_ROWS)
     drive[layout.MOTION] = inf
     laws, curves = contacts.kernel_laws()
+    nodes, weights = runge_kutta(any(law.integrated for law in contacts.laws))
     soft = rows * contacts.yields
     return ContactEngine(
         sets=np.full(FIRST, -1.0), pairs=np.zeros((FIRST, layout.PAIR_ROWS, n)),
@@ -230,5 +232,5 @@ def _empty(contacts: Contacts, slowest: float) -> ContactEngine:
         laws=laws, curves=curves, gram=rows @ rows.T, soft=soft @ rows.T, yields=np.array(contacts.yields),
         omega=np.array(system.omega), spring=np.array(contacts.spring), damper=np.array(contacts.damper),
         damping=np.array(np.diag(contacts.damper)), load=np.array(system.load), static=np.array(system.static),
-        numbers=numbers, **room_for(k, n),
+        numbers=numbers, nodes=nodes, weights=weights, **room_for(k, n),
     )  # fmt: skip

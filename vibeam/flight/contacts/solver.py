@@ -10,7 +10,7 @@ import numpy as np
 
 from vibeam.flight.contacts.readout import keys_of
 from vibeam.flight.contacts.sets import ContactSets
-from vibeam.flight.engine.entries import contacts_move, contacts_poses_at
+from vibeam.flight.engine.entries import contacts_cover, contacts_move, contacts_poses_at
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.event_driven import EventDrivenSolver, Segments
@@ -32,14 +32,13 @@ class ContactsSolver(EventDrivenSolver):
     ``FrequencyResponse.rest`` is the share of time in which any contact is held or pushed.
     """
 
-    _trace_columns = contact_layout.TRACE_COLUMNS
-
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
         super().__init__(system, limit)
         self.contacts, self._slowest = Contacts.of(system), slowest_rate(system, slowest, span)
         self._top = top_level(self._slowest, self.contacts.fastest_rate)
         self._status_rows = contact_layout.status_rows(len(self.contacts.gaps))
+        self._trace_columns = contact_layout.trace_columns(len(self.contacts.gaps))
         self._own = local()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -86,12 +85,19 @@ class ContactsSolver(EventDrivenSolver):
             outcome, value = contacts_move(self.sets.engine, omega, amplitude, pose, status, *given)
         return outcome, value
 
-    _poses_at = staticmethod(contacts_poses_at)
+    _poses_at, _cover = staticmethod(contacts_poses_at), staticmethod(contacts_cover)
 
     def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
         """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
         self._make_all(segments.trace)
         return super().poses_at(drive, segments, times)
+
+    def cover(
+        self, drive: Drive, trace: Array, poses: Array, size: float, tasks: Array, first: int, pieces: Array
+    ) -> tuple[int, int]:
+        """Fill ``pieces`` from task ``first`` on: as for the others."""
+        self._make_all(trace)
+        return super().cover(drive, trace, poses, size, tasks, first, pieces)
 
     def _make_all(self, trace: Array) -> None:
         """Make the sets of a trace that the calling thread has not made."""
@@ -100,6 +106,10 @@ class ContactsSolver(EventDrivenSolver):
 
     def _watch(self, output: str | None) -> Array:
         wanted = None if output is None else self.system.derivative(output)
+        curved = [law.name for law in self.contacts.laws if law.integrated]
+        if wanted is not None and curved:
+            said = f"output {output!r}: the {wanted.called} in a contact that is integrated is not read"
+            raise ValueError(f"{said}, {curved[0]!r}: take a linear stop, or one with a restitution")
         if wanted is not None:
             self.sets.watch(np.array(wanted.row), wanted.order, wanted.base)
             return np.array(wanted.row)

@@ -93,8 +93,8 @@ cover = EntryPoint("certificate", f"{KERNELS}.entry", "cover")
 regimes_move, regimes_poses_at, regimes_cover = (
     EntryPoint("regimes", f"{KERNELS}.regimes.entry", name) for name in ("move", "poses_at", "cover")
 )
-contacts_move, contacts_poses_at = (
-    EntryPoint("contacts", f"{KERNELS}.contacts.entry", name) for name in ("move", "poses_at")
+contacts_move, contacts_poses_at, contacts_cover = (
+    EntryPoint("contacts", f"{KERNELS}.contacts.entry", name) for name in ("move", "poses_at", "cover")
 )
 run_points = EntryPoint("points", f"{POINTS}.entry", "run")
 carry_disturbances = EntryPoint("tangents", f"{POINTS}.disturbances", "carry")
@@ -102,7 +102,7 @@ carry_frame = EntryPoint("tangent_maps", f"{KERNELS}.tangents.entry", "carry")
 march = EntryPoint("moreau", f"{KERNELS}.moreau", "march")
 
 REGIMES = (regimes_move, regimes_poses_at, regimes_cover)
-CONTACTS = (contacts_move, contacts_poses_at)
+CONTACTS = (contacts_move, contacts_poses_at, contacts_cover)
 TANGENTS = (carry_disturbances, carry_frame)
 ENTRIES = (tabulate, move, poses_at, cover, *REGIMES, *CONTACTS, run_points, *TANGENTS, march)
 

@@ -56,7 +56,7 @@ def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
     law, curve = law_of(system)
     law[regime_layout.SIDES], law[regime_layout.COUPLED] = sides, float(system.coupling is not None)
     at_stop = [_at_stop(system, side, contact, gaps, top) for side in range(sides)]
-    nodes, weights = _runge_kutta(law[regime_layout.FAMILY] == regime_layout.CURVED)
+    nodes, weights = runge_kutta(law[regime_layout.FAMILY] == regime_layout.CURVED)
     drive = np.zeros(layout.DRIVE_ROWS)
     drive[layout.MOTION] = inf
     return RegimeEngine(
@@ -120,7 +120,7 @@ def _gaps(contact: Array, gaps: Array, held: Array) -> list[SignalRow]:
     return [SignalRow(-w, still, gap - float(w @ held)) for w, gap in zip(contact, gaps, strict=True)]
 
 
-def _runge_kutta(curved: bool) -> tuple[Array, Array]:
+def runge_kutta(curved: bool) -> tuple[Array, Array]:
     """Hairer, Nørsett and Wanner's coefficients of order 8(5, 3), as scipy publishes them; 0 where none is read."""
     nodes, weights = np.zeros((14, 12)), np.zeros((2, 13))
     if curved:

@@ -126,11 +126,11 @@ def certificate_of(solver: EventDrivenSolver, drive: Drive, segments: Segments) 
     return Certificate(
         solver.system, drive, trace[:, layout.START], motion.kinds, motion.sides, trace[:, layout.END], segments.poses,
         trace[:, layout.AT_CLOCK], trace[:, layout.DURATION], orders, roots,
-        _pieces(solver, motion, tasks, segments.size), tails_of(motion),
+        pieces_of(solver, motion, tasks, segments.size), tails_of(motion),
     )  # fmt: skip
 
 
-def _pieces(solver: EventDrivenSolver, motion: WatchedMotion, tasks: Array, size: float) -> Array:
+def pieces_of(solver: EventDrivenSolver, motion: WatchedMotion, tasks: Array, size: float) -> Array:
     """The pieces (m, PIECE_COLUMNS) that cover all tasks."""
     found, first, a_task = list[Array](), 0, PIECES_A_TASK
     while first < len(tasks):

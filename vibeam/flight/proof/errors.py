@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from vibeam.flight.disturbance.tangent import TangentMaps
+from vibeam.flight.disturbance.contacts import ContactMaps, maps_of
 from vibeam.flight.equilibrium import size_of_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import BRISK, FAR, FAR_DRIVEN
@@ -121,7 +121,8 @@ def errors_of(path: ExactMotion, start: Array | None = None) -> ImpactErrors:
     ``start``: covariance (2n, 2n) of the error of the first (η, η'); round-off of its values where None. ValueError for
     a system with another law or more than plain modes.
     """
-    path.system.require_plain("the error estimate")
+    if path.system.further is None:
+        path.system.require_plain("the error estimate")
     walk = _CarriedCovariance(path, start)
     found = np.array([error for error in walk.impacts() if error is not None]).reshape(-1, 2)
     speeds = path.impact_velocities
@@ -137,7 +138,7 @@ class _CarriedCovariance:
 
     def __init__(self, path: ExactMotion, start: Array | None) -> None:
         self.system, self.drive = path.system, path.drive
-        self.maps = TangentMaps(path.system, path.drive, path.segments, path.state)
+        self.maps = maps_of(path.system, path.drive, path.segments, path.state)
         self.trace, self.unending = self.maps.trace, endless(self.maps.trace)
         self.far = _far(self.system, path.drive, self.maps.poses[0])
         self.covariance = np.diag(self._round_off(self.maps.poses[0], 0.0)) if start is None else np.array(start)
@@ -149,7 +150,9 @@ class _CarriedCovariance:
 
     def _segment(self, i: int) -> tuple[float, float] | None:
         self._carry(self.maps.flow(i))
-        self._add(self._round_off(self.maps.ends[i], self.trace[i, layout.DURATION]))
+        if i == 0 or self.trace[i, layout.DURATION] > 0:
+            self._add(self._round_off(self.maps.ends[i], self.trace[i, layout.DURATION]))
+            self._before = self.covariance
         if int(self.trace[i, layout.END]) not in STRUCK:
             return None
         error, jump = self._impact_error(i, self.trace[i, layout.BEFORE]), self.maps.jump(i)
@@ -166,10 +169,15 @@ class _CarriedCovariance:
         self.covariance[np.diag_indices_from(self.covariance)] += variances
 
     def _impact_error(self, i: int, speed: float) -> tuple[float, float]:
-        n, c = self.system.size, self.system.contact
-        late = np.concatenate([-c / speed, np.zeros(n)]) if speed > 0 else np.zeros(2 * n)  # 0: it was there already
-        change = np.concatenate([np.zeros(n), c]) + self.maps.acceleration(i) * late
-        time, velocity = (float(abs(row @ self.covariance @ row)) ** 0.5 for row in (late, change))
+        if isinstance(self.maps, ContactMaps):
+            late, change = self.maps.readings(i)
+        else:
+            n, c = self.system.size, self.system.contact
+            late = (
+                np.concatenate([-c / speed, np.zeros(n)]) if speed > 0 else np.zeros(2 * n)
+            )  # 0: it was there already
+            change = np.concatenate([np.zeros(n), c]) + self.maps.acceleration(i) * late
+        time, velocity = (float(abs(row @ self._before @ row)) ** 0.5 for row in (late, change))
         return time, velocity
 
     def _left_out(self, speed: float) -> Array:

@@ -8,10 +8,16 @@ from vibeam.flight.kernels.block_flow import advance_blocks, set_signal, to_bloc
 from vibeam.flight.kernels.compiler import entry, kernel
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.kernels.contacts.events import advance, piece_of
+from vibeam.flight.kernels.contacts.integrated import integrated_at, read_integrated
+from vibeam.flight.kernels.contacts.integration import is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, set_drive, slot_of
+from vibeam.flight.kernels.contacts.signals import show
+from vibeam.flight.kernels.entry import walk
 from vibeam.flight.kernels.layout import PointSchedule, Watch
 from vibeam.flight.kernels.readout import ACCURACY, LIGHTLY, extremes_to, widen_output
+from vibeam.flight.kernels.regimes import layout as regime_row
+from vibeam.flight.kernels.regimes.contact_motion import leading_order
 from vibeam.flight.kernels.regimes.entry import WATCHING
 from vibeam.flight.kernels.roots.signal import signal_of
 from vibeam.flight.kernels.segments import copy_pose
@@ -29,6 +35,9 @@ def slot_at(engine: ContactEngine, segment: Array) -> int:
 def read_segment(engine: ContactEngine, watch: Watch, i: int) -> None:
     """Read off the i-th segment just traced, from its first pose in ``watch.frame``."""
     line, result = watch.trace[i], watch.result
+    if is_integrated(engine, line[row.PUSHED_AT]):
+        read_integrated(engine, watch, line)
+        return
     clock, duration, slot = line[layout.AT_CLOCK], line[layout.DURATION], slot_at(engine, watch.trace[i])
     regime, coarsest, gap = regime_of(engine, slot), int(engine.coarsest[slot]), engine.gaps[0]
     share = ACCURACY if watch.reading >= layout.EVERYTHING else LIGHTLY
@@ -72,8 +81,39 @@ def poses_at(
     for i in range(len(which)):
         segment = which[i]
         copy_pose(poses[segment], pose)
-        if after[i] > 0.0:
+        if after[i] > 0.0 and is_integrated(engine, trace[segment, row.PUSHED_AT]):
+            integrated_at(engine, pose, trace[segment], after[i])
+        elif after[i] > 0.0:
             regime, clock = regime_of(engine, slot_at(engine, trace[segment])), trace[segment, layout.AT_CLOCK]
             to_block_coordinates(regime, engine.drive, pose, clock)
             advance_blocks(regime, engine.drive, pose, clock, after[i])
         copy_pose(pose, out[i])
+
+
+@entry
+def cover(
+    engine: ContactEngine, omega: float, amplitude: float, trace: Array, poses: Array, tasks: Array, first: int,
+    pieces: Array,
+) -> tuple[int, int]:  # fmt: skip
+    """Fill ``pieces`` from task ``first`` on: pieces written, the first task that found no room.
+
+    Of a task whose order is UNKNOWN, a force that just began, order and rise are found here and written to it.
+    """
+    set_drive(engine, omega, amplitude)
+    count, entered = 0, -1
+    for i in range(first, tasks.shape[0]):
+        segment, task = int(tasks[i, layout.TASK_SEGMENT]), tasks[i]
+        clock, slot = trace[segment, layout.AT_CLOCK], slot_at(engine, trace[segment])
+        regime, coarsest = regime_of(engine, slot), int(engine.coarsest[slot])
+        if segment != entered:
+            to_block_coordinates(regime, engine.drive, poses[segment], clock)
+            entered = segment
+        value, rate, size = show(engine, regime, int(task[layout.TASK_SIGNAL]), clock)
+        if task[layout.TASK_ORDER] == regime_row.UNKNOWN:
+            order, rise = leading_order(regime, max(value, 0.0), rate, size)
+            task[layout.TASK_ORDER], task[layout.TASK_RISE] = max(order, 0), rise
+        written = walk(signal_of(regime), coarsest, trace[segment, layout.DURATION], task, pieces, count)
+        if written < 0:
+            return count, i
+        count += written
+    return count, tasks.shape[0]

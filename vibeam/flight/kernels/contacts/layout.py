@@ -12,18 +12,19 @@ from vibeam_models.arrays import Array, Index
 # status: the regimes' rows, then the contacts held, and those that a yielding stop pushes, sums of 2^contact; the set
 # that is wanted, its key + 1; the phase; of an instant with impulses: contacts touched, those pressed by a force, the
 # fastest approach at its begin, impulses so far, which is next, the largest velocity before one, the contact met or
-# left; from EACH on a row of k numbers each
-HELD, PUSHED, WANTED, PHASE, TOUCHED, PRESSED, FIRST, STRIKES, NEXT, HARDEST, AT, EACH = range(17, 29)
-# rows of ``conditions``: what each contact is in, order and size of the root with which its signal starts, the largest
+# left; the signal met, or NONE; the number of contacts held, where contact is integrated; from EACH on ``CONDITIONS``
+HELD, PUSHED, WANTED, PHASE, TOUCHED, PRESSED, FIRST, STRIKES, NEXT, HARDEST, AT, MET, KEPT_NUMBER, EACH = range(17, 31)
+# rows (k numbers each): what each contact is in, order and size of the root with which its signal starts, the largest
 # impact velocity so far
 CONDITION, ORDER, RISE, TOP = range(4)
 CONDITIONS = 4
 AWAY, KEPT, IMPLIED, PUSHING, INSIDE = 0.0, 1.0, 2.0, 3.0, 4.0  # CONDITION; IMPLIED: held where others are
 FLYING, STRIKING, BEGINNING = 0.0, 1.0, 2.0  # PHASE
 
-# trace: the regimes' columns, then the contacts held and those pushed, sums of 2^contact
-HELD_AT, PUSHED_AT = range(regime_layout.TRACE_COLUMNS, regime_layout.TRACE_COLUMNS + 2)
-TRACE_COLUMNS = PUSHED_AT + 1
+# trace: the regimes' columns, then the contacts held and those pushed, sums of 2^contact; the signal whose root ended
+# the segment, or NONE; from EACH_AT on, for each contact at its start, what it was in, order and size of its root
+HELD_AT, PUSHED_AT, MET_AT, EACH_AT = range(regime_layout.TRACE_COLUMNS, regime_layout.TRACE_COLUMNS + 4)
+TRACED = 3  # rows of ``CONDITIONS`` that are traced
 
 # vectors (VECTORS, n): acceleration without constraint and the sizes of its parts, its rate as far as the drive goes,
 # acceleration and jerk as constrained, the jerk before that, the sizes of its parts, a direction
@@ -80,6 +81,10 @@ class ContactEngine(NamedTuple):
     inverse: Array  # (k, k)
     picks: Index
     watched: Index  # (2k,) the signals watched
+    nodes: Array  # (14, 12) Runge–Kutta, as in ``RegimeEngine``
+    weights: Array  # (2, 13)
+    stages: Array  # (13, 2, n)
+    state: Array  # (3, 2, n): at the step's start, its end, a stage
     saved: Array  # (2, n) pose and status before an event, where it wanted a set
     memory: Array
     tried: Array  # (2, n) the same before an accumulation was tried to be completed
@@ -96,12 +101,18 @@ def status_rows(contacts: int) -> int:
     return EACH + CONDITIONS * contacts
 
 
+def trace_columns(contacts: int) -> int:
+    """Number of columns of the trace."""
+    return EACH_AT + TRACED * contacts
+
+
 def room_for(contacts: int, modes: int) -> dict[str, Any]:
     """The working arrays."""
     k, n = contacts, modes
     return {
         "vectors": np.zeros((VECTORS, n)), "small": np.zeros((SMALL, k)), "lower": np.zeros((k, k)),
         "inverse": np.zeros((k, k)), "picks": np.zeros((PICKS, k), dtype=np.int64),
-        "watched": np.zeros(2 * k, dtype=np.int64), "saved": np.zeros((2, n)), "memory": np.zeros(status_rows(k)),
+        "watched": np.zeros(2 * k, dtype=np.int64), "stages": np.zeros((13, 2, n)), "state": np.zeros((3, 2, n)),
+        "saved": np.zeros((2, n)), "memory": np.zeros(status_rows(k)),
         "tried": np.zeros((2, n)), "trial": np.zeros(status_rows(k)),
     }  # fmt: skip

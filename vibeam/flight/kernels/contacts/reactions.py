@@ -38,6 +38,12 @@ def is_rigid(engine: ContactEngine, j: int) -> bool:
 
 
 @kernel
+def is_curved(engine: ContactEngine, j: int) -> bool:
+    """True where the contact's stop yields by a law that is integrated."""
+    return bool(engine.laws[j, regime_row.FAMILY] == regime_row.CURVED)
+
+
+@kernel
 def each(engine: ContactEngine, which: int, j: int) -> int:
     """Row of the status that holds the ``which``-th number of contact j."""
     return int(row.EACH + which * engine.rows.shape[0] + j)
