@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
 from vibeam.flight.engine.threads import pause
+from vibeam.maps.followed import FollowedLine, branches_of, onward, points_on
 from vibeam.maps.irregular import judged
 from vibeam.maps.points import (
     Axis,
@@ -23,6 +25,7 @@ from vibeam.maps.points import (
     start_states,
     values_at,
 )
+from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_map import orbit_points
 from vibeam.store.blocks import Values
 from vibeam_models.arrays import Array, Flags
@@ -138,17 +141,42 @@ def _carried(grid: Grid, points: GridPoints, threads: int | None) -> Values:
 
 
 def _orbits(grid: Grid, points: GridPoints) -> Values:
-    """Motions with one impact, the harder and the softer, of each system with its restitution."""
+    """Motions with one impact, the harder and the softer, of each system with its restitution.
+
+    By shooting, line by line, for systems that no closed form knows.
+    """
     shape = points.omega.shape
-    rebound = np.zeros(shape) if points.restitution is None else points.restitution
     found = {name: np.empty((*shape, 2), DTYPES.get(name, float)) for name in grid.quantities}
+    reads = _shot(grid, points) if any(each.beyond_plain for each in points.systems) else _closed(grid, points)
+    for part, read in reads:
+        for name, values in zip(grid.quantities, read, strict=True):
+            found[name][part] = values
+    return {name: np.moveaxis(values, 2, 1) for name, values in found.items()}
+
+
+def _closed(grid: Grid, points: GridPoints) -> Iterator[tuple[Any, Sequence[Array | Flags]]]:
+    rebound = np.zeros(points.omega.shape) if points.restitution is None else points.restitution
     for which, own in dict.fromkeys(zip(points.which.flat, rebound.flat, strict=True)):
         mine = (points.which == which) & (rebound == own)
         system = points.system_at(int(np.flatnonzero(mine)[0]))
-        read = orbit_points(system, grid.periods, points.omega[mine], points.amplitude[mine], points.gap[mine])
-        for name, values in zip(grid.quantities, read, strict=True):
-            found[name][mine] = values
-    return {name: np.moveaxis(values, 2, 1) for name, values in found.items()}
+        yield mine, orbit_points(system, grid.periods, points.omega[mine], points.amplitude[mine], points.gap[mine])
+
+
+def _shot(grid: Grid, points: GridPoints) -> Iterator[tuple[Any, Sequence[Array | Flags]]]:
+    """Lines in turn, each begun from the motions of the one before."""
+    before: list[Orbit] = []
+    for row, (omega, amplitude) in enumerate(zip(points.omega, points.amplitude, strict=True)):
+        system = points.system_at(row * len(omega))
+        line = FollowedLine(
+            system, partial(_interpolated, omega, amplitude), float(omega[0]), float(omega[-1]), grid.periods
+        )
+        branches = branches_of(line, before)
+        before = onward(branches)
+        yield row, points_on(omega, branches)
+
+
+def _interpolated(omega: Array, amplitude: Array, at: float) -> float:
+    return float(np.interp(at, omega, amplitude))
 
 
 def _back_on_stop(points: GridPoints, column: int, before: BatchResponse | None) -> BatchResponse | None:

@@ -19,6 +19,7 @@ from vibeam_models.arrays import Array, Complex, Flags, ValueRecord
 
 FIRST = (0.01, 0.003, 0.001, 0.03, 3e-4, 1e-4)  # parts along the null vector of the first motion of another branch
 APART = 0.3  # share of that part by which a motion must miss itself after half its span
+STEEP = 0.1  # part of the parameter in a tangent above which it says where the branch goes
 NEAR = 1e-3  # share of the motion's size within which an orbit must solve the equations
 
 
@@ -68,6 +69,14 @@ class Branch(ValueRecord):
     def orbits(self) -> tuple[Orbit, ...]:
         """The motions (points,)."""
         return tuple(_orbit(point) for point in self._points)
+
+    def at(self, value: float) -> tuple[Orbit, ...]:
+        """The motions at one value of the parameter, in the order in which the branch comes to it."""
+        values = self.values
+        passed = np.flatnonzero((values[:-1] - value) * (values[1:] - value) <= 0)
+        found = (_between(self._points[k], self._points[k + 1], value) for k in passed if values[k + 1] != value)
+        last = [_orbit(self._points[-1])] if len(self) and values[-1] == value else []
+        return tuple([orbit for orbit in found if orbit is not None] + last)
 
     def switch(self, at: BranchBoundary, side: int = 1) -> Branch:
         """Branch of motions of twice the span that a period doubling begins, to the ends of this one's range.
@@ -189,6 +198,19 @@ def _apart(point: BranchPoint, ahead: BranchPoint, part: float) -> bool:
     if ahead.section.periods == point.section.periods:
         return True
     return float(np.linalg.norm(point.section.residual(ahead.z)[0])) > APART * part
+
+
+def _between(one: BranchPoint, other: BranchPoint, value: float) -> Orbit | None:
+    """The motion at a value between two points, from the nearer one on; None where Newton's method finds none."""
+    for near in sorted((one, other), key=lambda point: abs(point.value - value)):
+        section, normal = near.section, np.append(np.zeros(len(near.z) - 1), 1.0)
+        slope = section.slope(near.z)
+        tangent = section.tangent(near, slope)
+        ahead = (value / section.scale - near.z[-1]) * (tangent / tangent[-1] if abs(tangent[-1]) > STEEP else normal)
+        point = section.corrected(near.z + ahead, normal, slope)
+        if point is not None and point.itinerary in (one.itinerary, other.itinerary):
+            return _orbit(point)
+    return None
 
 
 def _orbit(point: BranchPoint) -> Orbit:

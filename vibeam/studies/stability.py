@@ -157,7 +157,7 @@ def stability(
     ``over``: "gap", "drive" (the level that the case says its drive by; of a list over frequency its share) or a dotted
     key; ``low``, ``high``: as a case has them, with unit, None: chosen for gap and drive. Fidelities that make the same
     model share a map. ValueError for invalid arguments, an unknown fidelity included; CaseError, at its line, for a
-    drive or models without closed forms.
+    drive of several harmonics. A model that no closed form knows is shot at, line by line.
 
     >>> import vibeam
     >>> found = vibeam.stability("cases/dtu_neutral.toml", points=3, frequencies=5, fidelities=["sdof"])
@@ -180,7 +180,7 @@ def stability_of(result: MapResult) -> Stability:
 
 def _map(result: MapResult, name: str, twins: tuple[str, ...]) -> ModelMap:
     case, plan, values = result.case, result.plan, result[name].values
-    bounds = boundaries_of(case, name, plan.axes, periods=plan.periods)[0] if plan.boundaries else ()
+    bounds = boundaries_of(case, name, plan.axes, periods=plan.periods, shot=True)[0] if plan.boundaries else ()
     flags = values["admissible"] > 0, values["stable"] > 0
     modes = case.system(name).size
     return ModelMap(twins, modes, values["impact_velocity"], *flags, tuple(bounds), _averaged(case, name, plan))
@@ -191,7 +191,7 @@ def _crossings(result: MapResult, name: str) -> Iterator[Crossing]:
     hertz, model, periods = np.array(result.plan.axes[-1].values), result.case.model(name), result.plan.periods
     if not np.all(model.amplitude(2 * np.pi * hertz)):
         return
-    for each in along_row(model, hertz, periods, points=ALONG):
+    for each in along_row(model, hertz, periods, points=ALONG)[0]:
         if each.clear:
             place = each.omega / (2 * np.pi), each.velocity
             yield Crossing(name, periods, KINDS[each.kind], BRANCHES[each.branch], *place, _multipliers(each))

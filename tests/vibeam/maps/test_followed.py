@@ -1,0 +1,80 @@
+"""Stability maps and existence limits by shooting and following, against the closed forms of the same system."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vibeam
+from vibeam import Kind
+from vibeam.maps.followed import FollowedLine, boundaries_on, branches_of, points_on
+from vibeam.periodic.boundaries import boundaries
+from vibeam.periodic.orbit_map import orbit_points
+from vibeam.solvers.existence_limits import _exact
+
+PLAIN = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, gap=0.02, restitution=0.5)
+FAR = replace(PLAIN, second_gap=50.0)  # a second stop that nothing reaches: no closed form knows it
+
+SOFT = """
+title = "an oscillator with a linear stop"
+[sdof]
+natural_frequency = "1 rad/s"
+damping_ratio = 0.05
+[stop]
+gap = 1e-4
+law = "linear"
+stiffness = 40.0
+damping = 0.5
+[drive]
+amplitude = 0.5e-3
+[sweep]
+frequency = { from = "2.0 rad/s", to = "2.4 rad/s", points = 5 }
+direction = "up"
+settle = 200
+hold = 50
+[fidelity.soft]
+reduction = "static_mode"
+"""
+
+
+def test_a_line_followed_has_the_motions_and_boundaries_of_closed_forms() -> None:
+    line = FollowedLine(FAR, lambda omega: 0.1, 1.9, 3.0, 1)
+    branches = branches_of(line, [])
+    omega = np.linspace(1.9, 3.0, 7)
+    velocity, admissible, stable = points_on(omega, branches)
+    known = orbit_points(PLAIN, 1, omega, np.full(7, 0.1), np.full(7, 0.02))
+    held = known.admissible[:, 0]
+    np.testing.assert_allclose(velocity[held, 0], known.velocity[held, 0], rtol=1e-10)
+    np.testing.assert_array_equal(stable[held, 0] > 0, known.stable[held, 0])
+    assert (admissible[held, 0] > 0).all()
+    found = boundaries_on(line, branches)
+    exact = [each for each in boundaries(PLAIN, 0.1, (1.9, 3.0)) if each.clear and each.kind is Kind.DOUBLING]
+    assert [each.omega for each in found if each.kind is Kind.DOUBLING] == pytest.approx(
+        [each.omega for each in exact], rel=1e-11
+    )
+
+
+@pytest.mark.parametrize("quantity", ["largest_gap", "least_stable_reach"])
+def test_limits_followed_are_those_of_closed_forms(quantity: str) -> None:
+    plain = vibeam.ImpactSystem.from_modes(1.0, 0.02, 1.0, 1.0, gap=0.3, restitution=0.8)
+    own = np.array([0.1]), np.array([1.4]), quantity
+    assert _exact(replace(plain, second_gap=50.0), *own, {}) == pytest.approx(_exact(plain, *own, {}), rel=1e-6)
+
+
+def test_a_stability_map_of_a_stop_that_yields(tmp_path: Path) -> None:
+    (tmp_path / "soft.toml").write_text(SOFT)
+    case = vibeam.load(tmp_path / "soft.toml")
+    found = vibeam.stability(case, low=0.0, high=2e-4, points=2, frequencies=3)
+    assert any("by shooting" in note for note in found.notes)
+    (one,) = found.maps
+    system, seen = replace(case.system("soft"), gap=2e-4), 0
+    for column, hertz in enumerate(found.plan.axes[-1].values):
+        flown = vibeam.sweep(system, omega=[2 * np.pi * hertz], amplitude=0.5e-3, settle=400, hold=20)
+        if flown.period[0] == 1 and flown.impacts_per_period[0] > 0:
+            stable = one.velocity[:, 1, column][one.stable[:, 1, column]]
+            assert np.min(abs(stable / flown.impact_velocity[0] - 1)) < 1e-6
+            seen += 1
+    assert seen
