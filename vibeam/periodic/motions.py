@@ -137,7 +137,7 @@ def _predicted(system: ImpactSystem, trains: Trains, output: str) -> Motions:
     found.first[:] = near.first
     if not len(which):
         return found
-    modes = excited(system, moved)
+    modes = excited(system.omega, system.zeta, system.contact, moved)
     contact = sampled(signal(system, modes, "contact"))
     own = extremes(contact, m)
     shown = own if output == "contact" else extremes(sampled(signal(system, modes, output)), m)

@@ -28,6 +28,7 @@ MOST = 640  # times at most; for more the tolerance is relaxed
 LEVELS, OCTAVES = 18, 14  # step lengths: a 16th of the flight, halved so often; stretches of equal steps
 APART = 1e-7  # least 1 − ζ² at critical damping, so that the two decays of a mode stay apart
 NEWTON = 3  # steps to an extreme, from where the interpolant has it
+ALIKE = 1e-13  # share by which two values differ in round-off alone
 ROUND_OFF = 1e-9  # share of the motion's size by which a gap may be negative
 
 
@@ -94,10 +95,10 @@ class Extremes(NamedTuple):
     uncertainty: Array
 
 
-def excited(system: ImpactSystem, trains: Trains) -> Excited:
-    """Response of all modes to the impact trains."""
-    seen = np.flatnonzero(system.contact)
-    rates, shares, part_of = _parts(system.omega[seen], system.zeta[seen])
+def excited(natural: Array, zeta: Array, contact: Array, trains: Trains) -> Excited:
+    """Response of modes (n,) to the impact trains."""
+    seen = np.flatnonzero(contact)
+    rates, shares, part_of = _parts(natural[seen], zeta[seen])
     kernels = shares[:, None] / -np.expm1(rates[:, None] * trains.span)
     response = (kernels[:, :, None] * _summed(rates, trains)).reshape(len(rates), -1)
     return Excited(trains, rates, response, seen[part_of])
@@ -107,11 +108,17 @@ def signal(system: ImpactSystem, modes: Excited, output: str) -> TrainSignal:
     """Signal of an output: a displacement, a velocity or an acceleration."""
     row, derivative, trains = system.row(output), system.derivative(output), modes.trains
     order, base = (0, 0.0) if derivative is None else (derivative.order, derivative.base)
-    weight = (row * system.contact)[modes.modes] * modes.rates**order
     steady = contact_phasor(system, trains.omega, trains.amplitude, row) + base * trains.amplitude
-    drive = ((1j * trains.omega) ** order * steady)[:, None] * np.exp(1j * trains.phases)
     constant = float(row @ offsets(system)) if order == 0 else 0.0
-    omega = np.repeat(trains.omega, trains.phases.shape[1])
+    return signal_of(modes, row * system.contact, steady, constant, order)
+
+
+def signal_of(modes: Excited, weights: Array, steady: Complex, constant: float, order: int = 0) -> TrainSignal:
+    """Signal, or a derivative in time of that ``order``: row times contact (n,), response to the drive (points,)."""
+    trains = modes.trains
+    weight = weights[modes.modes] * modes.rates**order
+    drive = ((1j * trains.omega) ** order * steady)[:, None] * np.exp(1j * trains.phases)
+    omega = np.repeat(trains.omega, trains.impacts)
     return TrainSignal(
         modes.rates, weight[:, None] * modes.response, drive.ravel(), constant, omega, flights(trains).ravel()
     )  # fmt: skip
@@ -189,8 +196,8 @@ def graded(rates: Complex, shares: Array, length: float) -> SignalGrid:
 
 def extremes(found: Sampled, m: int) -> Extremes:
     """Extremes over the whole period, of motions with ``m`` impacts."""
-    high, off_high = _highest(found, 1.0)
-    low, off_low = _highest(found, -1.0)
+    high, _, off_high = highest(found, 1.0)
+    low, _, off_low = highest(found, -1.0)
     off = np.maximum(off_high, off_low) + found.dropped
     return Extremes(*(row.reshape(-1, m).max(axis=1) * sign for row, sign in ((high, 1), (low, -1), (off, 1))))
 
@@ -200,13 +207,14 @@ def clear(found: Sampled, gap: float, m: int) -> Flags:
 
     To the resolution of the grid and to round-off.
     """
-    top, missed = _highest(found, 1.0)
+    top, _, missed = highest(found, 1.0)
     slack = missed + found.dropped + ROUND_OFF * np.abs(found.followed.drive)
     return np.asarray((top - gap <= slack).reshape(-1, m).all(axis=1))
 
 
-def _highest(found: Sampled, sign: float) -> tuple[Array, Array]:
-    """Largest value (rows,) of ± the signal where its interpolants are largest, and the bound on their error there."""
+def highest(found: Sampled, sign: float) -> tuple[Array, Array, Array]:
+    """Largest value (rows,) of ± the signal where its interpolants are largest, its time after the impact, and the
+    bound on the interpolants' error there."""
     tops, places = _tops(sign * found.value, sign * found.begin, sign * found.end)
     at = np.argmax(tops, axis=1)[:, None]
     begin, end = (np.take_along_axis(found.times, at + k, axis=1)[:, 0] for k in (0, 1))
@@ -214,19 +222,20 @@ def _highest(found: Sampled, sign: float) -> tuple[Array, Array]:
     left = np.abs(found.followed.weights) * np.exp(found.followed.rates.real[:, None] * begin)
     missed = (left * _interpolation(found.followed.rates[:, None] * (end - begin))).sum(axis=0)
     missed += np.abs(found.followed.drive) * _interpolation(found.followed.omega * (end - begin))
-    return _polished(found.whole, sign, place, begin, end), missed
+    return *_polished(found.whole, sign, place, begin, end), missed
 
 
-def _polished(found: TrainSignal, sign: float, place: Array, begin: Array, end: Array) -> Array:
-    """Largest value (rows,) of ± the signal from ``place`` on by Newton's method, from ``begin`` to ``end``."""
+def _polished(found: TrainSignal, sign: float, place: Array, begin: Array, end: Array) -> tuple[Array, Array]:
+    """Largest value (rows,) of ± the signal by Newton's method from ``place`` on, in ``begin`` to ``end``; its time."""
     value, slope, bend = sign * _derivatives(found, place)
-    highest = value
+    top, at = value, place
     for _ in range(NEWTON):
         step = np.divide(slope, bend, out=np.zeros_like(slope), where=bend < 0)
         place = np.clip(place - step, begin, end)
         value, slope, bend = sign * _derivatives(found, place)
-        highest = np.maximum(highest, value)
-    return np.asarray(highest)
+        at = np.where(value >= top - ALIKE * np.abs(top), place, at)  # values hardly tell places beside an extreme
+        top = np.maximum(top, value)
+    return top, at
 
 
 def _derivatives(found: TrainSignal, times: Array) -> Array:

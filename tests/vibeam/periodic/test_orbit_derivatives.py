@@ -10,7 +10,7 @@ import pytest
 
 from vibeam.observe.measuring_chain import LowPass, filtered
 from vibeam.periodic.orbit_derivatives import struck
-from vibeam.periodic.output_signals import QUANTITIES, SampledOutput, of_orbits, without_contact
+from vibeam.periodic.output_signals import QUANTITIES, OrbitOutput, of_orbits, without_contact
 from vibeam.periodic.tangents import ModalData, Tangents
 
 OMEGA = np.array([95.0])
@@ -137,8 +137,8 @@ def test_a_filtered_motion_is_that_of_the_filter_in_time(family):
     low_pass = LowPass(family, 4, 200.0)
     span, count = 2 * np.pi / OMEGA[0], 3000
     found = struck(DATA, _units(), OMEGA, np.ones(1), 0)
-    plain = SampledOutput(DATA, _units(), DATA.row, np.zeros((15, 2)), OMEGA, 1, found, None)
-    once = plain.samples(np.linspace(0.0, 1.0, count + 1))[0, :-1]
+    plain = OrbitOutput(DATA, _units(), DATA.row, np.zeros((15, 2)), OMEGA, 1, found, None)
+    once = plain.samples(count)[0, :-1]
     seen = filtered(low_pass, np.tile(once, 30), span / count)[-count:]
     assert of_orbits(DATA, _units(), OMEGA, 1, 0, "maximum", low_pass.response).value[0] == pytest.approx(
         seen.max(), abs=1e-5 * np.ptp(seen)
