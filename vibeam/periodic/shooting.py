@@ -24,6 +24,7 @@ NEWTON = 40  # steps
 LEAST = 1 / 256  # share of a step
 LARGEST = 1.0  # step, as a share of the motion's size
 SINGULAR = 0.02  # singular value of DP − 1 below which a fold is near
+FREE = 1 / 3  # the same as a share of that of the modes without contact, where little damping makes that small
 SAME = 1e-8  # share of the motion's size within which a motion repeats after fewer periods
 LONGEST = 16  # drive periods after which a motion is looked at for repeating
 WATCH = 64  # periods, times n, over which a motion near a stable fixed point must not leave it
@@ -93,9 +94,18 @@ def _newton(section: StroboscopicMap, state: State, periods: int) -> _Fixed:
             return _Fixed(state, flown, matrix, tuple(corrections))
         taken = _taken(section, state, step, periods, solve, length) if np.isfinite(length) else None
         if taken is None:
-            raise NoOrbit(Reason.FOLD if solve.least < SINGULAR else Reason.DIVERGED, "", tuple(corrections))
+            fold = solve.least < _singular(section, periods)
+            raise NoOrbit(Reason.FOLD if fold else Reason.DIVERGED, "", tuple(corrections))
         state, flown = taken
     raise NoOrbit(Reason.DIVERGED, f"after {NEWTON} steps", tuple(corrections))
+
+
+def _singular(section: StroboscopicMap, periods: int) -> float:
+    """Singular value of DP − 1 below which a fold is near; of modes alone it is |1 − e^{λT}| at least."""
+    own = section.system if section.several is None else section.several.plain
+    rates = own.omega * (-own.zeta + np.emath.sqrt(own.zeta**2 - 1))
+    alone = np.abs(np.expm1(rates[own.omega > 0] * section.period * periods))
+    return float(min(SINGULAR, FREE * np.min(alone, initial=1.0)))
 
 
 def _taken(

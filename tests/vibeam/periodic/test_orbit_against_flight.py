@@ -37,6 +37,7 @@ WITHOUT = {
     "lodz",
     "reductions",
     "dtu_harmonic",
+    "linear_stop",
 }  # folders and cases that may have no closed orbit
 
 
