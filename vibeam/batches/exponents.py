@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.batches.points import plain_points
-from vibeam.flight.disturbance.tangent import tangent_fault
+from vibeam.flight.disturbance.maps import tangent_fault
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels.layout import ELASTIC
 from vibeam.periodic.lyapunov import ALIGNED, BATCHES, lyapunov, mean_exponents

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vibeam.batches.batch import batch
 from vibeam.batches.points import changed
-from vibeam.flight.disturbance.tangent import tangent_fault
+from vibeam.flight.disturbance.maps import tangent_fault
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.solver import exact_solver, reading_of
 from vibeam.maps.points import GridPoints

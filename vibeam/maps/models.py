@@ -10,7 +10,7 @@ import numpy as np
 
 from vibeam.case.case import require_one_harmonic
 from vibeam.case.grid_keys import LEVELS, MapPlan
-from vibeam.flight.disturbance.tangent import tangent_fault
+from vibeam.flight.disturbance.maps import tangent_fault
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.systems import Systems
 

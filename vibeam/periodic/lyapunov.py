@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam.flight.disturbance.tangent import tangent_fault
+from vibeam.flight.disturbance.maps import tangent_fault
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.readout import rests, struck
 from vibeam.periodic.orbit import Orbit
@@ -99,9 +99,9 @@ def lyapunov(
 
     ``state`` (None: static equilibrium) at ``t_start`` s, ``settle`` drive periods before anything is taken, 0 for a
     state that is on the motion meant: of a periodic one its exponents are those of that motion, stable or not.
-    ``periods``: drive periods of the mean where the motion does not repeat. For any damping and law, one stop or two.
-    ValueError for several contacts, whose tangent maps are not known, for arguments that make no sense, and where the
-    motion ends on the way (too many impacts).
+    ``periods``: drive periods of the mean where the motion does not repeat. For any damping and law, one stop or two,
+    several contacts. ValueError for an R(v) without slope and for integrated laws among several contacts, for arguments
+    that make no sense, and where the motion ends on the way (too many impacts).
 
     >>> import vibeam
     >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)

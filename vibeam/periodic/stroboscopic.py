@@ -19,7 +19,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from vibeam.flight.disturbance.tangent import TangentMaps, tangent_fault
+from vibeam.flight.disturbance.maps import maps_of, tangent_fault
+from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
@@ -103,7 +104,7 @@ class Flown:
 
     def maps(self) -> TangentMaps:
         """Its tangent maps; ValueError where they are not known."""
-        return TangentMaps(self.system, self.drive, self.segments, self.state)
+        return maps_of(self.system, self.drive, self.segments, self.state)
 
 
 class MotionEnded(ValueError, ArithmeticError):

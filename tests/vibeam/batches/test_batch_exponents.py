@@ -12,6 +12,7 @@ from vibeam.periodic.lyapunov import mean_exponents
 from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.system.state import State
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
+from vibeam_models.laws.mechanics import KernelNumbers, StopLaw
 
 ONE = vibeam.ImpactSystem.from_modes([1.0], 0.015, contact=[1.0], load=[1.0], gap=0.0, restitution=0.72)
 THREE = vibeam.ImpactSystem.from_modes(
@@ -81,8 +82,9 @@ def test_without_contact_it_is_the_damping_and_without_a_question_nothing() -> N
         (replace(THREE, law=LinearStop(400.0)), 1.3, 1.0),
         (replace(THREE, law=HuntCrossley(400.0, 0.1)), 1.3, 1.0),
         (replace(THREE, second_gap=0.5), 1.3, 1.0),
+        (replace(THREE, further=(vibeam.Contact([-0.8, 0.3, 0.5], 0.6, 0.85),)), 1.3, 1.0),
     ],
-    ids=["rests", "rests of three modes", "plastic", "linear stop", "Hunt-Crossley", "two stops"],
+    ids=["rests", "rests of three modes", "plastic", "linear stop", "Hunt-Crossley", "two stops", "several"],
 )
 def test_what_the_compiled_code_leaves_alone_is_that_of_lyapunov(
     system: vibeam.ImpactSystem, omega: float, amplitude: float
@@ -112,8 +114,20 @@ def test_a_point_that_failed_has_none_and_neighbours_and_threads_change_no_bit()
     assert (found.lyapunov[81:] > 0).any()
 
 
+class Unknown(StopLaw):
+    """A law that flies, and whose R(v) v has no derivative."""
+
+    name = "unknown"
+
+    def at(self, velocity: float) -> float:
+        return 0.7
+
+    def kernel_numbers(self) -> KernelNumbers:
+        return KernelNumbers("constant", {"coefficient": 0.7})
+
+
 def test_systems_without_tangent_maps_and_short_means_are_refused() -> None:
     with pytest.raises(
-        ValueError, match=r"lyapunov: 5 must be at least 20 .*; .*lyapunov: not known for several contacts"
+        ValueError, match=r"lyapunov: 5 must be at least 20 .*; .*lyapunov: not known for the contact law"
     ):
-        vibeam.batch(replace(THREE, further=(vibeam.Contact([0.0, 1.0, 0.0], 0.4, 0.5),)), 1.0, 1.0, lyapunov=5)
+        vibeam.batch(replace(THREE, law=Unknown()), 1.0, 1.0, lyapunov=5)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.flight.disturbance.contacts import ContactMaps, fault_of
+from vibeam.flight.disturbance.contacts import ContactMaps
+from vibeam.flight.disturbance.maps import tangent_fault
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 ROW = np.array([1.0, -0.8, 0.6])
@@ -174,4 +175,4 @@ def test_round_off_grows_along_the_motion() -> None:
     assert np.all(errors.velocity < 1e-9 * path.impact_velocities.max())
     with pytest.raises(ValueError, match="hunt-crossley"):
         _ = vibeam.simulate(ALL, DRIVE, 0.06).errors
-    assert fault_of(MIXED) == ""
+    assert tangent_fault(MIXED) == ""

@@ -15,6 +15,7 @@ from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.periodic.train_orbits import settled_orbit
 from vibeam.system.state import State
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
+from vibeam_models.laws.mechanics import KernelNumbers, StopLaw
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 
 ONE = vibeam.ImpactSystem.from_modes(1.0, 0.01, 1.0, 1.0, gap=0.0, restitution=0.9)
@@ -250,15 +251,34 @@ def test_fewer_exponents_are_the_same_ones() -> None:
     assert 1 < whole.dimension < 2
 
 
-@pytest.mark.parametrize(
-    ("system", "words"),
-    [
-        (replace(THREE, further=(vibeam.Contact([0.0, 1.0, 0.0], 0.4, 0.5),)), "several contacts"),
-    ],
-)
-def test_what_is_not_known_is_refused(system: vibeam.ImpactSystem, words: str) -> None:
-    with pytest.raises(ValueError, match=words):
-        vibeam.lyapunov(system, WILD)
+class Unknown(StopLaw):
+    """A law that flies, and whose R(v) v has no derivative."""
+
+    name = "unknown"
+
+    def at(self, velocity: float) -> float:
+        return 0.7
+
+    def kernel_numbers(self) -> KernelNumbers:
+        return KernelNumbers("constant", {"coefficient": 0.7})
+
+
+def test_what_is_not_known_is_refused() -> None:
+    with pytest.raises(ValueError, match=r'exponents are not known for the contact law "unknown"'):
+        vibeam.lyapunov(replace(THREE, law=Unknown()), WILD)
+
+
+def test_the_sum_of_all_holds_with_several_contacts() -> None:
+    """Each impact takes R² of its own contact from the volume, wherever it is."""
+    system = replace(THREE, zeta=np.full(3, 0.02), further=(vibeam.Contact([-0.8, 0.3, 0.5], 0.6, 0.85),))
+    found = vibeam.lyapunov(system, WILD, periods=100)
+    path = vibeam.simulate(system, WILD, found.time, found.state, t_start=found.phase_time)
+    assert (found.rests, found.period) == (0, 0)
+    assert set(path.impact_contacts) == {0, 1}
+    damping = -2 * np.sum(system.zeta * system.omega)
+    share = (found.exponents.sum() - damping) * found.time / found.impacts
+    assert np.log(0.7**2) < share < np.log(0.85**2)
+    assert share == pytest.approx(np.mean(np.log(np.array([0.7, 0.85])[path.impact_contacts] ** 2)), rel=0.1)
 
 
 def test_a_motion_that_ends_on_the_way_is_refused_like_all_else() -> None:

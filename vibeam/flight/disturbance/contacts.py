@@ -23,7 +23,7 @@ import numpy as np
 
 from vibeam.flight.contacts.readout import keys_of
 from vibeam.flight.contacts.sets import ConstrainedSystem, ContactSet
-from vibeam.flight.disturbance.tangent import TangentMaps, tangent_fault
+from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.equilibrium import Contacts, multipliers, one_sided
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts.layout import MET_AT
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from vibeam.system.state import State
 
 
-class ContactMaps:
+class ContactMaps(TangentMaps):
     """Tangent maps (2n, 2n) on (η, η') of the segments of a motion with several contacts."""
 
     def __init__(self, system: ImpactSystem, drive: Drive, segments: Segments, state: State) -> None:
@@ -214,25 +214,3 @@ class _Set:
         base = drive.omega**2 * drive.amplitude * np.sin(drive.omega * clock)
         pull = self.system.contacts.system.load * base + self.system.static
         return np.asarray(self.free @ (pull - self.system.damper @ pose[1] - self.system.stiffness @ pose[0]))
-
-
-def maps_of(system: ImpactSystem, drive: Drive, segments: Segments, state: State) -> TangentMaps | ContactMaps:
-    """The tangent maps of a motion, with one contact or several; ValueError where they are not known."""
-    if reason := fault_of(system):
-        raise ValueError(f"tangent maps are not known for {reason}")
-    return (TangentMaps if system.further is None else ContactMaps)(system, drive, segments, state)
-
-
-def fault_of(system: ImpactSystem) -> str:
-    """Reason why the tangent maps of a system's motions are not known; empty where they are."""
-    return tangent_fault(system) if system.further is None else fault_of_contacts(system)
-
-
-def fault_of_contacts(system: ImpactSystem) -> str:
-    """Reason why the tangent maps of motions among these contacts are not known; empty where they are."""
-    for law in Contacts.of(system).laws:
-        if law.integrated:
-            return f'several contacts with the law "{law.name}", which is integrated'
-        if not (law.yields or law.has_slope):
-            return f'the contact law "{law.name}": let the law have rebound_slope, or its contact give a table'
-    return ""

@@ -51,23 +51,11 @@ PIECE = 1000  # segments carried along between two pauses
 NONE = np.zeros((0, 0, 0))
 
 
-def tangent_fault(system: ImpactSystem) -> str:
-    """Reason why the tangent maps of a system's motions are not known; empty where they are."""
-    if system.further is not None:
-        return "several contacts: an impact of one may release another, and the saltation of that is not known here"
-    law = system.contact_law
-    if not (law.yields or law.has_slope):
-        return f'the contact law "{law.name}": let the law have rebound_slope, or its contact give a table'
-    return ""
-
-
 class TangentMaps:
-    """Tangent maps (2n, 2n) on (η, η') of the segments of a motion."""
+    """Tangent maps (2n, 2n) on (η, η') of the segments of a motion with contact at one place."""
 
     def __init__(self, system: ImpactSystem, drive: Drive, segments: Segments, state: State) -> None:
-        """``state``: at the end. ValueError where they are not known, see ``tangent_fault``."""
-        if reason := tangent_fault(system):
-            raise ValueError(f"tangent maps are not known for {reason}")
+        """``state``: at the end."""
         self.system, self.drive, self.trace = system, drive, segments.trace
         last = np.array([[state.displacement, state.velocity]])
         self._motion = TracedMotion(segments.trace, np.concatenate([segments.poses, last]), self._rebounds())
@@ -140,9 +128,13 @@ class TangentMaps:
         none = np.zeros((n, whole.shape[1]))
         return np.block([[across, none], [np.zeros((n, n - 1)), whole]])
 
-    def acceleration(self, i: int) -> float:
-        """The contact's acceleration towards the stop just before the event that ends segment i."""
-        return float(self._accelerations[i])
+    def readings(self, i: int) -> tuple[Array, Array]:
+        """Rows (2n,) that read time and velocity of the impact that ends segment i off the disturbance before it."""
+        still, row, speed = np.zeros(self.system.size), self.system.contact, self.trace[i, layout.BEFORE]
+        late = np.zeros(2 * len(still))  # without a speed the contact was there already
+        if speed > 0:
+            late[: len(still)] = -row / speed
+        return late, np.concatenate([still, row]) + float(self._accelerations[i]) * late
 
     @cached_property
     def _accelerations(self) -> Array:

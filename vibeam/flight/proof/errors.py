@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from vibeam.flight.disturbance.contacts import ContactMaps, maps_of
+from vibeam.flight.disturbance.maps import maps_of
 from vibeam.flight.equilibrium import size_of_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import BRISK, FAR, FAR_DRIVEN
@@ -155,7 +155,7 @@ class _CarriedCovariance:
             self._before = self.covariance
         if int(self.trace[i, layout.END]) not in STRUCK:
             return None
-        error, jump = self._impact_error(i, self.trace[i, layout.BEFORE]), self.maps.jump(i)
+        error, jump = self._impact_error(i), self.maps.jump(i)
         if jump is not None:
             self._carry(jump)
         if self.unending[i]:
@@ -168,16 +168,8 @@ class _CarriedCovariance:
     def _add(self, variances: Array) -> None:
         self.covariance[np.diag_indices_from(self.covariance)] += variances
 
-    def _impact_error(self, i: int, speed: float) -> tuple[float, float]:
-        if isinstance(self.maps, ContactMaps):
-            late, change = self.maps.readings(i)
-        else:
-            n, c = self.system.size, self.system.contact
-            late = (
-                np.concatenate([-c / speed, np.zeros(n)]) if speed > 0 else np.zeros(2 * n)
-            )  # 0: it was there already
-            change = np.concatenate([np.zeros(n), c]) + self.maps.acceleration(i) * late
-        time, velocity = (float(abs(row @ self._before @ row)) ** 0.5 for row in (late, change))
+    def _impact_error(self, i: int) -> tuple[float, float]:
+        time, velocity = (float(abs(row @ self._before @ row)) ** 0.5 for row in self.maps.readings(i))
         return time, velocity
 
     def _left_out(self, speed: float) -> Array:
