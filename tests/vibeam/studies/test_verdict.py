@@ -19,15 +19,17 @@ from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
+from vibeam.flight.solver import RegimeSolver
 from vibeam.maps import irregular
 from vibeam.maps.axes import axes_over
 from vibeam.maps.boundaries import boundaries_of, joined
 from vibeam.maps.irregular import CHAOTIC, IRREGULAR, NO_CONTACT
 from vibeam.maps.points import GridPoints
 from vibeam.report.maps.verdict import sheet
-from vibeam.studies.fidelity_map import judgement, study
+from vibeam.studies.fidelity_map import between, judgement, study
 from vibeam.studies.fidelity_map.between import verified
 from vibeam.studies.fidelity_map.judgement import MappedMotions, control_variate_gain, correlation
+from vibeam_models.laws.compliant import HuntCrossley
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -363,3 +365,20 @@ def test_a_budget_holds_leaves_places_out_and_says_so(monkeypatch: pytest.Monkey
 def test_a_kind_s_share_is_written_as_others_are() -> None:
     finest = motions([[CHAOTIC, CHAOTIC, 1, 1]] * 2, [[1.0] * 4] * 2, [1] * 4)
     assert judgement._kinds(finest, np.array([[True, True, True, False]])) == "chaos (67 %), period 1 (33 %)"
+
+
+def test_where_kinds_meet_motions_of_a_yielding_stop_are_found_from_those_around() -> None:
+    law = HuntCrossley(400.0)
+    system = vibeam.ImpactSystem.from_modes([1.0, 4.0], 0.05, [1.0, 0.5], [1.0, 0.25], gap=0.1, law=law, second_gap=2.0)
+    _, state = RegimeSolver(system, 1.7).steady([1.7], 0.1, None, 400, 1, "contact")
+    start = np.concatenate([state.displacement, state.velocity])[None]
+    truth = vibeam.sweep(system, omega=[1.72], amplitude=0.1, settle=800, hold=8)
+    points: Any = SimpleNamespace(system_at=lambda _: system, drive_at=lambda _: vibeam.Drive(1.72, 0.1))
+    known = between._Known(points, 0, "contact", "amplitude", start)
+    assert known.value(0.0) == pytest.approx(truth.amplitude[0], rel=1e-9)
+    assert known.keeps(1)
+    assert known.rules_out(NO_CONTACT)
+    points.system_at = lambda _: replace(system, gap=9.0)
+    clear = between._Known(points, 0, "contact", "amplitude", start)
+    assert clear.rules_out(1)
+    assert clear.keeps(NO_CONTACT)

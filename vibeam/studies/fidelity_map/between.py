@@ -1,8 +1,9 @@
 """Fidelity map between its places: interpolation within a kind, exact expressions where kinds meet.
 
 Where the four places around are of one kind, values are interpolated (bilinearly). Where they are not, a boundary runs
-between them. A motion with one impact a period, and one without contact, are known there in closed form: they are ruled
-out where there is none (none stable and clear of the stop; the free motion reaches the stop), and valued exactly where
+between them. A motion with one impact a period, and one without contact, are known there in closed form; of systems
+that no closed form takes, motions of period 1 are found by shooting from those at the places around. They are ruled out
+where there is none (none stable and clear of the stop; the free motion reaches the stop), and valued exactly where
 there is one. Of what remains a sweep keeps the kind that it comes with, which is how hysteresis goes on to a fold.
 
 It is verified at places drawn at random, flown anew with more time to settle.
@@ -10,7 +11,10 @@ It is verified at places drawn at random, flown anew with more time to settle.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +24,15 @@ from vibeam.case.grid_keys import FREQUENCY
 from vibeam.maps.block import SWEPT, onto_stops
 from vibeam.maps.irregular import NO_CONTACT, judged
 from vibeam.maps.points import GridPoints, scattered
+from vibeam.periodic.lift import response_alone
 from vibeam.periodic.modal_sums import sums
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.orbit_search import orbits
+from vibeam.periodic.orbit_search import near, orbits
+from vibeam.periodic.shooting import NoOrbit
+from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.runs.parallel import run_parallel
 from vibeam.studies.fidelity_map.judgement import Codes, ComparedModels, MappedMotions, cheapest, doubtful, motions
+from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
 UP, DOWN = 0, 1
@@ -83,7 +91,10 @@ def _read(
     for place, cell in enumerate(cells):
         kinds = model.kind[:, cell.rows, cell.columns]
         mixed = bool(np.any(kinds != kinds[:, :1]))
-        known = _Known(points, place, found.plan.output, found.plan.quantity) if mixed else None
+        known = None
+        if mixed:
+            once = [model.state[way, cell.rows, cell.columns][kinds[way] == ONE] for way in (UP, DOWN)]
+            known = _Known(points, place, found.plan.output, found.plan.quantity, np.concatenate(once))
         for way in (UP, DOWN):
             at = way, 0, place
             kind[at] = kinds[way, 0] if known is None else _kind(kinds[way], cell.weights, way, known)
@@ -99,38 +110,55 @@ def _differ(kinds: Codes, values: Array) -> bool:
 
 
 class _Known:
-    """Motions in closed form at one place; asked for only where kinds meet."""
+    """Motions in closed form at one place, or by shooting; asked for only where kinds meet.
 
-    def __init__(self, points: GridPoints, place: int, output: str, quantity: str) -> None:
+    ``starts`` (m, 2n): states of motions of period 1 at the places around.
+    """
+
+    def __init__(self, points: GridPoints, place: int, output: str, quantity: str, starts: Array) -> None:
         self.system, self.drive = points.system_at(place), points.drive_at(place)
-        self.output, self.quantity, self.plain = output, quantity, not self.system.beyond_plain
-        self._one: list[Orbit] | None = None
+        self.output, self.quantity, self.starts = output, quantity, starts
 
-    @property
+    @cached_property
+    def section(self) -> StroboscopicMap:
+        """The stroboscopic map here."""
+        return StroboscopicMap(self.system, self.drive)
+
+    @cached_property
     def one(self) -> list[Orbit]:
-        """Stable motions with one impact a period that keep clear of the stop."""
-        if self._one is None:
-            found = orbits(self.system, self.drive) if self.plain else ()
-            self._one = [orbit for orbit in found if orbit.stable and orbit.admissible]
-        return self._one
+        """Stable motions with impacts that repeat after one period and keep clear of the stop between them."""
+        found = self._shot() if self.system.beyond_plain else orbits(self.system, self.drive)
+        return [orbit for orbit in found if orbit.stable and orbit.admissible and len(orbit.times)]
+
+    def _shot(self) -> Iterator[Orbit]:
+        """Motions near those at the places around."""
+        for start in self.starts:
+            with suppress(NoOrbit):
+                yield near(self.section, State(*start.reshape(2, -1)), ONE)
 
     def rules_out(self, kind: int) -> bool:
         """Test whether there is no motion of a kind here."""
-        if not self.plain:
-            return False
-        if kind == NO_CONTACT:
+        return self.touches if kind == NO_CONTACT else kind == ONE and not self.one
+
+    @cached_property
+    def touches(self) -> bool:
+        """The motion that the drive alone makes reaches a stop."""
+        if not self.system.beyond_plain:
             total = sums(self.system, np.array([self.drive.omega]), 1)
             return bool(abs(total.unit[0]) * self.drive.amplitude + total.offset > self.system.gap)
-        return kind == ONE and not self.one
+        alone, drive = response_alone(self.system, self.drive, 0.0), self.drive
+        if not np.isfinite(alone.displacement).all():
+            return False
+        return bool(self.section.runner.steady([drive.omega], drive.amplitude, alone, 0, 1, self.output)[0].impacts[0])
 
     def keeps(self, kind: int) -> bool:
         """Test whether a sweep that comes with this kind keeps it here."""
-        return self.plain and kind in (ONE, NO_CONTACT) and not self.rules_out(kind)
+        return kind in (ONE, NO_CONTACT) and not self.rules_out(kind)
 
-    def value(self, near: float) -> float:
-        """The quantity of the motion with one impact a period that is nearest to ``near``."""
+    def value(self, nearest: float) -> float:
+        """The quantity of the motion with one impact a period that is nearest to ``nearest``."""
         each = [orbit.reach if self.quantity == "reach" else orbit.amplitude(self.output) for orbit in self.one]
-        return min(each, key=lambda value: abs(value - near))
+        return min(each, key=lambda value: abs(value - nearest))
 
 
 def _kind(kinds: Codes, weights: Array, way: int, known: _Known) -> int:
