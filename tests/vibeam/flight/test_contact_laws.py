@@ -176,3 +176,12 @@ def test_round_off_grows_along_the_motion() -> None:
     with pytest.raises(ValueError, match="hunt-crossley"):
         _ = vibeam.simulate(ALL, DRIVE, 0.06).errors
     assert tangent_fault(MIXED) == ""
+
+
+def test_orbits_and_exponents_are_those_of_one_contact_where_the_others_are_out_of_reach() -> None:
+    one, drive = made(restitution=0.7), vibeam.Drive(95.0, 1e-4)
+    two = replace(one, further=(FAR,))
+    (first,), (second,) = vibeam.orbits(one, drive), vibeam.orbits(two, drive)
+    assert np.poly(second.multipliers) == pytest.approx(np.poly(first.multipliers), abs=1e-10)
+    spectra = [vibeam.lyapunov(each, drive, settle=200, periods=60).exponents for each in (one, two)]
+    assert spectra[1] == pytest.approx(spectra[0], rel=1e-8)

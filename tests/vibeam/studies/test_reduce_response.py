@@ -100,11 +100,12 @@ def test_nothing_is_recommended_where_the_motions_do_not_repeat() -> None:
     assert found.by_losses is not None
 
 
-def test_nothing_is_flown_at_several_contacts() -> None:
-    """A frequency of all modes takes half a minute there."""
-    study = vibeam.reduce(vibeam.load(CASES / "rigs" / "two_stops.toml"), bases=["modal"], most=2)
-    assert study.claim.refused.startswith("with several contacts")
-    assert [each.modes for each in study.recommended] == [None]
+def test_all_modes_are_flown_at_several_contacts() -> None:
+    changes = {"sweep.settle": 4, "sweep.hold": 2, "beam.elements": 4}
+    study = vibeam.reduce(vibeam.load(CASES / "rigs" / "two_stops.toml", set=changes), bases=["modal"], most=2)
+    assert study.claim.why_flown == "no closed-form motions with several contacts"
+    assert study.claim.flown > 0
+    assert "ten seconds" not in study.claim.refused
 
 
 def test_a_flight_is_given_up_where_a_model_is_off() -> None:

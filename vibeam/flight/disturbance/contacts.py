@@ -27,6 +27,7 @@ from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.equilibrium import Contacts, multipliers, one_sided
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts.layout import MET_AT
+from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.readout import STRUCK, sides
 from vibeam_models.arrays import Array
 
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from vibeam.flight.event_driven import Segments
     from vibeam.system.impact_system import Drive, ImpactSystem
     from vibeam.system.state import State
+
+NEAR = 1e-4  # |σ² − ω²| t² below which a pair is next to critical damping
 
 
 class ContactMaps(TangentMaps):
@@ -204,10 +207,27 @@ class _Set:
         self.matrix[n:, :n], self.matrix[n:, n:] = -self.free @ self.system.stiffness, -self.free @ self.system.damper
 
     def flow(self, duration: float) -> Array:
-        """Map over so much time."""
-        from scipy.linalg import expm
+        """Map over so much time: block by block e^{At} = e^{−σt} (C + S (A + σ)), C and S as in the kernels."""
+        pairs, blocks, t = self._regime.pairs, self._regime.blocks, duration
+        sigma, disc = pairs[layout.SIGMA], pairs[layout.DISC]
+        root = np.sqrt(np.abs(disc))
+        slow, fast = np.exp(-pairs[layout.DECAY] * t), np.exp(-(sigma + root) * t)
+        turning, small = np.exp(-sigma * t), np.abs(disc) * t * t < NEAR
+        even = np.where(disc < 0, turning * np.cos(root * t), (slow + fast) / 2)
+        apart = np.where(small, 1.0, root)
+        odd = np.where(disc < 0, turning * np.sin(root * t), (slow - fast) / 2) / apart
+        odd = np.where(small, turning * t * (1 + disc * t * t / 6 * (1 + disc * t * t / 20)), odd)
+        first, second = self._regime.into[0::2], self._regime.into[1::2]
+        whole, into = np.empty_like(self._regime.into), [(each * sigma[:, None]) for each in (first, second)]
+        along = blocks[layout.A11][:, None] * first + blocks[layout.A12][:, None] * second + into[0]
+        across = blocks[layout.A21][:, None] * first + blocks[layout.A22][:, None] * second + into[1]
+        whole[0::2] = even[:, None] * first + odd[:, None] * along
+        whole[1::2] = even[:, None] * second + odd[:, None] * across
+        return np.asarray(self._regime.outof @ whole)
 
-        return np.asarray(expm(self.matrix * duration) @ np.kron(np.eye(2), self.free))
+    @cached_property
+    def _regime(self) -> Regime:
+        return self.system.regime(0)
 
     def acceleration(self, drive: Drive, pose: Array, clock: float) -> Array:
         """Acceleration of all modes (n,)."""

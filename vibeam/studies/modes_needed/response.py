@@ -42,11 +42,6 @@ CHAOS = (
     "where they repeat, or compare means over the plane by vibeam map --picture verdict"
 )
 
-SEVERAL_CONTACTS = (
-    "with several contacts the flight of all modes takes too long; compare a few fidelities by vibeam run over a few "
-    "frequencies"
-)
-
 COSTLY = (
     "the flight of all modes over a few frequencies takes more than ten seconds; write fewer periods (sweep.settle, "
     "sweep.hold) or fewer elements"
@@ -130,9 +125,8 @@ class FullResponse:
     def known(self) -> Claim:
         """Claim by the closed forms alone."""
         known, struck = self.closed.points, np.isfinite(self.closed.values[:, :FREE]).any(axis=1)
-        refused = SEVERAL_CONTACTS if self.full.further is not None else ""
         why, counts = self.no_closed_forms, (len(known), int(known.sum()), int(struck.sum()))
-        return Claim(self.full.size, *counts, why_flown=why, refused=refused)
+        return Claim(self.full.size, *counts, why_flown=why)
 
     @property
     def claim(self) -> Claim:
@@ -170,9 +164,6 @@ class FullResponse:
     @cached_property
     def _sweep(self) -> tuple[Amplitudes, str]:
         """Sweep of all modes, and why it is of no use; empty where it is."""
-        if self.full.further is not None:
-            nothing = np.zeros(0, dtype=np.int64)
-            return Amplitudes(nothing, np.zeros(0), np.zeros((0, COLUMNS)), 0), SEVERAL_CONTACTS
         least = 0.0 if self.share >= ENOUGH else ENOUGH
         for most in COUNTS:
             which = self._thinned(most)
