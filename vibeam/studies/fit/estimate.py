@@ -46,6 +46,7 @@ WORSE = 1.5  # loss a point above which they are too; 0.8 is expected of normal 
 FLOWN = 5  # of these starts
 APART = 0.02  # distance of two minima, share of the bounds
 FINE = 1e-9
+STILL = 1e-3  # share of the bounds within which the Jacobian of motions that are followed serves for the next step too
 ROUGHLY = 1e-5  # tolerance of a minimisation between two explanations
 NEARBY = 4.5  # standard errors to either side, of the box of the last surfaces
 SURE = 1e-9  # tolerance of the modal data there
@@ -140,7 +141,7 @@ def minimise(
         residual, _ = problem.residuals(whole, chosen)
         return whole, float(residual @ residual)
     seen: dict[tuple[bytes, bool], tuple[Array, Array]] = {}
-    followed = bool((chosen >= FOLLOWED).any())
+    followed, kept = bool((chosen >= FOLLOWED).any()), list[tuple[Array, Array]]()
 
     def at(part: Array, slopes: bool) -> tuple[Array, Array]:
         mark = part.tobytes(), slopes or not followed
@@ -151,9 +152,13 @@ def minimise(
             seen[mark] = problem.residuals(full, chosen, slopes=slopes)
         return seen[mark]
 
+    def jacobian(part: Array) -> Array:
+        if not (followed and kept and np.abs(part - kept[0][0]).max() < STILL):
+            kept[:] = [(part.copy(), at(part, True)[1][:, free])]
+        return kept[0][1]
+
     found = least_squares(
-        lambda part: at(part, False)[0], np.clip(whole[free], FINE, 1 - FINE),
-        jac=lambda part: at(part, True)[1][:, free],
+        lambda part: at(part, False)[0], np.clip(whole[free], FINE, 1 - FINE), jac=jacobian,
         bounds=(0.0, 1.0), xtol=tolerance, ftol=tolerance, gtol=1e-9, max_nfev=most, loss=loss, f_scale=SCALE,
     )  # fmt: skip
     whole[free] = found.x

@@ -95,7 +95,7 @@ def _number(trails: Trails, shooting: Shooting, x: Array, state: State, seen: Ot
     if number is None and (seen.period or not shooting.model.forward.closed):
         with suppress(NotFollowed):
             found = shooting.settled(x, state, seen)
-            return trails.number(shooting, found) if seen.period or found.stable else None
+            return trails.number(found) if seen.period or found.stable else None
     return number
 
 

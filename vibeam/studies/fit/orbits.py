@@ -14,8 +14,8 @@ the model.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
@@ -32,41 +32,6 @@ ITERATIONS, QUADRATIC = 12, 1e-6  # of Newton's method; share of the size of a c
 ALLOWED = 0.02  # share of the motion's size by which a correction may exceed what the derivative moved
 STEADY = 1 + 1e-9  # modulus of a multiplier up to which a motion is stable
 SAMPLES, FINER = 512, 8  # a period, of what is filtered; times as many after it
-
-
-@dataclass
-class FollowedOrbit:
-    """Periodic motion at shares ``x`` of the keys: modal state (2n,) at the drive's phase 0, its ``value``, SI.
-
-    ``period`` in drive periods, ``impacts`` in these, or touches of a stop that yields; ``rest``: share of the time at
-    rest on a rigid one, ``resting``: at phase 0. ``tangent``: M in units of velocity. Derivatives of the state (P, 2n)
-    and of the value (P,) are None until they are asked for, NaN where a flight beside the motion fails.
-    """
-
-    x: Array
-    state: Array
-    period: int
-    impacts: int
-    rest: float
-    resting: bool
-    value: float
-    tangent: Array = field(repr=False)
-    state_by: Array | None = field(default=None, repr=False)
-    by: Array | None = field(default=None, repr=False)
-
-    @cached_property
-    def stable(self) -> bool:
-        """Test whether every multiplier is within the unit circle."""
-        return bool(np.abs(np.linalg.eigvals(self.tangent)).max() <= STEADY)
-
-    @property
-    def called(self) -> str:
-        """The motion in words."""
-        return called(self.period, self.impacts, self.rest)
-
-    def apart(self, state: Array, units: Array) -> float:
-        """Distance of a state (2n,), as a share of the motion's size."""
-        return float(np.linalg.norm((self.state - state) * units) / np.linalg.norm(self.state * units))
 
 
 @dataclass(frozen=True)
@@ -103,7 +68,7 @@ def called(period: int, impacts: int, rest: float) -> str:
     return f"{counted(impacts, 'impact')} {'a period' if period == 1 else f'in {period} periods'}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Shooting:
     """Shooting at a measured point: number ``point`` of all, at ``place`` of its group."""
 
@@ -123,9 +88,8 @@ class Shooting:
         It has the periods of the motion ``like``, and rests where that does.
         """
         made, state, periods = self.model.at(x), start, max(like.period, 1)
-        drive = made.drive(self.omega)
         for _ in range(ITERATIONS):
-            after, tangent = made.mapped(drive, state_of(state, like.resting), periods)
+            after, tangent = made.mapped(made.drive(self.omega), state_of(state, like.resting), periods)
             off, size = (after - state) * made.units, float(np.linalg.norm(after * made.units))
             step = np.linalg.lstsq(np.eye(len(off)) - tangent, off, rcond=None)[0]
             length = float(np.linalg.norm(step))
@@ -133,52 +97,107 @@ class Shooting:
                 raise NotFollowed("Newton's method left the motion")
             state = state + step / made.units
             if length <= QUADRATIC * size:
-                return self._read(made, x, state, like.resting, periods, tangent)
+                return self._read(x, state, periods, like.resting, tangent)
         raise NotFollowed("Newton's method did not converge")
 
-    def _read(
-        self, made: ReadyModel, x: Array, state: Array, resting: bool, periods: int, tangent: Array
-    ) -> FollowedOrbit:
-        start = state_of(state, resting)
+    def _read(self, x: Array, state: Array, periods: int, resting: bool, tangent: Array) -> FollowedOrbit:
+        made, start = self.model.at(x), state_of(state, resting)
         found, _ = made.over(np.array([self.omega]), [start], periods)
         if found.ended[0] != Ended.COMPLETE.code:
             raise NotFollowed(Ended.of_code(int(found.ended[0])).value)
-        value = quantities(made, [self], found, [start], periods)[0]
+        value = float(quantities(made, [self], found, [start], periods)[0])
         impacts = round(float(found.impacts_per_period[0]) * periods)
-        return FollowedOrbit(x, state, periods, impacts, made.rest(found)[0], resting, float(value), tangent)
+        return FollowedOrbit(self, x, state, periods, impacts, made.rest(found)[0], resting, value, tangent)
 
     def further(self, near: FollowedOrbit, x: Array) -> FollowedOrbit:
         """The motion at shares ``x`` from where its derivative leads; NotFollowed where Newton's method leaves it."""
-        assert near.state_by is not None
-        units, start = self.model.at(x).units, near.state + (x - near.x) @ near.state_by
-        found = self.orbit(x, start, near)
-        if not found.apart(start, units) <= near.apart(start, units) + ALLOWED:
-            raise NotFollowed("Newton's method left the motion")
-        return found
+        return self.orbit(x, near.predicted(x), near).beside(near.predicted(x), near)
 
     def settled(self, x: Array, state: State, like: OtherMotion) -> FollowedOrbit:
         """Periodic motion that a flight has settled on, or nearly; NotFollowed where there is none so near."""
-        found = self.orbit(x, vector(state), like)
-        if found.apart(vector(state), self.model.at(x).units) > ALLOWED:
+        return self.orbit(x, vector(state), like).beside(vector(state))
+
+
+@dataclass(eq=False)
+class FollowedOrbit:
+    """Periodic motion at shares ``x`` of the keys: modal state (2n,) at the drive's phase 0, its ``value``, SI.
+
+    ``period`` in drive periods, ``impacts`` in these, or touches of a stop that yields; ``rest``: share of the time at
+    rest on a rigid one, ``resting``: at phase 0. ``tangent``: M in units of velocity. Derivatives of the state (P, 2n)
+    and of the value (P,) are None until they are asked for, NaN where a flight beside the motion fails.
+    """
+
+    shooting: Shooting
+    x: Array
+    state: Array
+    period: int
+    impacts: int
+    rest: float
+    resting: bool
+    value: float
+    tangent: Array = field(repr=False)
+    state_by: Array | None = field(default=None, repr=False)
+    by: Array | None = field(default=None, repr=False)
+
+    @property
+    def made(self) -> ReadyModel:
+        """The model that it is a motion of."""
+        return self.shooting.model.at(self.x)
+
+    @property
+    def closing(self) -> Array:
+        """(1 − M)⁻¹ (2n, 2n), in units of velocity."""
+        return np.asarray(np.linalg.pinv(np.eye(len(self.state)) - self.tangent))
+
+    @property
+    def stable(self) -> bool:
+        """Test whether every multiplier is within the unit circle."""
+        return bool(np.abs(np.linalg.eigvals(self.tangent)).max() <= STEADY)
+
+    @property
+    def called(self) -> str:
+        """The motion in words."""
+        return called(self.period, self.impacts, self.rest)
+
+    def apart(self, state: Array) -> float:
+        """Distance of a state (2n,), as a share of the motion's size."""
+        units = self.made.units
+        return float(np.linalg.norm((self.state - state) * units) / np.linalg.norm(self.state * units))
+
+    def predicted(self, x: Array) -> Array:
+        """State (2n,) at shares ``x`` to which the derivative leads."""
+        assert self.state_by is not None
+        return np.asarray(self.state + (x - self.x) @ self.state_by)
+
+    def beside(self, start: Array, near: FollowedOrbit | None = None) -> FollowedOrbit:
+        """Itself, where it is as near to the ``start`` of Newton's method as that is to the motion ``near``, or nearly.
+
+        NotFollowed elsewhere: then it may be any other motion.
+        """
+        if not self.apart(start) <= ALLOWED + (0.0 if near is None else near.apart(start)):
             raise NotFollowed("Newton's method left the motion")
-        return found
+        return self
 
 
-def differentiate(pairs: list[tuple[Shooting, FollowedOrbit]]) -> None:
-    """Derivatives of motions at one set of keys, all of one model and one number of periods together."""
-    kinds: dict[tuple[OrbitModel, int], list[tuple[Shooting, FollowedOrbit]]] = {}
-    for shooting, orbit in pairs:
-        if orbit.by is None:
-            kinds.setdefault((shooting.model, orbit.period), []).append((shooting, orbit))
-    for (model, periods), own in kinds.items():
-        _differentiate(model, [each for each, _ in own], [each for _, each in own], periods)
+def alike(orbits: list[FollowedOrbit]) -> Iterator[list[FollowedOrbit]]:
+    """Motions of one model, at one set of keys and with one number of periods, which are flown together."""
+    kinds: dict[tuple[OrbitModel, bytes, int], list[FollowedOrbit]] = {}
+    for each in orbits:
+        kinds.setdefault((each.shooting.model, each.x.tobytes(), each.period), []).append(each)
+    yield from kinds.values()
 
 
-def _differentiate(model: OrbitModel, shootings: list[Shooting], orbits: list[FollowedOrbit], periods: int) -> None:
-    x, units = orbits[0].x, model.at(orbits[0].x).units
+def differentiate(orbits: list[FollowedOrbit]) -> None:
+    """Derivatives of motions, where they are not known yet: those that are flown together at once."""
+    for own in alike([each for each in orbits if each.by is None]):
+        _differentiate(own)
+
+
+def _differentiate(orbits: list[FollowedOrbit]) -> None:
+    x, model, periods, units = orbits[0].x, orbits[0].shooting.model, orbits[0].period, orbits[0].made.units
+    shootings = [each.shooting for each in orbits]
     omega, state = np.array([each.omega for each in shootings]), np.array([each.state for each in orbits])
-    closing = np.eye(len(units)) - np.array([each.tangent for each in orbits])
-    inverse = np.linalg.pinv(closing)
+    closing = np.array([each.closing for each in orbits])
     by, state_by = np.zeros((len(orbits), len(x))), np.zeros((len(orbits), len(x), len(units)))
 
     def flown(at: Array, starts: Array) -> tuple[Array, Array]:
@@ -191,11 +210,11 @@ def _differentiate(model: OrbitModel, shootings: list[Shooting], orbits: list[Fo
         low, high = (np.where(np.arange(len(x)) == k, end, x) for end in ends)
         try:
             apart = (flown(high, state)[0] - flown(low, state)[0]) / (ends[1] - ends[0])
-            state_by[:, k] = (inverse @ (apart * units)[..., None])[..., 0] / units
+            state_by[:, k] = (closing @ (apart * units)[..., None])[..., 0] / units
             above, below = (flown(each, state + (each[k] - x[k]) * state_by[:, k])[1] for each in (high, low))
             by[:, k] = (above - below) / (ends[1] - ends[0])
         except ValueError:  # no such system on one side
-            by[:, k] = np.nan
+            by[:, k] = state_by[:, k] = np.nan
     for each, own, motion in zip(orbits, by, state_by, strict=True):
         each.by, each.state_by = own, motion
 

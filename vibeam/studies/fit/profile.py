@@ -239,7 +239,7 @@ def _motions(problem: Problem, x: Array) -> Iterator[tuple[int, str, float, Arra
         for j, others in other_motions(problem, x, np.arange(len(group))).items():
             for number in {each.number for each in others if each.number is not None}:
                 orbit = problem.trails.every[number].at(x)
-                differentiate([(problem.trails.every[number].shooting, orbit)])
+                differentiate([orbit])
                 assert orbit.by is not None
                 yield j, orbit.called, orbit.value, orbit.by
         return

@@ -48,8 +48,12 @@ def settled_points(
 class Trail:
     """One motion of one measured point over the keys: what was found of it so far. It grows as it is followed."""
 
-    shooting: Shooting
     found: list[FollowedOrbit]
+
+    @property
+    def shooting(self) -> Shooting:
+        """Shooting at the measured point."""
+        return self.found[0].shooting
 
     @property
     def called(self) -> str:
@@ -57,27 +61,31 @@ class Trail:
         return self.found[-1].called
 
     def nearest(self, x: Array) -> FollowedOrbit:
-        """That of the nearest keys."""
-        return min(reversed(self.found), key=lambda each: float(np.abs(each.x - x).max()))
+        """That of the nearest keys; where derivatives are known of one nearby that one, if it is not at ``x``."""
+        near = min(reversed(self.found), key=lambda each: float(np.abs(each.x - x).max()))
+        if near.by is not None or np.array_equal(near.x, x):
+            return near
+        known = [each for each in self.found if each.by is not None and float(np.abs(each.x - x).max()) < NEARBY]
+        return min(known, key=lambda each: float(np.abs(each.x - x).max()), default=near)
 
     def at(self, x: Array) -> FollowedOrbit:
         """The motion at shares ``x``; NotFollowed where it is lost."""
         return self._reached(x, HALVINGS)
 
-    def beside(self, x: Array, omega: float) -> tuple[Shooting, FollowedOrbit]:
+    def beside(self, x: Array, omega: float) -> FollowedOrbit:
         """The motion at shares ``x`` and a drive at or beside the point's own."""
         found = self.at(x)
         if omega == self.shooting.omega:
-            return self.shooting, found
+            return found
         moved = replace(self.shooting, points=self.shooting.points.at(np.array([omega]) / (2 * np.pi)), place=0)
-        return moved, moved.orbit(x, found.state, found)
+        return moved.orbit(x, found.state, found)
 
     def _reached(self, x: Array, halvings: int) -> FollowedOrbit:
         near = self.nearest(x)
         if np.array_equal(near.x, x):
             return near
         try:
-            differentiate([(self.shooting, near)])
+            differentiate([near])
             self.found.append(self.shooting.further(near, x))
         except (NotFollowed, ValueError):
             if not halvings:
@@ -107,15 +115,15 @@ class Trails:
             near = trail.nearest(x) if trail.shooting.point == point else None
             if near is None or near.period != period or not np.array_equal(near.x, x):
                 continue
-            if near.apart(state, trail.shooting.model.at(x).units) < within:
+            if near.apart(state) < within:
                 return number
         return None
 
-    def number(self, shooting: Shooting, found: FollowedOrbit) -> int:
+    def number(self, found: FollowedOrbit) -> int:
         """Number of the motion that was found at a point: that of one that is known, or a new one's."""
-        number = self.alike(shooting.point, found.x, found.state, found.period, ALIKE)
+        number = self.alike(found.shooting.point, found.x, found.state, found.period, ALIKE)
         if number is None:
-            self.every.append(Trail(shooting, [found]))
+            self.every.append(Trail([found]))
         return len(self.every) - 1 if number is None else number
 
     def known(self, point: int, x: Array) -> Iterator[tuple[int, FollowedOrbit]]:
@@ -132,46 +140,42 @@ class Trails:
         """
         trails = [self.every[each] for each in numbers]
         nearest = [trail.nearest(x) for trail in trails]
-        for mark in {each.x.tobytes() for each in nearest}:
-            some = [(a.shooting, b) for a, b in zip(trails, nearest, strict=True) if b.x.tobytes() == mark]
-            differentiate(some)
-        found: list[tuple[Shooting, FollowedOrbit]] = []
+        differentiate([each for each in nearest if not np.array_equal(each.x, x)])
+        found: list[FollowedOrbit] = []
         for trail, near, rate in zip(trails, nearest, omega.tolist(), strict=True):
             try:
                 found.append(trail.beside(x, rate))
             except NotFollowed:
-                found.append((trail.shooting, near))
+                found.append(near)
         if slopes:
-            differentiate([each for each in found if np.array_equal(each[1].x, x)])
-        by = np.array([np.zeros(len(x)) if each.by is None else np.nan_to_num(each.by) for _, each in found])
-        return np.array([each.value + own @ (x - each.x) for (_, each), own in zip(found, by, strict=True)]), by.T
+            differentiate([each for each in found if np.array_equal(each.x, x)])
+        by = np.array([np.zeros(len(x)) if each.by is None else np.nan_to_num(each.by) for each in found])
+        return np.array([each.value + own @ (x - each.x) for each, own in zip(found, by, strict=True)]), by.T
 
     def branch(self, numbers: set[int], reference: str, kind: str, x: Array, frequency: Array) -> tuple[Array, Array]:
         """Value (points,) of a kind of motion at other frequencies, Hz, and derivatives (P, points); NaN without.
 
         Each is followed from its nearest neighbour that is known, the measured points of that kind first.
         """
-        known: list[tuple[float, Shooting, FollowedOrbit]] = []
+        known: list[FollowedOrbit] = []
         for trail in (self.every[each] for each in sorted(numbers)):
             if trail.called == kind and trail.shooting.points.reference == reference:
                 with suppress(NotFollowed):
-                    known.append((trail.shooting.omega, trail.shooting, trail.at(x)))
+                    known.append(trail.at(x))
         value, by = np.full(len(frequency), np.nan), np.zeros((len(x), len(frequency)))
-        omega, own = 2 * np.pi * frequency, dict[int, tuple[Shooting, FollowedOrbit]]()
-        first = [min((abs(each - rate) for rate, _, _ in known), default=0.0) for each in omega]
-        for k in np.argsort(first, kind="stable").tolist():
-            near = min(known, key=lambda each: abs(each[0] - omega[k]), default=None)
-            if near is None:
-                break
-            beside = replace(near[1], points=near[1].points.at(frequency[k : k + 1]), place=0)
+        omega, own = 2 * np.pi * frequency, dict[int, FollowedOrbit]()
+        first = [min((abs(rate - each.shooting.omega) for each in known), default=0.0) for rate in omega]
+        for k in np.argsort(first, kind="stable").tolist() if known else []:
+            near = min(known, key=lambda each: abs(each.shooting.omega - omega[k]))
+            beside = replace(near.shooting, points=near.shooting.points.at(frequency[k : k + 1]), place=0)
             with suppress(NotFollowed):
-                found = beside.orbit(x, near[2].state, near[2])
+                found = beside.orbit(x, near.state, near)
                 if found.called == kind:
-                    known.append((float(omega[k]), beside, found))
-                    value[k], own[k] = found.value, (beside, found)
+                    known.append(found)
+                    own[k] = found
         differentiate(list(own.values()))
-        for k, (_, found) in own.items():
-            by[:, k] = 0.0 if found.by is None else found.by
+        for k, found in own.items():
+            value[k], by[:, k] = found.value, found.by
         return value, by
 
     def soon(self, points: Points, forward: Forward, x: Array) -> Array:
