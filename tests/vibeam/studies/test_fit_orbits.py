@@ -12,7 +12,8 @@ import vibeam
 from vibeam.casefile.read import parse
 from vibeam.exchange.curves.record import ReferenceCurve
 from vibeam.studies.fit.estimate import minimise, settled
-from vibeam.studies.fit.flights import NotFollowed
+from vibeam.studies.fit.flights import NotFollowed, OrbitModel
+from vibeam.studies.fit.orbits import differentiate
 from vibeam.studies.fit.problem import FOLLOWED, Problem
 from vibeam.studies.fit.profile import LEVEL
 
@@ -183,3 +184,20 @@ def test_intervals_of_a_linear_stop_hold_the_truth():
         least = [minimise(problem, found.x, found.chosen, {k: float(truth[k])})[1] for k in range(3)]
         inside += [each - found.misfit < LEVEL for each in least]
     assert (inside >= 16).all()
+
+
+def test_signs_of_modes_are_no_matter():
+    """A model whose modes are turned over beside the others: the same motion, rows and derivatives."""
+    case, _ = measured(rig(points=3), TRUTH)
+    problem = Problem.of(case)
+    found = settled(problem, problem.start, nearby=True)
+    orbit = problem.trails.every[int(found.chosen[1]) - FOLLOWED].at(found.x)
+    turned = np.array([-1.0, 1.0, -1.0])
+    model = OrbitModel(problem.forward["beam"], orbit.shooting.model.slowest)
+    own = case.system("beam")
+    outputs = {name: turned * row for name, row in own.outputs.items()}
+    model.like = replace(own, contact=turned * own.contact, load=turned * own.load, outputs=outputs)
+    again = replace(orbit.shooting, model=model).orbit(found.x, np.tile(turned, 2) * orbit.state, orbit)
+    differentiate([orbit, again])
+    assert again.state * np.tile(turned, 2) == pytest.approx(orbit.state, rel=1e-9, abs=1e-12)
+    assert again.by == pytest.approx(orbit.by, rel=1e-5)

@@ -15,21 +15,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
-from vibeam.batches.batch import batch
 from vibeam.periodic.bifurcation_functions import clearances
 from vibeam.periodic.bifurcation_functions import motions as motions_at
 from vibeam.periodic.orbit_curve import stability
 from vibeam.periodic.tangents import ModalData
-from vibeam.studies.fit.flights import NotFollowed, vector
+from vibeam.studies.fit.flights import NotFollowed
 from vibeam.studies.fit.orbits import FollowedOrbit, OtherMotion, Shooting
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import FOLLOWED, IMPOSSIBLE, LEFT, NO_CONTACT, Problem, robust, value_of
 from vibeam.studies.fit.surface import ModalSurface
 from vibeam.studies.fit.trails import HOLD, LONG, SHORT, SettledPoint, Trails, settled_points
-from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.quantities import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array, Flags, Index
@@ -91,7 +90,7 @@ def _outside(problem: Problem, x: Array, shooting: Shooting, flown: SettledPoint
 
 def _number(trails: Trails, shooting: Shooting, x: Array, state: State, seen: OtherMotion) -> int | None:
     """Number of the periodic motion that a flight settles on; one that has not repeated yet: of a stable one near."""
-    number = trails.alike(shooting.point, x, vector(state), max(seen.period, 1), SETTLED)
+    number = trails.alike(shooting.point, x, shooting.model.at(x).row(state), max(seen.period, 1), SETTLED)
     if number is None and (seen.period or not shooting.model.forward.closed):
         with suppress(NotFollowed):
             found = shooting.settled(x, state, seen)
@@ -115,44 +114,15 @@ def _seen(shooting: Shooting, x: Array, flown: SettledPoint) -> OtherMotion | No
     return OtherMotion(period, impacts, rest, flown.state.resting, told_value, told_cost)
 
 
-SETTLE = 150  # drive periods settled where starts are looked for
-
-
 def flown_losses(problem: Problem, every: Array) -> Array:
-    """Losses (m,) of shares (m, P): every point against the model's motion from rest."""
-    cost = np.empty((len(every), problem.count))
-    for group, at, own in problem.parts():
-        forward = problem.forward[group.fidelity]
-        value = _flown(problem, group, own, every) if forward.closed else _soon(problem, group, every)
-        off = (value - group.value) / group.uncertainty
-        cost[:, at] = np.where(np.isfinite(off), off**2, 1e300)
+    """Losses (m,) of shares (m, P): every point against what the model has soon after a start upward."""
+    cost = np.full((len(every), problem.count), 1e300)
+    for (k, x), (group, at, _) in product(enumerate(every), problem.parts()):
+        with suppress(ValueError):  # keys that make no system
+            value = problem.trails.soon(group, problem.forward[group.fidelity], x)[0]
+            off = (value - group.value) / group.uncertainty
+            cost[k, at] = np.where(np.isfinite(off), off**2, 1e300)
     return np.array([robust(each) for each in cost])
-
-
-def _soon(problem: Problem, group: Points, every: Array) -> Array:
-    model = problem.forward[group.fidelity]
-    return np.array([problem.trails.soon(group, model, x)[0] for x in every])
-
-
-def _flown(problem: Problem, group: Points, own: Index, every: Array) -> Array:
-    """Values (m, points) of a group's quantity from rest at shares (m, P), NaN where there is no system."""
-    surface, omega = problem.surfaces[group.fidelity], group.omega
-    known = []
-    for k, x in enumerate(every):
-        with suppress(ValueError):
-            known.append((k, surface.at(x)))
-    systems = np.array([_system(data) for _, data in known], dtype=object)[:, None]
-    drive = np.array([data.drive[own] for _, data in known])
-    flown = batch(systems, omega[None, :], drive, settle=SETTLE, hold=HOLD, output="seen")
-    value = np.full((len(every), len(omega)), np.nan)
-    value[[k for k, _ in known]] = getattr(flown, group.quantity)
-    return value
-
-
-def _system(data: ModalData) -> ImpactSystem:
-    return ImpactSystem(
-        data.omega, data.zeta, data.contact, data.load, data.static, data.gap, data.restitution, {"seen": data.row}
-    )
 
 
 ROOTS = (0, 1)  # of the quadratic

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -29,16 +29,17 @@ class NotFollowed(ArithmeticError):
 
 
 @dataclass(frozen=True)
-class ReadyModel:
+class FlyingModel:
     """Model at one set of keys, ready to fly: its scene, system, solver, and the unit of each modal value (2n,).
 
-    The signs of its modes, which are arbitrary, are those of the models beside it.
+    Rows (2n,) of states have the modes' ``signs``, which are arbitrary, as the models beside it.
     """
 
     scene: Any
     system: ImpactSystem
     solver: ExactSolver
     units: Array
+    signs: Array
     output: str
     known: dict[bytes, Array] = field(default_factory=dict)  # base amplitudes that were asked for
 
@@ -52,6 +53,15 @@ class ReadyModel:
     def drive(self, omega: float) -> Drive:
         """Drive at ``omega`` rad/s."""
         return Drive(omega, float(self.base(np.array([omega]))[0]))
+
+    def row(self, state: State) -> Array:
+        """State as one row (2n,)."""
+        return np.asarray(self.signs * np.concatenate([state.displacement, state.velocity]))
+
+    def state(self, row: Array, resting: bool) -> State:
+        """State of a row (2n,)."""
+        values, n = self.signs * row, len(row) // 2
+        return State.reached(values[:n], values[n:], resting)
 
     def rest(self, found: FrequencyResponse) -> list[float]:
         """Shares of the time at rest on a rigid stop, one a point."""
@@ -72,7 +82,7 @@ class ReadyModel:
         """
         after: list[State] = []
         found, _ = self.solver.steady(omega, self.base(omega), starts, 0, periods, self.output, READING, after)
-        vectors = np.array([vector(each) for each in after])
+        vectors = np.array([self.row(each) for each in after])
         vectors[found.ended != Ended.COMPLETE.code] = np.nan
         return found, vectors
 
@@ -81,7 +91,8 @@ class ReadyModel:
         section = StroboscopicMap(self.system, drive, runner=self.solver)
         try:
             flown = section.flown(start, periods)
-            return vector(flown.state), section.jacobian(start, periods, flown)
+            scale = self.signs * self.units / section.units
+            return self.row(flown.state), section.jacobian(start, periods, flown) * (scale[:, None] / scale)
         except MotionEnded as ended:
             raise NotFollowed(str(ended)) from None
 
@@ -90,53 +101,30 @@ class OrbitModel:
     """Model of a fidelity that flies at drives of ``slowest`` rad/s and more, made once for each set of keys."""
 
     def __init__(self, forward: Forward, slowest: float) -> None:
-        self.forward, self.slowest, self.ready = forward, slowest, OrderedDict[bytes, ReadyModel]()
+        self.forward, self.slowest, self.ready = forward, slowest, OrderedDict[bytes, FlyingModel]()
         self.like: ImpactSystem | None = None
 
-    def at(self, x: Array) -> ReadyModel:
+    def at(self, x: Array) -> FlyingModel:
         """The model at shares ``x``; ValueError where there is none."""
         if (mark := x.tobytes()) not in self.ready:
             model = self.forward.at(self.forward.values(x))
             scene = model.scene()
             made = system(scene, model.fidelity)
             self.like = self.like or made
-            made = _aligned(made, self.like)
             units = np.append(np.where(made.omega > 0, made.omega, self.slowest), np.ones(made.size))
-            solver = exact_solver(made, self.slowest)
-            self.ready[mark] = ReadyModel(scene, made, solver, units, self.forward.output)
+            signs = np.tile(_signs(made, self.like), 2)
+            self.ready[mark] = FlyingModel(
+                scene, made, exact_solver(made, self.slowest), units, signs, self.forward.output
+            )
             while len(self.ready) > KEPT:
                 self.ready.popitem(last=False)
         return self.ready[mark]
 
 
-def _aligned(made: ImpactSystem, like: ImpactSystem) -> ImpactSystem:
-    """The same system with its modes' signs as in ``like``."""
+def _signs(made: ImpactSystem, like: ImpactSystem) -> Array:
+    """Signs (n,) of the modes by which they are those of another system."""
     total = np.zeros(made.size)
-    for one, other in zip(_rows(made), _rows(like), strict=True):
+    rows = zip(made.outputs.values(), like.outputs.values(), strict=True)
+    for one, other in ((made.contact, like.contact), (made.load, like.load), *rows):
         total += one * other / (float(np.abs(other).max()) or 1.0) ** 2
-    sign = np.where(total < 0, -1.0, 1.0)
-    if (sign > 0).all():
-        return made
-    contact, load, static, *seen = (sign * row for row in _rows(made))
-    derivatives = {name: replace(each, row=sign * each.row) for name, each in made.derivatives.items()}
-    further = None if made.further is None else tuple(replace(each, row=sign * each.row) for each in made.further)
-    coupling = None if made.coupling is None else sign[:, None] * made.coupling * sign
-    return replace(
-        made, contact=contact, load=load, static=static, outputs=dict(zip(made.outputs, seen, strict=True)),
-        derivatives=derivatives, further=further, coupling=coupling,
-    )  # fmt: skip
-
-
-def _rows(system: ImpactSystem) -> list[Array]:
-    return [system.contact, system.load, system.static, *system.outputs.values()]
-
-
-def vector(state: State) -> Array:
-    """State as one row (2n,)."""
-    return np.concatenate([state.displacement, state.velocity])
-
-
-def state_of(values: Array, resting: bool) -> State:
-    """State of a row (2n,)."""
-    n = len(values) // 2
-    return State.reached(values[:n], values[n:], resting)
+    return np.where(total < 0, -1.0, 1.0)

@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vibeam.studies.fit.flights import LIMIT, NotFollowed, OrbitModel, ReadyModel, state_of, vector
+from vibeam.studies.fit.flights import LIMIT, FlyingModel, NotFollowed, OrbitModel
 from vibeam.studies.fit.points import Points
 from vibeam.system.quantities import Ended
 from vibeam.system.response import FrequencyResponse
@@ -89,7 +89,7 @@ class Shooting:
         """
         made, state, periods = self.model.at(x), start, max(like.period, 1)
         for _ in range(ITERATIONS):
-            after, tangent = made.mapped(made.drive(self.omega), state_of(state, like.resting), periods)
+            after, tangent = made.mapped(made.drive(self.omega), made.state(state, like.resting), periods)
             off, size = (after - state) * made.units, float(np.linalg.norm(after * made.units))
             step = np.linalg.lstsq(np.eye(len(off)) - tangent, off, rcond=None)[0]
             length = float(np.linalg.norm(step))
@@ -101,7 +101,8 @@ class Shooting:
         raise NotFollowed("Newton's method did not converge")
 
     def _read(self, x: Array, state: Array, periods: int, resting: bool, tangent: Array) -> FollowedOrbit:
-        made, start = self.model.at(x), state_of(state, resting)
+        made = self.model.at(x)
+        start = made.state(state, resting)
         found, _ = made.over(np.array([self.omega]), [start], periods)
         if found.ended[0] != Ended.COMPLETE.code:
             raise NotFollowed(Ended.of_code(int(found.ended[0])).value)
@@ -115,7 +116,8 @@ class Shooting:
 
     def settled(self, x: Array, state: State, like: OtherMotion) -> FollowedOrbit:
         """Periodic motion that a flight has settled on, or nearly; NotFollowed where there is none so near."""
-        return self.orbit(x, vector(state), like).beside(vector(state))
+        start = self.model.at(x).row(state)
+        return self.orbit(x, start, like).beside(start)
 
 
 @dataclass(eq=False)
@@ -140,7 +142,7 @@ class FollowedOrbit:
     by: Array | None = field(default=None, repr=False)
 
     @property
-    def made(self) -> ReadyModel:
+    def made(self) -> FlyingModel:
         """The model that it is a motion of."""
         return self.shooting.model.at(self.x)
 
@@ -201,9 +203,10 @@ def _differentiate(orbits: list[FollowedOrbit]) -> None:
     by, state_by = np.zeros((len(orbits), len(x))), np.zeros((len(orbits), len(x), len(units)))
 
     def flown(at: Array, starts: Array) -> tuple[Array, Array]:
-        own = [state_of(row, each.resting) for row, each in zip(starts, orbits, strict=True)]
-        found, after = model.at(at).over(omega, own, periods)
-        return after, quantities(model.at(at), shootings, found, own, periods)
+        made = model.at(at)
+        own = [made.state(row, each.resting) for row, each in zip(starts, orbits, strict=True)]
+        found, after = made.over(omega, own, periods)
+        return after, quantities(made, shootings, found, own, periods)
 
     for k in np.flatnonzero(model.forward.changed).tolist():
         ends = np.clip(x[k] + np.array([-STEP, STEP]), 0.0, 1.0)
@@ -220,7 +223,7 @@ def _differentiate(orbits: list[FollowedOrbit]) -> None:
 
 
 def quantities(
-    made: ReadyModel, shootings: list[Shooting], found: FrequencyResponse, starts: list[State], periods: int
+    made: FlyingModel, shootings: list[Shooting], found: FrequencyResponse, starts: list[State], periods: int
 ) -> Array:
     """Measured quantities (points,) of flights over whole periods; NaN where one fails."""
     values = np.array([getattr(found, each.points.quantity)[k] for k, each in enumerate(shootings)])
@@ -230,7 +233,7 @@ def quantities(
     return values
 
 
-def _filtered(made: ReadyModel, shooting: Shooting, start: State, periods: int) -> float:
+def _filtered(made: FlyingModel, shooting: Shooting, start: State, periods: int) -> float:
     """Quantity behind the filter, from the harmonics of samples."""
     assert shooting.points.gain is not None
     drive, quantity = made.drive(shooting.omega), shooting.points.quantity

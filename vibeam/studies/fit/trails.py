@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.studies.fit.flights import NotFollowed, OrbitModel, ReadyModel
+from vibeam.studies.fit.flights import FlyingModel, NotFollowed, OrbitModel
 from vibeam.studies.fit.orbits import FollowedOrbit, Shooting, differentiate
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.surface import Forward
@@ -34,7 +34,7 @@ class SettledPoint(NamedTuple):
 
 
 def settled_points(
-    points: Points, made: ReadyModel, places: Index, settle: int, hold: int = HOLD
+    points: Points, made: FlyingModel, places: Index, settle: int, hold: int = HOLD
 ) -> Iterator[SettledPoint]:
     """Motions that a model settles on, swept up and down over the points ``places``."""
     order = places[np.argsort(points.omega[places], kind="stable")]
@@ -178,10 +178,10 @@ class Trails:
             value[k], by[:, k] = found.value, found.by
         return value, by
 
-    def soon(self, points: Points, forward: Forward, x: Array) -> Array:
+    def soon(self, points: Points, forward: Forward, x: Array, settle: int = SOON) -> Array:
         """Values (2, points) soon after a start upward and downward at shares ``x``."""
         found, model = np.full((2, len(points)), np.nan), self.model(forward, points.omega)
-        for each in settled_points(points, model.at(x), np.arange(len(points)), SOON, 1):
+        for each in settled_points(points, model.at(x), np.arange(len(points)), settle, 1):
             leg = int(np.isfinite(found[0, each.place]))
             found[leg, each.place] = getattr(each.read, points.quantity)[each.k]
         return found
