@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY
 from vibeam.maps.points import Axis, GridPoints, grid_points
-from vibeam.periodic.doubled_branches import doubled_branches
+from vibeam.periodic.bifurcation_functions import Kind
+from vibeam.periodic.branch_walk import BranchEnd
+from vibeam.periodic.continuation import Setting
+from vibeam.periodic.follow import Branch, follow
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import orbit_curve
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.train_branch import Setting, TrainBranch
-from vibeam.periodic.train_orbits import displacements_at
-from vibeam.periodic.trains import Train
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 
@@ -66,6 +66,9 @@ def _amplitude(model: Model, frequency: float) -> float:
 
 POINTS = 301  # along the axis
 PERIODS = (1, 2)  # drive periods from impact to impact
+LONGEST = 4  # drive periods of a doubled motion
+STEP = 0.02  # the longest along a branch, as a share of the motion's size and of the axis
+SAME = 1e-7  # share of the axis within which two doublings are one
 
 
 @dataclass(frozen=True)
@@ -133,36 +136,51 @@ def _single(line: _Line, periods: int, motions: Sequence[Orbit | None]) -> Close
     strobes = np.full((len(motions), periods), np.nan)
     for at, orbit in enumerate(motions):
         if orbit is not None:
-            train = Train(np.array([orbit.time]), np.array([orbit.impulse]))
-            strobes[at] = _strobes(orbit.system, orbit.drive, periods, train, line.output)
+            strobes[at] = _strobes(orbit, line.output)
     stable = np.array([each is not None and each.stable for each in motions])
     return ClosedForm(1, periods, line.values, strobes, stable)
 
 
-def _strobes(system: ImpactSystem, drive: Drive, periods: int, train: Train, output: str) -> Array:
+def _strobes(orbit: Orbit, output: str) -> Array:
     """The output at the ends of the drive periods of a motion, in order of size."""
-    period = 2 * np.pi / drive.omega
-    times: Array = period * np.arange(periods, dtype=float)
-    return np.sort(displacements_at(system, drive, periods * period, train, times) @ system.output(output))
+    period = 2 * np.pi / orbit.drive.omega
+    times = period * (np.ceil(orbit.time / period) + np.arange(orbit.periods))
+    path = orbit.path()
+    return np.sort(path.at(np.clip(times, path.t_start, path.t_end), output))
 
 
 def _doubled(line: _Line, setting: Setting, motions: Sequence[Orbit | None]) -> Iterator[ClosedForm]:
     """Branches that begin at the doublings of motions with one impact."""
-    span, first = float(np.ptp(line.values)), next(each for each in motions if each is not None)
-    branch = TrainBranch(1, first.periods, setting, abs(first.impulse), span)
     low, high = float(line.values.min()), float(line.values.max())
+    known: list[tuple[int, float]] = []
     for part in _runs(motions):
-        phases = np.unwrap([motions[at].phase for at in part])
-        points = [
-            np.array([phase, motions[at].impulse / branch.size, line.values[at] / span])
-            for phase, at in zip(phases, part, strict=True)
-        ]
-        for each in doubled_branches(branch, points, low, high):
-            strobes = [
-                _strobes(*setting(float(value)), each.periods, train, line.output)
-                for value, train in zip(each.values, each.trains, strict=True)
-            ]
-            yield ClosedForm(each.impacts, each.periods, each.values, np.array(strobes), each.stable)
+        first, value = motions[part[0]], float(line.values[part[0]])
+        assert first is not None
+        to, behind = (high, low) if value < high else (low, high)
+        try:
+            branch = follow(first, setting, to, value=value, behind=behind, step=STEP)
+        except ValueError:  # it begins on the brink of a grazing
+            continue
+        for each in _tree(branch, first.periods, SAME * (high - low), known):
+            strobes = np.array([_strobes(orbit, line.output) for orbit in each.orbits])
+            last = each.orbits[-1]
+            yield ClosedForm(len(last.times), last.periods, each.values, strobes, each.stable)
+
+
+def _tree(branch: Branch, periods: int, near: float, known: list[tuple[int, float]]) -> Iterator[Branch]:
+    """Branches that begin at the doublings of a branch and of theirs, each once, up to ``LONGEST`` periods."""
+    for met in branch.boundaries if 2 * periods <= LONGEST else ():
+        if met.kind is not Kind.DOUBLING or any(n == periods and abs(v - met.value) < near for n, v in known):
+            continue
+        known.append((periods, met.value))
+        try:
+            doubled = branch.switch(met)
+        except ValueError:  # it ends, at an impact that grazes, as good as where it begins
+            continue
+        if doubled.end is BranchEnd.BIRTH:
+            known.append((periods, doubled.boundaries[-1].value))
+        yield doubled
+        yield from _tree(doubled, 2 * periods, near, known)
 
 
 def _runs(motions: Sequence[Orbit | None]) -> list[NDArray[np.int64]]:

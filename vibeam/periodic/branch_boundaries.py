@@ -23,6 +23,7 @@ JUMP = 1e-4  # a sign change whose value stays above this share of its neighbour
 CIRCLE = 1e-6  # distance of a pair of multipliers from the unit circle within which it is on it
 PAIRED = 1e-9  # imaginary share below which a multiplier counts as real
 FAR, AHEAD = 0.1, 4.0  # share of the motion's size, or steps, within which a grazing motion must lie
+SMALL_WAY = 1e-7  # share of the motion's size of a difference
 STRAIGHT = 0.7  # cosine of the angle between the branch and the way there
 SECANT, ROOT = 30, 1e-13  # steps of the secant method, and the change at which they end
 
@@ -42,11 +43,16 @@ class Met(NamedTuple):
 
 @dataclass(frozen=True)
 class BranchStep:
-    """Step of a branch from a point along the unit vector ``along``; ``slope``: of F by the parameter."""
+    """Step of a branch from a point along the unit vector ``along``; ``slope``: of F by the parameter.
+
+    ``before``: the point before it, ``gone`` from there.
+    """
 
     start: BranchPoint
     along: Array
     slope: Array
+    before: BranchPoint | None = None
+    gone: float = 0.0
 
     @property
     def section(self) -> BranchSection:
@@ -128,14 +134,34 @@ def _grazing(step: BranchStep, length: float, found: list[Approach], point: Bran
     """The motion that grazes as ``found`` on a ``point`` of the step, where there is one ahead."""
     section = step.section
     motion = GrazingMotion(section, apart([each.window for each in found]))
-    grazed = motion.solved(section.carried(point.z, motion.turn_from(section.phase)))
+    turn, reach = motion.turn_from(section.phase), FAR * float(np.linalg.norm(point.z))
+    ahead = min(_way_ahead(step, found[0]), reach) if point is step.start else 0.0
+    grazed = None
+    for way in (ahead, 0.0) if ahead else (0.0,):
+        grazed = grazed or motion.solved(section.carried(point.z, turn) + way * _turned(step, turn))
     if grazed is None or not motion.clear(grazed):
         return None
     z = motion.at_phase(grazed, section.phase)
     along, distance = float((z - step.start.z) @ step.along), float(np.linalg.norm(z - step.start.z))
-    reach = max(AHEAD * length, FAR * float(np.linalg.norm(step.start.z)))
+    reach = max(AHEAD * length, reach)
     kind = Kind.GRAZING if any(each.struck for each in found) else Kind.TOUCHING
     return Met(kind, along, None, z, step.along) if STRAIGHT * distance <= along <= reach else None
+
+
+def _way_ahead(step: BranchStep, nearest: Approach) -> float:
+    """Length along a step at which a touch that comes nearer, or an impact that becomes weaker, is due."""
+    if step.before is None:
+        return 0.0
+    was = weakest_impacts(step.before) if nearest.struck else approaches(step.before)
+    fall = was[0].distance - nearest.distance if was else 0.0
+    return step.gone * nearest.distance / fall if fall > 0 else 0.0
+
+
+def _turned(step: BranchStep, turn: float) -> Array:
+    """Tangent of the branch at a section where the drive has turned on by ``turn``."""
+    z, small = step.start.z, SMALL_WAY * float(np.linalg.norm(step.start.z))
+    ends = [step.section.carried(z + side * small * step.along, turn) for side in (1, -1)]
+    return np.asarray((ends[0] - ends[1]) / (2 * small))
 
 
 def birth(start: BranchPoint, end: BranchPoint) -> BranchPoint | None:

@@ -58,7 +58,8 @@ class Walk:
         """Tangent at a point, the same way as ``ahead``."""
         slope = point.section.slope(point.z)
         along = point.section.tangent(point, slope)
-        self.at = BranchStep(point, along * (1.0 if along @ ahead >= 0 else -1.0), slope)
+        before, gone = (self.points[-1], float(np.linalg.norm(ahead))) if self.points[-1] is not point else (None, 0.0)
+        self.at = BranchStep(point, along * (1.0 if along @ ahead >= 0 else -1.0), slope, before, gone)
 
     def renewed(self, start: Array, first: BranchPoint) -> Walk:
         """Walk with the same limits along another branch, from its ``first`` point away from ``start``."""
