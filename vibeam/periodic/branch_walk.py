@@ -97,7 +97,13 @@ class Walk:
         """Test whether ∏(1 − μ), on its way to zero, has turned instead: as on a branch that crosses there."""
         here, there = self.at.start.at_plus_one, ahead.at_plus_one
         expected = here + self.fall * self.length
-        return self.length > WARY and here * expected < 0 < here * there
+        crossed = here * expected < 0 < here * there
+        return self.length > WARY and (crossed or (self._back(ahead) and birth(self.at.start, ahead) is None))
+
+    def _back(self, ahead: BranchPoint) -> bool:
+        """Test whether a step has turned on its way, and left the range on the side that it came from."""
+        inside = self.low <= ahead.value <= self.high
+        return not inside and bool((ahead.value - self.at.start.value) * self.at.along[-1] < 0)
 
     def _strayed(self, ahead: BranchPoint) -> float:
         return float(np.linalg.norm(ahead.z - self.at.start.z - self.length * self.at.along)) / self.length
@@ -105,12 +111,14 @@ class Walk:
     def _take(self, ahead: BranchPoint, length: float, crossed: Met | None = None) -> None:
         """Go on to a point, noting the bifurcations on the way; the range ends the walk."""
         last, step = self.at.start, self.at
+        if self._back(ahead) and self._born(last, ahead):
+            return
         inside = self.low <= ahead.value <= self.high
         if not inside:
             ahead = self._at_limit(ahead) or ahead
             length = float((ahead.z - last.z) @ step.along)
         here, before = self._centred(ahead, last)
-        self.fall = (ahead.at_plus_one - last.at_plus_one) / length
+        self.fall = (ahead.at_plus_one - last.at_plus_one) / max(length, LEAST)
         self._face(here, here.z - before)
         turned = self.at.along[-1] * step.along[-1] < 0
         met = bifurcations(step, length, ahead, turned)

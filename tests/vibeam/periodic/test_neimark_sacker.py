@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import boundaries
+from vibeam.periodic.follow import follow
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.train_boundaries import train_boundaries
 from vibeam.periodic.train_orbits import TrainOrbit, settled_orbit, train_orbit
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
@@ -132,14 +132,16 @@ def start_of(rig: Rig) -> TrainOrbit:
 )
 def test_several_impacts(name: str) -> None:
     rig = RIGS[name]
-    found = train_boundaries(start_of(rig), "omega", rig.to)
-    at = next(each for each in found if each.kind is Kind.NEIMARK_SACKER)
-    assert at.kind.name == "NEIMARK_SACKER"
+    start = start_of(rig)
+    (first,) = orbits(rig.system, start.drive, rig.periods, start=start.state, time=float(start.times[0]))
+    at = next(each for each in follow(first, "omega", rig.to).boundaries if each.kind is Kind.NEIMARK_SACKER)
     assert "complex multipliers" in at.kind.value
+    place = at.orbit
     seen = []
     for share in (-ASIDE, ASIDE):
-        omega = at.omega * (1 + share)
-        orbit = train_orbit(rig.system, Drive(omega, AMPLITUDE), rig.periods, at.phases / omega, at.velocities)
+        omega = at.value * (1 + share)
+        times = place.times * place.drive.omega / omega
+        orbit = train_orbit(rig.system, Drive(omega, AMPLITUDE), rig.periods, times, place.velocities)
         assert orbit is not None
         values = own_multipliers(
             rig.system, omega, AMPLITUDE, rig.periods, float(orbit.times[0]), orbit.state
@@ -148,7 +150,7 @@ def test_several_impacts(name: str) -> None:
         angles = [float(np.abs(np.angle(each[np.abs(each.imag) > 1e-6])).max()) for each in (values, orbit.multipliers)]
         assert angles[0] == pytest.approx(angles[1], rel=1e-4)
         seen.append((omega, values))
-    assert crossing(*seen) == pytest.approx(at.omega, rel=2e-5)
+    assert crossing(*seen) == pytest.approx(at.value, rel=2e-5)
     assert np.sort(np.abs(np.abs(at.multipliers) - 1))[1] < 1e-10
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
@@ -12,8 +11,10 @@ from scipy.optimize import fsolve, minimize_scalar
 
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary, boundaries
-from vibeam.periodic.train_boundaries import TrainBoundary, train_boundaries
-from vibeam.periodic.train_branch import clearance
+from vibeam.periodic.branch_walk import BranchEnd
+from vibeam.periodic.follow import follow
+from vibeam.periodic.orbit import Orbit
+from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.train_orbits import TrainOrbit, settled_orbit, train_orbit
 from vibeam.periodic.trains import Train, equations
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -95,7 +96,7 @@ def fold_of(name: str) -> float:
     return abs(float(minimize_scalar(below, bounds=bounds, method="bounded", options={"xatol": 1e-7}).fun))
 
 
-def orbit_of(name: str, pair: Pair) -> TrainOrbit:
+def orbit_of(name: str, pair: Pair) -> Orbit:
     system = RIGS[name][0]
     span = 4 * np.pi / pair.omega
     times = [(pair.phase + pair.apart) / pair.omega, (pair.phase - pair.apart) / pair.omega + span / 2]
@@ -103,11 +104,12 @@ def orbit_of(name: str, pair: Pair) -> TrainOrbit:
     found = train_orbit(system, Drive(pair.omega, AMPLITUDE), 2, times, velocities)
     assert found is not None
     assert found.admissible
-    return found
+    return flown(found)
 
 
-def folds(found: tuple[TrainBoundary, ...]) -> list[float]:
-    return [each.omega for each in found if each.kind is Kind.FOLD]
+def flown(found: TrainOrbit) -> Orbit:
+    """The motion by shooting, from just after its first impact."""
+    return orbits(found.system, found.drive, found.periods, start=found.state, time=float(found.times[0]))[0]
 
 
 @pytest.mark.parametrize("name", RIGS)
@@ -120,45 +122,47 @@ def test_the_doubling_is_subcritical(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", RIGS)
-@pytest.mark.parametrize(("steps", "wide"), [(5, 0.2), pytest.param(50, 0.2, marks=pytest.mark.slow), (50, 0.01)])
-def test_both_folds_are_found_from_the_stable_side(name: str, steps: int, wide: float) -> None:
-    """However long a step is beside the way from fold to birth; each once, though the branch goes on as its mirror."""
+@pytest.mark.parametrize("step", [0.05, 0.2])
+def test_fold_and_birth_are_found_from_the_stable_side(name: str, step: float) -> None:
+    """However long a step is beside the way from fold to birth; the branch ends there: it goes on as its mirror."""
     at, start = doubling(name).omega, orbit_of(name, curve(name)[-1])
     side = np.sign(curve(name)[0].omega - at)
-    found = folds(train_boundaries(start, "omega", at * (1 + wide * side), steps=steps))
-    assert found == pytest.approx([fold_of(name), at], rel=1e-9)
-    assert found[1] == pytest.approx(at, rel=1e-13)
+    branch = follow(start, "omega", at * (1 + 0.2 * side), behind=at * (1 - 0.2 * side), step=step)
+    assert [each.kind for each in branch.boundaries] == [Kind.FOLD, Kind.DOUBLING]
+    assert branch.end is BranchEnd.BIRTH
+    assert branch.boundaries[0].value == pytest.approx(fold_of(name), rel=1e-9)
+    assert branch.boundaries[1].value == pytest.approx(at, rel=1e-13)
 
 
 @pytest.mark.parametrize("name", RIGS)
-@pytest.mark.parametrize("steps", [5, pytest.param(50, marks=pytest.mark.slow)])
-def test_a_start_between_birth_and_fold_finds_either(name: str, steps: int) -> None:
+def test_a_start_between_birth_and_fold_finds_either(name: str) -> None:
     at, start = doubling(name).omega, orbit_of(name, curve(name)[2])
     side = np.sign(start.drive.omega - at)
-    assert folds(train_boundaries(start, "omega", at * (1 - 0.1 * side), steps=steps)) == pytest.approx([at], rel=1e-13)
-    away = folds(train_boundaries(start, "omega", at * (1 + 0.1 * side), steps=steps))
-    assert away[0] == pytest.approx(fold_of(name), rel=1e-9)
+    near = follow(start, "omega", at * (1 - 0.1 * side))
+    assert near.end is BranchEnd.BIRTH
+    assert near.boundaries[-1].value == pytest.approx(at, rel=1e-13)
+    away = follow(start, "omega", at * (1 + 0.1 * side))
+    assert away.boundaries[0].kind is Kind.FOLD
+    assert away.boundaries[0].value == pytest.approx(fold_of(name), rel=1e-9)
 
 
-def test_a_birth_is_the_shorter_motion_gone_through_twice() -> None:
+def test_a_birth_is_the_shorter_motion() -> None:
     at, pairs = doubling("3e-3"), curve("3e-3")
-    birth = train_boundaries(orbit_of("3e-3", pairs[2]), "omega", at.omega - 0.1)[-1]
-    assert birth.kind is Kind.FOLD
-    assert birth.velocities == pytest.approx([at.velocity] * 2, rel=1e-12)
-    assert np.diff(birth.phases) == pytest.approx([2 * np.pi], rel=1e-12)
-    squares = np.sort(np.abs(at.multipliers**2))
-    assert np.sort(np.abs(birth.multipliers)) == pytest.approx(squares, rel=1e-9)
+    birth = follow(orbit_of("3e-3", pairs[2]), "omega", at.omega - 0.1).boundaries[-1]
+    assert birth.orbit.periods == 1
+    assert birth.orbit.velocities == pytest.approx([at.velocity], rel=1e-12)
+    assert np.sort(np.abs(birth.multipliers)) == pytest.approx(np.sort(np.abs(at.multipliers)), rel=1e-9)
 
 
-def test_a_supercritical_birth_is_one_fold() -> None:
-    """The family that a stable doubling gives birth to turns there, and nowhere else on the way."""
+def test_a_supercritical_birth_has_no_fold() -> None:
+    """The family that a stable doubling gives birth to ends there, and has nothing else on the way."""
     system = ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, restitution=0.9)
     at = next(b for b in boundaries(system, 0.2, (2.5, 2.8), points=31) if b.kind is Kind.DOUBLING)
     start = settled_orbit(system, Drive(at.omega * 1.002, 0.2), 2, settle=3000)
     assert start is not None
-    back = train_boundaries(start, "omega", at.omega * 0.9)
-    assert [each.kind for each in back] == [Kind.FOLD]
-    assert back[0].omega == pytest.approx(at.omega, rel=1e-13)
+    back = follow(flown(start), "omega", at.omega * 0.9)
+    assert [each.kind for each in back.boundaries] == [Kind.DOUBLING]
+    assert back.boundaries[0].value == pytest.approx(at.omega, rel=1e-13)
 
 
 NOMINAL = ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, restitution=0.9)
@@ -178,38 +182,25 @@ def doubled() -> tuple[float, TrainOrbit]:
 
 
 def test_one_impact_is_the_formula() -> None:
-    """Doublings and touches of m = 1 followed by its arc are those of the quadratic."""
+    """Doublings and touches with static forces are those of the quadratic."""
     start = settled_orbit(THREE, Drive(1.0, 0.2), 1, settle=600)
     assert start is not None
     assert len(start.times) == 1
-    down, up = (train_boundaries(start, "omega", omega, steps=20) for omega in (0.88, 1.04))
+    met = [each for omega in (0.88, 1.04) for each in follow(flown(start), "omega", omega).boundaries]
     exact = boundaries(THREE, 0.2, (0.88, 1.04), points=101)
-    assert [b.kind for b in (*down, *up)] == [Kind.TOUCHING, Kind.DOUBLING]
-    for found in (*down, *up):
-        near = [b.omega for b in exact if b.kind is found.kind]
-        assert np.abs(np.array(near) - found.omega).min() < 1e-10, found.kind
-
-
-def sides(b: TrainBoundary, parameter: str, system: ImpactSystem, share: float) -> list[TrainOrbit | None]:
-    found = []
-    for sign in (-1, 1):
-        values = {"omega": b.omega, "amplitude": b.amplitude, "gap": b.gap}
-        values[parameter] *= 1 + sign * share
-        drive = Drive(values["omega"], values["amplitude"])
-        one = replace(system, gap=values["gap"])
-        periods = 2 if system is NOMINAL else 1
-        found.append(train_orbit(one, drive, periods, b.phases / drive.omega, b.velocities))
-    return found
+    assert [each.kind for each in met] == [Kind.TOUCHING, Kind.DOUBLING]
+    for each in met:
+        near = [b.omega for b in exact if b.kind is each.kind]
+        assert np.abs(np.array(near) - each.value).min() < 1e-10, each.kind
 
 
 def test_a_doubling_of_two_impacts_parts_stable_from_unstable(doubled: tuple[float, TrainOrbit]) -> None:
     omega, orbit = doubled
-    first = train_boundaries(orbit, "omega", omega * 1.03)[0]
+    branch = follow(flown(orbit), "omega", omega * 1.03)
+    first = branch.boundaries[0]
     assert first.kind is Kind.DOUBLING
     assert np.abs(first.multipliers + 1).min() < 1e-9
-    before, after = sides(first, "omega", NOMINAL, 1e-7)
-    assert before is not None
-    assert after is not None
+    before, after = (branch.at(first.value * (1 + share))[0] for share in (-1e-7, 1e-7))
     assert (before.stable, after.stable) == (True, False)
 
 
@@ -217,31 +208,14 @@ def test_two_impacts_fold_graze_and_touch() -> None:
     start = settled_orbit(THREE, Drive(0.8, 0.2), 1, settle=600)
     assert start is not None
     assert len(start.times) == 2
-    wide = train_boundaries(start, "gap", 0.16)
-    assert [b.kind for b in wide] == [Kind.FOLD, Kind.GRAZING]
-    fold, grazing = wide
+    wide = follow(flown(start), "gap", 0.16)
+    fold, grazing = wide.boundaries
+    assert (fold.kind, grazing.kind) == (Kind.FOLD, Kind.GRAZING)
     assert np.abs(fold.multipliers - 1).min() < 1e-5
-    below, above = sides(fold, "gap", THREE, 1e-4)
-    assert below is not None
-    assert above is None
-    assert abs(grazing.velocities).min() < 1e-10 * grazing.velocities.max()
-    touch = train_boundaries(start, "omega", 0.74, steps=15)[-1]
-    assert touch.kind is Kind.TOUCHING
-    inside = sorted(bool(side.admissible) for side in sides(touch, "omega", THREE, 1e-8) if side is not None)
-    assert inside == [False, True]
-
-
-def test_the_proof_agrees_with_the_one_by_flight(doubled: tuple[float, TrainOrbit]) -> None:
-    for orbit in (doubled[1], settled_orbit(THREE, Drive(0.8, 0.2), 1, settle=600)):
-        assert orbit is not None
-        span = 2 * np.pi * orbit.periods / orbit.drive.omega
-        assert clearance(orbit.system, orbit.drive, span, Train(orbit.times, orbit.impulses)) > 0
-        assert orbit.admissible
-
-
-def test_wrong_questions_are_named(doubled: tuple[float, TrainOrbit]) -> None:
-    with pytest.raises(ValueError, match="parameter"):
-        train_boundaries(doubled[1], "speed", 1.0)
-    with pytest.raises(ValueError, match="through the stop"):
-        train_boundaries(replace(doubled[1], admissible=False), "omega", 1.0)
-    assert train_boundaries(doubled[1], "gap", 0.0) == ()
+    assert len(wide.at(fold.value - 1e-5)) == 2
+    assert wide.at(fold.value + 1e-5) == ()
+    last = wide.orbits[-1].velocities
+    assert last.min() < 0.1 * last.max()
+    touch = follow(flown(start), "omega", 0.74)
+    assert touch.end is BranchEnd.GRAZING
+    assert touch.boundaries[-1].kind is Kind.TOUCHING
