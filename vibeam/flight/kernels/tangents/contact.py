@@ -7,7 +7,7 @@ With y the coordinates of free flight, y' = A y + (load Ω²B sin φ + static �
 and that of a disturbance δF = ∂F/∂d δd + ∂F/∂d' δd', with δd(t) = r·e^{A t} δy − ∫ r·e^{A (t − s)} c δF(s) ds. Both are
 Volterra equations of the second kind for one function of time, however many modes there are, and both are solved by
 collocation at Gauss' N points of a panel (Brunner 2004, ch. 2), the first by Newton's method, whose matrix is that of
-the second. What the modes do is exact for a force that is a polynomial over the panel.
+the second. At a panel's end the error is of order 2N, by the force and by the modes' own responses.
 
 Time runs as T u²(3 − 2u) over the contact: at both ends d ~ u², so that F ~ d^{3/2} and ∂F/∂d ~ d^{1/2} are analytic
 in u. Panels are halved until the last two coefficients of F, ∂F/∂d and ∂F/∂d' in Legendre's polynomials are small, and
