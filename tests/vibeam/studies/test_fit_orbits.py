@@ -11,11 +11,14 @@ import pytest
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.exchange.curves.record import ReferenceCurve
-from vibeam.studies.fit.estimate import minimise, settled
+from vibeam.studies.fit.estimate import Minimum, minimise, settled
+from vibeam.studies.fit.explanation import explained
 from vibeam.studies.fit.flights import NotFollowed, OrbitModel
+from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.orbits import differentiate
 from vibeam.studies.fit.problem import FOLLOWED, Problem
 from vibeam.studies.fit.profile import LEVEL
+from vibeam.studies.fit.words import on_misfit
 
 CASES = Path(__file__).parents[3] / "cases"
 
@@ -158,6 +161,9 @@ def test_a_motion_that_is_followed_beyond_its_fold_is_lost_and_told():
         trail.at(small)
     value, _ = problem.predicted(small, found.chosen)
     assert np.isfinite(value).all()  # as the tangent goes on
+    lost = Minimum.at(problem, small, found.chosen, explained(problem, small))
+    assert not lost.actual[-1]
+    assert "it has ended" in " ".join(on_misfit(problem, lost, Judgement(False, [])))
 
 
 @pytest.mark.parametrize("direction", ["up", "down"])

@@ -30,7 +30,7 @@ from vibeam.studies.fit.explanation import (
 from vibeam.studies.fit.orbits import OtherMotion
 from vibeam.studies.fit.problem import FOLLOWED, LEFT, SCALE, Problem, robust
 from vibeam.studies.fit.surface import quasi_random
-from vibeam_models.arrays import Array, Index
+from vibeam_models.arrays import Array, Flags, Index
 
 SCANNED = 32  # keys looked at, for each that is estimated
 FLOWN_KEYS = 16  # the same, of models without closed forms
@@ -67,7 +67,7 @@ class Minimum:
     residual: Array
     jacobian: Array
     chosen: Index
-    actual: NDArray[np.bool_]
+    actual: Flags
     others: dict[int, OtherMotion]
     loss: float
     touches: bool = True
@@ -76,8 +76,9 @@ class Minimum:
     def at(cls, problem: Problem, x: Array, chosen: Index, explanation: Explanation) -> Minimum:
         """Record of a minimum with the motions ``chosen``."""
         residual, jacobian = problem.residuals(x, chosen)
+        actual = _had(problem, x, chosen, explanation.actual)
         return cls(
-            x, float(residual @ residual), residual, jacobian, chosen, explanation.actual & (chosen != LEFT),
+            x, float(residual @ residual), residual, jacobian, chosen, actual,
             explanation.others, explanation.loss, bool(problem.touching(chosen).any()),
         )  # fmt: skip
 
@@ -96,6 +97,14 @@ class Minimum:
         """Linearised covariance (P, P) of the shares, with the bounds as a weak prior: a uniform distribution."""
         curvature = self.jacobian.T @ self.jacobian
         return np.asarray(np.linalg.inv(curvature + 12 * np.eye(len(curvature))))
+
+
+def _had(problem: Problem, x: Array, chosen: Index, real: Flags) -> Flags:
+    """Points (points,) whose motion the model has: those of the closed-form family that are ``real``, and followed."""
+    found: Flags = real & (chosen != LEFT)
+    for j in np.flatnonzero(chosen >= FOLLOWED).tolist():
+        found[j] = problem.trails.exists(int(chosen[j]) - FOLLOWED, x, bool(problem.unstable[j]))
+    return found
 
 
 @dataclass(frozen=True)
@@ -286,5 +295,5 @@ def refined(problem: Problem, minimum: Minimum, dropped: tuple[int, ...] = ()) -
     chosen = minimum.chosen
     real = np.where(found.chosen == chosen, found.actual, minimum.actual)
     return own, replace(
-        Minimum.at(own, x, chosen, found), actual=real & (chosen != LEFT), others=minimum.others, loss=minimum.loss
+        Minimum.at(own, x, chosen, found), actual=_had(own, x, chosen, real), others=minimum.others, loss=minimum.loss
     )

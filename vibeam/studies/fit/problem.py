@@ -67,7 +67,11 @@ class Problem:
             raise ValueError(
                 f"fit.keys: {unused[0]} is set by every fidelity that is fitted: leave it out of their set"
             )
-        made = cls(case.fit.keys, tuple(groups), forward, {}, tuple(notes))
+        for each in groups:
+            if each.unstable and not forward[each.fidelity].closed:
+                told = f"{each.reference}: unstable motions of fidelity.{each.fidelity} have no closed form"
+                notes.append(f"{told}: only those are found that stable ones become as the keys move")
+        made = cls(case.fit.keys, tuple(groups), forward, {}, tuple(dict.fromkeys(notes)))
         return made.within(np.zeros(len(made.keys)), np.ones(len(made.keys)), ROUGH)
 
     def within(self, low: Array, high: Array, tolerance: float) -> Problem:

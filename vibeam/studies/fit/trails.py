@@ -133,6 +133,12 @@ class Trails:
                 with suppress(NotFollowed):
                     yield number, trail.at(x)
 
+    def exists(self, number: int, x: Array, unstable: bool) -> bool:
+        """Test whether the model has a motion at shares ``x`` that is stable; ``unstable``: or not."""
+        with suppress(NotFollowed):
+            return self.every[number].at(x).stable or unstable
+        return False
+
     def values(self, numbers: list[int], x: Array, omega: Array, slopes: bool = True) -> tuple[Array, Array]:
         """Values (m,) of motions at shares ``x`` and drives (m,), and derivatives (P, m); as tangents go on where lost.
 

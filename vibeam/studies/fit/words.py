@@ -68,8 +68,8 @@ def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Itera
     yield from _on_others(problem, minimum)
     lost = minimum.used & ~minimum.actual
     if lost.any():
-        told = "the nearest motion is none that the model has at these keys (it exists at larger drives only, passes "
-        yield f"At {_where(problem, lost)} {told}through the stop, or is not stable)."
+        told = "the nearest motion is none that the model has at these keys (it has ended, exists at larger drives "
+        yield f"At {_where(problem, lost)} {told}only, passes through the stop, or is not stable)."
 
 
 def _verdict(minimum: Minimum, judgement: Judgement) -> str:
