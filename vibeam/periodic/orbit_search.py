@@ -182,7 +182,8 @@ def _returns(section: StroboscopicMap, begin: State, periods: int) -> list[State
     rows = (strobes[0].reshape(len(strobes[0]), -1) * section.units)[:, section.unknowns]
     if len(rows) <= hold:  # the motion ended on the way
         return []
-    apart = np.linalg.norm(rows[periods:] - rows[:-periods], axis=1) / np.linalg.norm(rows, axis=1).max()
+    size = max(float(np.linalg.norm(rows, axis=1).max()), np.finfo(float).tiny)
+    apart = np.linalg.norm(rows[periods:] - rows[:-periods], axis=1) / size
     nearest = np.argsort(apart, kind="stable")[: 1 if apart[-1] < SETTLED else NEAREST]
     return [State(*strobes[0][k]) for k in nearest]
 

@@ -26,6 +26,7 @@ LARGEST = 1.0  # step, as a share of the motion's size
 SINGULAR = 0.02  # singular value of DP − 1 below which a fold is near
 FREE = 1 / 3  # the same as a share of that of the modes without contact, where little damping makes that small
 SAME = 1e-8  # share of the motion's size within which a motion repeats after fewer periods
+MISSED = 1e-8  # share of the motion's size by which a motion that repeats may miss itself
 LONGEST = 16  # drive periods after which a motion is looked at for repeating
 WATCH = 64  # periods, times n, over which a motion near a stable fixed point must not leave it
 
@@ -38,6 +39,7 @@ class Reason(Enum):
     FOLD = "a fold is near, and the residual does not fall: beyond it there is no such motion"
     SHORTER = "it leads to a motion that repeats after fewer periods"
     LEFT = "it leads to another motion, with other contacts than the start"
+    DRIFTS = "it does not repeat: a mode that nothing holds or damps drifts or grows"
     NO_PERIOD = "there is no drive, so that nothing says when a motion repeats"
 
 
@@ -86,11 +88,14 @@ def _newton(section: StroboscopicMap, state: State, periods: int) -> _Fixed:
         size = max(section.size(flown), np.finfo(float).tiny)
         matrix = section.jacobian(state, periods, flown)
         solve = _Solve(matrix)
-        step = solve(_apart(section, state, flown))
+        apart = _apart(section, state, flown)
+        step = solve(apart)
         length = float(np.linalg.norm(step)) / size
         last = corrections[-1] if corrections else np.inf
         corrections.append(length)
         if length <= ROUND_OFF or (length < STALLED and length >= last / 2):
+            if np.linalg.norm(apart) > MISSED * size:  # along a direction that no step changes
+                raise NoOrbit(Reason.DRIFTS, "", tuple(corrections))
             return _Fixed(state, flown, matrix, tuple(corrections))
         taken = _taken(section, state, step, periods, solve, length) if np.isfinite(length) else None
         if taken is None:
@@ -133,7 +138,7 @@ class _Solve:
     def __init__(self, matrix: Array) -> None:
         self.left, self.values, self.right = np.linalg.svd(matrix - np.eye(len(matrix)))
         self.least = float(self.values[-1])
-        small = self.values <= np.finfo(float).eps * len(matrix) * self.values[0]
+        small = self.values <= np.finfo(float).eps * len(matrix) * max(self.values[0], 1.0)
         self.inverse = np.where(small, 0.0, 1 / np.where(small, 1.0, self.values))
 
     def __call__(self, apart: Array) -> Array:

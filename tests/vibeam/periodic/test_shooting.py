@@ -83,6 +83,10 @@ def test_reasons_where_there_is_no_such_motion() -> None:
     assert reason(COCO, vibeam.Drive(0.0, 0.0), orbit.state) is Reason.NO_PERIOD
     assert reason(COCO, orbit.drive, vibeam.State([1.5], [0.0])) is Reason.ENDED
     assert reason(COCO, vibeam.Drive(2.0, 0.01), orbit) is Reason.LEFT  # the drive is too weak to reach the stop
+    thrown = vibeam.ImpactSystem.from_modes(0.0, 0.0, 1.0, 1.0, gap=1.0, static=[-1.0])
+    assert reason(thrown, orbit.drive, vibeam.State([0.0], [0.0])) is Reason.DRIFTS
+    resonant = vibeam.ImpactSystem.from_modes(2.0, 0.0, 1.0, 1.0, gap=1e6)
+    assert reason(resonant, orbit.drive, vibeam.State([0.0], [0.0])) is Reason.DRIFTS
 
 
 @pytest.mark.parametrize("modes", [1, 2])
