@@ -1,7 +1,7 @@
 """Periodic motions at points of frequency and base amplitude: one record of them, and their closed forms.
 
 A motion has m impacts in n drive periods, or none. Closed forms know those of plain systems: with one impact, from the
-quadratic of ``modal_sums``; with several, near those of another model (``predicted_response``); without, the drive's
+quadratic of ``modal_sums``; with several, near those of another model (``nearby_orbits``); without, the drive's
 response alone. Extremes and clearance from the stop come from ``train_signal``, stability from the multipliers of the
 modes that last from impact to impact. Nothing is flown.
 """
@@ -17,9 +17,9 @@ import numpy as np
 
 from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.modal_sums import fault, offsets
-from vibeam.periodic.predicted_response import nearby_orbits, stable_trains
-from vibeam.periodic.train_signal import Excited, clear, excited, extremes, sampled, signal
-from vibeam.periodic.trains import Trains, contact_phasor, modal_phasors, repeats_sooner
+from vibeam.periodic.nearby_orbits import nearby_orbits, stable_trains
+from vibeam.periodic.train_signal import clear, excited, extremes, sampled, signal
+from vibeam.periodic.trains import Trains, contact_phasor, modal_phasors, repeats_sooner, states_before
 from vibeam.system.curves import evenly
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Flags, Index, ValueRecord
@@ -65,7 +65,6 @@ class Motions(ValueRecord):
     uncertainty: Array  #: of ``maximum`` and ``minimum`` (points,)
     reach_uncertainty: Array
     first: Array  #: Newton's first correction of the start (points,), rad and share of the impulse; 0 of a closed form
-    derivatives: Array | None = None  #: of what was asked for, by parameters (points, P)
 
     def __len__(self) -> int:
         return len(self.omega)
@@ -97,7 +96,7 @@ class Motions(ValueRecord):
     def without_values(cls, omega: Array, base: Array, periods: int, found: Index, impacts: int, modes: int) -> Motions:
         """Motions of which nothing is known yet but ``found``."""
         shapes = {"phases": impacts, "velocities": impacts, "displacement": modes, "speed": modes}
-        given: dict[str, Any] = {"omega": omega, "base": base, "periods": periods, "found": found, "derivatives": None}
+        given: dict[str, Any] = {"omega": omega, "base": base, "periods": periods, "found": found}
         names = [each.name for each in fields(cls) if each.name not in given]
         size = len(omega)
         unknown = {name: np.full((size, shapes[name]) if name in shapes else size, np.nan) for name in names}
@@ -148,7 +147,8 @@ def _predicted(system: ImpactSystem, trains: Trains, output: str) -> Motions:
     codes[which[repeats_sooner(moved)]] = OrbitKind.ANOTHER.code
     known = np.flatnonzero(found.admissible[which])
     at, velocities = which[known], system.impact_velocity(moved.impulses)
-    found.displacement[at], found.speed[at] = _states_after(system, modes, known)
+    displacement, before = (each[:, 0] for each in states_before(system, moved.at(known)))
+    found.displacement[at], found.speed[at] = displacement, before + moved.impulses[known, :1] * system.contact
     found.time[at] = (moved.phases[:, 0] / moved.omega)[known]
     for row, values in (
         (found.phases, moved.phases), (found.velocities, velocities), (found.impact_velocity, velocities.mean(axis=1)),
@@ -157,17 +157,6 @@ def _predicted(system: ImpactSystem, trains: Trains, output: str) -> Motions:
     ):  # fmt: skip
         row[at] = values[known]
     return found
-
-
-def _states_after(system: ImpactSystem, modes: Excited, which: Index) -> tuple[Array, Array]:
-    """Displacements and speeds (motions, n) just after the first impact of the motions ``which``."""
-    trains = modes.trains.at(which)
-    first = modes.response[:, which * modes.trains.phases.shape[1]]
-    steady = modal_phasors(system, trains.omega, trains.amplitude) * np.exp(1j * trains.phases[:, 0])
-    displacement, speed = steady.imag + offsets(system)[:, None], trains.omega * steady.real
-    np.add.at(displacement, modes.modes, system.contact[modes.modes, None] * first.real)
-    np.add.at(speed, modes.modes, system.contact[modes.modes, None] * (modes.rates[:, None] * first).real)
-    return displacement.T, speed.T
 
 
 def predicted_free(system: ImpactSystem, omega: Array, base: Array, output: str) -> Motions:

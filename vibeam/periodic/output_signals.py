@@ -19,7 +19,7 @@ import numpy as np
 
 from vibeam.periodic.orbit_derivatives import Struck, contracted, driven, offset_of, struck
 from vibeam.periodic.tangents import ModalData, Poles, Tangents, green_at
-from vibeam.periodic.train_signal import Sampled, TrainSignal, excited, highest, sampled, signal_of
+from vibeam.periodic.train_signal import Sampled, TrainSignal, excited, sampled, signal_of
 from vibeam.periodic.trains import Trains
 from vibeam_models.arrays import Array, Complex
 
@@ -61,7 +61,8 @@ class OrbitOutput:
         """Largest (sign 1) or smallest (−1) value (points,), and its derivatives (P, points); NaN without a motion."""
         value, times = np.full(len(self.omega), np.nan), np.zeros(len(self.omega))
         if len(self.known):
-            value[self.known], times[self.known], _ = highest(self.sampled, sign)
+            found = self.sampled.highest if sign > 0 else self.sampled.lowest
+            value[self.known], times[self.known], _ = found
         return sign * value, self.by(times)
 
     def samples(self, count: int) -> Array:

@@ -13,6 +13,8 @@ higher by what interpolation and the modes too small to be followed leave open i
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -59,7 +61,8 @@ class TrainSignal(NamedTuple):
     flights: Array
 
 
-class Sampled(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Sampled:
     """A signal's values (rows, times), slopes times step at the begin and end of each interval, and the times.
 
     ``whole``: the signal; ``followed``: its parts that are large enough; ``dropped`` (rows,): bound on the others.
@@ -72,6 +75,17 @@ class Sampled(NamedTuple):
     whole: TrainSignal
     followed: TrainSignal
     dropped: Array
+
+    @cached_property
+    def highest(self) -> tuple[Array, Array, Array]:
+        """Largest values (rows,) where the interpolants are largest, their times after the impacts, and bounds on the
+        interpolants' error there."""
+        return _highest(self, 1.0)
+
+    @cached_property
+    def lowest(self) -> tuple[Array, Array, Array]:
+        """As ``highest``: of the signal's negative."""
+        return _highest(self, -1.0)
 
 
 class SignalGrid(NamedTuple):
@@ -196,8 +210,7 @@ def graded(rates: Complex, shares: Array, length: float) -> SignalGrid:
 
 def extremes(found: Sampled, m: int) -> Extremes:
     """Extremes over the whole period, of motions with ``m`` impacts."""
-    high, _, off_high = highest(found, 1.0)
-    low, _, off_low = highest(found, -1.0)
+    (high, _, off_high), (low, _, off_low) = found.highest, found.lowest
     off = np.maximum(off_high, off_low) + found.dropped
     return Extremes(*(row.reshape(-1, m).max(axis=1) * sign for row, sign in ((high, 1), (low, -1), (off, 1))))
 
@@ -207,14 +220,12 @@ def clear(found: Sampled, gap: float, m: int) -> Flags:
 
     To the resolution of the grid and to round-off.
     """
-    top, _, missed = highest(found, 1.0)
+    top, _, missed = found.highest
     slack = missed + found.dropped + ROUND_OFF * np.abs(found.followed.drive)
     return np.asarray((top - gap <= slack).reshape(-1, m).all(axis=1))
 
 
-def highest(found: Sampled, sign: float) -> tuple[Array, Array, Array]:
-    """Largest value (rows,) of ± the signal where its interpolants are largest, its time after the impact, and the
-    bound on the interpolants' error there."""
+def _highest(found: Sampled, sign: float) -> tuple[Array, Array, Array]:
     tops, places = _tops(sign * found.value, sign * found.begin, sign * found.end)
     at = np.argmax(tops, axis=1)[:, None]
     begin, end = (np.take_along_axis(found.times, at + k, axis=1)[:, 0] for k in (0, 1))

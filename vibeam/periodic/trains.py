@@ -198,7 +198,8 @@ def _times(matrix: Array, vector: Array) -> Array:
 
 def states_before(system: ImpactSystem, trains: Trains) -> tuple[Array, Array]:
     """Modal displacements and velocities (points, m, n) just before every impact, modes without stiffness at g = 0."""
-    struck, shape = system.contact != 0, (-1, len(trains.omega), trains.impacts, trains.impacts)
+    struck, m = np.flatnonzero(system.contact), trains.impacts
+    shape = len(struck), len(trains.omega), m, m
     c, h = system.contact[struck], modal_phasors(system, trains.omega, trains.amplitude)
     turned = h.T[:, None] * np.exp(1j * trains.phases)[:, :, None]
     displacement, velocity = turned.imag + offsets(system), trains.omega[:, None, None] * turned.real

@@ -24,7 +24,7 @@ SOFT = {OrbitKind.UNSTABLE, OrbitKind.NO_ORBIT}
 
 @pytest.mark.parametrize(("kind", "gap", "kinds"), [(HARDER, 0.05, HARD), (SOFTER, 0.3, SOFT)])
 def test_states_and_kinds_are_those_of_the_orbits(kind: int, gap: float, kinds: set[OrbitKind]) -> None:
-    """The orbits' states are sums of sines and propagators, the record's of exponentials."""
+    """Stability, clearance and extremes come another way there: from all multipliers, and from flights."""
     system, seen = replace(THREE, gap=gap), set()
     found = closed_motions(system, OMEGA, np.full(41, 0.2), "sensor", kind)
     for point, omega in enumerate(OMEGA):

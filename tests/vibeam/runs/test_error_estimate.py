@@ -15,8 +15,8 @@ from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.motions import OrbitKind, predicted
+from vibeam.periodic.nearby_orbits import nearby_orbits
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.predicted_response import nearby_orbits
 from vibeam.periodic.trains import Trains
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.of_case import estimates

@@ -12,7 +12,7 @@ from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.closed_orbits import AdmissibilityCheck
 from vibeam.periodic.modal_sums import resonant
 from vibeam.periodic.motions import Motions, OrbitKind, predicted, predicted_free, unsuited
-from vibeam.periodic.predicted_response import nearby_orbits
+from vibeam.periodic.nearby_orbits import nearby_orbits
 from vibeam.periodic.trains import Trains
 from vibeam.runs.estimate.by_orbits import SETTLED, BesidePoint, ModelPair, beside
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate
