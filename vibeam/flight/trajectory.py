@@ -73,8 +73,9 @@ def _endless(path: Trajectory) -> bool:
 
 def _pressed(path: Trajectory) -> bool:
     """True where it stands within the range of a stop that yields."""
-    place, system = float(path.system.contact @ path.state.displacement), path.system
-    return place > system.gap or (system.second_gap is not None and -place > system.second_gap)
+    from vibeam.flight.equilibrium import Contacts
+
+    return bool(np.any(Contacts.of(path.system).clearances(path.state.displacement)[0] < 0))
 
 
 def _still(path: Trajectory) -> bool:

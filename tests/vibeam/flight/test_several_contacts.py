@@ -408,6 +408,10 @@ def test_equilibrium_leans_on_a_rigid_and_a_linear_stop() -> None:
     path = vibeam.simulate(system, vibeam.Drive(0, 0), 1.0)
     assert path.state.displacement == pytest.approx([1.0, 3.5 / 4], rel=1e-14)
     assert path.holds(0).tolist() == [[0.0, 1.0]]
+    soft = replace(system, static=np.array([0.5, 2.0]))
+    alone = vibeam.simulate(soft, vibeam.Drive(0, 0), 1.0)
+    assert not len(alone.holds())
+    assert alone.outcome is vibeam.Outcome.SETTLED_ON_STOP
 
 
 def test_a_trajectory_is_pickled_and_read_anew() -> None:
