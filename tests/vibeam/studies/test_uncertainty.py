@@ -15,6 +15,7 @@ from vibeam.case.study_plans import Uncertain
 from vibeam.casefile.read import parse
 from vibeam.report import uncertainty as report
 from vibeam.studies.uncertainty.mean_of_peak import Pilot, _models, allocation, estimate
+from vibeam.studies.uncertainty.orbit_peaks import OrbitPeaks, orbits_known
 from vibeam.studies.uncertainty.samples import (
     ClosedFormPeaks,
     Responses,
@@ -381,3 +382,31 @@ def test_the_surface_of_a_rig_is_known_by_the_runs_that_it_took():
     np.testing.assert_allclose(surface.peaks(inputs)[0], models["beam"].known.peak, rtol=1e-3)
     assert surface.before > runs(2) * surface.seconds  # its own runs are no evaluations of a polynomial
     assert all(each.before == 0 for name, each in models.items() if name != "beam, quadratic surface")
+
+
+STOPS = {
+    "Hertz": 'law = "hertz"\nhertz_stiffness = 1e9',
+    "linear": 'law = "linear"\nstiffness = "1e5 N/m"\ndamping = "10 N s/m"',
+}
+
+
+@pytest.mark.parametrize("stop", STOPS.values(), ids=STOPS)
+def test_peaks_by_orbits_are_those_of_sweeps_where_no_closed_form_is_known(stop, tmp_path):
+    text = (CASES / "dtu_neutral.toml").read_text("utf-8").split("[reference.exact]")[0]
+    text = text.replace('restitution = 0.72\nrestitution_of = "first mode"', stop)
+    own = '\n[uncertain]\n"drive.voltage" = "± 2 %"\n"stop.gap" = "0 … 0.005 mm"\n'
+    (tmp_path / "it.toml").write_text(text + own, "utf-8")
+    case = vibeam.load(
+        tmp_path / "it.toml",
+        {"sweep.frequency.points": 25, "sweep.direction": "up", "sweep.settle": 400, "beam.elements": 8},
+    )
+    keys = tuple(each.key for each in case.uncertain)
+    inputs = inputs_of(case.uncertain, np.random.default_rng(6).random((6, 2)))
+    orbits, sampler = OrbitPeaks(case, keys), Sampler(case, keys)
+    assert orbits_known(case, "two_modes")
+    assert not known(case, "two_modes")
+    swept, shot = sampler("two_modes", inputs), orbits("two_modes", inputs)
+    assert np.ptp(swept.peak) > 1e-3 * swept.peak.max()
+    np.testing.assert_allclose(shot.peak, swept.peak, rtol=1e-6)  # 400 periods leave less
+    assert shot.seconds.mean() < swept.seconds.mean()
+    assert orbits.begun("two_modes") > 0

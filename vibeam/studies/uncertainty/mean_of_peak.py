@@ -1,10 +1,10 @@
 """Mean of the finest fidelity's peak from few of its runs and many of cheaper models, and what that saves.
 
 Cheaper models are the other fidelities; all but the finest by a coarse sweep; all of them in closed form, the finest
-too, which follows the finest's sweep to round-off where that is on a motion with one impact a period; and a quadratic
-surface of the finest's closed form (of its sweep, where it has none). Which of them are used, and how often, follows
-from correlations and costs as measured. A structure that was assembled a short while ago is kept: so the cost of each
-is taken at inputs of its own.
+too, which follows the finest's sweep to round-off where that is on a motion with one impact a period; where there is no
+closed form, all of them by orbits (``orbit_peaks``); and a quadratic surface of the finest's closed form or orbits (of
+its sweep, where it has neither). Which of them are used, and how often, follows from correlations and costs as
+measured. A structure that was assembled a short while ago is kept: so the cost of each is taken at inputs of its own.
 
 The estimate is that of multi-fidelity Monte Carlo. After Peherstorfer, Willcox & Gunzburger, SIAM J. Sci. Comput. 38
 (2016) A3163. Of models 1 (finest) … k with costs w_i, correlations ρ_i with the finest (ρ_1 = 1, ρ_{k+1} = 0) and
@@ -24,11 +24,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
 
+from vibeam.studies.uncertainty.orbit_peaks import OrbitPeaks, orbits_known
 from vibeam.studies.uncertainty.samples import (
     ClosedFormPeaks,
     Responses,
@@ -254,7 +256,11 @@ def _models(sampler: Sampler, found: Mapping[str, Responses], finest: str, seed:
     models |= {f"{name}, coarse sweep": timed(coarse, name) for name in found if name != finest}
     closed = ClosedFormPeaks(sampler.case, sampler.keys)
     models |= {f"{name}, closed form": timed(closed, name) for name in found if known(sampler.case, name)}
-    cheapest = closed if known(sampler.case, finest) else sampler
+    orbits = OrbitPeaks(sampler.case, sampler.keys)
+    for name in filter(partial(orbits_known, sampler.case), found):
+        models[f"{name}, orbits"] = replace(timed(orbits, name), before=orbits.begun(name))
+    shot = orbits if orbits_known(sampler.case, finest) else sampler
+    cheapest: Callable[[str, Array], Responses] = closed if known(sampler.case, finest) else shot
     drawn = inputs_of(sampler.case.uncertain, rng.random((runs(len(sampler.keys)), len(sampler.keys))))
     surface = Surface.of(cheapest, finest, drawn)
     if surface is not None:
