@@ -19,7 +19,6 @@ from vibeam_models.arrays import Array, Complex, Flags, ValueRecord
 
 FIRST = (0.01, 0.003, 0.001, 0.03, 3e-4, 1e-4)  # parts along the null vector of the first motion of another branch
 APART = 0.3  # share of that part by which a motion must miss itself after half its span
-STEEP = 0.1  # part of the parameter in a tangent above which it says where the branch goes
 NEAR = 1e-3  # share of the motion's size within which an orbit must solve the equations
 
 
@@ -202,12 +201,13 @@ def _apart(point: BranchPoint, ahead: BranchPoint, part: float) -> bool:
 
 def _between(one: BranchPoint, other: BranchPoint, value: float) -> Orbit | None:
     """The motion at a value between two points, from the nearer one on; None where Newton's method finds none."""
+    share = (value - one.value) / (other.value - one.value)
     for near in sorted((one, other), key=lambda point: abs(point.value - value)):
-        section, normal = near.section, np.append(np.zeros(len(near.z) - 1), 1.0)
-        slope = section.slope(near.z)
-        tangent = section.tangent(near, slope)
-        ahead = (value / section.scale - near.z[-1]) * (tangent / tangent[-1] if abs(tangent[-1]) > STEEP else normal)
-        point = section.corrected(near.z + ahead, normal, slope)
+        same = one.section.phase == other.section.phase
+        guess = one.z + share * (other.z - one.z) if same else near.z.copy()
+        guess[-1] = value / near.section.scale
+        fixed = np.append(np.zeros(len(guess) - 1), 1.0)
+        point = near.section.corrected(guess, fixed, np.zeros(len(guess) - 1))  # the parameter is held: no slope by it
         if point is not None and point.itinerary in (one.itinerary, other.itinerary):
             return _orbit(point)
     return None
