@@ -14,7 +14,6 @@ from vibeam.periodic.orbit_curve import checked
 from vibeam.periodic.trains import (
     Train,
     accelerations,
-    carried,
     contact_phasor,
     green_sums,
     in_time,
@@ -120,19 +119,6 @@ def _orbit(system: ImpactSystem, drive: Drive, periods: int, train: Train) -> Tr
         system, drive, periods, train.times, train.impulses, velocities, state, values,
         bool(abs(values[0]) < 1), admissible,
     )  # fmt: skip
-
-
-def displacements_at(system: ImpactSystem, drive: Drive, span: float, train: Train, times: Array) -> Array:
-    """Modal displacements (times, n) at any times, s: a free flight from the last impact before each."""
-    displacement, before = (each[0] for each in states_before(system, train.under(drive, span)))
-    after = before + train.impulses[:, None] * system.contact
-    since = np.mod(times[:, None] - train.times, span)
-    last = np.argmin(since, axis=1)
-    found = np.empty((len(times), system.size))
-    for at, (j, ahead) in enumerate(zip(last, since.min(axis=1), strict=True)):
-        begin = float(train.times[j])
-        found[at] = carried(system, drive, State(displacement[j], after[j]), begin, np.array([begin + ahead]))[0][0]
-    return found
 
 
 def multipliers_of(system: ImpactSystem, drive: Drive, span: float, train: Train) -> Complex:
