@@ -24,7 +24,8 @@ from vibeam_models.arrays import Array
 
 STARTS = (0.5, 0.1, 0.9)  # shares of a line at which motions are looked for
 SAME = 1e-6  # share of the impact velocity within which two motions at one frequency are one
-MOST = 6  # branches of a line
+MOST = 4  # branches of a line: with the steps of each the bound of its cost
+STEP, LONGEST = 0.1, 150  # longest step, as a share of the motion's size and of the line, and number of steps
 
 
 @dataclass(frozen=True)
@@ -55,10 +56,9 @@ def _followed(line: FollowedLine, starts: Iterator[Orbit]) -> list[Branch]:
         if len(found) >= MOST or any(_same(start, other) for branch in found for other in branch.at(omega)):
             continue
         pause()
-        ways = [(line.high, line.low), (line.low, line.high)]
-        found += [
-            follow(start, line.setting, to, value=omega, behind=back) for to, back in ways if abs(to - omega) > 0
-        ]  # fmt: skip
+        for to, back in (line.high, line.low), (line.low, line.high):
+            if to != omega:
+                found.append(follow(start, line.setting, to, value=omega, behind=back, step=STEP, longest=LONGEST))
     return found
 
 

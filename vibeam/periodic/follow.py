@@ -18,6 +18,7 @@ from vibeam_models.arguments import count, number, refuse, require
 from vibeam_models.arrays import Array, Complex, Flags, ValueRecord
 
 FIRST = (0.01, 0.003, 0.001, 0.03, 3e-4, 1e-4)  # parts along the null vector of the first motion of another branch
+ROUNDED = 1e-14  # share of a parameter by which round-off may move the end of a branch
 APART = 0.3  # share of that part by which a motion must miss itself after half its span
 NEAR = 1e-3  # share of the motion's size within which an orbit must solve the equations
 
@@ -72,6 +73,7 @@ class Branch(ValueRecord):
     def at(self, value: float) -> tuple[Orbit, ...]:
         """The motions at one value of the parameter, in the order in which the branch comes to it."""
         values = self.values
+        values = np.where(np.abs(values - value) <= ROUNDED * np.abs(value), value, values)
         passed = np.flatnonzero((values[:-1] - value) * (values[1:] - value) <= 0)
         found = (_between(self._points[k], self._points[k + 1], value) for k in passed if values[k + 1] != value)
         last = [_orbit(self._points[-1])] if len(self) and values[-1] == value else []

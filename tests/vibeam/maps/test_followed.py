@@ -47,6 +47,7 @@ def test_a_line_followed_has_the_motions_and_boundaries_of_closed_forms() -> Non
     velocity, admissible, stable = points_on(omega, branches)
     known = orbit_points(PLAIN, 1, omega, np.full(7, 0.1), np.full(7, 0.02))
     held = known.admissible[:, 0]
+    assert held[[0, -1]].all()  # both ends of the line too
     np.testing.assert_allclose(velocity[held, 0], known.velocity[held, 0], rtol=1e-10)
     np.testing.assert_array_equal(stable[held, 0] > 0, known.stable[held, 0])
     assert (admissible[held, 0] > 0).all()
