@@ -15,9 +15,10 @@ from vibeam.studies.fit.estimate import Minimum, minimise, settled
 from vibeam.studies.fit.explanation import explained
 from vibeam.studies.fit.flights import NotFollowed, OrbitModel
 from vibeam.studies.fit.judgement import Judgement
-from vibeam.studies.fit.orbits import differentiate
+from vibeam.studies.fit.orbits import OtherMotion, Shooting, differentiate
 from vibeam.studies.fit.problem import FOLLOWED, Problem
 from vibeam.studies.fit.profile import LEVEL
+from vibeam.studies.fit.trails import LONG, settled_points
 from vibeam.studies.fit.words import on_misfit
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -207,3 +208,26 @@ def test_signs_of_modes_are_no_matter():
     differentiate([orbit, again])
     assert again.state * np.tile(turned, 2) == pytest.approx(orbit.state, rel=1e-9, abs=1e-12)
     assert again.by == pytest.approx(orbit.by, rel=1e-5)
+
+
+FILTER = {
+    "measurement.low_pass": "bessel", "measurement.order": 4, "measurement.cut_off": "60 Hz",
+    "measurement.sampling": "5 kHz",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("changes", [{}, FILTER], ids=["unfiltered", "behind a filter"])
+def test_shot_motions_have_the_values_and_derivatives_of_the_closed_form(changes):
+    """A rigid stop, one impact a period: values as a flight's extremes are read, derivatives as differences are."""
+    case, _ = measured(rig("restitution = 0.7", LINEAR_KEYS.split("\n", 2)[2], 21.4, 24.0, points=3), {})
+    problem = Problem.of(replace(case, chain=rig(**changes).chain) if changes else case)
+    value, by = problem.predicted(problem.start, np.zeros(3, dtype=int), problem.exact(problem.start))
+    (group,), model = problem.groups, problem.trails.model(problem.forward["beam"], problem.omega_of("beam"))
+    assert (group.gain is not None) == bool(changes)
+    made, like = model.at(problem.start), OtherMotion(1, 1, 0.0, False, 0.0, 0.0)
+    for each in settled_points(group, made, np.array([1]), LONG):
+        orbit = Shooting(model, group, each.place, each.place).settled(problem.start, each.state, like)
+        differentiate([orbit])
+        assert orbit.value == pytest.approx(value[0, 1], rel=1e-6 if changes else 1e-8)
+        scale = np.abs(by[:, 0, 1]).max()
+        assert orbit.by == pytest.approx(by[:, 0, 1], rel=0.0, abs=(1e-4 if changes else 1e-6) * scale)
