@@ -98,6 +98,8 @@ def _newton(section: StroboscopicMap, state: State, periods: int) -> _Fixed:
                 raise NoOrbit(Reason.DRIFTS, "", tuple(corrections))
             return _Fixed(state, flown, matrix, tuple(corrections))
         taken = _taken(section, state, step, periods, solve, length) if np.isfinite(length) else None
+        if taken is None and np.linalg.norm(apart) <= ROUND_OFF * size:  # beside a fold no step makes that smaller
+            return _Fixed(state, flown, matrix, tuple(corrections))
         if taken is None:
             fold = solve.least < _singular(section, periods)
             raise NoOrbit(Reason.FOLD if fold else Reason.DIVERGED, "", tuple(corrections))
