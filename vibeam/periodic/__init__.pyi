@@ -14,5 +14,3 @@ from vibeam.periodic.orbit_search import orbits as orbits
 from vibeam.periodic.resonant_grazing import ResonantGrazing as ResonantGrazing
 from vibeam.periodic.resonant_grazing import resonant_grazing as resonant_grazing
 from vibeam.periodic.shooting import NoOrbit as NoOrbit
-from vibeam.periodic.train_orbits import settled_orbit as settled_orbit
-from vibeam.periodic.train_orbits import train_orbit as train_orbit

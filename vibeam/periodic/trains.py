@@ -59,19 +59,6 @@ class Trains(NamedTuple):
         return self.moved(*(np.take_along_axis(row, order, axis=1) for row in self[:2]))
 
 
-class Train(NamedTuple):
-    """Impact train of one motion: times, s, and impulses (m,) in the order of time."""
-
-    times: Array
-    impulses: Array
-
-    def under(self, drive: Drive, span: float) -> Trains:
-        """The one motion of ``Trains``, over a ``span`` in s."""
-        periods = int(np.rint(span * drive.omega / (2 * np.pi)))
-        base = np.array([drive.amplitude])
-        return Trains(drive.omega * self.times[None], self.impulses[None], np.array([drive.omega]), base, periods)
-
-
 class GreenSums(NamedTuple):
     """Sums Σ c_i² g_i and their derivatives (points, m, m) at the lags t_j − t_k, just before an impact at lag 0."""
 
@@ -211,7 +198,8 @@ def states_before(system: ImpactSystem, trains: Trains) -> tuple[Array, Array]:
 
 def state_after(system: ImpactSystem, drive: Drive, periods: int, phase: float, impulse: float) -> State:
     """State just after the impact of a motion with one a span; the contact lies at the gap."""
-    train = Train(np.array([phase / drive.omega]), np.array([impulse])).under(drive, 2 * np.pi * periods / drive.omega)
+    omega, amplitude = np.array([drive.omega]), np.array([drive.amplitude])
+    train = Trains(np.array([[phase]]), np.array([[impulse]]), omega, amplitude, periods)
     displacement, velocity = (each[0, 0] for each in states_before(system, train))
     loose = np.where(system.omega == 0, system.contact, 0.0)  # modes without stiffness put the contact there
     if loose.any():
@@ -231,45 +219,3 @@ def carried(system: ImpactSystem, drive: Drive, start: State, begin: float, time
     displacement = now.imag + rest + p.p00 * x + p.p01 * y + push * after[:, None] ** 2 / 2
     velocity = drive.omega * now.real + p.p10 * x + p.p11 * y + push * after[:, None]
     return displacement, velocity
-
-
-STEPS = 40
-LONGEST = 0.2  # largest Newton step, as a share of the span and of the impulses
-SMALL, STALLED = 1e-13, 1e-9  # the same at which the iteration ends, also where round-off stops its progress
-
-
-def newton(system: ImpactSystem, drive: Drive, periods: int, start: Train) -> Train | None:
-    """Solve all equations to round-off from ``start`` by Newton's method; None where it does not converge."""
-    span, m = 2 * np.pi * periods / drive.omega, len(start.times)
-    unknown = np.concatenate([start.times, start.impulses])
-    scale = np.concatenate([np.full(m, span), np.full(m, np.abs(start.impulses).max())])
-    last = np.inf
-    for _ in range(STEPS):
-        values, slopes = equations(system, drive, span, Train(unknown[:m], unknown[m:]))
-        if not (np.all(np.isfinite(values)) and np.all(np.isfinite(slopes))):
-            return None
-        step = np.linalg.lstsq(slopes * scale, values, rcond=None)[0]
-        size = float(np.abs(step).max())
-        unknown = unknown - step * scale * min(1.0, LONGEST / max(size, LONGEST))
-        if size < SMALL or (size < STALLED and size > last / 2):
-            return _ordered(Train(unknown[:m], unknown[m:]), span)
-        last = size
-    return None
-
-
-def equations(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
-    """Residuals (2m,), m and m/s, of one motion and their derivatives (2m, 2m) by times and impulses."""
-    trains = train.under(drive, span)
-    response = contact_phasor(system, trains.omega, trains.amplitude)
-    values, slopes = residual(system, trains, response, green_sums(system, trains))
-    slopes[:, :, : trains.impacts] *= drive.omega
-    return values[0], slopes[0]
-
-
-def _ordered(train: Train, span: float) -> Train | None:
-    """Train with its first impact within the first span; None where an impact would pull or two have merged."""
-    times = train.times - span * np.floor(train.times.min() / span)
-    order = np.argsort(times)
-    times, impulses = times[order], train.impulses[order]
-    around = np.diff(np.append(times, times[0] + span))
-    return Train(times, impulses) if np.all(impulses < 0) and np.all(around > 1e-9 * span) else None

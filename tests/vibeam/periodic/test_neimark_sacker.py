@@ -11,12 +11,13 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from settled_orbits import closed_multipliers, settled
 
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import boundaries
 from vibeam.periodic.follow import follow
+from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.train_orbits import TrainOrbit, settled_orbit, train_orbit
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 
@@ -120,9 +121,8 @@ def crossing(low: tuple[float, Array], high: tuple[float, Array]) -> float:
     return a - r * (b - a) / (s - r)
 
 
-def start_of(rig: Rig) -> TrainOrbit:
-    found = settled_orbit(rig.system, Drive(rig.begin, AMPLITUDE), rig.periods, settle=600)
-    assert found is not None
+def start_of(rig: Rig) -> Orbit:
+    found = settled(rig.system, Drive(rig.begin, AMPLITUDE), rig.periods, settle=600)
     assert len(found.times) == rig.impacts
     return found
 
@@ -132,20 +132,14 @@ def start_of(rig: Rig) -> TrainOrbit:
 )
 def test_several_impacts(name: str) -> None:
     rig = RIGS[name]
-    start = start_of(rig)
-    (first,) = orbits(rig.system, start.drive, rig.periods, start=start.state, time=float(start.times[0]))
-    at = next(each for each in follow(first, "omega", rig.to).boundaries if each.kind is Kind.NEIMARK_SACKER)
+    at = next(each for each in follow(start_of(rig), "omega", rig.to).boundaries if each.kind is Kind.NEIMARK_SACKER)
     assert "complex multipliers" in at.kind.value
-    place = at.orbit
     seen = []
     for share in (-ASIDE, ASIDE):
         omega = at.value * (1 + share)
-        times = place.times * place.drive.omega / omega
-        orbit = train_orbit(rig.system, Drive(omega, AMPLITUDE), rig.periods, times, place.velocities)
-        assert orbit is not None
-        values = own_multipliers(
-            rig.system, omega, AMPLITUDE, rig.periods, float(orbit.times[0]), orbit.state
-        )  # fmt: skip
+        (orbit,) = orbits(rig.system, Drive(omega, AMPLITUDE), rig.periods, start=at.orbit)
+        np.testing.assert_allclose(np.abs(closed_multipliers(orbit)), np.abs(orbit.multipliers), rtol=1e-7)
+        values = own_multipliers(rig.system, omega, AMPLITUDE, rig.periods, orbit.time, orbit.state)
         assert radius(values) == pytest.approx(radius(orbit.multipliers), rel=1e-5)
         angles = [float(np.abs(np.angle(each[np.abs(each.imag) > 1e-6])).max()) for each in (values, orbit.multipliers)]
         assert angles[0] == pytest.approx(angles[1], rel=1e-4)
