@@ -13,7 +13,7 @@ from vibeam.casefile.read import parse
 from vibeam.exchange.curves.record import ReferenceCurve
 from vibeam.studies.fit.estimate import Minimum, minimise, settled
 from vibeam.studies.fit.explanation import explained
-from vibeam.studies.fit.flights import NotFollowed, OrbitModel
+from vibeam.studies.fit.flights import FlyingModel, NotFollowed, OrbitModel
 from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.orbits import OtherMotion, Shooting, differentiate
 from vibeam.studies.fit.problem import FOLLOWED, Problem
@@ -191,6 +191,38 @@ def test_intervals_of_a_linear_stop_hold_the_truth():
         least = [minimise(problem, found.x, found.chosen, {k: float(truth[k])})[1] for k in range(3)]
         inside += [each - found.misfit < LEVEL for each in least]
     assert (inside >= 16).all()
+
+
+def test_a_side_that_cannot_be_flown_leaves_the_derivatives_of_all_points(monkeypatch):
+    """Flights with a larger gap fail at one point: one side serves it, both do the other; neither side: told."""
+    case, _ = measured(rig(points=3), TRUTH)
+    problem = Problem.of(case)
+    found = settled(problem, problem.start, nearby=True)
+    orbits = [problem.trails.every[int(each) - FOLLOWED].at(found.x) for each in found.chosen[:2]]
+    differentiate(orbits)
+    usual, failing, fly = [each.by for each in orbits], [1], FlyingModel.over
+    gap = [each.key for each in problem.keys].index("stop.gap")
+
+    def over(self, omega, starts, periods):
+        read, after = fly(self, omega, starts, periods)
+        here = orbits[0].made.system.gap
+        if self.system.gap * failing[0] > here * failing[0] or (not failing[0] and self.system.gap != here):
+            fails = omega == orbits[1].shooting.omega
+            after[fails] = np.nan
+            read.amplitude[fails] = np.nan
+        return read, after
+
+    monkeypatch.setattr(FlyingModel, "over", over)
+    for failing[0] in (1, -1, 0):
+        again = [replace(each, by=None, state_by=None) for each in orbits]
+        differentiate(again)
+        assert again[0].by == pytest.approx(usual[0], rel=1e-12)
+        if failing[0]:
+            assert again[1].by == pytest.approx(usual[1], rel=1e-3)  # one-sided: to first order in 3e-5
+            assert again[1].differentiable
+        else:
+            assert np.isnan(again[1].by[gap])
+            assert not again[1].differentiable
 
 
 def test_signs_of_modes_are_no_matter():

@@ -5,11 +5,11 @@ tangent map and r(y, p) what is read off these periods, the motion y = P(y, p) a
 
     dy/dp = (1 − M)⁻¹ ∂P/∂p,    dr/dp = ∂r/∂y dy/dp + ∂r/∂p.
 
-∂P/∂p is a central difference of two flights from y with the model at moved keys; dr/dp is one of two readings there,
-from y moved by dy/dp. A motion is followed to other keys by Newton's method on P(y) = y from where its derivative
-leads; what that corrects must be less than what the derivative moved, else the way is halved, and where that does not
-help the motion is lost: its value goes on as its tangent does, so that a misfit has no jump, and it counts as none of
-the model.
+∂P/∂p is a central difference of two flights from y with the model at moved keys, or of one side where the other cannot
+be flown; dr/dp is one of two readings there, from y moved by dy/dp. A motion is followed to other keys by Newton's
+method on P(y) = y from where its derivative leads; what that corrects must be less than what the derivative moved, else
+the way is halved, and where that does not help the motion is lost: its value goes on as its tangent does, so that a
+misfit has no jump, and it counts as none of the model.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ class FollowedOrbit:
 
     ``period`` in drive periods, ``impacts`` in these, or touches of a stop that yields; ``rest``: share of the time at
     rest on a rigid one, ``resting``: at phase 0. ``tangent``: M in units of velocity. Derivatives of the state (P, 2n)
-    and of the value (P,) are None until they are asked for, NaN where a flight beside the motion fails.
+    and of the value (P,) are None until they are asked for, NaN where flights beside the motion fail on both sides.
     """
 
     shooting: Shooting
@@ -155,6 +155,12 @@ class FollowedOrbit:
     def stable(self) -> bool:
         """Test whether every multiplier is within the unit circle."""
         return bool(np.abs(np.linalg.eigvals(self.tangent)).max() <= STEADY)
+
+    @property
+    def differentiable(self) -> bool:
+        """Test whether its derivatives are known, computing them where they were not asked for yet."""
+        differentiate([self])
+        return self.by is not None and bool(np.isfinite(self.by).all())
 
     @property
     def called(self) -> str:
@@ -202,8 +208,13 @@ def _differentiate(orbits: list[FollowedOrbit]) -> None:
     closing = np.array([each.closing for each in orbits])
     by, state_by = np.zeros((len(orbits), len(x))), np.zeros((len(orbits), len(x), len(units)))
 
+    value = np.array([each.value for each in orbits])
+
     def flown(at: Array, starts: Array) -> tuple[Array, Array]:
-        made = model.at(at)
+        try:
+            made = model.at(at)
+        except ValueError:  # no such system on this side
+            return np.full_like(state, np.nan), np.full_like(value, np.nan)
         own = [made.state(row, each.resting) for row, each in zip(starts, orbits, strict=True)]
         found, after = made.over(omega, own, periods)
         return after, quantities(made, shootings, found, own, periods)
@@ -211,15 +222,22 @@ def _differentiate(orbits: list[FollowedOrbit]) -> None:
     for k in np.flatnonzero(model.forward.changed).tolist():
         ends = np.clip(x[k] + np.array([-STEP, STEP]), 0.0, 1.0)
         low, high = (np.where(np.arange(len(x)) == k, end, x) for end in ends)
-        try:
-            apart = (flown(high, state)[0] - flown(low, state)[0]) / (ends[1] - ends[0])
-            state_by[:, k] = (closing @ (apart * units)[..., None])[..., 0] / units
-            above, below = (flown(each, state + (each[k] - x[k]) * state_by[:, k])[1] for each in (high, low))
-            by[:, k] = (above - below) / (ends[1] - ends[0])
-        except ValueError:  # no such system on one side
-            by[:, k] = state_by[:, k] = np.nan
+        apart = _slope(ends - x[k], flown(low, state)[0], state, flown(high, state)[0])
+        state_by[:, k] = (closing @ (apart * units)[..., None])[..., 0] / units
+        known = np.array([bool(np.isfinite(row).all()) for row in state_by[:, k]])
+        starts = [state + (each[k] - x[k]) * np.where(known[:, None], state_by[:, k], 0.0) for each in (low, high)]
+        below, above = (flown(each, own)[1] for each, own in zip((low, high), starts, strict=True))
+        by[:, k] = np.where(known, _slope(ends - x[k], below, value, above), np.nan)
     for each, own, motion in zip(orbits, by, state_by, strict=True):
         each.by, each.state_by = own, motion
+
+
+def _slope(ends: Array, low: Array, here: Array, high: Array) -> Array:
+    """Difference quotient of rows (points, …): from both sides, from one where the other fails, NaN where both do."""
+    axes = tuple(range(1, low.ndim))
+    below, above = (np.asarray(np.isfinite(each).all(axis=axes, keepdims=True)) for each in (low, high))
+    width = np.where(above, ends[1], 0.0) - np.where(below, ends[0], 0.0)
+    return np.asarray((np.where(above, high, here) - np.where(below, low, here)) / np.where(width > 0, width, np.nan))
 
 
 def quantities(

@@ -21,7 +21,6 @@ import numpy as np
 
 from vibeam.studies.fit.estimate import Minimum, minimise
 from vibeam.studies.fit.explanation import actual, other_motions
-from vibeam.studies.fit.orbits import differentiate
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.surface import Forward
@@ -233,15 +232,14 @@ def _candidates(
 
 
 def _motions(problem: Problem, x: Array) -> Iterator[tuple[int, str, float, Array]]:
-    """Motions that the model of one group has: point, the motion in words, value and derivatives (P,)."""
+    """Motions that the model of one group has, with derivatives: point, the motion in words, value, derivatives."""
     (group,) = problem.groups
     if not problem.forward[group.fidelity].closed:
         for j, others in other_motions(problem, x, np.arange(len(group))).items():
             for number in {each.number for each in others if each.number is not None}:
                 orbit = problem.trails.every[number].at(x)
-                differentiate([orbit])
-                assert orbit.by is not None
-                yield j, orbit.called, orbit.value, orbit.by
+                if orbit.differentiable and orbit.by is not None:
+                    yield j, orbit.called, orbit.value, orbit.by
         return
     own = problem.about(x)
     allowed = actual(own, x, own.motions(x)[1])

@@ -134,15 +134,17 @@ class Trails:
                     yield number, trail.at(x)
 
     def exists(self, number: int, x: Array, unstable: bool) -> bool:
-        """Test whether the model has a motion at shares ``x`` that is stable; ``unstable``: or not."""
+        """Test whether the model has a motion at shares ``x``, with derivatives, stable; ``unstable``: or not."""
         with suppress(NotFollowed):
-            return self.every[number].at(x).stable or unstable
+            found = self.every[number].at(x)
+            return (found.stable or unstable) and found.differentiable
         return False
 
     def values(self, numbers: list[int], x: Array, omega: Array, slopes: bool = True) -> tuple[Array, Array]:
-        """Values (m,) of motions at shares ``x`` and drives (m,), and derivatives (P, m); as tangents go on where lost.
+        """Values (m,) of motions at shares ``x`` and drives (m,), derivatives (P, m); as tangents go on where lost.
 
-        Another drive than the point's own is one beside it. Derivatives are 0 without ``slopes``.
+        Another drive than the point's own is one beside it. Derivatives are 0 without ``slopes``, and where they are
+        not known: ``exists`` then says no.
         """
         trails = [self.every[each] for each in numbers]
         nearest = [trail.nearest(x) for trail in trails]

@@ -69,7 +69,7 @@ def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Itera
     lost = minimum.used & ~minimum.actual
     if lost.any():
         told = "the nearest motion is none that the model has at these keys (it has ended, exists at larger drives "
-        yield f"At {_where(problem, lost)} {told}only, passes through the stop, or is not stable)."
+        yield f"At {_where(problem, lost)} {told}only, passes through the stop, is not stable, or has no derivative)."
 
 
 def _verdict(minimum: Minimum, judgement: Judgement) -> str:
