@@ -15,11 +15,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from vibeam.periodic.bifurcation_functions import Kind
+from vibeam.periodic.boundaries import JUMP
 from vibeam.periodic.continuation import BranchPoint, BranchSection
 from vibeam.periodic.grazing import Approach, GrazingMotion, apart, approaches, together, weakest_impacts
 from vibeam_models.arrays import Array
 
-JUMP = 1e-4  # a sign change whose value stays above this share of its neighbours' is a jump or a pole, no root
 CIRCLE = 1e-6  # distance of a pair of multipliers from the unit circle within which it is on it
 PAIRED = 1e-9  # imaginary share below which a multiplier counts as real
 FAR, AHEAD = 0.1, 4.0  # share of the motion's size, or steps, within which a grazing motion must lie

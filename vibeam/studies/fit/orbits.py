@@ -34,13 +34,13 @@ STEADY = 1 + 1e-9  # modulus of a multiplier up to which a motion is stable
 SAMPLES = 8192  # a period, of what is filtered: an impact's kink reaches high harmonics
 
 
-@dataclass(frozen=True)
-class OtherMotion:
-    """Motion that a flight settles on: ``period`` drive periods until it repeats (0: not within 16), its ``impacts``.
+@dataclass
+class MotionKind:
+    """Motion at a measured point: ``period`` drive periods until it repeats (0: not within 16), its ``impacts``.
 
-    ``rest``: share of the time at rest on a rigid stop; ``resting``: at the drive's phase 0.
-    ``value``: of the reference's quantity, SI; NaN where it is not comparable. ``cost``: squared residual of the
-    measured point. ``number``: of the motion as it is followed, where it can be.
+    ``impacts``, or touches of a stop that yields, are those of the whole ``period``. ``rest``: share of the time at
+    rest on a rigid stop; ``resting``: at the drive's phase 0. ``value``: of the reference's quantity, SI; NaN where it
+    is not comparable.
     """
 
     period: int
@@ -48,24 +48,28 @@ class OtherMotion:
     rest: float
     resting: bool
     value: float
-    cost: float
-    number: int | None = None
 
     @property
     def called(self) -> str:
         """The motion in words."""
-        return called(self.period, self.impacts, self.rest)
+        if self.rest > 0:
+            return "a rest on the stop in every period"
+        if self.period == 0:
+            return "no repeat within 16 periods"
+        if not self.impacts:
+            return "no contact"
+        return f"{counted(self.impacts, 'impact')} {'a period' if self.period == 1 else f'in {self.period} periods'}"
 
 
-def called(period: int, impacts: int, rest: float) -> str:
-    """Motion in words."""
-    if rest > 0:
-        return "a rest on the stop in every period"
-    if period == 0:
-        return "no repeat within 16 periods"
-    if not impacts:
-        return "no contact"
-    return f"{counted(impacts, 'impact')} {'a period' if period == 1 else f'in {period} periods'}"
+@dataclass
+class OtherMotion(MotionKind):
+    """Motion that a flight settles on, outside the family.
+
+    ``cost``: squared residual of the measured point; ``number``: of the motion as it is followed, where it can be.
+    """
+
+    cost: float
+    number: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +86,7 @@ class Shooting:
         """Drive frequency, rad/s."""
         return float(self.points.omega[self.place])
 
-    def orbit(self, x: Array, start: Array, like: FollowedOrbit | OtherMotion) -> FollowedOrbit:
+    def orbit(self, x: Array, start: Array, like: MotionKind) -> FollowedOrbit:
         """Periodic motion at shares ``x`` that Newton's method finds from a state; NotFollowed without.
 
         It has the periods of the motion ``like``, and rests where that does.
@@ -108,35 +112,29 @@ class Shooting:
             raise NotFollowed(Ended.of_code(int(found.ended[0])).value)
         value = float(quantities(made, [self], found, [start], periods)[0])
         impacts = round(float(found.impacts_per_period[0]) * periods)
-        return FollowedOrbit(self, x, state, periods, impacts, made.rest(found)[0], resting, value, tangent)
+        return FollowedOrbit(periods, impacts, made.rest(found)[0], resting, value, self, x, state, tangent)
 
     def further(self, near: FollowedOrbit, x: Array) -> FollowedOrbit:
         """The motion at shares ``x`` from where its derivative leads; NotFollowed where Newton's method leaves it."""
         return self.orbit(x, near.predicted(x), near).beside(near.predicted(x), near)
 
-    def settled(self, x: Array, state: State, like: OtherMotion) -> FollowedOrbit:
+    def settled(self, x: Array, state: State, like: MotionKind) -> FollowedOrbit:
         """Periodic motion that a flight has settled on, or nearly; NotFollowed where there is none so near."""
         start = self.model.at(x).row(state)
         return self.orbit(x, start, like).beside(start)
 
 
 @dataclass(eq=False)
-class FollowedOrbit:
-    """Periodic motion at shares ``x`` of the keys: modal state (2n,) at the drive's phase 0, its ``value``, SI.
+class FollowedOrbit(MotionKind):
+    """Periodic motion at shares ``x`` of the keys: modal state (2n,) at the drive's phase 0.
 
-    ``period`` in drive periods, ``impacts`` in these, or touches of a stop that yields; ``rest``: share of the time at
-    rest on a rigid one, ``resting``: at phase 0. ``tangent``: M in units of velocity. Derivatives of the state (P, 2n)
-    and of the value (P,) are None until they are asked for, NaN where flights beside the motion fail on both sides.
+    ``tangent``: M in units of velocity. Derivatives of the state (P, 2n) and of the value (P,) are None until they are
+    asked for, NaN where flights beside the motion fail on both sides.
     """
 
     shooting: Shooting
     x: Array
     state: Array
-    period: int
-    impacts: int
-    rest: float
-    resting: bool
-    value: float
     tangent: Array = field(repr=False)
     state_by: Array | None = field(default=None, repr=False)
     by: Array | None = field(default=None, repr=False)
@@ -161,11 +159,6 @@ class FollowedOrbit:
         """Test whether its derivatives are known, computing them where they were not asked for yet."""
         differentiate([self])
         return self.by is not None and bool(np.isfinite(self.by).all())
-
-    @property
-    def called(self) -> str:
-        """The motion in words."""
-        return called(self.period, self.impacts, self.rest)
 
     def apart(self, state: Array) -> float:
         """Distance of a state (2n,), as a share of the motion's size."""
