@@ -121,7 +121,7 @@ def _verdict(group: PhysicsGroup, accuracy: float, modes: bool) -> str:
         top = f"{finest.fidelity}, the finest, is {_from_limit(group)}"
         beside = "; ".join(_missed(group.others, 0.0))
         return f"No fidelity is known to be within {within}: {top}; beside it {beside}."
-    unknown = f"how far {finest.fidelity} itself is off is not known{_reason(group)}"
+    unknown = _from_full(group)
     if not enough and not known:
         return f"No other fidelity is known to be within {within} of {finest.fidelity}, and {unknown}{misses}."
     if not enough:
@@ -158,6 +158,16 @@ def _from_limit(group: PhysicsGroup) -> str:
     side = "above" if group.own > 0 else "below"
     peak = group.compared is not None and isfinite(group.compared.limit.held.peak)
     return f"{_size(group.own)} {f'{side} its own limit at the peak' if peak else 'rms off its own limit'}"
+
+
+def _from_full(group: PhysicsGroup) -> str:
+    """Clause on the finest whose limit is not known: its largest error against the full model, where that is known."""
+    name = group.finest.fidelity
+    found = group.estimates.get(name)
+    if found is None or not isfinite(found.worst) or not found.total:
+        return f"how far {name} itself is off is not known{_reason(group)}"
+    where = f"known at {found.points} of {found.total} points with impacts"
+    return f"{name} itself is up to {_size(found.worst)} off the full model of {found.modes} modes ({where})"
 
 
 def _reason(group: PhysicsGroup) -> str:

@@ -10,6 +10,7 @@ from stand_in import curve, one_mode
 
 from vibeam.casefile.read import parse
 from vibeam.report.run_answer import run_answer
+from vibeam.runs.estimate.records import Basis, ErrorEstimate, FidelityEstimate
 from vibeam.runs.result import Result
 from vibeam.system.response import Branches
 
@@ -99,3 +100,17 @@ def test_one_fidelity_alone_says_what_is_known_of_it(solver: str, said: str) -> 
     found = run_answer(Result(case, {"ours": Branches(curve(GRID, TOP))}))
     assert found.startswith(f"ours (1 mode) is {said}")
     assert "; its peak is 4 at " in found
+
+
+def test_a_finest_without_limit_is_held_against_the_full_model_where_its_error_is_known() -> None:
+    """0.2 % at one of five points; an error that is known at fewer than half of them is not the curve's."""
+    case = parse(one_mode(str(GRID.tolist()), 1, 1, "[fidelity.ours]", "", "[fidelity.theirs]", 'solver = "mapping"'))
+    parts = {"ours": Branches(curve(GRID, 0.98 * TOP)), "theirs": Branches(curve(GRID, TOP, modes=2))}
+    whole = "theirs itself is up to 0.2 % off the full model of 9 modes (known at 5 of 5 points with impacts)."
+    for known, said in ((5, whole), (2, UNKNOWN[2:])):
+        basis = np.where(np.arange(5) < known, Basis.ORBIT.code, Basis.ANOTHER.code)
+        error = np.where(np.arange(5) < known, [0.002, 0, 0, 0, 0], np.nan)
+        result = Result(case, parts)
+        found = ErrorEstimate(GRID, *(error,) * 6, correction=np.zeros(5), basis=basis)
+        result.estimates["theirs"] = FidelityEstimate(9, {"up": found})
+        assert f"within 5 % of theirs; {said}" in run_answer(result)
