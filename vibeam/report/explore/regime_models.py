@@ -27,7 +27,7 @@ SHARES = ("constants", "held", "signals")
 def regimes_refusal(system: ImpactSystem, output: str) -> str:
     """Reason why the page cannot fly a system by regimes, a sentence; empty where it can."""
     if system.further is not None:
-        return "It has contacts in several places, which are flown in Python: the page cannot. Take vibeam run."
+        return "It has contacts in several places, whose kernels the page does not carry. Take vibeam run."
     wanted = system.derivative(output)
     if wanted is not None and system.contact_law.integrated:
         return f"The {wanted.called} in a contact that is integrated is not read: take a displacement as sweep.output."
