@@ -62,7 +62,8 @@ class Sums(NamedTuple):
 def fault(system: ImpactSystem) -> str:
     """Reason why the system has no periodic motion with impacts at any drive; empty where it may."""
     if system.beyond_plain:
-        return f"closed-form orbits cannot take {' or '.join(system.beyond_plain)}: simulate or sweep instead"
+        what = " or ".join(system.beyond_plain)
+        return f"closed-form orbits cannot take {what}: vibeam.orbits finds its motions, vibeam.follow follows them"
     free = (system.omega == 0) & ((system.contact != 0) | (system.static != 0))
     if not free.any():
         return ""
