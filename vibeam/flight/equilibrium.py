@@ -19,7 +19,6 @@ from vibeam_models.arrays import Array, Flags
 if TYPE_CHECKING:
     from vibeam_models.laws.mechanics import Spring, StopLaw
 
-NOISE = 16 * 2.220446049250313e-16  # share of the parts of a sum below which it is their round-off
 #: rate of a mode without stiffness, as a share of the slowest other one, where the least energy is asked for
 SOFT = 1e-3
 LOST = 1e-14  # share of the gap by which the contact may miss the stop that it rests on
@@ -99,22 +98,6 @@ class Contacts:
     def clearances(self, displacement: Array) -> tuple[Array, Array]:
         """Gap of every contact (k,), and the sum of the sizes of its parts."""
         return self.gaps - self.rows @ displacement, np.abs(self.gaps) + np.abs(self.rows) @ np.abs(displacement)
-
-    def approaches(self, velocity: Array) -> Array:
-        """Velocity toward every stop (k,); 0 where it is the round-off of its parts."""
-        found = self.rows @ velocity
-        return np.where(np.abs(found) > NOISE * (np.abs(self.rows) @ np.abs(velocity)), found, 0.0)
-
-    def put(self, displacement: Array, touched: list[int]) -> Array:
-        """The displacement with the contacts ``touched`` exactly at their stops, moved there with the least energy."""
-        if len(touched) == 1:  # far quicker than by a pseudo-inverse
-            row = self.rows[touched[0]]
-            give = row * self.yields
-            return np.asarray(displacement - give * ((row @ displacement - self.gaps[touched[0]]) / (give @ row)))
-        rows = self.rows[touched]
-        soft = rows * self.yields
-        beyond = rows @ displacement - self.gaps[touched]
-        return np.asarray(displacement - soft.T @ (np.linalg.pinv(soft @ rows.T, hermitian=True) @ beyond))
 
 
 def one_sided(rows: Array, vector: Array) -> Array:

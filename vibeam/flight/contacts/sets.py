@@ -185,11 +185,6 @@ class ContactSets:
         weights, constant, load = (weights, 0.0, 0.0) if order == 1 else signal_rate(engine.blocks[slot], weights)
         return np.append(weights, [constant, load])
 
-    def slot(self, key: int) -> int:
-        """Slot of the set with that key, which is made where it is not there."""
-        self.make(key)
-        return self._made[key]
-
     def _grow(self) -> None:
         room = len(self.engine.sets)
         more = {}
