@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -125,7 +124,8 @@ def together(found: list[Approach]) -> Iterator[list[Approach]]:
 def apart(windows: list[Window]) -> list[Window]:
     """The windows in order, cut half way between touches where they overlap."""
     ordered = sorted(windows, key=lambda each: each.touch)
-    for k, (one, other) in enumerate(pairwise(ordered)):
+    for k in range(len(ordered) - 1):
+        one, other = ordered[k : k + 2]
         if one.end > other.begin:
             middle = (one.touch + other.touch) / 2
             width = CUT * (other.touch - one.touch)

@@ -12,6 +12,7 @@ import pytest
 import vibeam
 from tests.independent import cavity
 from vibeam import Kind
+from vibeam.periodic.grazing import Window, apart
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 COCO = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, gap=1.0, restitution=0.8)
@@ -243,6 +244,13 @@ def test_a_stop_that_yields_is_touched_and_left_on_one_branch() -> None:
     (met,) = [each for each in branch.boundaries if each.kind is Kind.TOUCHING]
     assert met.value == pytest.approx(1 / response, rel=1e-12)
     assert len(branch.orbits[-1].times) == 1
+
+
+def test_windows_of_three_touches_are_cut_apart() -> None:
+    """The middle one on both sides: half way to its neighbours, less a twentieth of the way."""
+    cut = apart([Window(0.0, 6.0, 0, 3.0), Window(1.0, 9.0, 1, 5.0), Window(0.5, 4.0, 0, 1.0)])
+    assert [each.touch for each in cut] == [1.0, 3.0, 5.0]
+    assert [(each.begin, each.end) for each in cut] == [(0.5, 1.9), (2.1, 3.9), (4.1, 9.0)]
 
 
 def test_what_makes_no_branch_is_refused_in_words() -> None:
