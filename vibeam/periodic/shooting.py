@@ -86,7 +86,7 @@ def _newton(section: StroboscopicMap, state: State, periods: int) -> _Fixed:
     corrections: list[float] = []
     for _ in range(NEWTON):
         size = max(section.size(flown), np.finfo(float).tiny)
-        matrix = section.jacobian(state, periods, flown)
+        matrix = _jacobian(section, state, periods, flown, corrections)
         solve = _Solve(matrix)
         apart = _apart(section, state, flown)
         step = solve(apart)
@@ -105,6 +105,18 @@ def _newton(section: StroboscopicMap, state: State, periods: int) -> _Fixed:
             raise NoOrbit(Reason.FOLD if fold else Reason.DIVERGED, "", tuple(corrections))
         state, flown = taken
     raise NoOrbit(Reason.DIVERGED, f"after {NEWTON} steps", tuple(corrections))
+
+
+def _jacobian(
+    section: StroboscopicMap, state: State, periods: int, flown: Flown, corrections: list[float]
+) -> Array:  # fmt: skip
+    try:
+        matrix = section.jacobian(state, periods, flown)
+    except MotionEnded as end:  # of one beside it, where the map is differenced
+        raise NoOrbit(Reason.ENDED, str(end), tuple(corrections)) from None
+    if not np.isfinite(matrix).all():
+        raise NoOrbit(Reason.DIVERGED, "the map has no derivative: a touch without velocity", tuple(corrections))
+    return matrix
 
 
 def _singular(section: StroboscopicMap, periods: int) -> float:

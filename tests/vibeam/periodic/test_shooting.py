@@ -16,7 +16,7 @@ from vibeam.periodic.lift import lifted
 from vibeam.periodic.motions import closed_motions
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.shooting import NoOrbit, Reason, shoot
-from vibeam.periodic.stroboscopic import StroboscopicMap
+from vibeam.periodic.stroboscopic import MotionEnded, StroboscopicMap
 from vibeam.solvers.harmonic_point import steady_point
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
@@ -86,6 +86,19 @@ def test_reasons_where_there_is_no_such_motion() -> None:
     assert reason(thrown, orbit.drive, vibeam.State([0.0], [0.0])) is Reason.DRIFTS
     resonant = vibeam.ImpactSystem.from_modes(2.0, 0.0, 1.0, 1.0, gap=1e6)
     assert reason(resonant, orbit.drive, vibeam.State([0.0], [0.0])) is Reason.DRIFTS
+
+
+def test_a_map_without_derivative_is_a_reason_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A touch without velocity makes it infinite; where it is differenced a flight beside the motion may end."""
+    orbit = next(each for each in vibeam.orbits(COCO, vibeam.Drive(2.0, 1.0)) if each.admissible)
+
+    def ended(*_: object) -> None:
+        raise MotionEnded("the motion ended: beside it")
+
+    monkeypatch.setattr(StroboscopicMap, "jacobian", lambda *_: np.full((2, 2), np.inf))
+    assert reason(COCO, orbit.drive, orbit.state, time=orbit.time) is Reason.DIVERGED
+    monkeypatch.setattr(StroboscopicMap, "jacobian", ended)
+    assert reason(COCO, orbit.drive, orbit.state, time=orbit.time) is Reason.ENDED
 
 
 @pytest.mark.parametrize("modes", [1, 2])
