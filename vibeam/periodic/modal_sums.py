@@ -60,7 +60,7 @@ class Sums(NamedTuple):
 
 
 def fault(system: ImpactSystem) -> str:
-    """Reason why the system has no periodic motion with impacts at any drive; empty where it may."""
+    """Reason why the system has no closed-form motion with impacts at any drive; empty where it may."""
     if system.beyond_plain:
         what = " or ".join(system.beyond_plain)
         return f"closed-form orbits cannot take {what}: vibeam.orbits finds its motions, vibeam.follow follows them"
