@@ -213,7 +213,7 @@ def equilibrium_with_law(system: ImpactSystem) -> State:
 def equilibrium_on_contacts(system: ImpactSystem) -> State:
     """The static equilibrium among several contacts: the least energy that the stops allow.
 
-    ValueError where no displacement is at peace with all of them. A mode without stiffness starts at zero, or where the
+    ValueError where every displacement is beyond one of them. A mode without stiffness starts at zero, or where the
     stops push it.
     """
     contacts, free = Contacts.of(system), without_stop(system)

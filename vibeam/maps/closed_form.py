@@ -159,7 +159,7 @@ def _doubled(line: _Line, setting: Setting, motions: Sequence[Orbit | None]) -> 
         to, behind = (high, low) if value < high else (low, high)
         try:
             branch = follow(first, setting, to, value=value, behind=behind, step=STEP)
-        except ValueError:  # it begins on the brink of a grazing
+        except ValueError:  # it begins too close to grazing to be followed
             continue
         for each in _tree(branch, first.periods, SAME * (high - low), known):
             strobes = np.array([_strobes(orbit, line.output) for orbit in each.orbits])
@@ -175,7 +175,7 @@ def _tree(branch: Branch, periods: int, near: float, known: list[tuple[int, floa
         known.append((periods, met.value))
         try:
             doubled = branch.switch(met)
-        except ValueError:  # it ends, at an impact that grazes, as good as where it begins
+        except ValueError:  # it ends at a grazing too close to where it begins
             continue
         if doubled.end is BranchEnd.BIRTH:
             known.append((periods, doubled.boundaries[-1].value))

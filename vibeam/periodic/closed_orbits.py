@@ -65,11 +65,11 @@ class AdmissibilityCheck:
 
 
 def closed_orbits(
-    system: ImpactSystem, drive: Drive, periods: int = 1, witness: AdmissibilityCheck | None = None
+    system: ImpactSystem, drive: Drive, periods: int = 1, check: AdmissibilityCheck | None = None
 ) -> tuple[Orbit, ...]:
     """Find all motions with one impact per ``periods`` drive periods, harder impact first: none, one or two.
 
-    Exact for any number of modes of any damping, with static forces; not admissible ones are among them. ``witness``:
+    Exact for any number of modes of any damping, with static forces; not admissible ones are among them. ``check``:
     a flight solver for the certificate, to be reused for many drives. Empty where the impact equations have no real
     root that pushes away from the stop (also without a drive). ValueError for an undamped mode at a resonance (driven
     at its own frequency, or a whole number of its turns in the span, so that impacts make it grow), and for modes
@@ -83,7 +83,7 @@ def closed_orbits(
         return ()
     total = sums(system, omega, periods)
     found = balance(system, total, drive.amplitude, system.gap)
-    own = AdmissibilityCheck(system, drive.omega) if witness is None else witness
+    own = AdmissibilityCheck(system, drive.omega) if check is None else check
     return tuple(
         _orbit(own, drive, int(periods), total, found, k)
         for k in (0, 1)
@@ -91,13 +91,13 @@ def closed_orbits(
     )
 
 
-def _orbit(witness: AdmissibilityCheck, drive: Drive, periods: int, total: Sums, found: Roots, k: int) -> Orbit:
+def _orbit(check: AdmissibilityCheck, drive: Drive, periods: int, total: Sums, found: Roots, k: int) -> Orbit:
     phase, impulse, velocity = (float(row[0, k]) for row in (found.phase, found.impulse, found.velocity))
-    system, time = witness.system, phase / drive.omega
+    system, time = check.system, phase / drive.omega
     state = state_after(system, drive, periods, phase, impulse)
     values = multipliers(system, total.span, found.relative_acceleration[:, k])[0]
-    admissible = witness.admits(drive, state, time, periods, velocity)
+    admissible = check.admits(drive, state, time, periods, velocity)
     return Orbit(
         system, drive, periods, time, state, np.array([time]), np.array([velocity]), np.zeros(1, dtype=np.int64), 0,
-        bool(abs(values[0]) < 1), admissible, 0.0, (), partial(np.array, values), witness.flight,
+        bool(abs(values[0]) < 1), admissible, 0.0, (), partial(np.array, values), check.flight,
     )  # fmt: skip

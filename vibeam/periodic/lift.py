@@ -78,7 +78,8 @@ def _response(system: ImpactSystem, drive: Drive, span: float, load: Load, time:
     after, pushed = np.mod(time - load.times, span), load.impulses[:, None] * Contacts.of(system).rows[load.contacts]
     after[after == 0] = span
     respond = _by_modes if system.coupling is None else _by_eigenvectors
-    return respond(system, drive, span, after, pushed, time)
+    with np.errstate(divide="ignore", invalid="ignore"):  # at a resonance of an undamped mode: not finite
+        return respond(system, drive, span, after, pushed, time)
 
 
 def _by_modes(system: ImpactSystem, drive: Drive, span: float, after: Array, pushed: Array, time: float) -> Array:

@@ -48,8 +48,8 @@ def orbits(
     Newton's method leads to none. Under several harmonics states given are those of ``plain``, orbits found are those
     of their ``system`` (``SeveralHarmonics.leave``).
 
-    ValueError for an undamped mode at a resonance, for modes without stiffness that no static force brings back to
-    the stop, and for another ``drive`` than that of several harmonics.
+    ValueError of a plain system for an undamped mode at a resonance and for modes without stiffness that no static
+    force brings back to the stop; for another ``drive`` than that of several harmonics.
 
     >>> import vibeam
     >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)

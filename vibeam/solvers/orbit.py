@@ -30,7 +30,7 @@ class OrbitSolver(SteadySolver):
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, periods: int = 1) -> None:
         checked(system, slowest, periods)
-        self.system, self.periods, self.witness = system, int(periods), AdmissibilityCheck(system, slowest)
+        self.system, self.periods, self.check = system, int(periods), AdmissibilityCheck(system, slowest)
 
     def begin(self, state: State | None) -> State:
         """As ``SteadySolver.begin``."""
@@ -59,18 +59,18 @@ class OrbitSolver(SteadySolver):
                 found.velocity[at], found.reach[at] = orbit.velocity, orbit.reach
                 found.stable[at], found.admissible[at] = orbit.stable, orbit.admissible
                 if orbit.admissible:
-                    window, _ = self.witness.watched(orbit.drive, orbit.state, orbit.time, self.periods, output)
+                    window, _ = self.check.watched(orbit.drive, orbit.state, orbit.time, self.periods, output)
                     found.amplitude[at] = window.amplitude[0]
         return found
 
     def _point(self, drive: Drive, hold: int, output: str) -> tuple[FrequencyResponse, State]:
         orbit = self._orbit(drive)
         if orbit is not None:
-            window, last = self.witness.watched(drive, orbit.state, orbit.time, self.periods, output)
+            window, last = self.check.watched(drive, orbit.state, orbit.time, self.periods, output)
             return _with_one_impact(window, orbit, hold), last
         linear = self._linear(drive)
         if linear is not None:
-            return self.witness.watched(drive, linear, 0.0, 1, output)
+            return self.check.watched(drive, linear, 0.0, 1, output)
         blank = FrequencyResponse.empty(np.array([drive.omega / (2 * np.pi)]), self.system.size)
         return replace(blank, ended=np.array([Ended.NO_ORBIT.code])), equilibrium(self.system)
 
@@ -82,7 +82,7 @@ class OrbitSolver(SteadySolver):
         """All motions, harder impact first; none at the resonance of an undamped mode."""
         if resonant(self.system, drive.omega, self.periods):
             return ()
-        return closed_orbits(self.system, drive, self.periods, self.witness)
+        return closed_orbits(self.system, drive, self.periods, self.check)
 
     def _linear(self, drive: Drive) -> State | None:
         """Motion under the drive alone at its phase 0, where it exists and never reaches the stop."""
