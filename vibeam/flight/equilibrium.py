@@ -95,9 +95,9 @@ class Contacts:
         loose = SOFT * slowest if np.isfinite(slowest) else 1.0
         return np.asarray(np.where(omega > 0, omega, loose) ** -2.0)
 
-    def clearances(self, displacement: Array) -> tuple[Array, Array]:
-        """Gap of every contact (k,), and the sum of the sizes of its parts."""
-        return self.gaps - self.rows @ displacement, np.abs(self.gaps) + np.abs(self.rows) @ np.abs(displacement)
+    def clearances(self, displacement: Array) -> Array:
+        """Gap of every contact (k,), m."""
+        return np.asarray(self.gaps - self.rows @ displacement)
 
 
 def one_sided(rows: Array, vector: Array) -> Array:

@@ -75,7 +75,7 @@ def _pressed(path: Trajectory) -> bool:
     """True where it stands within the range of a stop that yields."""
     from vibeam.flight.equilibrium import Contacts
 
-    return bool(np.any(Contacts.of(path.system).clearances(path.state.displacement)[0] < 0))
+    return bool(np.any(Contacts.of(path.system).clearances(path.state.displacement) < 0))
 
 
 def _still(path: Trajectory) -> bool:
