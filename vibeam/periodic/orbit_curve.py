@@ -30,8 +30,6 @@ class OrbitCurve(ValueRecord):
     phase: Array  #: drive phase Ωt at the impact, 0 … 2π
     velocity: Array  #: before the impact, toward the stop, m/s
     stable: NDArray[np.bool_]  #: all 2n Floquet multipliers within the unit circle; False where there is no motion
-    beyond_plus: Array  #: D(1): negative proves a multiplier > 1
-    beyond_minus: Array  #: D(−1): negative proves a multiplier < −1
 
 
 def checked(system: ImpactSystem, omega: ArrayLike, periods: int) -> Array:
@@ -66,16 +64,8 @@ def orbit_curve(system: ImpactSystem, omega: ArrayLike, amplitude: float, period
     total = sums(system, grid, periods)
     found = balance(system, total, amplitude, system.gap)
     real = found.impulse < 0
-    beyond = [
-        np.stack([real_crossing(system, part, found.relative_acceleration[:, k]) for k in (0, 1)], axis=1)
-        for part in (total.plus, total.minus)
-    ]
-    impulse, phase, velocity, plus, minus = (
-        np.where(real, row, np.nan) for row in (found.impulse, found.phase, found.velocity, *beyond)
-    )
-    return OrbitCurve(
-        grid, int(periods), impulse, phase, velocity, stability(system, total, found, real), plus, minus
-    )  # fmt: skip
+    impulse, phase, velocity = (np.where(real, row, np.nan) for row in (found.impulse, found.phase, found.velocity))
+    return OrbitCurve(grid, int(periods), impulse, phase, velocity, stability(system, total, found, real))
 
 
 def stability(system: ImpactSystem, total: Sums, found: Roots, asked: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -14,7 +14,7 @@ import vibeam
 from vibeam.flight.linear.propagator import pair, pairs, propagators
 from vibeam.periodic.closed_orbits import AdmissibilityCheck
 from vibeam.periodic.modal_sums import balance, sums
-from vibeam.periodic.multipliers import largest, monodromy, multipliers
+from vibeam.periodic.multipliers import largest, monodromy, multipliers, real_crossing
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import orbit_curve
 from vibeam.periodic.orbit_search import orbits
@@ -339,25 +339,35 @@ def test_the_harder_impact_comes_first_without_a_gap_too(omega: float, gap: floa
     assert np.isfinite(curve.velocity[0]).tolist() == [True, False]
 
 
+def determinants(system: ImpactSystem, omega: np.ndarray, amplitude: float) -> tuple[np.ndarray, np.ndarray]:
+    """D(1) and D(−1) of both roots (points, 2)."""
+    total = sums(system, omega, 1)
+    lean = balance(system, total, amplitude, system.gap).relative_acceleration
+    plus, minus = (
+        np.stack([real_crossing(system, part, lean[:, k]) for k in (0, 1)], axis=1)
+        for part in (total.plus, total.minus)
+    )
+    return plus, minus
+
+
 def test_determinants_agree_with_multipliers() -> None:
     """D(±1) Π det(±1 − P_i) is the characteristic polynomial at ±1."""
     for seed in range(8):
         system = beam_like(4, seed)
-        curve = orbit_curve(system, [1.7], 0.5)
+        curve, found = orbit_curve(system, [1.7], 0.5), determinants(system, np.array([1.7]), 0.5)
         for orbit in orbits(system, Drive(1.7, 0.5)):
             k = int(np.nanargmin(np.abs(curve.impulse[0] - orbit.impulse)))
             flown_ = propagators(system.omega, system.zeta, np.array([orbit.span]))
             plus = (1 - orbit.multipliers).prod().real / flown_.closing.prod()
             minus = (-1 - orbit.multipliers).prod().real / flown_.opening.prod()
-            assert curve.beyond_plus[0, k] == pytest.approx(plus, rel=1e-8)
-            assert curve.beyond_minus[0, k] == pytest.approx(minus, rel=1e-8)
+            assert [each[0, k] for each in found] == pytest.approx([plus, minus], rel=1e-8)
 
 
 def test_of_two_motions_one_is_always_proved_unstable() -> None:
-    curve = orbit_curve(replace(COCO, zeta=np.array([0.02])), np.linspace(0.9, 1.3, 400), 0.06)
-    both = np.isfinite(curve.impulse).all(axis=1)
+    system, omega = replace(COCO, zeta=np.array([0.02])), np.linspace(0.9, 1.3, 400)
+    both = np.isfinite(orbit_curve(system, omega, 0.06).impulse).all(axis=1)
     assert both.sum() > 20
-    assert np.all((curve.beyond_plus[both] < 0).sum(axis=1) == 1)
+    assert np.all((determinants(system, omega, 0.06)[0][both] < 0).sum(axis=1) == 1)
 
 
 def test_ten_thousand_points_of_eight_modes() -> None:
