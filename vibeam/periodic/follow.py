@@ -28,6 +28,12 @@ class BranchBoundary(ValueRecord):
     """Boundary met on a branch, where the motion changes its stability, its events, or ends.
 
     ``multipliers`` (2n,), largest first, are empty where an impact has no velocity: they are infinite.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5)
+    >>> [met] = vibeam.follow(vibeam.orbits(system, vibeam.Drive(2.0, 0.1))[0], "omega", 3.0).boundaries
+    >>> met.kind.name, bool(min(abs(met.multipliers + 1)) < 1e-9), met.orbit.periods
+    ('DOUBLING', True, 1)
     """
 
     kind: Kind

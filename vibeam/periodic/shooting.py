@@ -44,7 +44,16 @@ class Reason(Enum):
 
 
 class NoOrbit(ValueError):
-    """Refusal of shooting, with its ``reason`` and Newton's ``corrections`` so far, as shares of the motion's size."""
+    """Refusal of shooting, with its ``reason`` and Newton's ``corrections`` so far, as shares of the motion's size.
+
+    >>> import vibeam
+    >>> system, drive = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, restitution=0.5), vibeam.Drive(2.0, 0.1)
+    >>> try:
+    ...     vibeam.orbits(system, drive, 2, start=vibeam.orbits(system, drive)[0].state)
+    ... except vibeam.NoOrbit as refused:
+    ...     refused.reason.name, len(refused.corrections) > 0
+    ('SHORTER', True)
+    """
 
     def __init__(self, reason: Reason, more: str = "", corrections: tuple[float, ...] = ()) -> None:
         super().__init__(f"no periodic motion: {reason.value}{f' ({more})' if more else ''}")
