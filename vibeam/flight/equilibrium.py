@@ -28,6 +28,7 @@ IMPOSSIBLE = 1e-12  # residual of least distance programming that is none
 NEAR = 1e-9  # share of the largest penetration within which a contact counts as at its stop
 ROUNDS = 200  # of Newton's method
 SETTLED = 1e-15  # share of the displacement by which its last step may still move it
+ROUGHLY = 1e-6  # share above which that is no round-off
 STEP = 1e-4  # share of a penetration over which its stiffness is taken
 STRONG = 1e6  # drive over start beyond which the size of the motion is that of the start
 
@@ -213,8 +214,8 @@ def equilibrium_with_law(system: ImpactSystem) -> State:
 def equilibrium_on_contacts(system: ImpactSystem) -> State:
     """The static equilibrium among several contacts: the least energy that the stops allow.
 
-    ValueError where every displacement is beyond one of them. A mode without stiffness starts at zero, or where the
-    stops push it.
+    ValueError where every displacement is beyond one of them, or Newton's method finds none. A mode without stiffness
+    starts at zero, or where the stops push it.
     """
     contacts, free = Contacts.of(system), without_stop(system)
     soft = [j for j, law in enumerate(contacts.laws) if law.yields]
@@ -229,8 +230,12 @@ def equilibrium_on_contacts(system: ImpactSystem) -> State:
         half = np.linalg.inv(np.linalg.cholesky(stiffness)).T
         before = found
         found, resting = _on_rigid(contacts, rigid, half @ (half.T @ pull), half)
-        if np.max(np.abs(found - before)) <= SETTLED * np.max(np.abs(found)):
+        change, size = np.max(np.abs(found - before)), np.max(np.abs(found))
+        if change <= SETTLED * size:
             break
+    else:
+        if soft and change > ROUGHLY * size:
+            raise ValueError("contacts: Newton's method finds no static equilibrium among the stops that yield")
     return State(found, np.zeros(system.size), resting=resting)
 
 

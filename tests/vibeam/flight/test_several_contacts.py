@@ -14,7 +14,8 @@ from contact_loop import Rig
 
 import vibeam
 from vibeam.flight.contacts.solver import ContactsSolver
-from vibeam_models.laws.compliant import LinearStop
+from vibeam.flight.equilibrium import equilibrium_on_contacts
+from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import ViscousRestitution
 
 PLAIN: dict[str, Any] = {
@@ -398,6 +399,16 @@ def soft_and_hard(
             continue
         t, y = t + h, after
     return hits, y
+
+
+def test_an_equilibrium_that_is_not_found_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two of Hertz's stops, pressed: one step of Newton's method is not enough, all of them are."""
+    further = [vibeam.Contact([1.0, 0.3, -0.5], 2e-4, law=HuntCrossley(1e8))]
+    pressed = replace(made(further), law=HuntCrossley(1e9, 0.1), static=np.array([30.0, -20.0, 10.0]))
+    assert np.isfinite(equilibrium_on_contacts(pressed).displacement).all()
+    monkeypatch.setattr("vibeam.flight.equilibrium.ROUNDS", 1)
+    with pytest.raises(ValueError, match="no static equilibrium among the stops that yield"):
+        equilibrium_on_contacts(pressed)
 
 
 def test_equilibrium_leans_on_a_rigid_and_a_linear_stop() -> None:
