@@ -75,7 +75,7 @@ PICTURES = {
     "basins": "which of the coexisting motions a start leads to, or how many are found, or their shares",
     "spectra": "spectra of the output along one axis, one behind the other",
     "values": "a quantity over one or two axes",
-    "stability": "where motions with one impact exist, keep clear and are stable, in closed form, over two axes",
+    "stability": "where motions with one impact (by shooting: with contacts) exist and are stable, over two axes",
     "verdict": "the cheapest fidelity that suffices, and how far each is off, over two axes",
 }
 
@@ -175,7 +175,9 @@ class MapPlan:
         "m", "how far from 0 the contact starts at random, its velocity within Ω times that", "1 mm", None, above=0
     )
     boundaries: bool = declare.flag(
-        "whether exact boundaries of motions with one impact a period are laid over, where there are any", False, True
+        "whether exact boundaries of motions with one impact a period are laid over, where a closed form knows them",
+        False,
+        True,
     )
 
 

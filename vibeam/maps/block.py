@@ -12,7 +12,7 @@ import numpy as np
 
 from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
 from vibeam.flight.engine.threads import pause
-from vibeam.maps.followed import FollowedLine, branches_of, onward, points_on
+from vibeam.maps.followed import FollowedLine
 from vibeam.maps.irregular import judged
 from vibeam.maps.points import (
     Axis,
@@ -25,6 +25,7 @@ from vibeam.maps.points import (
     start_states,
     values_at,
 )
+from vibeam.maps.shot_lines import ShotLine
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_map import orbit_points
 from vibeam.store.blocks import Values
@@ -57,8 +58,8 @@ class Grid:
     from equilibrium, from where the axes say, or from ``starts``. ``frequency`` in Hz, where that is no axis;
     ``settle`` and ``hold`` in drive periods; ``strobes``: how many values of the output at the end of a period are
     read. ``lanes``: lines, or points apart, fly side by side where they can (``vibeam.batch``). ``motions``: "flown";
-    "judged": those that do not repeat are followed further (``irregular``); "orbits": known in closed form, with one
-    impact in ``periods``, nothing is flown.
+    "judged": those that do not repeat are followed further (``irregular``); "orbits": with one impact in ``periods``
+    in closed form, or with contacts by shooting where no closed form knows the model.
     """
 
     model: Model
@@ -164,15 +165,14 @@ def _closed(grid: Grid, points: GridPoints) -> Iterator[tuple[Any, Sequence[Arra
 
 def _shot(grid: Grid, points: GridPoints) -> Iterator[tuple[Any, Sequence[Array | Flags]]]:
     """Lines in turn, each begun from the motions of the one before."""
-    before: list[Orbit] = []
+    before: list[list[Orbit]] = []
     for row, (omega, amplitude) in enumerate(zip(points.omega, points.amplitude, strict=True)):
         system = points.system_at(row * len(omega))
-        line = FollowedLine(
-            system, partial(_interpolated, omega, amplitude), float(omega[0]), float(omega[-1]), grid.periods
-        )
-        branches = branches_of(line, before)
-        before = onward(branches)
-        yield row, points_on(omega, branches)
+        drive = partial(_interpolated, omega, amplitude)
+        shot = ShotLine(FollowedLine(system, drive, float(omega[0]), float(omega[-1]), grid.periods), omega)
+        shot.fill(before)
+        before = shot.motions
+        yield row, shot.points()
 
 
 def _interpolated(omega: Array, amplitude: Array, at: float) -> float:

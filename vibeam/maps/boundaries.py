@@ -9,24 +9,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, SHARE, STARTS, AxisPlan
-from vibeam.maps.followed import FollowedLine, boundaries_on, branches_of, onward
+from vibeam.maps.followed import FollowedLine, boundaries_on, branches_of
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.contours import Plane
-from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_map import plane_boundaries
 from vibeam_models.arrays import Array, Flags
+from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Model
     from vibeam.periodic.bifurcation_functions import DrivePerLevel
+    from vibeam_models.scene import AnyScene
 
 KINDS = {
     Kind.FOLD: "fold",
@@ -37,7 +39,6 @@ KINDS = {
 }
 
 SIDE = 81  # points of the grid along each axis, on which boundaries are looked for
-SHOT = 21  # rows along which motions are followed where no closed form knows a model
 PLACES = 121  # looked at along a row before each change of sign is bracketed
 STEP = 3.0  # columns of the map by which a boundary may move from row to row and still be one curve
 
@@ -69,13 +70,9 @@ class PlaneBoundary:
 
 
 def boundaries_of(
-    case: Case, fidelity: str, axes: Sequence[AxisPlan], outer: Sequence[tuple[str, float]] = (), periods: int = 1,
-    shot: bool = False,
+    case: Case, fidelity: str, axes: Sequence[AxisPlan], outer: Sequence[tuple[str, float]] = (), periods: int = 1
 ) -> tuple[list[PlaneBoundary], str]:  # fmt: skip
-    """Boundaries of a model over the last two of ``axes``, the others as in ``outer``; or why there are none.
-
-    ``shot``: those of a model that no closed form knows too, at the cost of following its motions along rows.
-    """
+    """Boundaries of a model over the last two of ``axes``, the others as in ``outer``; or why there are none."""
     if len(axes) < 2 or axes[-1].key != FREQUENCY or axes[-2].key in STARTS:
         return [], "no exact boundaries: they are known over the frequency and a key of the case"
     upward, across = axes[-2:]
@@ -86,11 +83,9 @@ def boundaries_of(
     if not np.all(own.amplitude(2 * np.pi * hertz)):
         return [], "no exact boundaries: a drive above 0 is needed"
     search = _Search(fidelity, own, upward, hertz, len(across.values), periods, scaled)
-    if system.beyond_plain and not shot:
-        what = " or ".join(system.beyond_plain)
-        return [], f"no exact boundaries of {fidelity}: no closed form knows {what}: picture stability follows motions"
     if system.beyond_plain:
-        return list(search.by_rows(SHOT)), ""
+        what = " or ".join(system.beyond_plain)
+        return [], f"no exact boundaries of {fidelity}: no closed form knows {what}"
     if upward.key == GAP:
         return list(search.over_gap()), ""
     if upward.key in (SHARE, *LEVELS):
@@ -144,23 +139,21 @@ class _Search:
                 self.fidelity, each.kind, each.branch, each.omega / (2 * np.pi), at, each.velocity, each.clear
             )
 
-    def by_rows(self, most: int = SIDE) -> Iterator[PlaneBoundary]:
-        values = self.upward.values if len(self.upward.values) <= most else _grid(self.upward.values, most)
+    def by_rows(self) -> Iterator[PlaneBoundary]:
+        values = self.upward.values if len(self.upward.values) <= SIDE else _grid(self.upward.values)
         known = dict[tuple[Kind, int], list[list[Boundary]]]()
-        before: list[Orbit] = []
         for row, value in enumerate(values):
             model, share = self.model, self.scaled
             if self.upward.key == SHARE:
                 share = share * float(value)
             else:
                 model = model.at({self.upward.key: float(value)})
-            met, before = along_row(model, self.hertz, self.periods, share, before=before)
+            met = along_row(model, self.hertz, self.periods, share)
             for each in met:
                 rows = known.setdefault((each.kind, each.branch), [[] for _ in values])
                 if each.clear:
                     rows[row].append(each)
-        share = max(STEP / max(self.columns - 1, 1), 1 / max(len(values) - 1, 1))  # of few rows further
-        width = share * float(self.hertz[-1] - self.hertz[0])
+        width = STEP / max(self.columns - 1, 1) * float(self.hertz[-1] - self.hertz[0])
         for (kind, branch), rows in known.items():
             places = [[each.omega / (2 * np.pi) for each in row] for row in rows]
             velocity = [{each.omega / (2 * np.pi): each.velocity for each in row} for row in rows]
@@ -172,26 +165,25 @@ class _Search:
 
 
 def along_row(
-    model: Model, hertz: Array, periods: int = 1, share: float = 1.0, points: int = PLACES,
-    before: Sequence[Orbit] = (),
-) -> tuple[Sequence[Boundary], list[Orbit]]:  # fmt: skip
+    model: Model, hertz: Array, periods: int = 1, share: float = 1.0, points: int = PLACES
+) -> Sequence[Boundary]:
     """Boundaries of a model as it is over a range of frequencies (Hz), looked for in ``points`` places.
 
-    Its drive times ``share``. Where no closed form knows the model, on branches that are followed from motions of
-    another row, ``before``; with the motions from which the next row may begin.
+    Its drive times ``share``. Where no closed form knows the model, those on branches of its motions that are followed.
     """
     span = 2 * np.pi * float(hertz.min()), 2 * np.pi * float(hertz.max())
     system = model.system()
+    found: Sequence[Boundary]
     if not system.beyond_plain:
         found = boundaries(system, share, span, periods, points=points, per_level=model.amplitude)
-        return [each for each in found if each.kind in KINDS], []
+    else:
+        line = FollowedLine(system, partial(_amplitude, model.scene(), share), *span, periods)
+        found = boundaries_on(line, branches_of(line))
+    return [each for each in found if each.kind in KINDS]
 
-    def amplitude(omega: float) -> float:
-        return share * float(np.broadcast_to(model.amplitude(np.array([omega])), 1)[0])
 
-    line = FollowedLine(system, amplitude, *span, periods)
-    branches = branches_of(line, list(before))
-    return [each for each in boundaries_on(line, branches) if each.kind in KINDS], onward(branches)
+def _amplitude(scene: AnyScene, share: float, omega: float) -> float:
+    return share * float(np.broadcast_to(drive_amplitude(scene, np.array([omega])), 1)[0])
 
 
 def joined(rows: Sequence[Sequence[float]], width: float) -> list[list[tuple[int, float]]]:

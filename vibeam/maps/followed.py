@@ -1,8 +1,7 @@
-"""Periodic motions along lines of frequency by shooting and following, for models that no closed form knows.
+"""Branches of periodic motions along lines of frequency, and their boundaries, for models that no closed form knows.
 
-On the first line motions are looked for at a few frequencies (``vibeam.orbits``); on the next those of the line before
-are the starts. From each its branch is followed up and down over the whole line, folds and unstable parts with it, so
-that a motion is found where a branch with one of the starts leads to it.
+Motions are looked for at a few frequencies (``vibeam.orbits``). From each its branch is followed up and down over the
+whole line, folds and unstable parts with it, and the boundaries on it are located.
 """
 
 from __future__ import annotations
@@ -18,14 +17,13 @@ from vibeam.periodic.boundaries import Boundary
 from vibeam.periodic.follow import Branch, follow
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.shooting import NoOrbit
 from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam_models.arrays import Array
 
 STARTS = (0.5, 0.1, 0.9)  # shares of a line at which motions are looked for
 SAME = 1e-6  # share of the impact velocity within which two motions at one frequency are one
 MOST = 4  # branches of a line: with the steps of each the bound of its cost
-STEP, LONGEST = 0.1, 150  # longest step, as a share of the motion's size and of the line, and number of steps
+STEP = 0.1  # the longest, as a share of the motion's size and of the line
+LONGEST, ALL = 150, 400  # steps of a branch, and of all of a line
 
 
 @dataclass(frozen=True)
@@ -43,37 +41,26 @@ class FollowedLine:
         return self.system, Drive(omega, self.amplitude(omega))
 
 
-def branches_of(line: FollowedLine, before: list[Orbit]) -> list[Branch]:
-    """Branches of motions with contacts over a line; ``before``: motions of another line near it."""
-    return _followed(line, _near(line, before)) or _followed(line, _anywhere(line))
-
-
-def _followed(line: FollowedLine, starts: Iterator[Orbit]) -> list[Branch]:
-    """Branches through some motions."""
+def branches_of(line: FollowedLine) -> list[Branch]:
+    """Branches of motions with contacts over a line."""
     found: list[Branch] = []
-    for start in starts:
+    steps = ALL
+    for start in _anywhere(line):
         omega = start.drive.omega
-        if len(found) >= MOST or any(_same(start, other) for branch in found for other in branch.at(omega)):
+        if len(found) >= MOST or any(same_motion(start, other) for branch in found for other in branch.at(omega)):
             continue
-        pause()
         for to, back in (line.high, line.low), (line.low, line.high):
-            if to != omega:
-                found.append(follow(start, line.setting, to, value=omega, behind=back, step=STEP, longest=LONGEST))
+            if to != omega and steps > 0:
+                pause()
+                longest = min(LONGEST, steps)
+                found.append(follow(start, line.setting, to, value=omega, behind=back, step=STEP, longest=longest))
+                steps -= len(found[-1])
     return found
 
 
-def _same(one: Orbit, other: Orbit) -> bool:
+def same_motion(one: Orbit, other: Orbit) -> bool:
+    """Test whether two motions at one frequency are one."""
     return len(one.times) == len(other.times) and abs(one.velocity - other.velocity) <= SAME * abs(one.velocity)
-
-
-def _near(line: FollowedLine, before: list[Orbit]) -> Iterator[Orbit]:
-    """Motions on a line near those of another."""
-    for orbit in before:
-        system, drive = line.setting(orbit.drive.omega)
-        try:
-            yield from orbits(system, drive, line.periods, start=orbit.state, time=orbit.time)
-        except NoOrbit:
-            continue
 
 
 def _anywhere(line: FollowedLine) -> Iterator[Orbit]:
@@ -85,20 +72,6 @@ def _anywhere(line: FollowedLine) -> Iterator[Orbit]:
         except ValueError:  # at a resonance of an undamped mode there is none
             continue
         yield from (orbit for orbit in found if len(orbit.times))
-
-
-def onward(branches: list[Branch]) -> list[Orbit]:
-    """Motions from which a line beside is begun: the middle one of each branch that has contacts."""
-    return [orbit for each in branches if len((orbit := each.orbits[len(each) // 2]).times)]
-
-
-def motions_at(branches: list[Branch], omega: float) -> list[Orbit]:
-    """Distinct motions with contacts at a frequency, the hardest first."""
-    found: list[Orbit] = []
-    for orbit in (orbit for branch in branches for orbit in branch.at(omega)):
-        if len(orbit.times) and not any(_same(orbit, other) for other in found):
-            found.append(orbit)
-    return sorted(found, key=lambda orbit: -orbit.velocity)
 
 
 def boundaries_on(line: FollowedLine, branches: list[Branch]) -> list[Boundary]:
@@ -115,12 +88,3 @@ def boundaries_on(line: FollowedLine, branches: list[Branch]) -> list[Boundary]:
             if not any(other.kind is met.kind and abs(other.omega - met.value) < SAME * met.value for other in found):
                 found.append(boundary)
     return sorted(found, key=lambda each: each.omega)
-
-
-def points_on(omega: Array, branches: list[Branch]) -> tuple[Array, Array, Array]:
-    """Velocity, admissible and stable (points, 2) of the two hardest motions at frequencies (points,)."""
-    velocity, (admissible, stable) = np.full((len(omega), 2), np.nan), np.zeros((2, len(omega), 2))
-    for at, each in enumerate(omega):
-        for place, orbit in enumerate(motions_at(branches, float(each))[:2]):
-            velocity[at, place], admissible[at, place], stable[at, place] = orbit.velocity, 1, orbit.stable
-    return velocity, admissible, stable

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from dataclasses import dataclass
+from math import prod
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +19,10 @@ from vibeam.runs.systems import Systems
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
+
+MOST = 101, 161  # usual points of a stability map: of another key, and of the frequency
+CELL, MODE = 5e-3, 3e-3  # s of CPU time of a point whose motions are shot at, about, and for each mode
+SECONDS = 300.0  # of CPU time of a map by shooting, about, that says no number of points
 
 
 @dataclass(frozen=True)
@@ -79,6 +85,13 @@ def _compared(case: Case, plan: MapPlan) -> MappedModels:
     return MappedModels({name: tuple(names) for name, names in found.items()}, tuple(notes))
 
 
+def usual_points(systems: Iterable[ImpactSystem]) -> tuple[int, int]:
+    """Numbers of points of a stability map that says none: fewer where motions of models are shot at."""
+    price = sum(CELL + MODE * each.size for each in systems if each.beyond_plain) * prod(MOST) / SECONDS
+    share = 1 / np.sqrt(max(price, 1.0))
+    return 1 + round((MOST[0] - 1) * share), 1 + round((MOST[1] - 1) * share)
+
+
 def _known(case: Case, plan: MapPlan) -> MappedModels:
     """Models each under its own drive; by shooting where no closed form knows one."""
     systems, found, shot = dict[str, "ImpactSystem"](), dict[str, list[str]](), dict[str, list[str]]()
@@ -99,9 +112,13 @@ def _known(case: Case, plan: MapPlan) -> MappedModels:
         systems[name] = system
         found.setdefault(twin or name, []).append(name)
     told = (
-        "by shooting, for no closed form knows {}: motions that no branch leads to are not shown, and it takes longer"
+        "by shooting, for no closed form knows {}: motions with any number of contacts, some of which may not be "
+        "found, and boundaries along the case's own line alone"
     )
     notes = [f"{listed(names)}: {told.format(why)}" for why, names in shot.items()]
+    rows, columns = usual_points(systems[name] for name in found)
+    if (rows, columns) == tuple(len(axis.values) for axis in plan.axes[-2:]) != MOST:
+        notes.append(f"{rows} by {columns} points, so that shooting takes a few minutes: --points says how many")
     key = plan.axes[-2].key
     apart = [name for name in found if key in LEVELS and case.model(name).value(key) is None]
     notes += [f"{listed(found[name])}: no map, for its drive is not said by {key}" for name in apart]

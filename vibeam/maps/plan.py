@@ -9,13 +9,13 @@ from vibeam.case.grid_keys import FREQUENCY, PICTURES, READ, AxisPlan, MapPlan, 
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
 from vibeam.casefile.tables.maps import OF_PICTURE
 from vibeam.exchange.faults import suggest
-from vibeam.maps.axes import axes_over
-from vibeam.maps.models import models_of
+from vibeam.maps.axes import axes_over, points_of
+from vibeam.maps.models import models_of, usual_points
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
-POINTS = {"stability": (101, 161), "bifurcation": (201,)}  # usual numbers of values of each axis
+POINTS = {"bifurcation": (201,)}  # usual numbers of values of each axis
 USUAL = (61,)
 ALONG = ("bifurcation", "spectra")  # pictures of one axis
 COMPARED = ("amplitude", "reach")  # quantities of a fidelity map
@@ -49,9 +49,12 @@ def plan_over(
     _require_fitting(picture, said)
     names = tuple(fidelities or ())
     plane = picture not in ALONG
-    first = models_of(case, _any_plane(case, picture, names)).names[0]
+    models = models_of(case, _any_plane(case, picture, names)).names
     words = over or ("gap" if plane else "frequency")
-    axes = axes_over(case, words, low, high, points or POINTS.get(picture, USUAL), first, plane)
+    usual: Sequence[int] = POINTS.get(picture, USUAL)
+    if picture == "stability":
+        usual = points_of(words, *usual_points(case.system(name) for name in models))
+    axes = axes_over(case, words, low, high, points or usual, models[0], plane)
     if axes[-1].key != FREQUENCY and len(case.sweep.frequency) > 1:
         raise ValueError(f"--over {words}: at one frequency: --set 'sweep.frequency=[\"15.3 Hz\"]'")
     direction = "apart" if is_structural(axes[-1].key) else None

@@ -60,13 +60,14 @@ class NoOrbit(ValueError):
         self.reason, self.corrections = reason, corrections
 
 
-def shoot(section: StroboscopicMap, state: State, periods: int) -> Orbit:
+def shoot(section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON) -> Orbit:
     """The motion near ``state`` at the section's time that repeats after ``periods`` drive periods, not fewer.
 
     Any law, contacts on any side or place, several impacts, rests, stable or not. Its state is taken at the section's
-    time or, where that is in a contact, in the middle of the longest flight. NoOrbit with the reason.
+    time or, where that is in a contact, in the middle of the longest flight. NoOrbit with the reason, after so many
+    ``steps`` of Newton's method too.
     """
-    fixed = _newton(section, state, periods)
+    fixed = _newton(section, state, periods, steps)
     free = fixed.flown.segments.trace[:, layout.WHAT] == layout.FREE
     if free.any() and not free[0]:
         section, state = section.in_flight(fixed.state, periods)
@@ -87,13 +88,13 @@ class _Fixed(NamedTuple):
     corrections: tuple[float, ...]
 
 
-def _newton(section: StroboscopicMap, state: State, periods: int) -> _Fixed:
+def _newton(section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON) -> _Fixed:
     try:
         flown = section.flown(state, periods)
     except ArithmeticError as end:
         raise NoOrbit(Reason.ENDED, str(end)) from None
     corrections: list[float] = []
-    for _ in range(NEWTON):
+    for _ in range(steps):
         size = max(section.size(flown), np.finfo(float).tiny)
         matrix = _jacobian(section, state, periods, flown, corrections)
         solve = _Solve(matrix)
@@ -113,7 +114,7 @@ def _newton(section: StroboscopicMap, state: State, periods: int) -> _Fixed:
             fold = solve.least < _singular(section, periods)
             raise NoOrbit(Reason.FOLD if fold else Reason.DIVERGED, "", tuple(corrections))
         state, flown = taken
-    raise NoOrbit(Reason.DIVERGED, f"after {NEWTON} steps", tuple(corrections))
+    raise NoOrbit(Reason.DIVERGED, f"after {steps} steps", tuple(corrections))
 
 
 def _jacobian(

@@ -2,7 +2,8 @@
 
 At one frequency: Q*, the least stable reach at the fidelity's gap, or Δ_MAX, the largest gap, loose or tight, at its
 drive. The exact ones are folds of the orbit with one impact a drive period: Q* its reach where it folds as the drive
-grows weaker, Δ_MAX the gap at which it folds. Where no closed form knows the model its motions are followed there.
+grows weaker, Δ_MAX the gap at which it folds. Where no closed form knows the model a few of its motions are followed
+there, so many steps: folds that these do not come to are not found.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 Options = Mapping[str, str | float]
 BESIDE = 1e-6  # step off a fold, as a share of the drive: the mean of both roots there is its reach
 SAME = 1e-6  # share of the impact velocity within which two motions are one
+MOST, LONGEST = 2, 150  # motions that are followed at one frequency, and steps of each
 STRONGER = 1e3  # upper end of the search for the weakest drive with orbits, in multiples of the case's drive
 
 
@@ -90,12 +92,13 @@ def _followed_gap(system: ImpactSystem, amplitude: float, omega: float, periods:
         return replace(system, gap=gap, second_gap=gap if both else system.second_gap), drive
 
     least, branches = 0.0 if both else -far, list[Branch]()
-    for orbit in _struck(system, drive, periods):
+    for orbit in _struck(system, drive, periods)[:MOST]:
         known = (other.velocity for branch in branches for other in branch.at(system.gap))
         if any(abs(velocity - orbit.velocity) <= SAME * orbit.velocity for velocity in known):
             continue
         ways = ((far, least), (least, far))
-        branches += [follow(orbit, setting, to, value=system.gap, behind=behind) for to, behind in ways]
+        at = system.gap
+        branches += [follow(orbit, setting, to, value=at, behind=behind, longest=LONGEST) for to, behind in ways]
     folds = [abs(met.value) for each in branches for met in each.boundaries if met.kind is Kind.FOLD]
     return max(folds, default=float("nan"))
 
@@ -106,8 +109,8 @@ def _followed_reach(system: ImpactSystem, amplitude: float, omega: float, period
         drive = Drive(omega, stronger * amplitude)
         folds = [
             met
-            for orbit in _struck(system, drive, periods)
-            for met in follow(orbit, "amplitude", 1e-4 * drive.amplitude).boundaries
+            for orbit in _struck(system, drive, periods)[:MOST]
+            for met in follow(orbit, "amplitude", 1e-4 * drive.amplitude, longest=LONGEST).boundaries
             if met.kind is Kind.FOLD
         ]
         if folds:

@@ -14,7 +14,7 @@ from vibeam.case.grid_keys import GAP, LEVELS, SHARE, MapPlan
 from vibeam.case.source import of_source
 from vibeam.maps.axes import own_value, points_of
 from vibeam.maps.boundaries import KINDS, PlaneBoundary, along_row, boundaries_of, gaps_at_contact, level_of
-from vibeam.maps.models import models_of
+from vibeam.maps.models import MOST, models_of
 from vibeam.maps.plan import plan_over
 from vibeam.maps.result import MapResult, StudyOfMap
 from vibeam.maps.run import run_map
@@ -83,7 +83,8 @@ class ModelMap:
     """One model: its ``fidelities``, and its motions with one impact (2, rows, columns), the harder impact first.
 
     ``velocity`` in m/s, NaN where there is no motion. ``averaged``: least and greatest value (columns, 2) of the other
-    key with a stationary averaged motion at each frequency, NaN without; None for more than one mode.
+    key with a stationary averaged motion at each frequency, NaN without; None for more than one mode. ``shot``: by
+    shooting, motions with any number of contacts.
     """
 
     fidelities: tuple[str, ...]
@@ -93,6 +94,7 @@ class ModelMap:
     stable: Flags
     boundaries: tuple[PlaneBoundary, ...]
     averaged: Array | None
+    shot: bool = False
 
     @property
     def name(self) -> str:
@@ -147,8 +149,8 @@ def stability(
     over: str = "gap",
     low: str | float | None = None,
     high: str | float | None = None,
-    points: int = 101,
-    frequencies: int = 161,
+    points: int | None = None,
+    frequencies: int | None = None,
     periods: int = 1,
     fidelities: Sequence[str] | None = None,
 ) -> Stability:
@@ -157,14 +159,15 @@ def stability(
     ``over``: "gap", "drive" (the level that the case says its drive by; of a list over frequency its share) or a dotted
     key; ``low``, ``high``: as a case has them, with unit, None: chosen for gap and drive. Fidelities that make the same
     model share a map. ValueError for invalid arguments, an unknown fidelity included; CaseError, at its line, for a
-    drive of several harmonics. A model that no closed form knows is shot at, line by line.
+    drive of several harmonics. A model that no closed form knows is shot at, point by point.
+    ``points``, ``frequencies``: how many, None: 101 and 161, fewer of models that are shot at, for their price.
 
     >>> import vibeam
     >>> found = vibeam.stability("cases/dtu_neutral.toml", points=3, frequencies=5, fidelities=["sdof"])
     >>> found.maps[0].stable.shape
     (2, 3, 5)
     """
-    places = points_of(over, points, frequencies)
+    places = points_of(over, points or MOST[0], frequencies or MOST[1]) if points or frequencies else None
     plan = plan_over(case, "stability", over, low, high, places, periods=periods, fidelities=fidelities)
     with TemporaryDirectory(prefix="vibeam-") as folder:
         return stability_of(run_map(case, plan, Path(folder) / "stability.h5"))
@@ -180,10 +183,11 @@ def stability_of(result: MapResult) -> Stability:
 
 def _map(result: MapResult, name: str, twins: tuple[str, ...]) -> ModelMap:
     case, plan, values = result.case, result.plan, result[name].values
-    bounds = boundaries_of(case, name, plan.axes, periods=plan.periods, shot=True)[0] if plan.boundaries else ()
+    bounds = boundaries_of(case, name, plan.axes, periods=plan.periods)[0] if plan.boundaries else ()
     flags = values["admissible"] > 0, values["stable"] > 0
-    modes = case.system(name).size
-    return ModelMap(twins, modes, values["impact_velocity"], *flags, tuple(bounds), _averaged(case, name, plan))
+    system, averaged = case.system(name), _averaged(case, name, plan)
+    shot = bool(system.beyond_plain)
+    return ModelMap(twins, system.size, values["impact_velocity"], *flags, tuple(bounds), averaged, shot)
 
 
 def _crossings(result: MapResult, name: str) -> Iterator[Crossing]:
@@ -191,10 +195,12 @@ def _crossings(result: MapResult, name: str) -> Iterator[Crossing]:
     hertz, model, periods = np.array(result.plan.axes[-1].values), result.case.model(name), result.plan.periods
     if not np.all(model.amplitude(2 * np.pi * hertz)):
         return
-    for each in along_row(model, hertz, periods, points=ALONG)[0]:
+    shot = bool(model.system().beyond_plain)
+    for each in along_row(model, hertz, periods, points=ALONG):
         if each.clear:
+            motion = "with contacts" if shot else BRANCHES[each.branch]
             place = each.omega / (2 * np.pi), each.velocity
-            yield Crossing(name, periods, KINDS[each.kind], BRANCHES[each.branch], *place, _multipliers(each))
+            yield Crossing(name, periods, KINDS[each.kind], motion, *place, _multipliers(each))
 
 
 def _multipliers(each: Boundary) -> str:

@@ -10,7 +10,9 @@ import pytest
 
 import vibeam
 from vibeam import Kind
-from vibeam.maps.followed import FollowedLine, boundaries_on, branches_of, points_on
+from vibeam.maps.followed import FollowedLine, boundaries_on, branches_of
+from vibeam.maps.models import MOST, usual_points
+from vibeam.maps.shot_lines import ShotLine
 from vibeam.periodic.boundaries import boundaries
 from vibeam.periodic.orbit_map import orbit_points
 from vibeam.solvers.existence_limits import _exact
@@ -40,17 +42,51 @@ reduction = "static_mode"
 """
 
 
-def test_a_line_followed_has_the_motions_and_boundaries_of_closed_forms() -> None:
-    line = FollowedLine(FAR, lambda omega: 0.1, 1.9, 3.0, 1)
-    branches = branches_of(line, [])
+def test_points_of_a_line_have_the_motions_of_closed_forms() -> None:
     omega = np.linspace(1.9, 3.0, 7)
-    velocity, admissible, stable = points_on(omega, branches)
+    shot = ShotLine(FollowedLine(FAR, lambda omega: 0.1, 1.9, 3.0, 1), omega)
+    shot.fill([])
+    velocity, admissible, stable = shot.points()
     known = orbit_points(PLAIN, 1, omega, np.full(7, 0.1), np.full(7, 0.02))
     held = known.admissible[:, 0]
     assert held[[0, -1]].all()  # both ends of the line too
     np.testing.assert_allclose(velocity[held, 0], known.velocity[held, 0], rtol=1e-10)
     np.testing.assert_array_equal(stable[held, 0] > 0, known.stable[held, 0])
     assert (admissible[held, 0] > 0).all()
+
+
+def test_a_line_begun_from_another_needs_no_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    omega = np.linspace(2.0, 2.4, 5)
+    first = ShotLine(FollowedLine(FAR, lambda omega: 0.1, 2.0, 2.4, 1), omega)
+    first.fill([])
+    monkeypatch.setattr("vibeam.maps.shot_lines.orbits", None)
+    nearby = replace(FAR, gap=0.021)
+    second = ShotLine(FollowedLine(nearby, lambda omega: 0.1, 2.0, 2.4, 1), omega)
+    second.fill(first.motions)
+    known = orbit_points(replace(PLAIN, gap=0.021), 1, omega, np.full(5, 0.1), np.full(5, 0.021))
+    np.testing.assert_allclose(second.points()[0][:, 0], known.velocity[:, 0], rtol=1e-10)
+
+
+def test_a_point_whose_neighbour_is_far_is_come_to_in_shorter_steps() -> None:
+    omega = np.array([1.9, 3.0])
+    shot = ShotLine(FollowedLine(FAR, lambda omega: 0.1, 1.9, 3.0, 1), omega)
+    [start] = [each for each in vibeam.orbits(FAR, vibeam.Drive(1.9, 0.1)) if len(each.times) == 1]
+    found = shot._carried(start, 3.0)
+    assert found is not None
+    assert found.velocity == pytest.approx(vibeam.orbits(PLAIN, vibeam.Drive(3.0, 0.1))[0].velocity, rel=1e-10)
+
+
+def test_maps_by_shooting_have_fewer_points_by_themselves() -> None:
+    several = vibeam.load("cases/rigs/elastic_stop.toml").system("beam")
+    assert usual_points([PLAIN]) == usual_points([FAR]) == MOST
+    rows, columns = usual_points([several, PLAIN])
+    assert rows < MOST[0]
+    assert usual_points([several, several])[1] < columns < MOST[1]
+
+
+def test_a_line_followed_has_the_boundaries_of_closed_forms() -> None:
+    line = FollowedLine(FAR, lambda omega: 0.1, 1.9, 3.0, 1)
+    branches = branches_of(line)
     found = boundaries_on(line, branches)
     exact = [each for each in boundaries(PLAIN, 0.1, (1.9, 3.0)) if each.clear and each.kind is Kind.DOUBLING]
     assert [each.omega for each in found if each.kind is Kind.DOUBLING] == pytest.approx(

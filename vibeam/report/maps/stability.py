@@ -24,8 +24,9 @@ from vibeam.studies.stability import ModelMap, Stability
 from vibeam.system.number_text import percent
 from vibeam_models.arrays import Array
 
+NONE = "no such motion"
 SHADES = {
-    "no such motion": "white",
+    NONE: "white",
     "through the stop between impacts": "#EDEDED",
     "unstable": "#F6D9B8",
     "stable": "#B9DCF2",
@@ -54,13 +55,21 @@ def _answer(found: Stability) -> str:
     first, *others = [(percent(each.stable), listed(each.fidelity.split())) for each in found.shares]
     plane = f"{first[0]} of the plane of frequency and {upward.name} ({first[1]})"
     shares = listed([plane, *(f"{share} ({name})" for share, name in others)])
-    one = f"Stable motions with one impact {span(found)} exist on {shares}"
+    one = f"Stable motions {contacts(found)} exist on {shares}"
     counts = {one.name: sum(each.fidelity in one.fidelities for each in found.crossings) for one in found.maps}
     line = f"along the case's own {upward.text(found.own)}" if isfinite(found.own) else "with the rig as it is"
     if not any(counts.values()):
         return f"{one}; {line} there is no boundary."
     met = listed([f"{count} ({listed(name.split())})" for name, count in counts.items()])
     return f"{one}; {line} the numbers of boundaries are {met}."
+
+
+def contacts(found: Stability) -> str:
+    """Impacts of the motions of a map in words: of models that are shot at, any number of contacts."""
+    shot = {one.shot for one in found.maps}
+    if shot == {True}:
+        return f"with contacts {'every drive period' if found.plan.periods == 1 else span(found)}"
+    return f"with one impact {span(found)}" + " (of some models: with contacts)" * any(shot)
 
 
 def span(found: Stability) -> str:
@@ -73,7 +82,7 @@ def _crossings(found: Stability, units: DisplayUnits) -> ReportTable:
     """Table of the boundaries along the case's own frequency range."""
     table = blank("Boundaries along the case's own line", "fidelity", "boundary", "motion", "at|", "velocity|", heads=2)
     table.add("multipliers|")
-    table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
+    table.caption = f"of motions {contacts(found)} that keep clear of the stop between; velocity: of the hardest impact"
     for row in found.crossings:
         place = f"{row.frequency * units.frequency_factor:.6g} {units.frequency}".strip()
         table.add_row(row.fidelity, row.boundary, row.motion, place, units.speeds(row.velocity), row.multipliers)
@@ -82,7 +91,7 @@ def _crossings(found: Stability, units: DisplayUnits) -> ReportTable:
 
 def _shares(found: Stability) -> ReportTable:
     """Table of the shares of the map with each type of motion."""
-    table = blank(f"Motions with one impact {span(found)}", "fidelity", "exist|", "clear|", "stable|")
+    table = blank(f"Motions {contacts(found)}", "fidelity", "exist|", "clear|", "stable|")
     for each in found.shares:
         table.add_row(each.fidelity, *map(percent, (each.exists, each.admissible, each.stable)))
     return table
@@ -90,7 +99,7 @@ def _shares(found: Stability) -> ReportTable:
 
 def caption(found: Stability) -> str:
     """Caption of the picture."""
-    return f"stability of motions with one impact {span(found)}"
+    return f"stability of motions {contacts(found)}"
 
 
 def size_of(found: Stability) -> tuple[float, float]:
@@ -120,13 +129,15 @@ def stability(figure: Figure, found: Stability, exact: bool) -> tuple[Handles, l
                 averaged.append(bool(np.any((values >= y[0]) & (values <= y[-1]))))
                 axes.plot(x, values, gid="averaged", **AVERAGED)
             if not kinds.any():
-                say(axes, f"no motion with one impact {span(found)} anywhere in this range")
+                say(axes, f"no motion {contacts(found)} anywhere in this range")
 
         names = ", ".join(name_of(found.case, name) for name in one.fidelities)
         title = f"{names} ({one.modes} mode{'s' * (one.modes > 1)})"
         return PlanePanel(*place_of(number), plain(title), draw, one.boundaries if exact else ())
 
     lines = draw_planes(figure, found.result, [panel(number, one) for number, one in enumerate(found.maps)])
-    patches = [swatch(colour, name) for number, (name, colour) in enumerate(SHADES.items()) if number in seen]
+    names = ["no such motion, or none found" if any(one.shot for one in found.maps) else NONE, *list(SHADES)[1:]]
+    shades = enumerate(zip(names, SHADES.values(), strict=True))
+    patches = [swatch(colour, name) for number, (name, colour) in shades if number in seen]
     beside = [Line2D([], [], label="averaging: Δ_MAX", **AVERAGED)] if any(averaged) else []
     return [*patches, *beside, *lines], []
