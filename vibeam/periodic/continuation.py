@@ -36,12 +36,12 @@ EDGE = 0.2  # share of the longest flight that the section keeps from the events
 
 
 class Itinerary(NamedTuple):
-    """Events of a motion in one span: impacts, or touches of a stop that yields, on either side; rests; any flight.
+    """Events of a motion in one span: impacts, or touches of a stop that yields, at each contact; rests; any flight.
 
     Where it rests its impacts are not counted: infinitely many come before.
     """
 
-    touches: tuple[int, int]
+    touches: tuple[int, ...]  # up to the last contact that is touched
     rests: int
     flies: bool
 
@@ -75,8 +75,8 @@ class BranchPoint:
         still, free = rests(trace), trace[:, layout.WHAT] == layout.FREE
         number = int(still.sum() - (len(trace) > 1 and still[0] and still[-1]))  # one that the section cuts is one
         struck = (trace[:, layout.END] == layout.IMPACT) & (trace[:, layout.BEFORE] > 0)
-        counts = np.bincount(sides(trace)[struck], minlength=2)
-        return Itinerary((0, 0) if number else (int(counts[0]), int(counts[1])), number, bool(free.any()))
+        counts = np.bincount(sides(trace)[struck])
+        return Itinerary(() if number else tuple(counts.tolist()), number, bool(free.any()))
 
     @property
     def at_plus_one(self) -> float:

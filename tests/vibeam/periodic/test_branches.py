@@ -246,6 +246,23 @@ def test_a_stop_that_yields_is_touched_and_left_on_one_branch() -> None:
     assert len(branch.orbits[-1].times) == 1
 
 
+@pytest.mark.parametrize("third", [False, True])
+def test_a_touch_is_met_at_whichever_contact(third: bool) -> None:
+    """Linear stops, one within reach: a free motion begins to touch it where its amplitude there is the gap."""
+    law, row = LinearStop(1e5, 5.0), np.array([0.8, -0.5])
+    contacts = [vibeam.Contact([-1.0, 0.2], 1.0, law=law), vibeam.Contact(row, 1e-4, law=law)]
+    system = vibeam.ImpactSystem.from_modes(
+        [71.0, 440.0], [0.02, 0.02], [1.0, 0.7], [0.9, 0.4], gap=1.0, law=law, further=contacts[:: 1 if third else -1]
+    )
+    drive = vibeam.Drive(95.0, 1e-5)
+    [orbit] = [each for each in vibeam.orbits(system, drive) if not len(each.times)]
+    branch = vibeam.follow(orbit, "amplitude", 6.12e-5)
+    damped = system.omega**2 - drive.omega**2 + 2j * system.zeta * system.omega * drive.omega
+    touch = 1e-4 / abs(np.sum(row * system.load * drive.omega**2 / damped))
+    assert branch.boundaries[0].kind is Kind.TOUCHING
+    assert branch.boundaries[0].value == pytest.approx(touch, rel=1e-11)
+
+
 def test_windows_of_three_touches_are_cut_apart() -> None:
     """The middle one on both sides: half way to its neighbours, less a twentieth of the way."""
     cut = apart([Window(0.0, 6.0, 0, 3.0), Window(1.0, 9.0, 1, 5.0), Window(0.5, 4.0, 0, 1.0)])
