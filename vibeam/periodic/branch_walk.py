@@ -6,6 +6,7 @@ from enum import Enum
 
 import numpy as np
 
+from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.kernels import layout
 from vibeam.flight.readout import rests
 from vibeam.periodic.bifurcation_functions import Kind
@@ -160,8 +161,11 @@ class Walk:
         met = None if self.target else grazing_ahead(self.at, self.length)
         if met is None:
             return False
-        if self.at.start.flown.system.contact_law.yields:
-            return self._touches(met)
+        yields = _yielding(self.at.start)
+        if any(yields) and self._touches(met):
+            return True
+        if all(yields):
+            return False
         self.target, self.approach = met, self.length
         return False
 
@@ -178,7 +182,7 @@ class Walk:
 
     def _changes(self, ahead: BranchPoint) -> bool:
         """Go over a change of the events on the way, where it can be located; False for a step that is too long."""
-        start, yields = self.at.start, ahead.flown.system.contact_law.yields
+        start, yields = self.at.start, any(_yielding(ahead))
         if ahead.itinerary.flies != start.itinerary.flies:
             return self._changed(ahead, Kind.CONTACT)
         if ahead.itinerary.rests != start.itinerary.rests:
@@ -219,3 +223,8 @@ class Walk:
         self._note(Met(Kind.DOUBLING, 0.0, found, found.z, self.at.along))
         self.end = BranchEnd.BIRTH
         return True
+
+
+def _yielding(point: BranchPoint) -> list[bool]:
+    """Whether each stop yields: past a touch of one that does the motion goes on."""
+    return [law.yields for law in Contacts.of(point.flown.system).laws]

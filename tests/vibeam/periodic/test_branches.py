@@ -263,6 +263,24 @@ def test_a_touch_is_met_at_whichever_contact(third: bool) -> None:
     assert branch.boundaries[0].value == pytest.approx(touch, rel=1e-11)
 
 
+def test_a_rigid_stop_beside_one_that_yields() -> None:
+    """The one that is touched decides: past a linear stop it goes on as if both yielded, a rigid one ends it."""
+    law, row, drive = LinearStop(1e5, 5.0), [0.8, -0.5], vibeam.Drive(95.0, 1e-5)
+    branches = []
+    for first, further in (law, law), (None, law), (law, None):
+        system = vibeam.ImpactSystem.from_modes(
+            [71.0, 440.0], [0.02, 0.02], [1.0, 0.7], [0.9, 0.4], gap=1.0, law=first, restitution=0.7,
+            further=[vibeam.Contact(row, 1e-4, 0.7, further)],
+        )  # fmt: skip
+        [orbit] = [each for each in vibeam.orbits(system, drive) if not len(each.times)]
+        branches.append(vibeam.follow(orbit, "amplitude", 6.115e-5))
+    ends = [branch.end.name for branch in branches]
+    assert ends == ["REACHED", "REACHED", "GRAZING"]
+    values = [[met.value for met in branch.boundaries if met.kind is Kind.TOUCHING] for branch in branches]
+    assert values[1] == pytest.approx(values[0], rel=1e-12)
+    assert values[2] == pytest.approx(values[0], rel=1e-12)
+
+
 def test_windows_of_three_touches_are_cut_apart() -> None:
     """The middle one on both sides: half way to its neighbours, less a twentieth of the way."""
     cut = apart([Window(0.0, 6.0, 0, 3.0), Window(1.0, 9.0, 1, 5.0), Window(0.5, 4.0, 0, 1.0)])
