@@ -226,5 +226,5 @@ class Walk:
 
 
 def _yielding(point: BranchPoint) -> list[bool]:
-    """Whether each stop yields: past a touch of one that does the motion goes on."""
+    """Flags of the stops that yield: past a touch of one the motion goes on."""
     return [law.yields for law in Contacts.of(point.flown.system).laws]

@@ -117,7 +117,8 @@ def _entered(section: StroboscopicMap, state: State) -> State:
 def _akin(found: Orbit, start: Orbit) -> bool:
     """Test whether a motion has the contacts of its start, in cyclic order."""
     own, other = found.system, start.system
-    rigid = not (own.contact_law.yields or other.contact_law.yields)  # as a law yields one contact may become two
+    laws = Contacts.of(own).laws + Contacts.of(other).laws
+    rigid = not any(law.yields for law in laws)  # as a law yields one contact may become two
     if not rigid or not start.admissible or own.size != other.size:
         return bool(len(found.times)) == bool(len(start.times))
     if start.rests or found.rests:  # after impacts whose number is that of the accumulation
