@@ -32,6 +32,7 @@ from vibeam_models.arrays import Array, Index
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 TURN = 4.0  # radians of the fastest mode to a panel of Gauss' quadrature
 MOST_PANELS = 256  # a segment
+INTEGRATED = 4, 8  # panels, least and most, of a contact whose every pose is integrated from its start
 GONE = 300.0  # nepers a span, from which on nothing is left of a mode in the middle of a flight
 
 
@@ -131,17 +132,37 @@ def contact_load(orbit: Orbit, fastest: float = 0.0) -> Load:
 def _lasting(path: Trajectory, contacts: Contacts, fastest: float) -> list[Load]:
     """Forces of the contacts that last, segment by segment."""
     trace, found = path.segments.trace, []
+    integrated, own = any(law.integrated for law in contacts.laws), float(np.max(contacts.system.omega))
     for row in trace[(trace[:, layout.WHAT] != layout.FREE) & (trace[:, layout.DURATION] > 0)]:
         duration = float(row[layout.DURATION])
         panels = int(np.clip(np.ceil(fastest * duration / TURN), 2, MOST_PANELS))
         width = duration / panels
-        times = row[layout.START] + ((np.arange(panels)[:, None] + (NODES + 1) / 2) * width).ravel()
-        forces = _forces(path, contacts, times)
+        times = row[layout.START] + _nodes(panels) * width
+        if integrated:
+            few = int(np.clip(np.ceil(own * duration / TURN), *INTEGRATED))
+            forces = _forces(path, contacts, row[layout.START] + _nodes(few) * duration / few)
+            forces = _interpolated(forces, few, panels)
+        else:
+            forces = _forces(path, contacts, times)
         weights = np.tile(WEIGHTS * width / 2, panels)
         found += [
             Load(times, -force * weights, np.full(len(times), k)) for k, force in enumerate(forces) if force.any()
         ]
     return found
+
+
+def _nodes(panels: int) -> Array:
+    """Gauss' points of panels of width 1, one after the other: (16 · panels,)."""
+    return np.asarray((np.arange(panels)[:, None] + (NODES + 1) / 2).ravel())
+
+
+def _interpolated(forces: Array, few: int, panels: int) -> Array:
+    """Forces (k, 16 · few) at Gauss' points of a few panels, at those of others by each panel's polynomial."""
+    at = _nodes(panels) / panels * few
+    which = np.minimum(at.astype(int), few - 1)
+    powers, known = ((np.polynomial.legendre.legvander(x, len(NODES) - 1)) for x in (2 * (at - which) - 1, NODES))
+    parts = np.linalg.solve(known, forces.reshape(len(forces), few, -1)[..., None])[..., 0]
+    return np.asarray(np.einsum("kpj,pj->kp", parts[:, which], powers))
 
 
 def _forces(path: Trajectory, contacts: Contacts, times: Array) -> Array:

@@ -95,12 +95,13 @@ DIFFERENCE = 1e-5  # share of the motion's size by which neighbouring flights di
 
 @dataclass(frozen=True)
 class Flown:
-    """Motion over some drive periods: segments, and the state at its end."""
+    """Motion over some drive periods: segments, the state at its end, ``evaluations`` of the contact displacement."""
 
     system: ImpactSystem
     drive: Drive
     segments: Segments
     state: State
+    evaluations: int = 0
 
     def maps(self) -> TangentMaps:
         """Its tangent maps; ValueError where they are not known."""
@@ -142,12 +143,12 @@ class StroboscopicMap:
         """Motion over ``periods`` from ``state`` at ``begin`` (None: ``time``); MotionEnded where it fails."""
         pause()
         start = (self.time if begin is None else begin) % self.period
-        ended, _, last, segments, _ = self.runner.simulate(
+        ended, _, last, segments, stats = self.runner.simulate(
             self.drive, state, start, start + periods * self.period, IMPACTS
         )
         if ended is not Ended.COMPLETE:
             raise MotionEnded(f"the motion ended: {ended.value}")
-        return Flown(self.system, self.drive, segments, last)
+        return Flown(self.system, self.drive, segments, last, int(stats["evaluations"]))
 
     def in_flight(self, state: State | None, periods: int = 1) -> tuple[StroboscopicMap, State]:
         """The map at the middle of the longest flight of the next ``periods``, and the state there.

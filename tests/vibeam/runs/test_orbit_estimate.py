@@ -15,9 +15,10 @@ from vibeam.flight.solver import exact_solver
 from vibeam.runs.estimate.by_orbits import looked_at
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.of_case import full_model
-from vibeam.runs.estimate.records import QUANTITIES, Basis, estimate_texts
+from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate, estimate_texts
+from vibeam.runs.estimate.work import CountedWork
 from vibeam.system.impact_system import ImpactSystem
-from vibeam.system.response import FrequencyResponse
+from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import StatesAfter
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
@@ -150,3 +151,31 @@ def test_orbits_are_found_at_points_evenly_spread_and_around_the_peak() -> None:
     assert {0, top - 1, top, top + 1, 100} <= set(chosen.tolist())
     assert 13 <= len(chosen) <= 16
     assert looked_at(vibeam.sweep(EIGHT, omega=omega[::20], amplitude=1e-9, settle=2, hold=2)).all()
+
+
+def test_orbits_are_found_until_their_work_is_done_the_peak_first() -> None:
+    full = SYSTEMS["linear stop"]
+    small, omega = first_modes(full, 3), np.linspace(1.5, 1.9, 9)
+    solver, states, parts = exact_solver(small, omega[0]), [], []
+    for each in omega.tolist():
+        response, state = solver.steady([each], 0.1, None, 1200, 16, "sensor")
+        parts.append(response)
+        states.append((state.displacement, state.velocity))
+    swept, after = join(parts), StatesAfter(*(np.array(rows) for rows in zip(*states, strict=True)))
+
+    def estimated(most: float) -> tuple[ErrorEstimate, CountedWork]:
+        work = CountedWork(most)
+        return estimate_error(swept, small, full, 0.1, "sensor", after, work=work), work
+
+    whole, work = estimated(float("inf"))
+    assert whole.known.sum() >= 5
+    part, spent = estimated(work.spent / 2)
+    again, same = estimated(work.spent / 2)
+    assert spent.spent == same.spent <= 0.6 * work.spent  # counted: no clock has a say
+    assert part.basis.tolist() == again.basis.tolist()
+    assert part.basis[int(np.argmax(swept.amplitude))] == whole.basis[int(np.argmax(swept.amplitude))]
+    assert 0 < part.known.sum() < whole.known.sum()
+    assert part.amplitude[part.known].tolist() == whole.amplitude[part.known].tolist()
+    dear, _ = estimated(2e4)
+    assert not dear.known.any()
+    assert {Basis.of_code(int(code)) for code in dear.basis} <= {Basis.DEAR, Basis.LEFT_OUT}

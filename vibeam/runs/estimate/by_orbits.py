@@ -27,6 +27,7 @@ from vibeam.periodic.orbit_search import near
 from vibeam.periodic.shooting import NoOrbit, shoot
 from vibeam.periodic.stroboscopic import NEAR, Flown, MotionEnded, StroboscopicMap
 from vibeam.runs.estimate.records import QUANTITIES, Basis
+from vibeam.runs.estimate.work import CountedMap, CountedWork, TooDear
 from vibeam.system.curves import evenly
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse, complete
@@ -44,6 +45,19 @@ CONTRACTS, SMALL = (
 SETTLE, HOLD = 300, 32  # drive periods flown to an orbit that nothing is known of, and watched
 LEAST_MODES, LASTS = 16, 14.0  # lower modes at least, and nepers a period by which all others decay
 KEPT = 4  # steps of Newton's method with one Jacobian of the lower modes
+
+
+def in_order(response: FrequencyResponse, which: Index) -> Index:
+    """Points ``which``, the highest first, then evenly spread, ever finer."""
+    spread = sorted(range(len(which)), key=_bits_reversed)
+    done = complete(response)[which]
+    top = int(np.argmax(np.where(done, response.amplitude[which], -np.inf))) if done.any() else 0
+    return which[[top, *(place for place in spread if place != top)]] if len(which) else which
+
+
+def _bits_reversed(number: int) -> str:
+    """Digits of van der Corput's sequence."""
+    return f"{number:032b}"[::-1]
 
 
 def looked_at(response: FrequencyResponse) -> Flags:
@@ -79,21 +93,24 @@ class ModelPair(NamedTuple):
 
 
 def beside(
-    pair: ModelPair, response: FrequencyResponse, base: Array, after: StatesAfter, which: Index
+    pair: ModelPair, response: FrequencyResponse, base: Array, after: StatesAfter, which: Index, work: CountedWork
 ) -> Iterator[tuple[int, BesidePoint]]:
     """Motions of the fuller model beside the points ``which`` of the other's response, one after the other.
 
-    ``base`` amplitudes (points,), m; ``after``: states after the points. Points of one motion are computed once.
+    ``base`` amplitudes (points,), m; ``after``: states after the points. Points of one motion are computed once, the
+    highest first, then evenly spread, until the ``work`` is done; one that would take too much of it is given up.
     """
     known: dict[float, list[tuple[int, BesidePoint]]] = {}
     slowest, drift, made = 2 * np.pi * float(response.frequency.min()), pair.drift, dict[float, TwoModels]()
-    for point in which.tolist():
+    for point in in_order(response, which).tolist():
+        if work.done:
+            return
         there = known.setdefault(float(response.frequency[point]), [])
         found = next((each for other, each in there if _alike(response, point, other)), None)
         if found is None:
             grown = 0.0 if drift is None else float(drift[point])
             if grown not in made:
-                made = {grown: TwoModels(pair, grown, slowest)}
+                made = {grown: TwoModels(pair, grown, slowest, work)}
             found = made[grown].beside(response, point, float(base[point]), after.at(point))
             there.append((point, found))
         yield point, found
@@ -102,13 +119,21 @@ def beside(
 class TwoModels:
     """Both models with gaps grown by so much, each made ready once for drives of ``slowest`` rad/s and more."""
 
-    def __init__(self, pair: ModelPair, grown: float, slowest: float) -> None:
+    def __init__(self, pair: ModelPair, grown: float, slowest: float, work: CountedWork) -> None:
         system, full = (replace(each, gap=each.gap + grown) if grown else each for each in pair[:2])
         self.output = pair.output
-        self._own, self._fuller = ReadyModel(system, slowest), ReadyModel(full, slowest)
+        self._work = work
+        self._own, self._fuller = ReadyModel(system, slowest, work), ReadyModel(full, slowest, work)
 
     def beside(self, response: FrequencyResponse, point: int, base: float, state: State | None) -> BesidePoint:
         """Motion of the fuller model beside one point of the other's response."""
+        self._work.begin()
+        try:
+            return self._beside(response, point, base, state)
+        except TooDear:
+            return refused(Basis.DEAR)
+
+    def _beside(self, response: FrequencyResponse, point: int, base: float, state: State | None) -> BesidePoint:
         if response.ended[point] != Ended.COMPLETE.code:
             return refused(Basis.FAILED)
         drive, periods = Drive(2 * np.pi * float(response.frequency[point]), base), int(response.period[point])
@@ -129,6 +154,7 @@ class TwoModels:
         """Beside a point with the values ``own`` that stays clear of the stop."""
         fuller, state = self._fuller, response_alone(self._fuller.system, drive, 0.0)
         seen = fuller.runner.steady([drive.omega], drive.amplitude, state, 0, 1, self.output)[0]
+        self._work.flight(fuller.system, int(seen.evaluations[0]), int(seen.impacts[0]))
         return refused(Basis.TOUCHES) if seen.impacts[0] else BesidePoint(Basis.FREE, own / _values(seen) - 1, 0.0)
 
     def _from(self, own: Orbit, seen: FrequencyResponse) -> BesidePoint:
@@ -160,18 +186,18 @@ def _reached(section: StroboscopicMap, state: State, periods: int) -> Orbit | No
 class ReadyModel:
     """A model made ready once, and that of its lower modes where it has many."""
 
-    def __init__(self, system: ImpactSystem, slowest: float) -> None:
-        self.system, self.runner = system, exact_solver(system, slowest)
+    def __init__(self, system: ImpactSystem, slowest: float, work: CountedWork | None = None) -> None:
+        self.system, self.runner, self._work = system, exact_solver(system, slowest), work or CountedWork()
         decays = 2 * np.pi / slowest * system.zeta * system.omega
         count = max(LEAST_MODES, int(np.count_nonzero(decays < LASTS)))
         few = system.coupling is None and system.further is None and 2 * count <= system.size
-        self.lower = ReadyModel(_first_modes(system, count), slowest) if few else None
+        self.lower = ReadyModel(_first_modes(system, count), slowest, self._work) if few else None
 
-    def section(self, drive: Drive) -> StroboscopicMap:
+    def section(self, drive: Drive) -> CountedMap:
         """The stroboscopic map at phase 0 of a drive."""
         if self.lower is None or not self.system.contact_law.integrated:
-            return StroboscopicMap(self.system, drive, runner=self.runner)
-        return MapByLowerModes(self.system, drive, runner=self.runner, lower=self.lower.section(drive))
+            return CountedMap(self.system, drive, self.runner, self._work)
+        return MapByLowerModes(self.system, drive, self.runner, self._work, self.lower.section(drive))
 
     def settled(self, drive: Drive) -> Orbit | None:
         """The orbit settled on from static equilibrium; None where the motion does not repeat, or is clear of stops."""
@@ -186,7 +212,10 @@ class ReadyModel:
         basis = Basis.ORBIT
         for model in filter(None, (self.lower, self)):
             section = model.section(own.drive)
+            self._work.matrices(section.system)
+            self._work.lift(own, section.system)
             time, state = lifted(own, section.system)
+            section.at(time).tried(state, own.periods)
             try:
                 found = _contracted(section.at(time), state, own.periods)
                 if found is None:
@@ -204,11 +233,13 @@ def _first_modes(system: ImpactSystem, count: int) -> ImpactSystem:
     return replace(system, **rows, outputs={}, derivatives={})
 
 
-class MapByLowerModes(StroboscopicMap):
+class MapByLowerModes(CountedMap):
     """Stroboscopic map with the Jacobian of the lower modes, in which all others are forgotten; it is kept a while."""
 
-    def __init__(self, system: ImpactSystem, drive: Drive, *, runner: ExactSolver, lower: StroboscopicMap) -> None:
-        super().__init__(system, drive, runner=runner)
+    def __init__(
+        self, system: ImpactSystem, drive: Drive, runner: ExactSolver, work: CountedWork, lower: StroboscopicMap
+    ) -> None:
+        super().__init__(system, drive, runner, work)
         self._lower = lower
         self._kept: list[Array] = []
 

@@ -16,6 +16,7 @@ from vibeam.periodic.nearby_orbits import nearby_orbits
 from vibeam.periodic.trains import Trains
 from vibeam.runs.estimate.by_orbits import SETTLED, BesidePoint, ModelPair, beside
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate
+from vibeam.runs.estimate.work import CountedWork
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import StatesAfter
@@ -131,7 +132,7 @@ READ_OFF = 2e-6  # share to which a flight is read off
 def estimate_error(
     response: FrequencyResponse, system: ImpactSystem, full: ImpactSystem, amplitude: ArrayLike,
     output: str = "contact", after: StatesAfter | None = None, points: Flags | None = None,
-    drift: Array | None = None,
+    drift: Array | None = None, work: CountedWork | None = None,
 ) -> ErrorEstimate:  # fmt: skip
     """Estimate the error of ``response``, of the model ``system``, against the same motion of the model ``full``.
 
@@ -140,7 +141,7 @@ def estimate_error(
     ``amplitude`` of the base motion, m, one number or one a point; ``output``: what the response was read of;
     ``drift`` (points,): growth of the gap, m. The states ``after`` its points are needed for motions that no closed
     form of both models knows: these go by orbits (``by_orbits``), where the models have none at all at the ``points``
-    (mask, None: all).
+    (mask, None: all), the highest first, until the ``work`` is done (None: at all).
 
     >>> import vibeam
     >>> full = vibeam.ImpactSystem.from_modes([1.0, 7.0], 0.05, [1.0, 0.1], [1.0, 0.1], restitution=0.5)
@@ -165,7 +166,9 @@ def estimate_error(
         which = np.flatnonzero(open_ if closed or points is None else points)
         made.basis[open_] = Basis.LEFT_OUT.code
         states = after or StatesAfter.unknown(len(response), system.size)
-        made.enter_shot(beside(ModelPair(system, full, output, drift), response, base, states, which))
+        made.enter_shot(
+            beside(ModelPair(system, full, output, drift), response, base, states, which, work or CountedWork())
+        )
     names = (*QUANTITIES, *(f"{name}_bound" for name in QUANTITIES), "correction")
     rows = dict(zip(names, (*made.signed, *made.bounds), strict=True))
     return ErrorEstimate(frequency=response.frequency.copy(), basis=made.basis, **rows)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from vibeam.flight.kernels import layout
 from vibeam.flight.solver import exact_solver
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate
+from vibeam.runs.estimate.work import CountedWork
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, complete
 from vibeam.system.state import State
@@ -86,9 +87,13 @@ UNKNOWN = Motion(_NAN, _NAN, _NAN, np.zeros(1, dtype=np.int64))
 
 
 class FullSweep:
-    """Sweep of the full model ``system``, branch after branch, its state carried; see the module."""
+    """Sweep of the full model ``system``, branch after branch, its state carried; see the module.
 
-    def __init__(self, system: ImpactSystem, slowest: float, settle: int, output: str) -> None:
+    TooDear where it takes more than ``work``.
+    """
+
+    def __init__(self, system: ImpactSystem, slowest: float, settle: int, output: str, work: CountedWork) -> None:
+        self._work = work
         self._flight, self._output = exact_solver(system, slowest), output
         self._flight.limit = MOST
         self._settle = min(settle, LONGEST)
@@ -153,6 +158,7 @@ class FullSweep:
         response, after = self._flight.steady(
             [omega], float(base), state, settle, hold, self._output, layout.OUTPUT_ALONE
         )
+        self._work.flight(self._flight.system, int(response.evaluations[0]), int(response.impacts[0]))
         return Motion.of(response), after if complete(response)[0] else None
 
 

@@ -19,7 +19,8 @@ from vibeam.runs.closed_motions import SEVERAL
 from vibeam.runs.estimate.by_orbits import looked_at
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.full_sweep import FullSweep, Motion, without_another_motion
-from vibeam.runs.estimate.records import ErrorEstimate, FidelityEstimate
+from vibeam.runs.estimate.records import Basis, ErrorEstimate, FidelityEstimate
+from vibeam.runs.estimate.work import LEAST, SHARE, CountedWork, TooDear, work_of
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import join
 from vibeam.system.state import StatesAfter
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 LARGEST = 1500  # coordinates of a structure all of whose modes are computed
 
 
+DEAR = "flights of the full model, of {} modes, take too long beside the run's own"
+SWEPT = 3.0  # times the work that is known before, a full model's sweep may take
 WEARS = "each impact widens the gap, so that no motion repeats"
 
 
@@ -60,9 +63,12 @@ def estimates(
 ) -> dict[str, FidelityEstimate]:  # fmt: skip
     """Estimate the error of every fidelity; ``after``: states after the points of each branch.
 
-    The full model of a scene is made once for all fidelities of that scene, and flown once: see ``FullSweep``.
+    The full model of a scene is made once for all fidelities of that scene, and flown once: see ``FullSweep``. Orbits
+    take about as much work as the sweeps did, each fidelity its part.
     """
     found: dict[str, FidelityEstimate] = {}
+    most = max(LEAST, SHARE * sum(work_of(systems[name], each) for name, each in branches.items()))
+    shares = {name: CountedWork(most / len(branches)) for name in branches}
     for names in _scenes(case, branches):
         begun = time.thread_time()
         try:
@@ -71,9 +77,11 @@ def estimates(
             found |= dict.fromkeys(names, FidelityEstimate(0, {}, str(refusal)))
             continue
         made = {
-            name: _estimate(case, name, (systems[name], full), branches[name], after.get(name, {})) for name in names
+            name: _estimate(case, name, (systems[name], full), branches[name], after.get(name, {}), shares[name])
+            for name in names
         }
-        made |= _of_own_motions(case, full, made, branches)
+        left = sum(shares[name].most - shares[name].spent for name in names)
+        made |= _of_own_motions(case, full, made, branches, left)
         each = (time.thread_time() - begun) / len(names)
         found |= {name: replace(one, cpu_seconds=each) for name, one in made.items()}
     return {name: found[name] for name in branches}
@@ -90,17 +98,21 @@ def _scenes(case: Case, names: Iterable[str]) -> list[list[str]]:
 
 def _estimate(
     case: Case, name: str, models: tuple[ImpactSystem, ImpactSystem], branches: Branches,
-    after: Mapping[str, StatesAfter],
+    after: Mapping[str, StatesAfter], work: CountedWork,
 ) -> FidelityEstimate:  # fmt: skip
     system, full = models
     if system.size == full.size:
         return FidelityEstimate(full.size, {}, whole=True)
-    return FidelityEstimate(full.size, _of_branches(case, name, models, branches, after))
+    found = _of_branches(case, name, models, branches, after, work)
+    dear = any((each.basis == Basis.DEAR.code).any() for each in found.values())
+    if dear and not any(each.impacting.any() for each in found.values()):
+        return FidelityEstimate(full.size, {}, DEAR.format(full.size))
+    return FidelityEstimate(full.size, found)
 
 
 def _of_branches(
     case: Case, name: str, models: tuple[ImpactSystem, ImpactSystem], branches: Branches,
-    after: Mapping[str, StatesAfter],
+    after: Mapping[str, StatesAfter], work: CountedWork,
 ) -> dict[str, ErrorEstimate]:  # fmt: skip
     """Both directions at once: what they have in common is computed once."""
     system, full = models
@@ -111,16 +123,19 @@ def _of_branches(
     amplitude = case.amplitude_of(name, 2 * np.pi * response.frequency)
     points = np.concatenate([looked_at(part) for part in parts.values()])
     drift = gap_drift(case.scene_of(name), 2 * np.pi * response.frequency)
-    whole = estimate_error(response, system, full, amplitude, case.sweep.output, states, points, drift)
+    whole = estimate_error(response, system, full, amplitude, case.sweep.output, states, points, drift, work)
     ends = np.cumsum([len(part) for part in parts.values()])[:-1]
     pieces = {field.name: np.split(getattr(whole, field.name), ends) for field in fields(ErrorEstimate)}
     return {way: ErrorEstimate(**{name: pieces[name][i] for name in pieces}) for i, way in enumerate(parts)}
 
 
 def _of_own_motions(
-    case: Case, full: ImpactSystem, made: Mapping[str, FidelityEstimate], branches: Mapping[str, Branches]
+    case: Case, full: ImpactSystem, made: Mapping[str, FidelityEstimate], branches: Mapping[str, Branches], left: float
 ) -> dict[str, FidelityEstimate]:
-    """Estimates of one scene's fidelities, without the points at which its full model makes another motion."""
+    """Estimates of one scene's fidelities, without the points at which its full model makes another motion.
+
+    Its sweep may take the work ``left``.
+    """
     plain = not unsuited(full)
     expected = {
         name: {
@@ -134,7 +149,9 @@ def _of_own_motions(
     whole = next((n for n, each in made.items() if each.whole and case.fidelities[n].solver == "flight"), None)
     if whole is None:
         ways = [way for way, _ in branches[next(iter(expected))].items()]
-        flown = _flown(case, next(iter(expected)), full, {way: [own[way] for own in expected.values()] for way in ways})
+        flown = _flown(
+            case, next(iter(expected)), full, {way: [own[way] for own in expected.values()] for way in ways}, left
+        )
     else:
         flown = {way: Motion.of(response) for way, response in branches[whole].items()}
     if not flown:
@@ -150,10 +167,9 @@ def _of_own_motions(
     }
 
 
-BUDGET = 2e7  # evaluations of the contact × modes that the full model's sweep may cost: some seconds
-
-
-def _flown(case: Case, name: str, full: ImpactSystem, expected: Mapping[str, Sequence[Motion]]) -> Mapping[str, Motion]:
+def _flown(
+    case: Case, name: str, full: ImpactSystem, expected: Mapping[str, Sequence[Motion]], left: float
+) -> Mapping[str, Motion]:
     """Motions of the full model of a fidelity's scene by direction, wherever some are expected.
 
     Empty where the sweep costs too much, or the gap changes along it.
@@ -162,10 +178,14 @@ def _flown(case: Case, name: str, full: ImpactSystem, expected: Mapping[str, Seq
         return {way: several[0] for way, several in expected.items()}
     omega = np.sort(2 * np.pi * case.sweep.frequency)
     base = np.broadcast_to(np.asarray(case.amplitude_of(name, omega), dtype=float), omega.shape)
-    sweep, middle = FullSweep(full, float(omega[0]), case.sweep.settle, case.sweep.output), len(omega) // 2
-    points = len(omega) * len(expected)
+    limited = bool(unsuited(full))
+    work, middle, points = CountedWork(left if limited else float("inf")), len(omega) // 2, len(omega) * len(expected)
+    sweep = FullSweep(full, float(omega[0]), case.sweep.settle, case.sweep.output, work)
     drifts = gap_drift(case.scene_of(name), omega) is not None
-    if drifts or (unsuited(full) and sweep.work(omega[middle], float(base[middle]), points) > BUDGET):
+    if drifts or (limited and sweep.work(omega[middle], float(base[middle]), points) > left / SWEPT):
         return {}
     legs = {way: slice(None) if way == "up" else slice(None, None, -1) for way in expected}
-    return {way: sweep.branch(omega[leg], base[leg], expected[way]) for way, leg in legs.items()}
+    try:
+        return {way: sweep.branch(omega[leg], base[leg], expected[way]) for way, leg in legs.items()}
+    except TooDear:
+        return {}

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vibeam.system.number_text import percent
 from vibeam.system.quantities import CodedEnum
+from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, ValueRecord
 
 
@@ -31,10 +32,12 @@ class Basis(CodedEnum):
     ANOTHER = "the full model makes another motion"
     REACHED = "along the orbit that the full model comes to from this motion"
     LEFT_OUT = "not computed: between points whose orbits are"
+    DEAR = "not computed: flights of the full model take too long"
 
 
 KNOWN = (Basis.ORBIT, Basis.REACHED, Basis.FREE)  # those with an estimate
-WITHOUT_IMPACTS = (Basis.FREE, Basis.FAILED, Basis.LEFT_OUT)  # neither model is known to touch the stop
+NOT_COMPUTED = (Basis.LEFT_OUT, Basis.DEAR)
+WITHOUT_IMPACTS = (Basis.FREE, Basis.FAILED, *NOT_COMPUTED)  # neither model is known to touch the stop
 
 
 QUANTITIES = ("amplitude", "reach", "impact_velocity")
@@ -168,7 +171,7 @@ def summary(name: str, found: FidelityEstimate) -> EstimateSummary:
     worst, rms = NAN, NAN
     if len(bounds) and len(bounds) >= LEAST * total:
         worst, rms = float(bounds.max()), float(np.sqrt(np.mean(bounds**2)))
-    left_out = sum(int(np.count_nonzero(part.basis == Basis.LEFT_OUT.code)) for part in parts)
+    left_out = sum(int(np.count_nonzero(np.isin(part.basis, [each.code for each in NOT_COMPUTED]))) for part in parts)
     return EstimateSummary(
         name, found.modes, worst, rms, len(bounds), total, unknown, found.why, found.cpu_seconds, left_out, found.swept
     )  # fmt: skip
@@ -203,10 +206,13 @@ def _of_cost(rows: Sequence[EstimateSummary]) -> Iterator[str]:
     """Sentences on estimates that took flights of the full model: at which points, for how long, and not swept."""
     few = [row for row in rows if row.left_out]
     if few:
-        names, seconds = ", ".join(row.fidelity for row in few), sum(row.cpu_seconds for row in few)
+        seconds, modes = sum(row.cpu_seconds for row in few), " or ".join(map(str, sorted({row.modes for row in few})))
+        at = ", ".join(
+            f"{row.fidelity} at {counted(row.total, 'point')} ({row.left_out} others not computed)" for row in few
+        )
         yield (
-            f"{names}: by orbits of the full model ({few[0].modes} modes) at frequencies evenly spread and around the "
-            f"peak, {seconds:.2g} s of CPU time"
+            f"{COLUMN} by orbits of the full model ({modes} modes), the peak first, then evenly spread: {at}; "
+            f"{seconds:.2g} s of CPU time"
         )
     if unswept := [row.fidelity for row in rows if not row.swept]:
         yield (
