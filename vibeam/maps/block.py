@@ -41,6 +41,7 @@ Source = Literal["flown", "judged", "orbits"]
 CODES = ("period", "ended", "resting", "kind", "admissible", "stable")
 DTYPES: Mapping[str, type] = dict.fromkeys(CODES, np.int16)
 SWEPT = ("period", "ended", "state", "resting", "cpu_seconds")  # read of sweeps that are judged, beside a quantity
+LED = 12  # lines on each side by which motions are led to the first line of a block, about
 LEAST = 20  # drive periods of the mean of a Lyapunov exponent
 
 QUANTITIES = (
@@ -116,7 +117,7 @@ def evaluate_block(block: Block, threads: int | None = None) -> Values:
     lines = np.arange(block.first, block.last)
     points = grid_points(grid.model, grid.axes, grid.frequency, lines)
     if grid.motions == "orbits":
-        return _orbits(grid, points)
+        return _orbits(grid, points, block.first)
     if grid.motions == "judged":
         swept = _carried(replace(grid, quantities=(grid.quantities[0], *SWEPT)), points, threads)
         return judged(points, swept, grid.quantities[0], grid.hold, grid.output)
@@ -141,14 +142,14 @@ def _carried(grid: Grid, points: GridPoints, threads: int | None) -> Values:
     }
 
 
-def _orbits(grid: Grid, points: GridPoints) -> Values:
+def _orbits(grid: Grid, points: GridPoints, first: int) -> Values:
     """Motions with one impact, the harder and the softer, of each system with its restitution.
 
     By shooting, line by line, for systems that no closed form knows.
     """
     shape = points.omega.shape
     found = {name: np.empty((*shape, 2), DTYPES.get(name, float)) for name in grid.quantities}
-    reads = _shot(grid, points) if any(each.beyond_plain for each in points.systems) else _closed(grid, points)
+    reads = _shot(grid, points, first) if any(each.beyond_plain for each in points.systems) else _closed(grid, points)
     for part, read in reads:
         for name, values in zip(grid.quantities, read, strict=True):
             found[name][part] = values
@@ -163,16 +164,35 @@ def _closed(grid: Grid, points: GridPoints) -> Iterator[tuple[Any, Sequence[Arra
         yield mine, orbit_points(system, grid.periods, points.omega[mine], points.amplitude[mine], points.gap[mine])
 
 
-def _shot(grid: Grid, points: GridPoints) -> Iterator[tuple[Any, Sequence[Array | Flags]]]:
-    """Lines in turn, each begun from the motions of the one before."""
-    before: list[list[Orbit]] = []
-    for row, (omega, amplitude) in enumerate(zip(points.omega, points.amplitude, strict=True)):
-        system = points.system_at(row * len(omega))
-        drive = partial(_interpolated, omega, amplitude)
-        shot = ShotLine(FollowedLine(system, drive, float(omega[0]), float(omega[-1]), grid.periods), omega)
+def _shot(grid: Grid, points: GridPoints, first: int) -> Iterator[tuple[Any, Sequence[Array | Flags]]]:
+    """Lines in turn, each begun from the motions of the one before, the first from those that others lead to."""
+    columns = points.omega.shape[1]
+    before: list[list[Orbit]] = [[] for _ in range(columns)]
+    at = np.unique([columns // 6, columns // 2, columns - 1 - columns // 6])
+    for way in range(first), range(grid.lines - 1, first, -1):
+        for column, motions in zip(at, _led(grid, way[:: 1 + len(way) // LED], at), strict=True):
+            before[column] += motions
+    for row in range(len(points.omega)):
+        shot = _line(grid, points, row, np.arange(columns))
         shot.fill(before)
         before = shot.motions
         yield row, shot.points()
+
+
+def _led(grid: Grid, lines: Sequence[int], columns: Any) -> list[list[Orbit]]:
+    """Motions in some columns of the last of some lines, each line begun from the one before."""
+    before: list[list[Orbit]] = [[] for _ in columns]
+    for each in lines:
+        line = _line(grid, grid_points(grid.model, grid.axes, grid.frequency, np.array([each])), 0, columns)
+        line.fill(before, searches=0 if any(before) else 1)
+        before = line.motions if any(line.motions) else before
+    return before
+
+
+def _line(grid: Grid, points: GridPoints, row: int, columns: Any) -> ShotLine:
+    omega, system = points.omega[row], points.system_at(row * points.omega.shape[1])
+    drive = partial(_interpolated, omega, points.amplitude[row])
+    return ShotLine(FollowedLine(system, drive, float(omega[0]), float(omega[-1]), grid.periods), omega[columns])
 
 
 def _interpolated(omega: Array, amplitude: Array, at: float) -> float:

@@ -216,7 +216,7 @@ PERIOD = 1.5e-6  # s that a drive period of one mode takes, about
 POINT, CALL, TIMES = 4e-5, 1e-3, 4  # s that a point takes beside its periods, and a call of the batch, about; ratio
 MOST_CARRIED = 1_000_000  # points of a block whose lines take steps together
 TOGETHER = 8  # lines of a block at most of a picture whose motions are judged: those that stand in lanes together
-SHOT = 2  # lines of a block whose motions are shot at
+SHOT = 4  # lines of a block whose motions are shot at
 LEAST, MOST = 256, 50_000  # points of a block
 FILES = 20_000  # blocks of a map, about: of larger maps each is longer, so that one client can hand them all out
 

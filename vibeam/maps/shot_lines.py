@@ -23,7 +23,6 @@ from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam_models.arrays import Array
 
 SEARCHES = 3  # of a line
-STRETCH = 0.1  # share of a line without motions below which none are looked for there
 KEPT = 2  # motions of a point
 TRIES = 12  # steps in frequency from a point to the next, at most
 NEWTON = 8  # steps from a neighbour's motion: one that takes more has gone elsewhere
@@ -44,14 +43,17 @@ class ShotLine:
     def __post_init__(self) -> None:
         self.motions = [[] for _ in self.omega]
 
-    def fill(self, before: Sequence[Sequence[Orbit]]) -> None:
-        """Find the motions of all points; ``before``: those of another line near this, point by point, or none."""
+    def fill(self, before: Sequence[Sequence[Orbit]], searches: int = SEARCHES) -> None:
+        """Find the motions of all points; ``before``: those of another line near this, point by point, or none.
+
+        ``searches``: how often motions are looked for at most.
+        """
         points = range(len(self.omega))
         for at in points:
             self._lead([*(self.motions[at - 1] if at else []), *(before[at] if before else [])], at)
         self._spread(points[::-1])
         looked: set[int] = set()
-        for _ in range(SEARCHES):
+        for _ in range(searches):
             middle = self._empty_middle(looked)
             if middle is None:
                 return
@@ -116,10 +118,10 @@ class ShotLine:
             self.motions[at] = sorted(every[:KEPT], key=lambda each: -each.velocity)
 
     def _empty_middle(self, looked: set[int]) -> int | None:
-        """Middle of the longest stretch without motions and not yet looked at; None where all are short."""
+        """Middle of the longest stretch without motions and not yet looked at; None without one."""
         ends = [-1, *(at for at, each in enumerate(self.motions) if each or at in looked), len(self.motions)]
         first, last = max(pairwise(ends), key=lambda each: each[1] - each[0])
-        return (first + last) // 2 if last - first - 1 > STRETCH * len(self.motions) else None
+        return (first + last) // 2 if last - first > 1 else None
 
     def points(self) -> tuple[Array, Array, Array]:
         """Velocity, admissible and stable (points, 2) of the motions."""

@@ -115,3 +115,18 @@ def test_a_stability_map_of_a_stop_that_yields(tmp_path: Path) -> None:
             assert np.min(abs(stable / flown.impact_velocity[0] - 1)) < 1e-6
             seen += 1
     assert seen
+
+
+def test_a_block_is_begun_from_motions_that_other_lines_lead_to(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "soft.toml").write_text(SOFT)
+    case = vibeam.load(tmp_path / "soft.toml")
+    found = vibeam.orbits
+
+    def at_small_gaps(system: vibeam.ImpactSystem, drive: vibeam.Drive, periods: int) -> tuple[vibeam.Orbit, ...]:
+        return found(system, drive, periods) if system.gap < 1e-4 else ()
+
+    monkeypatch.setattr("vibeam.maps.shot_lines.orbits", at_small_gaps)
+    (one,) = vibeam.stability(case, low=0.0, high=4e-4, points=9, frequencies=3).maps
+    assert np.isfinite(one.velocity[0, -1]).all()  # in the third block of four lines
