@@ -158,7 +158,8 @@ def test_a_law_without_one_coefficient_leaves_no_choice() -> None:
     assert headline(found) == 'Held in every fidelity: contact law "linear".'
     assert list(settled(found)) == [
         headline(found),
-        'beam: distance from its own limit not estimated (no closed-form motions with the contact law "linear"): '
+        "beam: distance from its own limit not estimated (its limit is computed in closed form alone, "
+        'not with the contact law "linear"): '
         "compare it with more modes",
     ]
 
@@ -209,4 +210,4 @@ def test_a_law_is_called_by_the_name_that_the_case_has() -> None:
     model = held_comparison.ComparedModel("beam", case.scene, case.system("beam"), np.ones(1), np.ones(1), "sensor")
     other = replace(model, name="other")
     said = held_comparison.held_comparison(model, [other]).limit.why
-    assert said == 'no closed-form motions with the contact law "hunt-crossley"'
+    assert said == 'its limit is computed in closed form alone, not with the contact law "hunt-crossley"'

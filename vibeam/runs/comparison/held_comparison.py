@@ -80,7 +80,8 @@ def _excluded(model: ComparedModel) -> str:
     if model.scene.given_mode is not None:
         return "a single degree of freedom given directly has no more modes"
     if model.system.beyond_plain:
-        return f"no closed-form motions with {_as_written(model, ' or '.join(model.system.beyond_plain))}"
+        features = _as_written(model, " or ".join(model.system.beyond_plain))
+        return f"its limit is computed in closed form alone, not with {features}"
     return model.why
 
 
