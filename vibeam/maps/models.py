@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
 
 MOST = 101, 161  # usual points of a stability map: of another key, and of the frequency
-CELL, MODE = 5e-3, 3e-3  # s of CPU time of a point whose motions are shot at, about, and for each mode
+CELL, MODE = 10e-3, 4e-3  # s of CPU time of a point whose motions are shot at, about, and for each mode
 SECONDS = 300.0  # of CPU time of a map by shooting, about, that says no number of points
 
 

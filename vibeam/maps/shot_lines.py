@@ -8,7 +8,7 @@ stretch without any, a few times a line.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
@@ -20,11 +20,12 @@ from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.shooting import shoot
 from vibeam.periodic.stroboscopic import StroboscopicMap
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 
 SEARCHES = 3  # of a line
 KEPT = 2  # motions of a point
-TRIES = 12  # steps in frequency from a point to the next, at most
+TRIES = 12  # steps from a point to the next, at most
 NEWTON = 8  # steps from a neighbour's motion: one that takes more has gone elsewhere
 
 
@@ -77,25 +78,33 @@ class ShotLine:
                 self._add(found, at)
 
     def _carried(self, orbit: Orbit, goal: float) -> Orbit | None:
-        """The motion at a frequency that an orbit leads to, in shorter steps where Newton's method needs them."""
-        step = goal - orbit.drive.omega
+        """The motion at a frequency that an orbit leads to, in shorter steps where Newton's method needs them.
+
+        Frequency, drive and gap go on together from those of the orbit.
+        """
+        system, drive = self.line.setting(goal)
+        begin, gap, done, step = orbit.drive, orbit.system.gap, 0.0, 1.0
         for _ in range(TRIES):
-            left = goal - orbit.drive.omega
-            last = abs(step) >= abs(left)
-            found = self._shot(orbit, goal if last else orbit.drive.omega + step)
+            share = min(done + step, 1.0)
+            if share == 1.0:
+                there, driven = system, drive
+            else:
+                there = system if gap == system.gap else replace(system, gap=gap + share * (system.gap - gap))
+                omega = begin.omega + share * (goal - begin.omega)
+                driven = Drive(omega, begin.amplitude + share * (drive.amplitude - begin.amplitude))
+            found = self._shot(orbit, there, driven)
             if found is None:
                 step /= 4
-            elif last:
+            elif share == 1.0:
                 return found
             else:
-                orbit, step = found, 2 * step
+                orbit, done, step = found, share, 2 * step
         return None
 
-    def _shot(self, start: Orbit, omega: float) -> Orbit | None:
-        """The motion with contacts at a frequency near another, at the same phase of the drive; None without one."""
+    def _shot(self, start: Orbit, system: ImpactSystem, drive: Drive) -> Orbit | None:
+        """The motion with contacts near another, at the same phase of the drive; None without one."""
         pause()
-        system, drive = self.line.setting(omega)
-        time = start.time * start.drive.omega / omega
+        time = start.time * start.drive.omega / drive.omega
         section = StroboscopicMap(system, drive, time, runner=self.runners.of(system, drive))
         try:
             found = shoot(section, start.state, self.line.periods, NEWTON)
