@@ -2,22 +2,18 @@
 
 At one frequency: Q*, the least stable reach at the fidelity's gap, or Δ_MAX, the largest gap, loose or tight, at its
 drive. The exact ones are folds of the orbit with one impact a drive period: Q* its reach where it folds as the drive
-grows weaker, Δ_MAX the gap at which it folds. Where no closed form knows the model a few of its motions are followed
-there, so many steps: folds that these do not come to are not found.
+grows weaker, Δ_MAX the gap at which it folds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary, boundaries
-from vibeam.periodic.follow import Branch, follow
-from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import orbits
 from vibeam.solvers.averaging import slow_flow
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -28,8 +24,6 @@ if TYPE_CHECKING:
 
 Options = Mapping[str, str | float]
 BESIDE = 1e-6  # step off a fold, as a share of the drive: the mean of both roots there is its reach
-SAME = 1e-6  # share of the impact velocity within which two motions are one
-MOST, LONGEST = 2, 150  # motions that are followed at one frequency, and steps of each
 STRONGER = 1e3  # upper end of the search for the weakest drive with orbits, in multiples of the case's drive
 
 
@@ -55,10 +49,7 @@ def _averaged(system: ImpactSystem, amplitudes: Array, omegas: Array, quantity: 
 
 def _exact(system: ImpactSystem, amplitudes: Array, omegas: Array, quantity: str, options: Options) -> Array:
     periods = int(str(options.get("periods", 1)))
-    if system.beyond_plain:
-        limit = _followed_gap if quantity == "largest_gap" else _followed_reach
-    else:
-        limit = _gap_at_fold if quantity == "largest_gap" else _reach_at_fold
+    limit = _gap_at_fold if quantity == "largest_gap" else _reach_at_fold
     drives = zip(amplitudes, omegas, strict=True)
     return np.array([limit(system, float(amplitude), float(omega), periods) for amplitude, omega in drives])
 
@@ -81,46 +72,3 @@ def _reach_at_fold(system: ImpactSystem, amplitude: float, omega: float, periods
 def _reach(system: ImpactSystem, fold: Boundary, omega: float) -> float:
     found = orbits(system, Drive(omega, fold.amplitude * (1 + BESIDE)), fold.periods)
     return float(np.mean([orbit.reach for orbit in found])) if len(found) == 2 else float("nan")
-
-
-def _followed_gap(system: ImpactSystem, amplitude: float, omega: float, periods: int) -> float:
-    """The same by following motions along the gap, that of a second stop at the same distance with it."""
-    both = system.second_gap is not None and system.second_gap == system.gap
-    drive, far = Drive(omega, amplitude), 100 * amplitude * float(np.abs(system.contact @ system.load))
-
-    def setting(gap: float) -> tuple[ImpactSystem, Drive]:
-        return replace(system, gap=gap, second_gap=gap if both else system.second_gap), drive
-
-    least, branches = 0.0 if both else -far, list[Branch]()
-    for orbit in _struck(system, drive, periods)[:MOST]:
-        known = (other.velocity for branch in branches for other in branch.at(system.gap))
-        if any(abs(velocity - orbit.velocity) <= SAME * orbit.velocity for velocity in known):
-            continue
-        ways = ((far, least), (least, far))
-        at = system.gap
-        branches += [follow(orbit, setting, to, value=at, behind=behind, longest=LONGEST) for to, behind in ways]
-    folds = [abs(met.value) for each in branches for met in each.boundaries if met.kind is Kind.FOLD]
-    return max(folds, default=float("nan"))
-
-
-def _followed_reach(system: ImpactSystem, amplitude: float, omega: float, periods: int) -> float:
-    """The same by following motions to weaker drives."""
-    for stronger in (1.0, 10.0, 100.0):
-        drive = Drive(omega, stronger * amplitude)
-        folds = [
-            met
-            for orbit in _struck(system, drive, periods)[:MOST]
-            for met in follow(orbit, "amplitude", 1e-4 * drive.amplitude, longest=LONGEST).boundaries
-            if met.kind is Kind.FOLD
-        ]
-        if folds:
-            return min(folds, key=lambda met: met.value).orbit.reach
-    return float("nan")
-
-
-def _struck(system: ImpactSystem, drive: Drive, periods: int) -> list[Orbit]:
-    """Motions with contacts, none at a resonance of an undamped mode."""
-    try:
-        return [orbit for orbit in orbits(system, drive, periods) if len(orbit.times)]
-    except ValueError:
-        return []

@@ -15,7 +15,6 @@ from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
 from vibeam.figures import FIGURES
-from vibeam.figures.kinds import boundaries
 from vibeam.figures.kinds.boundaries import limits
 from vibeam.report.figures import figure, write_shown
 from vibeam.runs.store.file import read
@@ -186,11 +185,12 @@ def test_wrong_tables_are_told(lines: str, fault: str) -> None:
     assert [str(each).split(": ", 1)[1] for each in caught.value.faults] == [f"show.it.{fault}"]
 
 
-def test_existence_limits_are_known_for_every_law() -> None:
+def test_a_figure_refuses_a_system_that_its_closed_forms_do_not_know() -> None:
     linear = 'law = "linear"\nstiffness = 100.0\nrestitution = 0.9'
-    case = parse(case_of(EVERY[4]).text.replace("restitution = 0.9", linear))
-    assert boundaries.refusal(case, "flight", case.system("flight")) == ""
-    assert not vibeam.run(case_of(EVERY[4])).shown["gaps"][0].fault
+    made = [parse(case_of(EVERY[4]).text.replace("restitution = 0.9", linear)), case_of(EVERY[4])]
+    with pytest.raises(CaseError, match=r"case\.toml:\d+: show\.gaps\.fidelities: flight: no closed form"):
+        vibeam.run(made[0])
+    assert not vibeam.run(made[1]).shown["gaps"][0].fault
 
 
 @pytest.mark.parametrize("group", ["show", "comparison", "models"])

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
+CURE = "name other fidelities, or omit the table; vibeam.follow follows a motion along the gap or the drive"
 CALLED = {"least_stable_reach": "least stable reach Q* of the contact", "largest_gap": "largest |gap| Δ_MAX"}
 
 
@@ -41,8 +42,10 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def refusal(case: Case, fidelity: str, system: ImpactSystem) -> str:
     """Why a fidelity of this ``system`` has no such limit at all; empty where it may have one."""
-    if case.fidelities[fidelity].solver == "averaging" or system.beyond_plain:
+    if case.fidelities[fidelity].solver == "averaging":
         return ""
+    if system.beyond_plain:
+        return f"no closed form of the folds knows {' or '.join(system.beyond_plain)}: {CURE}"
     return fault(system)
 
 
