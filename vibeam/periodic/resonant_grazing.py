@@ -36,7 +36,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.modal_sums import Sums, sums
+from vibeam.periodic.modal_sums import Sums, offsets, sums
+from vibeam.periodic.multipliers import real_crossing
 from vibeam.periodic.orbit_curve import checked
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, ValueRecord
@@ -79,7 +80,7 @@ def resonant_grazing(system: ImpactSystem, omega: tuple[float, float], periods: 
     ['FOLD', 'DOUBLING']
     """
     span = checked(system, omega, periods)
-    _ = _clear(system)
+    _clear(system)
     grid = np.linspace(float(span[0]), float(span[-1]), PLACES)
     found = [
         _unfolded(system, kind, place, periods)
@@ -124,7 +125,7 @@ def boundary_drives(system: ImpactSystem, omega: ArrayLike, periods: int = 1) ->
     Errors as in ``resonant_grazing``. Whether a motion stays clear of the stop between its impacts is not asked.
     """
     grid = checked(system, omega, periods)
-    _ = _clear(system)
+    _clear(system)
     total = sums(system, grid, periods)
     rows = []
     for share in (_fold, _doubling):
@@ -138,7 +139,7 @@ def _clear(system: ImpactSystem) -> float:
     """Gap less the static contact displacement, m."""
     if np.any((system.omega == 0) & (system.contact != 0)):
         raise ValueError("omega: a mode without stiffness has no free motion that grazes")
-    clear = float(system.gap - system.contact @ (system.static / np.where(system.omega > 0, system.omega, 1.0) ** 2))
+    clear = float(system.gap - system.contact @ offsets(system))
     if clear <= 0:
         raise ValueError("gap: the contact rests on the stop, so that no free motion grazes it")
     return clear
@@ -156,9 +157,8 @@ def _fold(system: ImpactSystem, total: Sums) -> Array:
 
 def _doubling(system: ImpactSystem, total: Sums) -> Array:
     """The same at the doubling."""
-    s, side = (1 + system.restitution) / system.mobility, total.minus
-    still = (1 - s * side.k11) * (1 + s * side.t22) + s * s * side.t12 * side.k21
-    lean, square = s * s * side.t12, total.omega**2
+    still = real_crossing(system, total.minus, np.zeros(len(total.omega)))
+    lean, square = ((1 + system.restitution) / system.mobility) ** 2 * total.minus.t12, total.omega**2
     return np.array([lean * square, still + lean * (square * total.g0 + total.g2)])
 
 

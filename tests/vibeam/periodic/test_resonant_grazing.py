@@ -28,6 +28,12 @@ def coefficients(zeta: float, restitution: float, k: int) -> tuple[float, float,
     return 2 * pi / span, -(first**2) / 2, second**2 * (1 + ((1 + restitution * e) / (1 - restitution * e)) ** 2 / 2)
 
 
+def grazing(system: vibeam.ImpactSystem, omega: float) -> float:
+    """Drive at which the free motion grazes, by the phasors of the modes."""
+    share = omega**2 / (system.omega**2 - omega**2 + 2j * system.zeta * system.omega * omega)
+    return system.gap / float(abs(system.contact @ (system.load * share)))
+
+
 def monodromy(system: vibeam.ImpactSystem, omega: float, lean: float) -> np.ndarray:
     """Flight over one period after an impact with a/v = ``lean``, by matrix exponentials."""
     from scipy.linalg import expm
@@ -68,13 +74,11 @@ def test_both_curves_leave_the_grazing_curve_quadratically() -> None:
 def test_both_curves_are_boundaries_found_by_bracketing(system: vibeam.ImpactSystem) -> None:
     omega, compared = 2.05, 0
     fold, doubling = (float(each[0]) for each in boundary_drives(system, omega))
-    grazing = system.gap / float(abs(system.contact @ (system.load * omega**2 / (
-        system.omega**2 - omega**2 + 2j * system.zeta * system.omega * omega
-    ))))  # fmt: skip
+    touching = grazing(system, omega)
     for kind, drive in ((vibeam.Kind.FOLD, fold), (vibeam.Kind.DOUBLING, doubling)):
         if np.isfinite(drive):
-            found = vibeam.boundaries(system, (0.5 * grazing, 1.5 * grazing), omega, kinds=(kind,))
-            assert min(abs(each.amplitude / (drive * grazing) - 1) for each in found) < 1e-12
+            found = vibeam.boundaries(system, (0.5 * touching, 1.5 * touching), omega, kinds=(kind,))
+            assert min(abs(each.amplitude / (drive * touching) - 1) for each in found) < 1e-12
             compared += 1
     assert compared
 
@@ -83,10 +87,7 @@ def test_both_curves_are_boundaries_found_by_bracketing(system: vibeam.ImpactSys
 def test_the_doubling_has_a_multiplier_of_minus_one(system: vibeam.ImpactSystem) -> None:
     (doubling,) = (each for each in vibeam.resonant_grazing(system, (1.9, 2.05)) if each.kind is vibeam.Kind.DOUBLING)
     omega = doubling.omega + 0.05 * doubling.side
-    drive = float(boundary_drives(system, omega)[1][0]) * system.gap
-    drive /= float(abs(system.contact @ (system.load * omega**2 / (
-        system.omega**2 - omega**2 + 2j * system.zeta * system.omega * omega
-    ))))  # fmt: skip
+    drive = float(boundary_drives(system, omega)[1][0]) * grazing(system, omega)
     orbits = vibeam.orbits(system, vibeam.Drive(omega, drive))
     off = [np.abs(each.multipliers + 1).min() for each in orbits]
     assert min(off) < 1e-9

@@ -38,10 +38,8 @@ SETTLED = 1e-3  # largest relative difference between a point and its exact orbi
 ALIKE = 1e-6  # the same of two points of one frequency that are on one motion
 POINTS = 13  # frequencies of a direction, evenly spread, beside those around the peak
 FLOWN = 64  # drive periods of the fuller model where Newton's method leads nowhere
-CONTRACTS, SMALL = (
-    0.5,
-    1e-4,
-)  # share of the first correction that the second is at most, and one that leads nowhere else
+CONTRACTS = 0.5  # share of the first correction that the second is at most
+SMALL = 1e-4  # correction that leads to no other motion
 SETTLE, HOLD = 300, 32  # drive periods flown to an orbit that nothing is known of, and watched
 LEAST_MODES, LASTS = 16, 14.0  # lower modes at least, and nepers a period by which all others decay
 KEPT = 4  # steps of Newton's method with one Jacobian of the lower modes
