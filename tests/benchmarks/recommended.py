@@ -74,7 +74,7 @@ def grid(case: Case, points: int) -> Row:
 def alone(case: Case) -> Case:
     """The case with the added fidelities alone, and nothing to check or draw."""
     kept = {name: each for name, each in case.fidelities.items() if name.startswith("r_")}
-    return replace(case, fidelities=kept, references={}, expectations={}, measured={}, shows={}, accuracy=None)
+    return replace(case, fidelities=kept, references={}, expectations={}, measured={}, shows={})
 
 
 def branch(branches: Any) -> FrequencyResponse:

@@ -60,7 +60,6 @@ DISTURBED = {
     "points": SETTLED,
     "curves": BEAM + FORMULA + SHOWN,
     "steps": BEAM + STEPPED + SHOWN + SAMPLED,
-    "accuracy": 'accuracy = "10 %"\n' + BEAM,
 }
 
 DESCRIPTIONS = ("long_name", "units", "flag_meanings", "flag_values", "meaning", "NAME", "CLASS")  # of no use to vibeam

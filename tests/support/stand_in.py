@@ -126,7 +126,6 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "expectations": {},
         "measured": {},
         "shows": {},
-        "accuracy": None,
         "figure": FigurePlan(),
         "system": systems.__getitem__,
         "scene_of": lambda name: SdofScene(48.0, 0.02, 1e-4, 1.0, 1e-3),

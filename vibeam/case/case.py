@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.plans import AccuracyPlan, FigurePlan, Reference, SweepPlan
+from vibeam.case.plans import FigurePlan, Reference, SweepPlan
 from vibeam.case.study_plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.exchange.faults import CaseError, Complaint, Fault
 from vibeam.system.labelled import Viewed
@@ -97,7 +97,6 @@ class Case(Viewed):
     figure: FigurePlan = field(default_factory=FigurePlan)
     chain: Chain | None = None
     chains: Mapping[str, Chain | None] = field(default_factory=dict)
-    accuracy: AccuracyPlan | None = None
     maps: Mapping[str, MapPlan] = field(default_factory=dict)
     uncertain: tuple[Uncertain, ...] = ()
     fit: FitPlan | None = None

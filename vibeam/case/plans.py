@@ -158,14 +158,6 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class AccuracyPlan:
-    """Plan of ``accuracy``: relative error ``within`` of the ``quantities`` against the full model."""
-
-    within: float
-    quantities: tuple[str, ...] = ("amplitude",)
-
-
-@dataclass(frozen=True)
 class FigurePlan:
     """Plan of the figure files: endings, ``width`` in m (None: by the number of panels), whether with a title."""
 

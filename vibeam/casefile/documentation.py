@@ -76,7 +76,7 @@ def _marked(row: KeyRow, kind: str) -> KeyRow:
 def tables_of() -> list[TableRow]:
     """The tables of a case, each with its meaning in a few words; those of studies together, at the end."""
     counts = Counter(_place(row.table)[:1] for row in reference_table())
-    top, meanings = "above all tables", {"": "title, source, units, accuracy; what is uncertain"}
+    top, meanings = "above all tables", {"": "title, source, units; what is uncertain"}
     declared = {name: field for kind in KINDS.values() for name, field in fields_of(kind.declaration()).items()}
     for name, table in ((name, table_of(field)) for name, field in declared.items()):
         words = " ".join((table.__doc__ or "").split()).removeprefix("Effect: ").rstrip(".") if table else ""

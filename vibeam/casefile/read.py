@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import Case
-from vibeam.case.plans import AccuracyPlan, Direction, FigurePlan, Reference, ShowPlan, SweepPlan
+from vibeam.case.plans import Direction, FigurePlan, Reference, ShowPlan, SweepPlan
 from vibeam.case.study_plans import STUDY_PLANS, CostPlan, InfluencePlan
 from vibeam.casefile.checks import checked
 from vibeam.casefile.keys import CaseKeys
@@ -99,19 +99,12 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
         figure=plan_of(FigurePlan, declared.figure),
         chain=_chain(declared),
         chains={name: _chain(other) for name, other in changed.items()},
-        accuracy=_accuracy(declared),
         maps=map_plans(declared, sweep),
         uncertain=uncertain_inputs(declared),
         fit=fit_plan(declared),
         keys=CaseKeys(declared, changed, file, case_of),
         locate=place.fault,
     )
-
-
-def without_accuracy(case: Case) -> Case:
-    """Same case without its ``accuracy``: every fidelity at every frequency."""
-    said = [key for key in ("accuracy", "accuracy_of") if case.keys.value(key) is not None]
-    return case.with_keys(dict.fromkeys(said)) if said else case
 
 
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
@@ -143,12 +136,6 @@ def _keys(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[s
         name: digest(_shared(changed.get(name, case), folder, case.sweep), content(table, "numbers", without=APPLIED))
         for name, table in case.fidelity.items()
     }
-
-
-def _accuracy(case: AnyCase) -> AccuracyPlan | None:
-    if case.accuracy is None:
-        return None
-    return AccuracyPlan(case.accuracy, case.accuracy_of or AccuracyPlan.quantities)
 
 
 def _sweep(table: Any) -> SweepPlan:

@@ -45,12 +45,11 @@ FIGURES = Registry(
         one_harmonic=True,
     ),
     _own("section", "one point a drive period", FREQUENCY, MOTION),
-    _own("curve", "another quantity over frequency", ("quantity",), swept=True),
+    _own("curve", "another quantity over frequency", ("quantity",)),
     _own(
         "boundaries",
         "averaging's limits beside the exact ones",
         ("quantity",),
-        swept=True,
         one_harmonic=True,
         refuses=True,
     ),

@@ -23,8 +23,7 @@ class FigureKind:
     [measured.NAME] compare with a number, and their units (q, q/s: of the output and its rate), ``entries``: the column
     by which one of them is chosen (none: their mean is meant). ``exact``:
     True where the motion must be exact between events. ``derivatives``: it shows outputs that are velocities or
-    accelerations too. ``transient``: True where no settled motion will do. ``swept``: True where it is drawn of each
-    fidelity's own sweep; with an accuracy those beyond the one chosen have none.
+    accelerations too. ``transient``: True where no settled motion will do.
     ``one_harmonic``: True where it knows a drive of one harmonic alone. ``ending``: of the file that it has in place of
     a picture; its module then has ``write(path, sheets, mark)`` in place of ``draw``. ``of_beam``: True where it shows
     the beam itself. ``refuses``: True where it cannot show all systems:
@@ -44,7 +43,6 @@ class FigureKind:
     entries: str = ""
     exact: bool = False
     transient: bool = False
-    swept: bool = False
     derivatives: bool = False
     one_harmonic: bool = False
     ending: str = ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,8 +16,6 @@ from vibeam.system.response import Branches, FrequencyResponse
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-SPARED = "not swept, one that costs less is within the accuracy"
 
 
 def write_figures(result: Comparison, path: Path) -> list[Path]:
@@ -49,25 +46,14 @@ def write_shown(result: Comparison, path: Path, mark: str | None = None) -> list
 
 def figure(result: Comparison, plan: ShowPlan) -> Figure:
     """Figure of one table."""
-    from matplotlib.lines import Line2D
-
     from vibeam.figures.page import blank_page, legend, titled
-    from vibeam.figures.panels import name_faults, say
-    from vibeam.figures.style import name_of
+    from vibeam.figures.panels import name_faults
 
-    made, of_sweep = blank_page(_size(plan), result.case.figure), FIGURES[plan.kind].swept
-    spared = [name for name in plan.fidelities if of_sweep and name not in set(result)]
-    plan = replace(plan, fidelities=tuple(name for name in plan.fidelities if name not in spared))
-    shown = tuple(sheet for sheet in result.shown.get(plan.name, ()) if sheet.fidelity not in spared)
-    if plan.fidelities:
-        module_of(plan).draw(made, result, plan, shown)
-    else:
-        say(made.subplots(), SPARED)
+    made, shown = blank_page(_size(plan), result.case.figure), result.shown.get(plan.name, ())
+    module_of(plan).draw(made, result, plan, shown)
     held = result.held.partition("\n")[0]
     titled(made, result.case.figure, result.case.title, ", ".join(filter(None, [_caption(result.case, plan), held])))
-    handles = _handles(made) | name_faults(result.case, plan, shown)
-    handles |= {f"{name_of(result.case, name)}: {SPARED}": Line2D([], [], linestyle="") for name in spared}
-    legend(made, handles)
+    legend(made, _handles(made) | name_faults(result.case, plan, shown))
     return made
 
 

@@ -76,8 +76,6 @@ def run_answer(result: Result, accuracy: float = USUAL) -> str:
     groups = groups_of(result, rows)
     if not any(isfinite(row.peak.amplitude) for row in rows):
         return "No point was completed."
-    if result.accuracy is not None:
-        return " ".join([next(result.accuracy.sentences()), *map(_held, groups[:1])])
     if not groups:
         return f"{_apart(result, rows, accuracy)} {_fixed(held_of(result.case.scene))}"
     said = [_verdict(each, accuracy, len(groups) == 1) for each in groups]

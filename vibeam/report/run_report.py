@@ -30,11 +30,10 @@ MARK = "*"  # of a peak at which the motion does not repeat
 def run_report(result: Result, accuracy: float | None = None) -> StudySheet:
     """Report of a result; its errors are estimated and its comparisons made as far as it has them.
 
-    ``accuracy``: what suffices, None: 5 %; of a case with an accuracy its own choice is told.
+    ``accuracy``: what suffices, None: 5 %.
     """
     rows, units, estimated = compare(result), units_for(result), estimate_texts(result.estimates)
-    choice = [] if result.accuracy is None else [*result.accuracy.sentences()][1:]
-    uncertain = [*choice, *remarks(result), *_faults(rows), *_at_ends(result, rows)]
+    uncertain = [*remarks(result), *_faults(rows), *_at_ends(result, rows)]
     certain: list[str] = []
     groups = groups_of(result, rows)
     for each in result.comparisons:
@@ -55,7 +54,7 @@ def run_report(result: Result, accuracy: float | None = None) -> StudySheet:
 def _data(result: Result, rows: Sequence[Summary], estimated: EstimateTexts) -> dict[str, Any]:
     """Content of the JSON object."""
     always = {"fidelities": rows, "remarks": remarks(result), "found": result.found, "total": result.total}
-    known = {"curves": result.curves, "estimates": estimated.rows, "accuracy": result.accuracy}
+    known = {"curves": result.curves, "estimates": estimated.rows}
     return always | {"comparisons": result.comparisons} | {name: value for name, value in known.items() if value}
 
 

@@ -86,11 +86,6 @@ class PointCount:
             self.done += points
             self._progress(self.done, self.total)
 
-    def end(self) -> None:
-        """Count no points that are not needed any more."""
-        self.total = self.done
-        self._progress(self.done, self.total)
-
 
 @dataclass(frozen=True)
 class Job:

@@ -17,7 +17,6 @@ from vibeam.system.response import Branches, modes_of
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
-    from vibeam.runs.accuracy import AccuracyChoice
     from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate
     from vibeam.runs.systems import ModelProperties
@@ -43,11 +42,11 @@ def output_units(case: Case) -> OutputUnits:
 class Result(Mapping[str, Branches], LabelledData):
     """Result of a run: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
-    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: the fidelity chosen for the case's
-    accuracy; those that cost more were not swept. ``comparisons``: under both choices of the restitution held, one for
-    each finest fidelity, where the run was asked for them; ``estimates``: then also the error of each fidelity against
-    the full model of its scene, estimated along its exact orbits. ``models``: properties of the fidelities' models,
-    where they are known already. Equal to another where the case is and all numbers are, CPU times aside.
+    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``comparisons``: under both choices of the
+    restitution held, one for each finest fidelity, where the run was asked for them; ``estimates``: then also the error
+    of each fidelity against the full model of its scene, estimated along its exact orbits. ``models``: properties of
+    the fidelities' models, where they are known already. Equal to another where the case is and all numbers are, CPU
+    times aside.
 
     >>> import vibeam
     >>> case = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3})
@@ -72,7 +71,6 @@ class Result(Mapping[str, Branches], LabelledData):
         self.path = path
         self.found = found
         self.shown = dict(shown or {})
-        self.accuracy: AccuracyChoice | None = None
         self.comparisons = tuple(comparisons)
         self.estimates: dict[str, FidelityEstimate] = {}
         self._branches = dict(branches)

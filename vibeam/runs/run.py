@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,7 +11,6 @@ import numpy as np
 
 from vibeam.case.case import units_of_output
 from vibeam.case.source import of_source
-from vibeam.runs.accuracy import by_cost, known_estimates, required_choice, until_within
 from vibeam.runs.fidelity_sweep import Job, PointCount, Progress, job_of, known_curves, sweep_branches
 from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
 from vibeam.runs.parallel import run_parallel
@@ -59,8 +58,6 @@ def run(
     ``fresh``: keep nothing of the file.
     ``before`` gets the overview of rig and sweep where there is something to sweep.
 
-    Where the case asks for an accuracy, fidelities are swept from the cheapest on until one is within it
-    (``result.accuracy``); the others are not in the result.
     ``out=None`` keeps nothing on disk. ``progress``: True shows a bar; a function is called with the points that are
     there, at the start and after each further block of them, and their total, from any thread. ``show``: compute the
     data of the case's further figures.
@@ -68,8 +65,8 @@ def run(
     ``compare``: compare the fidelities with the finest under both choices of the restitution held, and that with its
     own limit (``result.comparisons``), and estimate the error of each against the full model of its scene
     (``result.estimates``); the file gets both too.
-    CaseError for a fidelity that cannot be built, or where none is within the accuracy; ValueError for one that there
-    is not; StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
+    CaseError for a fidelity that cannot be built; ValueError for one that there is not; StoreError where ``out`` cannot
+    be used, Interrupted on Ctrl-C.
 
     >>> import vibeam
     >>> case = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3})
@@ -80,39 +77,28 @@ def run(
     case = restricted(case, fidelities)
     systems, path = Systems(case), None if out is None else Path(out)
     with planned(case, systems, path, fresh, tell) as (store, plan), telling(progress, "sweeping") as told:
-        names = list(plan.branches) if case.accuracy is None else by_cost(case, plan.modes)
-        jobs = [job_of(case, name, systems, plan.branches[name], store) for name in names]
+        jobs = [job_of(case, name, systems, branches, store) for name, branches in plan.branches.items()]
         records = None if store and store.has(set(case.own) - set(case.fidelities)) else store  # theirs
-        known = known_estimates(case, jobs, records)
-        jobs = jobs[: len(known) or None]
         models = plan.models or {name: properties_of(case, name, system) for name, system in systems.items()}
         if before and any(job.missing for job in jobs):
             before(overview_of(case, models))
         count = PointCount((kept for job in jobs for _, kept in job.branches), told)
         try:
-            if case.accuracy is None:
-                _sweep(case, *jobs, store=store, count=count)
-            else:
-                sweep = partial(_sweep, case, store=store, count=count)
-                known = known or until_within(case, jobs, systems, records, sweep)
-                count.end()
-                jobs = jobs[: len(known)]
+            _sweep(case, jobs, store, count)
             curves = {job.name: known_curves(case, job, store) for job in jobs if SOLVERS[job.fidelity.solver].curves}
             shown = _shown(case, records) if show else {}
             branches = {job.name: job.gathered(curves.get(job.name)) for job in jobs}
             _keep_models(case, models, records)
             result = Result(case, branches, path, sum(job.found for job in jobs), shown, models=models)
-            if case.accuracy is not None:
-                result.estimates, result.accuracy = known, required_choice(case, names, known)
             if not compare:
                 return result
-            result.estimates = known or _estimated(result, systems, {job.name: job.after for job in jobs}, records)
+            result.estimates = _estimated(result, systems, {job.name: job.after for job in jobs}, records)
             return _compared(result, systems, records)
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, path)) from None
 
 
-def _sweep(case: Case, *jobs: Job, store: Store | None, count: PointCount) -> None:
+def _sweep(case: Case, jobs: Sequence[Job], store: Store | None, count: PointCount) -> None:
     """Sweep the missing points of ``jobs``, several at once."""
     missing = [job for job in jobs if job.missing]
     for job in missing:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibeam.runs.accuracy import accuracy_choice, by_cost
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import restricted
 from vibeam.runs.store.adaptation import whole_case
@@ -70,12 +69,6 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
     case = restricted(case, {name for name, _ in branch_names(stored)} & set(case.fidelities))
     rows = {at: read_rows(stored[at[0]][at[1]]) for at in branch_names(stored) if at[0] in case.fidelities}
     models = {name: properties for name, (_, properties) in read_models(stored).items()}
-    estimates, choice = read_estimates(stored[ESTIMATES]) if ESTIMATES in stored else {}, None
-    if case.accuracy is not None and estimates:
-        names = by_cost(case, {name: values["mode_energy"].shape[1] for (name, _), values in rows.items()})
-        choice = accuracy_choice(case, names, estimates)
-        estimates = {each.fidelity: estimates[each.fidelity] for each in choice.swept}
-        rows = {at: values for at, values in rows.items() if at[0] in estimates}
     branches = {name: _branches(stored, name, rows) for name in dict.fromkeys(name for name, _ in rows)}
     ordered = {name: branches[name] for name in case.fidelities if name in branches}
     shown = {name: kept(stored, sheets_of(plan), plan.key) for name, plan in case.shows.items()}
@@ -88,7 +81,7 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
         read_comparisons(stored[COMPARISON]) if COMPARISON in stored else (),
         models,
     )
-    result.estimates, result.accuracy = estimates, choice
+    result.estimates = read_estimates(stored[ESTIMATES]) if ESTIMATES in stored else {}
     provenance = {name: str(value) for name, value in stored["provenance"].attrs.items()}
     states = {at: _states(values) for at, values in rows.items()}
     return StoredResult(result, states, provenance, result.total - result.found, stored["case/text"][()].decode())

@@ -82,7 +82,6 @@ def test_the_template_with_all_its_comments_opened_is_told_what_excludes_what():
     of_other_shapes = {line.split(": ")[1] for line in said.splitlines() if 'does not go with shape = "tube"' in line}
     assert {key.split(".")[0] for key in of_other_shapes} == {"beam", "opposite", "section"}
     assert {line.split(": ")[1] for line in said.splitlines()} - of_other_shapes == {
-        "accuracy",
         'chosen_by."platform.mass"',
         "drive.harmonic",
         "further_stop.0.exponent",

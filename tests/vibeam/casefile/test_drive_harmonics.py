@@ -74,7 +74,6 @@ def test_a_case_without_them_says_nothing_of_them() -> None:
          "drive.harmonic: [platform] filters each harmonic its own way, which is not computed: take harmonic, or it, away"),
         ({"further_stop": [{"position": "150 mm", "gap": "1 mm", "restitution": 0.7}]},
          "drive.harmonic: is carried to one contact, and there is a further_stop: take one of the two away"),
-        ({"accuracy": "1 %"}, "accuracy: chooses by closed forms, which know one harmonic: take it, or drive.harmonic, away"),
         ({"fidelity.beam.solver": "orbit"},
          "fidelity.beam.solver: 'orbit' knows a drive of one harmonic: write \"flight\" or \"direct\" or \"moreau\", or take "
          "drive.harmonic away"),

@@ -458,7 +458,7 @@ def test_keys_of_one_table_or_one_name(command: Command, name: str, keys: set[st
         ("fidelity.modse", "unknown key 'fidelity.modse'; did you mean 'modes'?"),
         ("fidelity.beam.modse", "unknown key 'fidelity.beam.modse'; did you mean 'modes'?"),
         ("clamp.xyz", "unknown key 'clamp.xyz'; known here: stiffness"),
-        ("x\x1b", r"unknown key 'x\x1b'; known here: accuracy,"),
+        ("x\x1b", r"unknown key 'x\x1b'; known here: added_mass,"),
     ],
 )
 def test_keys_says_what_was_meant(command: Command, name: str, message: str) -> None:

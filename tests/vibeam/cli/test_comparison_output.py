@@ -113,17 +113,6 @@ tolerance = "50 %"
     assert "held" not in result.stdout
 
 
-def test_an_accuracy_says_which_fidelity_is_taken_with_its_estimate_and_the_others_with_theirs() -> None:
-    lines = vibeam_run("--set", "accuracy=6 %").stdout.splitlines()
-    assert lines[0].startswith("Taken is beam, 5.")
-    assert "the cheapest fidelity within 6 % of the full model (64 modes) in amplitude. R = 0.72" in lines[0]
-    assert any(line.startswith("Refused: sdof, 41.") for line in lines)
-    assert any(line.startswith("beam is off its own limit by +6") for line in lines)  # the full model is off it too
-    refused = vibeam_run("--set", "accuracy=1 %", code=2)
-    assert "the nearest is beam, 5." in refused.stderr
-    assert "add a fidelity with more modes, or allow more than 5." in refused.stderr
-
-
 def test_a_peak_at_the_end_of_the_sweep_is_told() -> None:
     said = "the peak is at the end of the sweep, 15.2 Hz, and may rise beyond it: sweep further"
     cut = ("--set", 'sweep.frequency={from="14.9 Hz",to="15.2 Hz",points=7}')

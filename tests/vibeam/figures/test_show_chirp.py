@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from figures import beam
-from observed import NEUTRAL
 from scipy.integrate import solve_ivp
-from stand_in import SI
 
 import vibeam
 from vibeam.casefile.read import parse
@@ -134,21 +132,3 @@ def test_a_chirp_of_one_amplitude_is_named_by_its_direction():
     made = figure(vibeam.run(case), case.shows["it"])
     labels = [str(line.get_label()) for line in made.axes[0].get_lines()]
     assert [label.split(":")[0] for label in labels if "swept" in label] == ["it, swept up"]
-
-
-def test_of_a_fidelity_that_an_accuracy_spares_a_chirp_is_drawn_alone_and_curves_of_the_sweep_do_without_it():
-    keys: dict[str, Any] = {"sweep.frequency": [15.0, 15.3, 15.6], "sweep.settle": 100, "accuracy": "5 %"}
-    case = vibeam.load(NEUTRAL, set=SI | keys | {
-        "show.it.kind": "chirp", "show.it.rate": "0.5 Hz/s", "show.it.fidelities": ["beam"],
-        "show.curve.kind": "curve", "show.curve.quantity": "reach",
-        "show.none.kind": "curve", "show.none.quantity": "reach", "show.none.fidelities": ["beam"],
-    })  # fmt: skip
-    result = vibeam.run(case)
-    labels = [str(line.get_label()) for line in figure(result, case.shows["it"]).axes[0].get_lines()]
-    assert "beam, swept up" in labels
-    assert not any("settled" in label for label in labels)
-    for name, known in (("curve", {"sdof", "two_modes"}), ("none", set())):
-        made = figure(result, case.shows[name])
-        assert {str(line.get_label()) for line in made.axes[0].get_lines()} & set(case.fidelities) == known
-        assert sum(text.get_text().startswith("beam: not swept") for text in made.legends[0].get_texts()) == 1
-        assert [text.get_text()[:9] for text in made.axes[0].texts] == ["not swept"] * (not known)

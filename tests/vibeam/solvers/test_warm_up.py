@@ -99,15 +99,6 @@ def test_studies_are_warm(clock: SlowFirst) -> None:
     assert all(row.work.cpu_min < 1 for row in study.rows if row.work)
 
 
-def test_an_accuracy_is_warm(clock: SlowFirst) -> None:
-    case = parse(
-        RIG.read_text(encoding="utf-8").split("[reference")[0], set={"sweep.frequency.points": 3, "accuracy": "5 %"}
-    )
-    found = vibeam.run(case, show=False)
-    assert list(found) == ["sdof", "two_modes"]
-    assert all(response.cpu_seconds.max() < 1 for branches in found.values() for _, response in branches.items())
-
-
 def test_an_influence_is_warm(clock: SlowFirst) -> None:
     settings = {"influence.points": 3, "influence.settle": 2, "influence.hold": 2, "influence.repeats": 1}
     settings |= {"beam.elements": 6, "mass.rigid_half_width": None, "influence.fidelity": "sdof"}

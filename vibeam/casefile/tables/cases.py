@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from vibeam.case.study_plans import STUDY_PLANS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import settings
-from vibeam.casefile.fields import TEXT, Each, Quantity, Word
+from vibeam.casefile.fields import TEXT, Quantity, Word
 from vibeam.casefile.quantities import POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
@@ -24,7 +24,7 @@ from vibeam.casefile.tables.references import ReferenceTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
-from vibeam.casefile.tables.table import ACCURATE, Ratio, Table, Within, key, plan_keys, table
+from vibeam.casefile.tables.table import Ratio, Table, key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import FIGURES
 from vibeam_models.effects import EFFECTS
@@ -78,15 +78,6 @@ class AnyCase(Table):
         "SI",
         None,
         **ASIDE,
-    )
-    accuracy: Annotated[float | None, Within] = key(
-        "relative error allowed, against the full model: vibeam run then takes the cheapest fidelity within it",
-        "1 %",
-        None,
-        **ASIDE,
-    )
-    accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
-        "the quantities that this holds for; absent = the amplitude alone", ["amplitude", "reach"], None, **ASIDE
     )
 
 

@@ -25,8 +25,6 @@ def harmonic_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     elif case.drive.harmonic is not None and getattr(case, "further_stop", None):
         yield ("drive", "harmonic"), "is carried to one contact, and there is a further_stop: take one of the two away"
     driven = _driven(case)
-    if driven and case.accuracy is not None:
-        yield ("accuracy",), "chooses by closed forms, which know one harmonic: take it, or drive.harmonic, away"
     yield from _solvers(case, driven)
     yield from _figures(case, driven)
 

@@ -22,7 +22,6 @@ def study_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         yield from named_fidelity(case, ("influence", "fidelity"), case.influence.fidelity)
     yield from _numbers(case)
     yield from _bases(case)
-    yield from _accuracy(case)
 
 
 def _bases(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -55,11 +54,6 @@ def _cost(case: SimpleNamespace) -> Iterator[Complaint]:
     elif case.reference[name].quantity not in ("amplitude", None):
         said = f"{as_shown_in_message(name)} gives {case.reference[name].quantity}"
         yield path, f"{said}: accuracy is that of the amplitude"
-
-
-def _accuracy(case: SimpleNamespace) -> Iterator[Complaint]:
-    if case.accuracy is None and case.accuracy_of is not None:
-        yield ("accuracy_of",), 'goes with an accuracy: write accuracy = "1 %" beside it'
 
 
 CostTable: Any = table(

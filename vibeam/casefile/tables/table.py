@@ -152,12 +152,10 @@ def _plain(entry: Entry, field: FieldInfo) -> tuple[Any, Any]:
 
 
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
-ACCURATE = ("amplitude", "reach", "impact_velocity")  # what an accuracy can be asked of
 OUTPUTS = ("sensor", "contact", "tip", "platform")
 
 Length = Place = Quantity(units.LENGTH, POSITIVE)
 Ratio = Quantity(units.RATIO, NOT_NEGATIVE)
-Within = Quantity(units.RATIO, Range(1e-4, 1))
 Frequency = Quantity(units.FREQUENCY, POSITIVE)
 
 

@@ -57,9 +57,7 @@ def check(
       vibeam check mine.toml --plot check.png
       vibeam check mine.toml --record --fidelity sdof
     """
-    from vibeam.casefile.read import without_accuracy
-
-    loaded = of_fidelities(without_accuracy(load(case, set_)), fidelity)  # each fidelity is checked by itself
+    loaded = of_fidelities(load(case, set_), fidelity)
     if force and not record:
         raise UsageError("--force: replaces files of --record, which is not asked for")
     if found := [name for name, given in (("--plot", plot), ("--fresh", fresh)) if record and given]:

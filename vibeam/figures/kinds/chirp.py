@@ -143,7 +143,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 
 def _has_settled(result: Comparison, plan: ShowPlan, name: str) -> bool:
-    """True where the sweep has points of this fidelity and output: with an accuracy, not of those that cost more."""
+    """True where the sweep has points of this fidelity and output."""
     return name in set(result) and plan.output == result.case.sweep.output
 
 

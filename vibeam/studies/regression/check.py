@@ -110,7 +110,6 @@ def _swept(case: Case, fidelity: str, further: Array) -> Branches:
         sweep=replace(case.sweep, frequency=grid),
         fidelities={fidelity: case.fidelities[fidelity]},
         shows={},
-        accuracy=None,
     )
     return run(own, show=False)[fidelity]
 
@@ -147,7 +146,6 @@ def compare_measured(case: Case, result: Result | None = None) -> list[MeasuredR
 
 
 def _result(case: Case) -> Result:
-    from vibeam.casefile.read import without_accuracy
     from vibeam.runs.run import run
 
-    return run(without_accuracy(case), show=False)
+    return run(case, show=False)
