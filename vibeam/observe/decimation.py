@@ -1,0 +1,215 @@
+"""Decimation of histories: least and greatest value of every bin of time, the hardest impact of every bin.
+
+What a picture of a million samples needs: no extreme and no impact is lost, whatever the bins. Histories merge into
+coarser ones by whole bins, so that a zoom reads the same values as the whole.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vibeam.observe.motion import Path, smooth_stretches
+from vibeam_models.arguments import count, floats, refuse
+from vibeam_models.arrays import Array, Index, ValueRecord
+
+BINS = 2**15
+MOST_BINS = 2**24
+TURN = 0.5  # ωh of the fastest mode between two points: an extreme is off by 3.2e-5 (ωh)⁶ = 5e-7 of its amplitude
+FEWEST = 8  # pieces of a stretch between two events: a contact with a yielding stop is half a turn
+BLOCK = 2**16  # points evaluated at once
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class History(ValueRecord):
+    """Least and greatest values (n,) of a quantity between successive ``edges`` (n + 1,), s, in its own unit.
+
+    Every value within a bin lies between its two; both are reached in it.
+    """
+
+    edges: Array
+    least: Array
+    greatest: Array
+
+    def __len__(self) -> int:
+        return len(self.least)
+
+    @property
+    def time(self) -> Array:
+        """Middles (n,) of the bins, s."""
+        return np.asarray((self.edges[1:] + self.edges[:-1]) / 2)
+
+    @property
+    def peak(self) -> float:
+        """Largest absolute value; 0 without bins."""
+        return float(np.max(np.maximum(-self.least, self.greatest), initial=0.0))
+
+    def within(self, begin: float, end: float, most: int = 2000) -> History:
+        """History of the bins that meet [``begin``, ``end``], s, whole ones merged until there are ``most`` at most."""
+        first = int(np.clip(np.searchsorted(self.edges, begin, side="right") - 1, 0, len(self) - 1))
+        last = int(np.clip(np.searchsorted(self.edges, end, side="left"), first + 1, len(self)))
+        starts = np.arange(first, last, -(-(last - first) // most))
+        return History(
+            self.edges[[*starts, last]],
+            np.minimum.reduceat(self.least[:last], starts),
+            np.maximum.reduceat(self.greatest[:last], starts),
+        )
+
+
+def _empty(begin: float, end: float, bins: int) -> History:
+    """Bins without any value yet; ValueError for a span or a number of bins that makes none."""
+    faults: list[str] = []
+    count("bins", bins, faults, least=1, most=MOST_BINS)
+    if not end > begin:
+        faults.append(f"end {end:g} must be after begin {begin:g}")
+    refuse("history", faults)
+    return History(np.linspace(begin, end, bins + 1), np.full(bins, np.inf), np.full(bins, -np.inf))
+
+
+def _take(into: History, times: Array, values: Array) -> None:
+    """Let ``values`` at ``times`` count in their bins, those at an edge in that after it; those outside in none."""
+    inside = (times >= into.edges[0]) & (times <= into.edges[-1])
+    at = np.minimum(np.searchsorted(into.edges, times[inside], side="right") - 1, len(into) - 1)
+    np.minimum.at(into.least, at, values[inside])
+    np.maximum.at(into.greatest, at, values[inside])
+
+
+def _take_edges(into: History, values: Array) -> None:
+    """Let the values (n + 1,) at the edges count on both sides."""
+    for side in (values[:-1], values[1:]):
+        np.minimum(into.least, side, out=into.least)
+        np.maximum(into.greatest, side, out=into.greatest)
+
+
+def turning_points(coefficients: Array, spans: Array) -> tuple[Index, Array]:
+    """Cubics Σ c_j s^j, of ``coefficients`` (k, 4), that turn within (0, ``span``): which of them, and s."""
+    _, c1, c2, c3 = coefficients.T
+    root = np.sqrt(np.maximum(c2 * c2 - 3 * c1 * c3, 0.0))
+    q = -(c2 + np.copysign(root, c2))  # of 3 c3 s² + 2 c2 s + c1 = 0, without cancellation
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        found = np.stack([q / (3 * c3), c1 / q])
+        which = np.nonzero((found > 0) & (found < spans) & (c2 * c2 > 3 * c1 * c3))
+    return which[1], found[which]
+
+
+def history_of_cubics(
+    knots: ArrayLike, coefficients: ArrayLike, begin: float | None = None, end: float | None = None, bins: int = BINS
+) -> History:
+    """History of Σ c_j s^j between successive ``knots`` (k + 1,), s, with ``coefficients`` (k, 4): exact.
+
+    From ``begin`` to ``end`` (s, None: the first and the last knot); before and behind the knots it is 0. At a knot
+    where it jumps both values count. ValueError for shapes that do not fit, or no bin.
+    """
+    times, rows = floats("knots", knots), floats("coefficients", coefficients)
+    if len(times) < 2 or rows.shape != (len(times) - 1, 4):
+        raise ValueError(f"coefficients: {rows.shape}, must be (k, 4) of k + 1 knots, of which there are {len(times)}")
+    found = _empty(times[0] if begin is None else begin, times[-1] if end is None else end, bins)
+    spans = np.diff(times)
+    _take(found, times[:-1], rows[:, 0])
+    _take(found, np.nextafter(times[1:], times[0]), _at(rows, spans))
+    which, s = turning_points(rows, spans)
+    _take(found, times[which] + s, _at(rows[which], s))
+    at = np.clip(np.searchsorted(times, found.edges, side="right") - 1, 0, len(spans) - 1)
+    outside = (found.edges < times[0]) | (found.edges > times[-1])
+    _take_edges(found, np.where(outside, 0.0, _at(rows[at], found.edges - times[at])))
+    return found
+
+
+def _at(coefficients: Array, s: Array) -> Array:
+    c0, c1, c2, c3 = coefficients.T
+    return np.asarray(c0 + s * (c1 + s * (c2 + s * c3)))
+
+
+def cubics_of(times: Array, values: Array, rates: Array | None = None) -> Array:
+    """Coefficients (k, 4) of the cubics through ``values`` with ``rates`` at ``times`` (k + 1,); lines without rates.
+
+    Two samples at one time are a jump.
+    """
+    spans, rises = np.diff(times), np.diff(values)
+    slope = np.divide(rises, spans, out=np.zeros_like(rises), where=spans > 0)
+    if rates is None:
+        return np.stack([values[:-1], slope, 0 * slope, 0 * slope], axis=1)
+    v, w = rates[:-1], rates[1:]
+    second = np.divide(3 * slope - 2 * v - w, spans, out=np.zeros_like(rises), where=spans > 0)
+    third = np.divide(v + w - 2 * slope, spans**2, out=np.zeros_like(rises), where=spans > 0)
+    return np.stack([values[:-1], v, second, third], axis=1)
+
+
+def history_of_samples(
+    times: ArrayLike, values: ArrayLike, rates: ArrayLike | None = None, bins: int = BINS
+) -> History:
+    """History of samples (k,) at ascending ``times``, s: of lines between them, of cubics where ``rates`` are given.
+
+    ValueError for arrays of different lengths.
+    """
+    at, known = floats("times", times), floats("values", values)
+    slopes = None if rates is None else floats("rates", rates)
+    if not len(at) == len(known) == len(known if slopes is None else slopes):
+        raise ValueError(f"values: {len(known)} of them at {len(at)} times")
+    return history_of_cubics(at, cubics_of(at, known, slopes), bins=bins)
+
+
+def history_of_motion(
+    path: Path,
+    output: str = "sensor",
+    begin: float | None = None,
+    end: float | None = None,
+    bins: int = BINS,
+    knots: ArrayLike | None = None,
+) -> History:
+    """History of an output of an exact motion, from ``begin`` to ``end`` (s, None: all of it).
+
+    Where the output turns is found on cubics between points at ωh ≤ ``TURN`` of the fastest mode, what it reaches there
+    is the motion's own value: off by at most 5e-7 of that mode's amplitude. Both sides of an impact count. ``knots``:
+    times, s, between which the load is smooth (``Record.times``); None of a sine, whose Ω counts as a mode's does.
+    KeyError for an unknown output, ValueError outside the motion.
+    """
+    found = _empty(path.t_start if begin is None else begin, path.t_end if end is None else end, bins)
+    times, joined = _points(path, float(found.edges[0]), float(found.edges[-1]), knots)
+    for first in range(0, len(times) - 1, BLOCK):
+        block, joins = times[first : first + BLOCK + 1], joined[first : first + BLOCK]
+        values, rates = _read(path, block, output)
+        _take(found, block, values)
+        which, s = turning_points(cubics_of(block, values, rates)[joins], np.diff(block)[joins])
+        turned = np.minimum(block[:-1][joins][which] + s, block[1:][joins][which])
+        _take(found, turned, path.at(turned, output))
+    _take_edges(found, path.at(found.edges, output))
+    return found
+
+
+def _points(path: Path, begin: float, end: float, knots: ArrayLike | None) -> tuple[Array, Array]:
+    """Times of points (k,) on all smooth stretches, their last just before the event; which pairs lie on one."""
+    ends = smooth_stretches(path, begin, end)[:, 1]
+    fastest = float(np.max(path.system.omega)) if knots is not None else max(*path.system.omega, path.drive.omega)
+    own = np.empty(0) if knots is None else floats("knots", knots)
+    marks = np.unique(np.concatenate([[begin], ends, own[(own > begin) & (own < end)]]))
+    low, high = marks[:-1], marks[1:]
+    event = np.isin(high[:-1], ends)
+    high = np.append(np.where(event, np.nextafter(high[:-1], begin), high[:-1]), end)
+    fewest = np.where(np.append(event, True) | np.append(True, event), FEWEST, 1)
+    pieces = np.maximum(np.ceil((high - low) * fastest / TURN).astype(int), fewest)
+    own = np.repeat(np.arange(len(pieces)), pieces + 1)
+    turn = np.arange(len(own)) - np.repeat(np.cumsum(pieces + 1) - pieces - 1, pieces + 1)
+    times = np.minimum(low[own] + turn * ((high - low) / pieces)[own], high[own])
+    times[np.cumsum(pieces + 1) - 1] = high
+    return times, own[1:] == own[:-1]
+
+
+def _read(path: Path, times: Array, output: str) -> tuple[Array, Array]:
+    """Values and rates of an output at ``times``."""
+    if path.system.derivative(output) is not None:
+        return path.at(times, output), path.velocity_at(times, output)
+    poses = path.modes_at(times) @ path.system.output(output)
+    return poses[:, 0], poses[:, 1]
+
+
+def hardest_impacts(times: ArrayLike, velocities: ArrayLike, edges: ArrayLike) -> tuple[Array, Array, Index]:
+    """Time (m,), s, and velocity of the hardest impact of every bin that has any, and how many it has."""
+    at, speeds, bounds = floats("times", times), floats("velocities", velocities), floats("edges", edges)
+    bins = np.searchsorted(bounds, at, side="right")
+    order = np.lexsort((speeds, bins))
+    _, first, many = np.unique(bins[order], return_index=True, return_counts=True)
+    hardest = order[first + many - 1]
+    return at[hardest], speeds[hardest], many.astype(np.int64)
