@@ -1,6 +1,5 @@
 from vibeam.periodic.bifurcation_functions import Kind as Kind
 from vibeam.periodic.boundaries import boundaries as boundaries
-from vibeam.periodic.boundaries import follow_boundary as follow_boundary
 from vibeam.periodic.branch_walk import BranchEnd as BranchEnd
 from vibeam.periodic.follow import Branch as Branch
 from vibeam.periodic.follow import BranchBoundary as BranchBoundary
@@ -9,7 +8,6 @@ from vibeam.periodic.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from vibeam.periodic.lyapunov import lyapunov as lyapunov
 from vibeam.periodic.orbit import Orbit as Orbit
 from vibeam.periodic.orbit_curve import orbit_curve as orbit_curve
-from vibeam.periodic.orbit_map import orbit_map as orbit_map
 from vibeam.periodic.orbit_search import orbits as orbits
 from vibeam.periodic.resonant_grazing import ResonantGrazing as ResonantGrazing
 from vibeam.periodic.resonant_grazing import resonant_grazing as resonant_grazing
