@@ -97,17 +97,6 @@ def dataset(path: Path, **how: Any) -> None:
         file.create_dataset("K", **how)
 
 
-def bomb_in_a_chunk(path: Path, rng: Generator) -> None:
-    """A packed piece that says that it is 128 bytes, and is 1.5 GB."""
-    import zlib
-
-    engine = zlib.compressobj(9)
-    raw = b"".join([*(engine.compress(bytes(1 << 20)) for _ in range(1500)), engine.flush()])
-    with h5py.File(path, "w") as file:
-        made = file.create_dataset("K", shape=(4, 4), dtype="f8", chunks=(4, 4), compression="gzip")
-        made.id.write_direct_chunk((0, 0), raw)
-
-
 def elsewhere(how: str) -> Write:
     """Values in another file: by external storage, as a virtual dataset, or by a link."""
 
@@ -154,15 +143,6 @@ def mat_with(old: Any, new: Any, matrix: Any = K) -> Write:
         path.write_bytes(content.replace(was, now))
 
     return write
-
-
-def nested_cells(path: Path, rng: Generator) -> None:
-    cell: Any = 1.0
-    for _ in range(40):
-        made = np.empty((1, 1), dtype=object)
-        made[0, 0] = cell
-        cell = made
-    savemat(path, {"f": np.array(F), "x": {"x": cell}})
 
 
 def unwanted(path: Path, rng: Generator) -> None:
@@ -319,9 +299,6 @@ HOSTILE = (
         "is 50000 × 50000; an array may have",
         lambda path, rng: write_one(path, (50_000, 50_000), (10, 10)),
     ),
-    Hostile("matrix_pieces.h5", "pieces of", lambda path, rng: write_one(path, (1000, 1000), (1, 1))),
-    Hostile("matrix_piece.h5", "pieces of", lambda path, rng: write_one(path, (4, 4), (40_000, 40_000))),
-    Hostile("matrix_bomb.h5", "has a packed piece of more than its 128 bytes", bomb_in_a_chunk),
     Hostile("matrix_deep.h5", "has groups that lie deeper than 32 in each other", deep),
     Hostile("matrix_circle.h5", None, circle),
     Hostile(
@@ -396,7 +373,6 @@ HOSTILE = (
     Hostile("curve_deep.h5", "has groups that lie deeper than 32", deep),
     Hostile("curve_unwanted.h5", None, unwanted),
     Hostile("curve_words.h5", "holds a word of 2000 characters", words),
-    Hostile("curve_cells.mat", "holds variables in variables, deeper than 16", nested_cells),
     Hostile("curve_utf16.csv", None, lambda path, rng: path.write_bytes(TABLE.encode("utf-16"))),
 )
 

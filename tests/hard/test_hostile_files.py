@@ -13,7 +13,7 @@ from limited import Ended
 FEW = (
     "matrix0.npz", "matrix1.h5", "matrix2.npz", "matrix3.h5", "matrix_index.mat", "matrix_pointer.mat",
     "matrix_bsr.npz", "matrix_coo.npz", "matrix_bomb.npz", "matrix_shape.mat", "matrix_point.npy",
-    "matrix_unwritten.h5", "matrix_pieces.h5", "matrix_external.h5", "matrix_virtual.h5", "matrix_deep.h5",
+    "matrix_unwritten.h5", "matrix_external.h5", "matrix_virtual.h5", "matrix_deep.h5",
     "matrix_far.inp", "matrix_real.pch", "matrix_kernel.csv", "curve_kernel.csv", "curve_digits.csv",
     "curve_unwanted.h5", "curve_words.h5",
 )  # fmt: skip

@@ -14,7 +14,6 @@ from scipy.io import savemat
 from vibeam.exchange.curves.record import ReferenceForm, factor
 from vibeam.exchange.curves.reference import read_curve
 from vibeam.exchange.faults import CaseError
-from vibeam.exchange.hdf5 import heaps_are_whole
 
 F, X, U = [14.0, 14.5, 15.0], [1.25e-4, 2.5e-4, 1e-3], [1e-6, 2e-6, 3e-6]
 MAPPED = ReferenceForm(columns={"frequency": "f", "amplitude": "x"}, unit="m")
@@ -147,17 +146,6 @@ def matlab_73(path: Path) -> None:
     with h5py.File(path, "w", userblock_size=512) as file:
         file["data/f"] = np.array(F)[None]
         file["data/x"] = np.rec.fromarrays([0.6e3 * np.array(X), 0.8e3 * np.array(X)], names="real,imag")[None]
-
-
-def test_a_heap_of_texts_without_an_end_is_seen(tmp_path: Path) -> None:
-    """An object of no size in it has no next one: HDF5 looks for it for ever."""
-    hdf5(tmp_path / "a.h5")
-    whole = (tmp_path / "a.h5").read_bytes()
-    first = whole.index(b"GCOL")
-    assert heaps_are_whole(whole)
-    for start, end in ((first + 16, first + 80), (first + 48, first + 400), (first + 8, first + 16)):
-        assert not heaps_are_whole(whole[:start] + bytes(end - start) + whole[end:])
-    assert not heaps_are_whole(whole[: first + 100])
 
 
 def hdf5(path: Path) -> None:
