@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibeam.cli import completion
 from vibeam.cli.errors import Made, UsageError, of_case
 
 if TYPE_CHECKING:
@@ -22,9 +21,9 @@ if TYPE_CHECKING:
 RESULTS = (".h5", ".hdf5")
 
 
-def option(said: str, *names: str, complete: Callable[..., Any] | None = None, **more: Any) -> Any:
+def option(said: str, *names: str, **more: Any) -> Any:
     """Option of a command; what it is without it stands in what is ``said``."""
-    return typer.Option(*names, help=said, show_default=False, autocompletion=complete, **more)
+    return typer.Option(*names, help=said, show_default=False, **more)
 
 
 def out_option(said: str) -> Any:
@@ -34,19 +33,17 @@ def out_option(said: str) -> Any:
 
 CaseFile = Annotated[
     Path,
-    typer.Argument(
-        metavar="CASE", help="The case file (TOML).", show_default=False, autocompletion=completion.case_files
-    ),
+    typer.Argument(metavar="CASE", help="The case file (TOML).", show_default=False),
 ]
 
 _SAID = "A key of the case, in place of the file's. Repeatable."
-Overrides = Annotated[list[str] | None, option(_SAID, "--set", "-s", metavar="KEY=VALUE", complete=completion.settings)]
+Overrides = Annotated[list[str] | None, option(_SAID, "--set", "-s", metavar="KEY=VALUE")]
 
 _FILE = "The results file (.h5), or its folder; new folders are made; absent = the current folder (check: none)."
 ResultsFile = Annotated[str | None, out_option(_FILE)]
 
 _ONE = "This one alone. Repeatable; absent = all."
-Fidelities = Annotated[list[str] | None, option(_ONE, "--fidelity", metavar="NAME", complete=completion.fidelities)]
+Fidelities = Annotated[list[str] | None, option(_ONE, "--fidelity", metavar="NAME")]
 
 Fresh = Annotated[bool, typer.Option("--fresh", help="Keep nothing of the results file that is there: start over.")]
 

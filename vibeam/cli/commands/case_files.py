@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli import completion
 from vibeam.cli.arguments import TableFile, option, out_option, output_path
 from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_json, print_sheet
@@ -24,7 +23,7 @@ KeyName = Annotated[
     str | None,
     typer.Argument(
         metavar="NAME", help="A table, stop, or a key, stop.gap or gap; absent = the list of tables.",
-        show_default=False, autocompletion=completion.keys,
+        show_default=False,
     ),
 ]  # fmt: skip
 
@@ -32,15 +31,15 @@ NewFile = Annotated[
     str | None,
     typer.Argument(
         metavar="FILE", help="The case file to write, or its folder; absent = case.toml, or EXAMPLE.toml.",
-        show_default=False, autocompletion=completion.case_files,
+        show_default=False,
     ),
 ]  # fmt: skip
 
 _RIG = "What the case is of: cantilever (the default), tube, two-beams, matrices or modes."
-RigName = Annotated[str | None, option(_RIG, "--rig", metavar="NAME", complete=completion.rigs)]
+RigName = Annotated[str | None, option(_RIG, "--rig", metavar="NAME")]
 
 _FROM = "Write an example with the files that it names; list says which there are."
-ExampleName = Annotated[str | None, option(_FROM, "--from", metavar="EXAMPLE", complete=completion.examples)]
+ExampleName = Annotated[str | None, option(_FROM, "--from", metavar="EXAMPLE")]
 
 
 def keys(

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibeam.cli import completion
 from vibeam.cli.arguments import (
     RESULTS,
     Fidelities,
@@ -40,9 +39,7 @@ _ACCURACY = "What suffices; absent = that of the case, else 5 %."
 def run(
     cases: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="CASE...", help="The case file (TOML), or several.", autocompletion=completion.case_files
-        ),
+        typer.Argument(metavar="CASE...", help="The case file (TOML), or several."),
     ],
     set_: Overrides = None,
     out: ResultsFile = None,
