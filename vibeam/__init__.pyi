@@ -38,6 +38,8 @@ from vibeam.studies import *
 from vibeam.system.impact_system import Drive as Drive
 from vibeam.system.impact_system import ImpactSystem as ImpactSystem
 from vibeam.system.quantities import Ended as Ended
+from vibeam.system.record import Record as Record
+from vibeam.system.record_samples import too_coarse as too_coarse
 from vibeam.system.response import Branches as Branches
 from vibeam.system.response import FrequencyResponse as FrequencyResponse
 from vibeam.system.rows import Contact as Contact
