@@ -15,12 +15,14 @@ from vibeam.exchange.curves.reference import read_curve as read_curve
 from vibeam.exchange.faults import CaseError as CaseError
 from vibeam.figures import register_figure as register_figure
 from vibeam.figures.declaration import FigureKind as FigureKind
+from vibeam.flight.shock_spectrum import shock_spectrum as shock_spectrum
 from vibeam.flight.trajectory import Outcome as Outcome
 from vibeam.flight.trajectory import Trajectory as Trajectory
 from vibeam.flight.trajectory import simulate as simulate
 from vibeam.maps.evaluate import GridResponse as GridResponse
 from vibeam.maps.points import Starts as Starts
 from vibeam.maps.run import MapResult as MapResult
+from vibeam.observe.shock_spectrum import ShockSpectrum as ShockSpectrum
 from vibeam.periodic import *
 from vibeam.report.declaration import StudyDeclaration as StudyDeclaration
 from vibeam.report.declaration import register_study as register_study
