@@ -20,12 +20,11 @@ from typing import Any, Self
 import numpy as np
 
 from vibeam.system import record_pieces as pieces
-from vibeam.system.record_samples import require_acceleration
+from vibeam.system.record_samples import MOST_SAMPLES, require_acceleration
 from vibeam_models.arguments import count, number, real, real_array, refuse
 from vibeam_models.arrays import Array
 
 OVERSAMPLED = 10  # samples a period of the highest frequency of a density, where no rate is said
-MOST_SAMPLES = 12_500_000
 GRID = 2.0**-24  # of the standard deviation, to which samples are rounded, above what platforms differ by
 TINY = 1e-300
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Self
 
 import numpy as np
@@ -25,8 +26,18 @@ JOINED = {
     "displacement": ("cubic",),
 }
 DERIVATIVE = {"velocity": 1, "displacement": 2}
+LEAST = {"linear": 2, "cubic": 4}  # samples
+MOST_SAMPLES = 12_500_000
 #: error of the load under a sine, (ωh)ᵖ/C of its amplitude, as (C, p), by ``Record.samples``
 ERRORS = {"linear": (8, 2), "cubic": (384, 4), "velocity": (72 * 3**0.5, 3), "displacement": (12, 2)}
+
+
+Named = Callable[[int], str]  # name of a sample in a message, by its index
+
+
+def by_index(index: int) -> str:
+    """Name of a sample of an array."""
+    return f"index {index}"
 
 
 class SampledRecords(pieces.MadeOfPieces):
@@ -64,8 +75,8 @@ class SampledRecords(pieces.MadeOfPieces):
         """
         faults: list[str] = []
         joined = _interpolation(quantity, interpolation, faults)
-        known = samples_of(values, 2 if joined == "linear" else 4, faults)
-        knots = times_of(0 if known is None else len(known), rate, times, start, faults)
+        known = samples_of(values, LEAST.get(joined, 2), faults)
+        knots = times_of(len(known), rate, times, start, faults)
         refuse("record", faults)
         derivative = DERIVATIVE.get(quantity, 0)
         made = pieces.linear(knots, known) if joined == "linear" else pieces.spline(knots, known, derivative)
@@ -89,22 +100,26 @@ def _interpolation(quantity: str, interpolation: str | None, faults: list[str]) 
     return interpolation or known[0]
 
 
-def samples_of(values: ArrayLike, least: int, faults: list[str]) -> Array:
-    """Samples as floats (n,), with a line in ``faults`` where they are none, too few, or not finite, by their index."""
+def samples_of(values: ArrayLike, least: int, faults: list[str], named: Named = by_index) -> Array:
+    """Samples as floats (n,), with a line in ``faults`` where they are none, too few, too many, or not finite."""
     found = real_array(values)
     if found is None or found.ndim != 1:
         faults.append("values: must be a row of numbers, one a sample")
         return np.zeros(0)
     if len(found) < least:
         faults.append(f"values: {counted(len(found), 'sample')}, at least {least} make a record")
+    if len(found) > MOST_SAMPLES:
+        faults.append(f"values: {len(found)} samples, {MOST_SAMPLES} at most: cut the record, or sample it again")
     wrong = np.flatnonzero(~np.isfinite(found))
     if len(wrong):
         count = counted(len(wrong), "sample")
-        faults.append(f"values: {count} no finite number, {_listed(wrong)}: cut the record there, or fill the gap")
+        faults.append(
+            f"values: {count} no finite number, {_listed(wrong, named)}: cut the record there, or fill the gap"
+        )
     return found
 
 
-def times_of(n: int, rate: Any, times: Any, start: Any, faults: list[str]) -> Array:
+def times_of(n: int, rate: Any, times: Any, start: Any, faults: list[str], named: Named = by_index) -> Array:
     """Times of ``n`` samples from a rate or as they are given, with lines in ``faults`` for what is wrong of them."""
     if (rate is None) == (times is None):
         faults.append(f"rate, times: {'one of both' if rate is None else 'one of both alone'} says when samples are")
@@ -118,22 +133,24 @@ def times_of(n: int, rate: Any, times: Any, start: Any, faults: list[str]) -> Ar
         return np.zeros(0)
     if n and len(found) != n:
         faults.append(f"times: {len(found)} for {counted(n, 'sample')}")
-    faults.extend(ascent_faults(found) or gap_faults(found))
+    faults.extend(ascent_faults(found, named) or gap_faults(found, named))
     return found
 
 
-def ascent_faults(times: Array) -> list[str]:
-    """Faults of times that do not ascend, or are not finite, with their indices."""
+def ascent_faults(times: Array, named: Named = by_index) -> list[str]:
+    """Faults of times that do not ascend, or are not finite, with their places."""
     wrong = np.flatnonzero(~np.isfinite(times))
     if len(wrong):
-        return [f"times: {counted(len(wrong), 'entry')} no finite number, {_listed(wrong)}"]
+        return [f"times: {len(wrong)} no finite number, {_listed(wrong, named)}: fill them, or say the rate"]
     steps = np.diff(times)
     same, back = np.flatnonzero(steps == 0) + 1, np.flatnonzero(steps < 0) + 1
     told = (("repeated", same, "delete one of both"), ("before the one ahead of it", back, "sort them"))
-    return [f"times: {len(each)} {what}, {_listed(each, times)}: {cure}" for what, each, cure in told if len(each)]
+    return [
+        f"times: {len(each)} {what}, {_listed(each, named, times)}: {cure}" for what, each, cure in told if len(each)
+    ]
 
 
-def gap_faults(times: Array) -> list[str]:
+def gap_faults(times: Array, named: Named = by_index) -> list[str]:
     """Faults of times that are even but for gaps, where samples are missing; none where they are uneven."""
     steps = np.diff(times)
     if len(steps) < 4:
@@ -144,15 +161,15 @@ def gap_faults(times: Array) -> list[str]:
     if not len(gaps) or np.mean(even) < EVEN:
         return []
     missing = int(np.sum(np.round(steps[gaps - 1] / usual) - 1))
-    where = f"{counted(len(gaps), 'gap')} before {_listed(gaps, times)}"
+    where = f"{counted(len(gaps), 'gap')} before {_listed(gaps, named, times)}"
     return [f"times: {where}, {counted(missing, 'sample')} missing: fill them, or cut the record there"]
 
 
-def _listed(indices: Index, times: Array | None = None) -> str:
-    """``index 3 (0.5 s), 7 (1 s) and 2 more``."""
-    named = [f"{i}" if times is None else f"{i} ({times[i]:.6g} s)" for i in indices[:LISTED].tolist()]
+def _listed(indices: Index, named: Named, times: Array | None = None) -> str:
+    """``index 3 (0.5 s), index 7 (1 s) and 2 more``."""
+    told = [named(i) + ("" if times is None else f" ({times[i]:.6g} s)") for i in indices[:LISTED].tolist()]
     more = f" and {len(indices) - LISTED} more" if len(indices) > LISTED else ""
-    return f"index {', '.join(named)}{more}"
+    return f"{', '.join(told)}{more}"
 
 
 def require_acceleration(peak: float) -> None:

@@ -172,7 +172,7 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"times": [0, 1, 1, 2], "values": [0, 1, 2, 3]}, "times: 1 repeated, index 2 (1 s): delete one of both"),
     ({"times": [0, 2, 1, 3], "values": [0, 1, 2, 3]}, "times: 1 before the one ahead of it, index 2 (1 s): sort them"),
     (MISSING, "times: 1 gap before index 10 (12 s), 2 samples missing: fill them, or cut the record there"),
-    ({"rate": 10, "values": [0, np.nan, 1, np.inf]}, "values: 2 samples no finite number, index 1, 3: cut the record"),
+    ({"rate": 10, "values": [0, np.nan, 1, np.inf]}, "values: 2 samples no finite number, index 1, index 3: cut"),
     ({"rate": 10, "values": [1.0]}, "values: 1 sample, at least 2 make a record"),
     (PAIR | {"quantity": "velocity"}, "values: 2 samples, at least 4 make a record"),
     ({"values": [1.0, 2.0]}, "rate, times: one of both says when samples are"),

@@ -44,7 +44,7 @@ class Columns:
     """Columns by role, of equal length, the line or row of each entry, and all ``heads`` of a text."""
 
     columns: Mapping[str, CurveColumn]
-    lines: tuple[int, ...]
+    lines: Sequence[int]
     heads: tuple[str, ...] = ()
 
 

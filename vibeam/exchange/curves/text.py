@@ -26,6 +26,7 @@ from vibeam.exchange.curves.columns import (
     split_head,
 )
 from vibeam.exchange.files import FormatError, lines_of, text_of
+from vibeam_models.arrays import Array
 
 SEPARATORS = (";", "\t", ",", "|", " ")
 LONGEST_HEAD = 500  # lines before the table begins
@@ -52,8 +53,15 @@ def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None =
     below = [(line, text) for line, text in lines[place:] if text.lstrip()[0] not in "#%"]
     if below and not form.separator:
         separator = _of_rows(*below[0], len(heads), separator)
-    rows = list(_rows(below, heads, separator, 1 + max(places[role] for role in places if wanted[role].needed)))
-    units, rows = _units_line(rows, places, wanted)
+    needed = 1 + max(places[role] for role in places if wanted[role].needed)
+    units, rows = _units_line(list(_rows(below[:1], heads, separator, needed)), places, wanted)
+    below = below if rows else below[1:]
+    plain = not form.decimal and not any(wanted[role].words for role in places)
+    if plain and (table := _table(below, heads, separator)) is not None:
+        said = {role: (*split_head(heads[column]), table[:, column].copy()) for role, column in places.items()}
+        numbers = {role: CurveColumn(name, units.get(role, unit), kept) for role, (name, unit, kept) in said.items()}
+        return Columns(numbers, tuple(line for line, _ in below), tuple(heads))
+    rows = list(_rows(below, heads, separator, needed))
     kept = [row for row in rows if any(row[1][places[role]].strip() for role in places if wanted[role].needed)]
     if not kept:
         raise FormatError("has no line of numbers below its heads")
@@ -67,6 +75,18 @@ def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None =
         else:
             columns[role] = CurveColumn(name, units.get(role, unit), np.array([number(each, decimal) for each in own]))
     return Columns(columns, tuple(line for line, _ in kept), tuple(heads))
+
+
+def _table(below: list[tuple[int, str]], heads: list[str], separator: str) -> Array | None:
+    """All lines as one table, where each cell is a plain finite number with a decimal point; None where one is not."""
+    lines = [text for _, text in below]
+    if not lines or (separator != " " and any(line.count(separator) != len(heads) - 1 for line in lines)):
+        return None
+    try:
+        table = np.loadtxt(lines, delimiter=None if separator == " " else separator, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    return table if table.shape[1] == len(heads) and np.isfinite(table).all() else None
 
 
 def split(line: str, separator: str) -> list[str]:
@@ -191,7 +211,7 @@ def _units_line(
     rows: list[Row], places: Mapping[str, int], wanted: Mapping[str, WantedColumn]
 ) -> tuple[dict[str, str], list[Row]]:
     """Units from a line of their own below the heads, and the rows after it."""
-    if not rows or not _FREQUENCY_UNIT.fullmatch(rows[0][1][places["frequency"]].strip()):
+    if not rows or "frequency" not in places or not _FREQUENCY_UNIT.fullmatch(rows[0][1][places["frequency"]].strip()):
         return {}, rows
     cells = rows[0][1]
     units = {role: cells[place].strip().strip("[]()").strip() for role, place in places.items()}
