@@ -209,15 +209,6 @@ def test_a_curve_on_the_page_is_cut_where_its_figure_cuts_it(results, data):
         assert {-1, 1} <= set(period)
 
 
-def test_the_beam_has_its_stop_and_its_base_beside_it(data):
-    for motion in data["motions"]:
-        ((place, height, side),) = motion["stops"]
-        assert (place, side) == (0.132, 1)
-        assert height == pytest.approx(1e-4)
-        assert motion["base"] == pytest.approx(2e-5)
-    assert all(each["held"] for each in data["fidelities"])
-
-
 def test_no_label_of_the_drawing_covers_another():
     """Mass, sensor, outputs and both stops at one place."""
     outputs = "".join(f'[output.{name}]\nposition = "132 mm"\n' for name in ("second", "laser"))
@@ -238,7 +229,7 @@ def test_no_label_of_the_drawing_covers_another():
 
 def test_print_has_no_section_that_needs_a_script(text):
     printed = re.search(r"@media print \{(.*?)\n\}", text, re.DOTALL)[1]
-    assert "#motion, #participation { display: none; }" in printed
+    assert "#participation { display: none; }" in printed
 
 
 def brightness(colour):
@@ -298,7 +289,7 @@ def test_scripts_take_from_one_another_what_these_have_and_what_they_use():
 
 
 def test_modules_of_other_folders_come_in_the_order_of_what_they_take():
-    found = with_imports(["periodic", "motion"], known=("multipliers",))
+    found = with_imports(["periodic", "pictures"], known=("multipliers",))
     assert "multipliers" not in found
     for name in found:
         for _, home in IMPORT.findall(text_of(f"{name}.js")):
@@ -408,37 +399,6 @@ def test_what_was_measured_and_the_figures_and_maps_of_the_case_are_on_the_page(
         fresh=True,
     )
     assert 'alt="Map plane' not in page(found)
-
-
-def test_motions_have_the_amplitude_and_the_impacts_of_their_points(results, data):
-    result = vibeam.read(results)
-    for motion in data["motions"]:
-        response = result[motion["fidelity"]].up
-        at = int(np.argmin(np.abs(response.frequency - motion["frequency"])))
-        if response.period[at] not in (1, -1):
-            continue
-        x, impacts = decoded(motion["x"]), np.array(motion["impacts"]).reshape(-1, 2)
-        assert np.ptp(x) / 2 == pytest.approx(response.amplitude[at], rel=2e-3)
-        assert len(impacts) == response.impacts_per_period[at]
-        if len(impacts):
-            assert impacts[:, 1].mean() == pytest.approx(response.impact_velocity[at], rel=1e-4)
-    struck = [len(motion["impacts"]) for motion in data["motions"]]
-    assert min(struck) == 0 < max(struck)
-
-
-def test_the_beam_on_the_page_never_passes_the_stop(data):
-    """Deflection at the stop's place is at most the gap, and reaches it in a motion with impacts."""
-    places = data["fidelities"][1]["places"]
-    shapes = [
-        (decoded(each["beam"]).reshape(data["frames"], -1), each["impacts"])
-        for each in data["motions"]
-        if each["fidelity"] == "beam"
-    ]
-    for shape, _ in shapes:
-        at_stop = [np.interp(0.132, places, [0.0, *row]) for row in shape]
-        assert max(at_stop) < 1.01e-4
-    nearest = max(np.interp(0.132, places, [0.0, *row]) for shape, hits in shapes if hits for row in shape)
-    assert nearest > 0.8e-4
 
 
 def test_the_drawing_has_one_scale(results):

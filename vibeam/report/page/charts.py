@@ -1,4 +1,4 @@
-"""Numbers of the page's charts: curves over frequency, motions at stored points, participation."""
+"""Numbers of the page's charts: curves over frequency, participation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,6 @@ from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass, pieces
 from vibeam.report.page.parts import colours_on_page, look_on_page
 from vibeam.studies.regression.references import COVERAGE
-from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions
 from vibeam.system.response import Ended, FrequencyResponse, complete
 from vibeam_models.arrays import Array
 from vibeam_models.outputs import DISPLACEMENT
@@ -45,10 +44,6 @@ def packed(values: ArrayLike) -> dict[str, Any]:
     step = (float(flat.max()) - low) / STEPS if len(flat) else 0.0
     whole = np.rint((flat - low) / step if step > 0 else 0 * flat).astype("<u2")
     return {"low": low, "step": step, "data": b64encode(whole.tobytes()).decode()}
-
-
-MOTION_BYTES, MOTIONS_BYTES = 8000, 750_000  # of one motion on the page, and of all of them
-FEWEST, MOST = 3, 41  # frequencies at which motions are kept
 
 
 @dataclass(frozen=True)
@@ -103,27 +98,7 @@ def chart_data(stored: StoredResult) -> dict[str, Any]:
             for way, response in branches.items()
         ],
         "references": list(_references(result)),
-        "motions": [_motion(each) for each in StoredMotions(stored, motion_frequencies(result))],
-        "frames": FRAMES,
-        "lines": HARMONICS,
     }
-
-
-def motion_frequencies(result: Result) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Frequencies (Hz) of the motions on the page: peaks, and evenly among the points as far as there is room."""
-    branches = [response for each in result.values() for _, response in each.items()]
-    room = int(np.clip(MOTIONS_BYTES // (MOTION_BYTES * max(len(branches), 1)), FEWEST, MOST))
-    peaks = _evenly(
-        np.unique([each.peak.frequency for each in branches if np.isfinite(each.peak.frequency)]), room // 2
-    )
-    grid = np.unique(np.concatenate([each.frequency for each in branches]))
-    return np.unique(np.append(peaks, _evenly(grid, room - len(peaks))))
-
-
-def _evenly(values: Array, most: int) -> Array:
-    """At most so many of the values, evenly by their places."""
-    chosen: Array = values[np.unique(np.linspace(0, len(values) - 1, min(most, len(values))).astype(int))]
-    return chosen
 
 
 def _fidelities(result: Result) -> list[dict[str, Any]]:
@@ -208,23 +183,3 @@ def _marks(
     columns = zip(("frequency", "value", "bar"), np.reshape(rows, (-1, 3)).T, strict=True)
     head = {"name": of.name, "fidelity": of.fidelity, "quantity": quantity, "single": single}
     return head | {name: rounded(column) for name, column in columns}
-
-
-def _motion(each: StoredMotion) -> dict[str, Any]:
-    head = {"fidelity": each.fidelity, "way": each.direction, "frequency": float(f"{each.frequency:.6g}")}
-    if each.fault:
-        return head | {"fault": each.fault}
-    floor = max(float(each.lines.max(initial=0.0)) * 1e-6, 1e-300)
-    return head | {
-        "window": each.window,
-        "time": packed(each.time),
-        "x": packed(each.displacement),
-        "v": packed(each.velocity),
-        "impacts": [rounded(row) for row in each.impacts[:64]],
-        "section": [packed(column) for column in each.section.T],
-        "spectrum": packed(np.log10(np.maximum(each.lines, floor))),
-        "shares": rounded(each.shares[:12], 4),
-        "beam": packed(each.deflection) if each.deflection.size else None,
-        "stops": [rounded(stop) for stop in each.stops],
-        "base": rounded([each.base])[0],
-    }

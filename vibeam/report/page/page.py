@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from vibeam.runs.stored_result import StoredResult
 
 
-PICTURES = ("history", "portrait", "beam", "spectrum", "pictures")
-VIEWS = ("numbers", "chart", *PICTURES, "result", "response", "motion", "participation")
+VIEWS = ("numbers", "chart", "result", "response", "participation")
 PAGE_BYTES, MAP_BYTES = 1_350_000, 160_000  # of data and pictures together, of a picture that a map has beside it
 PLANES = ("stability", "verdict")  # pictures of maps that a study makes
 

@@ -3,7 +3,7 @@ import { address, byId, drawn, element, ink, on } from "./state.js";
 import { axis, chart, svgOf } from "./chart.js";
 import { short, withUnit } from "./numbers.js";
 import { csv, offer } from "./saving.js";
-import { FACTOR, colour, data, fidelity, inUnits, isShown, kept, pickNear, picked, shade, show, title } from "./result.js";
+import { FACTOR, colour, data, fidelity, inUnits, isShown, pickNear, picked, shade, show, title } from "./result.js";
 /** @import { Chart, Curve, Draw, Fidelity, Frame, Look, Numbers, Pen, Plot, PlotAxis, PlotHooks, PlotRange, PlotSeries, Quantity, Reference } from "./types.d.ts" */
 
 const all = [...new Set([...data.curves, ...data.references].flatMap((each) => each.frequency))].sort((a, b) => a - b);  // all curves on the union of their frequencies
@@ -85,8 +85,9 @@ function drawAll(pen, at, quantity) {
   for (const way of ["down", "up"]) for (const curve of shown.filter((each) => each.way === way)) drawPieces(pen, at, curve, quantity.name, curve.values[quantity.name], { colour: shade(curve), dash: fidelity[curve.fidelity].dash }, data.curves.indexOf(curve));
   if (quantity.name === "amplitude") drawGrazing(pen, at, [...new Set(shown.map((curve) => fidelity[curve.fidelity]))], quantity.factor);
   for (const each of measured(quantity)) drawMeasured(pen, at, each, quantity.factor);
-  if (!kept.length) return;
-  const x = at.x(picked() * FACTOR);
+  const frequency = picked();
+  if (frequency === undefined) return;
+  const x = at.x(frequency * FACTOR);
   [pen.strokeStyle, pen.lineWidth] = [ink("pale"), at.ratio];
   pen.setLineDash([3 * at.ratio, 3 * at.ratio]);
   pen.beginPath(); pen.moveTo(x, at.top); pen.lineTo(x, at.top + at.height); pen.stroke();
@@ -205,7 +206,7 @@ function draw() {
   listKinds(quantity);
   shown = chart(byId("response"), { words: `${label} against drive frequency`, height: 380, series, columns, axes: [frequencyAxis(), axis(label)], hooks, scales: { x: { time: false, range: beside }, y: { range: upward } }, draw: (pen, at) => drawAll(pen, at, quantity), mark: drawCut });
   if (to > from) shown.plot.setScale("x", { min: from, max: to });
-  shown.plot.over.addEventListener("click", () => { if (kept.length && last !== null) pickNear(all[last]); });
+  shown.plot.over.addEventListener("click", () => { if (last !== null) pickNear(all[last]); });
 }
 
 /** @type {(plot: Plot) => void} */
@@ -235,5 +236,5 @@ colourMarks();
 draw();
 on("hidden", draw);
 on("theme", () => { colourMarks(); draw(); });
-on("picked", () => { shown?.plot.redraw(false); sayAt(picked()); });
+on("picked", () => { shown?.plot.redraw(false); sayAt(picked() ?? NaN); });
 offer(byId("response"), "frequency response", { csv: () => csv(rows()), svg: () => svgOf(shown ? [shown] : [], document.title) });

@@ -2,8 +2,8 @@
 import { address, byId, colourOf, tell } from "./state.js";
 /** @import { Data, Fidelity } from "./types.d.ts" */
 
-const NONE = { frequency: { unit: "", factor: 1 }, fidelities: [], curves: [], references: [], motions: [] };
-/** Of a page without a sweep: no curves, no motions. @type {Data} */
+const NONE = { frequency: { unit: "", factor: 1 }, fidelities: [], curves: [], references: [] };
+/** Of a page without a sweep: no curves. @type {Data} */
 export const data = byId("data") ? JSON.parse(byId("data").textContent) : NONE;
 /** @typedef {{fidelity: string, way: string}} Branch */
 /** @type {Record<string, Fidelity>} */
@@ -29,8 +29,8 @@ export function show(number, wanted) {
   tell("hidden");
 }
 
-// The picked frequency (Hz) is one of those at which the page has motions.
-export const kept = [...new Set(data.motions.map((each) => each.frequency))].sort((a, b) => a - b);
+// The picked frequency (Hz) is one of the curves', on a page that flies.
+const kept = byId("explore-body") ? [...new Set(data.curves.flatMap((each) => each.frequency))].sort((a, b) => a - b) : [];
 /** @type {(frequency: number) => number} */
 const nearest = (frequency) => kept.reduce((best, value, at) => (Math.abs(value - frequency) < Math.abs(kept[best] - frequency) ? at : best), 0);
 function highest() {
@@ -40,17 +40,11 @@ function highest() {
 }
 const asked = address.numbers("f")[0];
 let at = kept.length ? nearest(asked === undefined ? highest() : asked / FACTOR) : -1;
+/** Undefined where none can be picked. @type {() => number | undefined} */
 export const picked = () => kept[at];
-let sought = picked();
-/** The frequency (Hz) that was asked for: the picked one is the nearest to it. */
-export const pointed = () => sought;
-export const place = () => at;
-/** @type {(index: number, frequency?: number) => void} */
-export function pick(index, frequency) {
-  at = Math.min(Math.max(index, 0), kept.length - 1);
-  sought = frequency ?? picked();
-  address.set("f", +(picked() * FACTOR).toPrecision(6));
+/** @type {(frequency: number) => void} */
+export function pickNear(frequency) {
+  if (!kept.length) return;
+  at = nearest(frequency);
   tell("picked");
 }
-/** @type {(frequency: number) => void} */
-export const pickNear = (frequency) => pick(nearest(frequency), frequency);

@@ -26,15 +26,10 @@ export type Curve = {
 export type Reference = {
   name: string; fidelity: string; quantity: string; single: boolean; frequency: number[]; value: Numbers; bar: Numbers;
 };
-export type StoredMotion = {
-  fidelity: string; way: string; frequency: number; fault?: string; window: number;
-  time: Packed; x: Packed; v: Packed; impacts: [number, number][]; section: [Packed, Packed]; spectrum: Packed;
-  shares: number[]; beam: Packed | null; stops: [number, number, number][]; base: number | null; drawn?: DrawnMotion;
-};
 export type Data = {
   frequency: Unit; output: Unit & { name: string }; speed: Unit; contact_speed: Unit; quantities: Quantity[];
   palette: Colours[]; kinds: Kind[]; upward: { top: number; slight: number; note: string }; fidelities: Fidelity[];
-  curves: Curve[]; references: Reference[]; motions: StoredMotion[]; frames: number; lines: number;
+  curves: Curve[]; references: Reference[];
 };
 
 /** Files of a view: texts of numbers and of a drawing, or the data URL of a picture in the drawing's place. */
@@ -42,7 +37,7 @@ export type Files = { csv?: (() => string) | ""; svg?: (() => string) | null | f
 
 /** Numbers of a motion, as they come. */
 export type Series = ArrayLike<number> & Iterable<number>;
-/** A motion as it is drawn, stored or just flown; SI, times in drive periods from the start of its window. */
+/** A motion as it is drawn, just flown; SI, times in drive periods from the start of its window. */
 export type DrawnMotion = {
   label: string; colour: () => string; dash: number[]; window: number; time: Series; x: Series; v: Series;
   /** Displacements and velocities. */

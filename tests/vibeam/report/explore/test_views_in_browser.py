@@ -292,11 +292,9 @@ def test_curves_at_rest_follow_the_branches_of_the_case_s_sweep(browser, tmp_pat
     found.page.close()
 
 
-def test_a_page_of_results_starts_on_its_sweep_and_leaves_the_stored_motions_out(browser, folder):
-    """The curves flown upwards are the stored ones; without an engine the stored motions stand in their place."""
+def test_a_page_of_results_starts_on_its_sweep(browser, folder):
+    """The curves flown upwards are the stored ones; a click on these picks the frequency."""
     found, result = Explored(browser, folder / "results.html"), vibeam.read(folder / "case.h5")
-    assert not found.page.locator("#motion").is_visible()
-    assert found.page.locator('nav a[href="#motion"]').is_hidden()
     assert found.page.locator("#start").input_value() == "sweep"
     rows = list(csv.reader(found.saved(f"CSV of {VIEWS[0]}").decode("utf-8-sig").splitlines()))[1:]
     stored_ones = np.concatenate([1e3 * each.up.amplitude for each in result.values()])
@@ -310,16 +308,14 @@ def test_a_page_of_results_starts_on_its_sweep_and_leaves_the_stored_motions_out
     assert found.page.locator("#slide-frequency-number").input_value() == "30"
     found.page.close()
     still = Opened(browser, folder / "still.html")
-    assert still.page.locator("#motion").is_visible()
     assert still.page.locator("#explore").count() == 0
     still.page.close()
 
 
-def test_a_browser_without_webassembly_has_the_stored_motions_and_is_told(browser, folder):
+def test_a_browser_without_webassembly_is_told(browser, folder):
     found = Opened(browser, folder / "results.html", before="delete globalThis.WebAssembly;")
     assert "no WebAssembly" in found.page.locator("#explore").inner_text()
-    assert found.page.locator("#motion").is_visible()
-    assert found.page.locator("#picked").inner_text() == "55 Hz"
+    assert found.page.locator("#response canvas").is_visible()
     assert found.said == []
     found.page.close()
 

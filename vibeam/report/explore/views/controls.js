@@ -89,11 +89,10 @@ function box(model) {
 
 /** Sentences on what the page cannot fly, and on keys that could have a slider. */
 function limits() {
-  const stored = byId("motion") ? " Its stored motions are below." : "";
   const reasons = new Set(payload.models.filter((each) => !each.engine).map((each) => each.refusal));
   const refused = [...reasons].map((reason) => {
     const who = payload.models.filter((each) => each.refusal === reason).map((each) => each.label);
-    return `Not flown here: ${who.join(", ")}. ${reason}${stored}`;
+    return `Not flown here: ${who.join(", ")}. ${reason}`;
   });
   const missing = payload.fixed.filter(({ key }) => !key);
   return [...refused, ...missing.map(({ name, why }) => `No slider for ${name}: ${why}.`)];

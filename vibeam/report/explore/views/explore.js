@@ -1,7 +1,7 @@
 // View: the engine flies again as the sliders move. Without WebAssembly the page stays as it is.
 import { byId, on } from "../../page/state.js";
 import { pictures } from "../../page/pictures.js";
-import { data, picked, pointed } from "../../page/result.js";
+import { data, picked } from "../../page/result.js";
 import { open } from "../engine/engine.js";
 import { background } from "../engine/worker.js";
 import { controls } from "./controls.js";
@@ -59,7 +59,7 @@ function show(engine) {
   byId("stored-curves").hidden = !data.curves.length;
   byId("closed-form").hidden = !models.some((each) => each.engine === "plain");
   on("picked", () => {
-    const value = slider ? valueOf(slider, pointed() * slider.factor) : NaN;
+    const value = slider ? valueOf(slider, (picked() ?? NaN) * slider.factor) : NaN;
     if (isFinite(value)) move("frequency", value);
   });
 }
@@ -70,7 +70,7 @@ function show(engine) {
  * @type {(peak: (model: Model) => {frequency: number} | undefined) => void}
  */
 function startAtPeak(peak) {
-  let untouched = !data.motions.length && !isLink && payload.sweep.frequency.length > 1;
+  let untouched = !data.curves.length && !isLink && payload.sweep.frequency.length > 1;
   on("moved", () => { untouched = false; });
   on("swept", () => {
     const finest = flown().find(({ name, finest: best }) => name === best), best = finest && peak(finest);
@@ -83,24 +83,15 @@ function startAtPeak(peak) {
   });
 }
 
-/** Sections of stored motions go where all fidelities fly. */
-function replaceStored() {
-  const flies = payload.models.every((each) => each.engine);
-  if (!byId("motion") || !flies) return;
-  byId("motion").hidden = true;
-  document.querySelector('nav a[href="#motion"]')?.setAttribute("hidden", "");
-}
-
 if (!models.length) byId("explore-waits").textContent = payload.models.map(({ refusal }) => refusal).join(" ");
 else if (typeof WebAssembly !== "object") {
-  const instead = data.motions.length ? "what was stored is shown below" : "vibeam run and vibeam report show motions";
-  byId("explore-waits").textContent = `This browser has no WebAssembly: ${instead}.`;
+  byId("explore-waits").textContent = "This browser has no WebAssembly, which motions take: [show.NAME] of a case draws them.";
 } else {
-  if (data.motions.length) begin(picked());
+  const frequency = picked();
+  if (frequency !== undefined) begin(frequency);
   open(payload).then((engine) => {
     const { version, level } = payload;
     Object.assign(window, { vibeam: { fly: engine.fly.bind(engine), open, version, level } });
-    replaceStored();
     show(engine);
   }).catch((fault) => {
     byId("explore-waits").textContent = `The engine does not start in this browser: ${fault.message}`;
