@@ -18,6 +18,12 @@ from vibeam.observe.phase_plane import Portrait as Portrait
 from vibeam.observe.phase_plane import StroboscopicSection as StroboscopicSection
 from vibeam.observe.phase_plane import phase_portrait as phase_portrait
 from vibeam.observe.phase_plane import stroboscopic_section as stroboscopic_section
+from vibeam.observe.response_spectrum import ResponseSpectrum as ResponseSpectrum
+from vibeam.observe.response_spectrum import SpectrumRatio as SpectrumRatio
+from vibeam.observe.response_spectrum import TransferFunction as TransferFunction
+from vibeam.observe.response_spectrum import response_spectrum as response_spectrum
+from vibeam.observe.response_spectrum import spectrum_ratio as spectrum_ratio
+from vibeam.observe.response_spectrum import transfer_function as transfer_function
 from vibeam.observe.restitution import ApparentRestitution as ApparentRestitution
 from vibeam.observe.restitution import Collision as Collision
 from vibeam.observe.restitution import adjacent_restitution as adjacent_restitution
