@@ -133,7 +133,7 @@ def integral(
 
 def _all_panels(path: Path, begin: float, end: float, highest: float) -> tuple[Array, Array]:
     """Lower and upper ends of all panels."""
-    poles = _poles(path)
+    poles = poles_of(path.system)
     floor = max(path.drive.omega, highest)
     edges = [
         _panels(a, b, born, poles, floor, DEAD_AT_REST if _resting(path, (a + b) / 2) else DEAD)
@@ -142,10 +142,10 @@ def _all_panels(path: Path, begin: float, end: float, highest: float) -> tuple[A
     return np.concatenate([e[:-1] for e in edges]), np.concatenate([e[1:] for e in edges])
 
 
-def _poles(path: Path) -> NDArray[np.complex128]:
+def poles_of(system: ImpactSystem) -> NDArray[np.complex128]:
     """Exponents of the 2n free modal solutions, rad/s."""
-    omega = path.system.omega.astype(complex)
-    sigma = path.system.zeta * omega
+    omega = system.omega.astype(complex)
+    sigma = system.zeta * omega
     root = np.sqrt(sigma**2 - omega**2)
     return np.concatenate([-sigma + root, -sigma - root])
 

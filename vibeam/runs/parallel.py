@@ -12,9 +12,13 @@ from typing import TypeVar
 
 from vibeam.flight.engine.threads import Stopped, stopping_at
 
-__all__ = ["Stopped", "cores", "heartbeat", "run_parallel"]
+__all__ = ["Interrupted", "Stopped", "cores", "heartbeat", "run_parallel"]
 Item = TypeVar("Item")
 Made = TypeVar("Made")
+
+
+class Interrupted(KeyboardInterrupt):
+    """Run stopped by Ctrl-C: the message says what is kept and how to continue."""
 
 
 def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], workers: int | None = None) -> list[Made]:

@@ -13,7 +13,7 @@ from vibeam.case.case import units_of_output
 from vibeam.case.source import of_source
 from vibeam.runs.fidelity_sweep import Job, PointCount, Progress, job_of, known_curves, sweep_branches
 from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
-from vibeam.runs.parallel import run_parallel
+from vibeam.runs.parallel import Interrupted, run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import planned, restricted
 from vibeam.runs.store.figures import sheets_of
@@ -32,10 +32,6 @@ if TYPE_CHECKING:
     from vibeam.runs.estimate.records import FidelityEstimate
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.state import StatesAfter
-
-
-class Interrupted(KeyboardInterrupt):
-    """Run stopped by Ctrl-C: the message says what is kept and how to continue."""
 
 
 @of_source

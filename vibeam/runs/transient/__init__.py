@@ -1,0 +1,1 @@
+"""Run of a case under a record: motions, their numbers, the comparison of fidelities, the results file."""

@@ -1,0 +1,138 @@
+"""Energy of a motion under a record: work of the load, lost by damping and to the stop, left at the end, by mode.
+
+Energies are of the motion relative to the base: ½η'² + ½ω²(η − η₀)² of each mode, η₀ its static deflection. Damping and
+work are integrated by Gauss' rule between all events and knots of the record; what impacts take follows from their
+velocities, ½(1 − R²)v²/S. What the modes lose to the stop follows from the other terms, mode by mode: that its sum is
+what the impacts took is the check.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.flight.equilibrium import Contacts
+from vibeam.flight.kernels.layout import START
+from vibeam.observe.motion import poles_of
+from vibeam.runs.transient.signals import contact_forces, damping_force, load_at
+from vibeam_models.arrays import Array, Flags
+
+if TYPE_CHECKING:
+    from vibeam.observe.motion import Path
+    from vibeam.system.impact_system import ImpactSystem
+
+NODES = {3: 0.5, 12: 6.0}  # Gauss nodes of an interval, and the angle that its fastest live exponential may turn there
+DEAD = 144.0  # decay after which an exponential is dead; wide, since modes that are held have another damping
+BLOCK = 1 << 14  # nodes at once
+
+
+@dataclass(frozen=True, eq=False)
+class EnergyBalance:
+    """Energies (n,) of the modes, J: at the begin and the end, ``work`` of the load, lost by ``damping``.
+
+    ``lost``: to the stop, which also hands energy from mode to mode: an entry may be negative, their sum not.
+    ``residual``: what the sum of ``lost`` differs by from the loss at each impact, as a share of the largest term.
+    """
+
+    start: Array
+    work: Array
+    damping: Array
+    lost: Array
+    left: Array
+    residual: float
+
+
+def energy_balance(path: Path, record: Any) -> EnergyBalance:
+    """Energy balance of a motion under ``record``."""
+    system, contacts = path.system, Contacts.of(path.system)
+    yields = any(law.yields for law in contacts.laws)
+    work, damping, to_stop = np.zeros(system.size), np.zeros(system.size), _at_impacts(path, contacts)
+    for times, weights in _nodes(path, record):
+        poses = path.modes_at(times)
+        rates = poses[:, 1]
+        work += (weights * load_at(record, times)) @ rates
+        damping += weights @ (rates * damping_force(system, rates))
+        if yields:
+            to_stop += float(weights @ np.sum(np.prod(contact_forces(contacts, poses), axis=0), axis=1))
+    work *= system.load
+    start, left = (_energy(system, path.modes_at(t)) for t in (path.t_start, path.t_end))
+    lost = start + work - damping - left
+    scale = max(float(np.sum(start)), abs(float(np.sum(work))), float(np.sum(damping)), float(np.sum(left)), to_stop)
+    residual = abs(float(np.sum(lost)) - to_stop) / scale if scale > 0 else 0.0
+    return EnergyBalance(start, work, damping, lost, left, residual)
+
+
+def _energy(system: ImpactSystem, pose: Array) -> Array:
+    stiff = system.omega > 0
+    rest = np.divide(system.static, system.omega**2, out=np.zeros(system.size), where=stiff)
+    held = np.where(stiff, (system.omega * (pose[0] - rest)) ** 2 / 2, -system.static * pose[0])
+    return np.asarray(pose[1] ** 2 / 2 + held)
+
+
+def _at_impacts(path: Path, contacts: Contacts) -> float:
+    """Energy that all impacts on rigid stops take, J."""
+    speeds, struck = (
+        path.impact_velocities,
+        getattr(path, "impact_contacts", np.zeros(len(path.impact_velocities), int)),
+    )
+    total = 0.0
+    for number, (row, law) in enumerate(zip(contacts.rows, contacts.laws, strict=True)):
+        own = speeds[struck == number]
+        if not law.yields and len(own):
+            total += float(np.sum(own**2 - law.rebound(own) ** 2)) / (2 * float(row @ row))
+    return total
+
+
+def _nodes(path: Path, record: Any) -> Iterator[tuple[Array, Array]]:
+    """Nodes and weights, in blocks: the intervals between events and knots, split where a live mode turns fast."""
+    edges, events = _edges(path, record)
+    width = np.diff(edges)
+    since = edges[:-1] - events[np.searchsorted(events, edges[:-1], side="right") - 1]
+    turn = width * _live_rate(path.system, since)
+    plain = (turn <= NODES[3]) & ~_pushing(path, edges)
+    parts = np.where(plain, 1, np.maximum(1, np.ceil(turn / NODES[12]))).astype(int)
+    for nodes, chosen in ((3, plain), (12, ~plain)):
+        x, w = np.polynomial.legendre.leggauss(nodes)
+        low, half = edges[:-1][chosen], width[chosen] / (2 * parts[chosen])
+        low, half, first = (np.repeat(each, parts[chosen]) for each in (low, half, np.cumsum(parts[chosen])))
+        number = np.arange(len(low)) - (first - np.repeat(parts[chosen], parts[chosen]))
+        middle = low + (2 * number + 1) * half
+        for begin in range(0, len(middle), BLOCK):
+            here = slice(begin, begin + BLOCK)
+            times = np.clip(middle[here, None] + half[here, None] * x, path.t_start, path.t_end)
+            yield times.ravel(), (half[here, None] * w).ravel()
+
+
+def _edges(path: Path, record: Any) -> tuple[Array, Array]:
+    """Edges of smooth intervals: events and knots; and the events alone, after which all modes are live."""
+    begin, end = path.t_start, path.t_end
+    segments = getattr(path, "segments", None)
+    events = [[begin], path.impact_times, path.rests.ravel(), getattr(path, "contacts", np.empty((0, 3)))[:, :2].sum(1)]
+    marks = np.unique(np.clip(np.concatenate(events), begin, end))
+    further = np.empty(0) if segments is None else segments.trace[:, START]
+    knots = np.concatenate([marks, [end], further, record.times])
+    return np.unique(knots[(knots >= begin) & (knots <= end)]), marks
+
+
+def _pushing(path: Path, edges: Array) -> Flags:
+    """Intervals within a contact with a stop that yields."""
+    contacts = getattr(path, "contacts", np.empty((0, 3)))
+    if not len(contacts):
+        return np.zeros(len(edges) - 1, dtype=bool)
+    middle = (edges[1:] + edges[:-1]) / 2
+    last = np.maximum(np.searchsorted(contacts[:, 0], middle, side="right") - 1, 0)
+    return np.asarray((middle > contacts[last, 0]) & (middle < contacts[last, 0] + contacts[last, 1]))
+
+
+def _live_rate(system: ImpactSystem, since: Array) -> Array:
+    """Rate (rad/s) of the fastest exponential that has not died out so long after an event."""
+    poles = poles_of(system)
+    poles = poles[np.isfinite(poles)]
+    death = np.divide(DEAD, -poles.real, out=np.full(len(poles), np.inf), where=poles.real < 0)
+    order = np.argsort(-death)
+    fastest = np.maximum.accumulate(np.abs(poles[order]))
+    live = np.searchsorted(-death[order], -since, side="left")
+    return np.asarray(np.concatenate([[0.0], fastest])[live])

@@ -1,0 +1,152 @@
+"""Motions of a case under its record: which there are, the key of each, flown and read off."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.observe.decimation import BINS, MOST_BINS, History
+from vibeam.runs.transient.reading import Reading, blank_reading, reading_of
+from vibeam.runs.transient.signals import TransientSignal, signals_of, with_signals
+from vibeam.solvers import SOLVERS, solver
+from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.observe.motion import Path
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam.system.record import Record
+
+SCALED = ("level", "speed")  # factors of the record itself
+READ_AS = 1  # raised where readings mean something else: motions of older files are run anew
+NUDGE = 1e-6  # by which the load of a twin is larger
+
+
+@dataclass(frozen=True)
+class Realisation:
+    """Realisation, one motion of a case: fidelity, numbers of its value and seed; ``shown``: its histories are kept.
+
+    ``twin``: of the finest fidelity, under a load larger by 1e-6. ``key``: of all that decides its numbers.
+    """
+
+    fidelity: str
+    value: int
+    seed: int
+    shown: bool
+    twin: bool
+    key: str
+
+
+def shown_at(case: Case) -> tuple[int, int]:
+    """Numbers of the value and the seed of the motion whose histories are kept: the value nearest 1, the first seed."""
+    values = np.asarray(plan_of(case).values, dtype=float)
+    nearest = int(np.argmin(np.abs(values - 1))) if plan_of(case).over in SCALED else 0
+    return nearest, 0
+
+
+def motions_of(case: Case, name: str, twins: bool = False) -> Iterator[Realisation]:
+    """Motions of one fidelity, of one seed after the other; ``twins``: the finest's, of the first seed."""
+    plan, shown = plan_of(case), shown_at(case)
+    for j, seed in enumerate((0,) if twins else plan.seeds or (0,)):
+        for i, value in enumerate(plan.values):
+            kept = (i, j) == shown and not twins
+            said = f"{READ_AS} {case.own[name]} {value!r} {seed if plan.seeds else None} {kept} {twins}"
+            yield Realisation(name, i, j, kept, twins, sha256(said.encode()).hexdigest())
+
+
+class MotionMaker:
+    """Maker of the motions of one fidelity: its systems, loads and starts, made when first asked for."""
+
+    def __init__(self, case: Case, name: str) -> None:
+        self.case, self.name = case, name
+        self._cases: dict[int, Case] = {}
+        self._systems: dict[int, tuple[ImpactSystem, tuple[TransientSignal, ...]]] = {}
+
+    @property
+    def signals(self) -> tuple[TransientSignal, ...]:
+        """Signals of the fidelity."""
+        return self.system(0)[1]
+
+    def system(self, value: int) -> tuple[ImpactSystem, tuple[TransientSignal, ...]]:
+        """System at one of the values, with its signals; they are the same at all values of level and speed."""
+        at = 0 if plan_of(self.case).over in SCALED else value
+        if at not in self._systems:
+            bare = self._at(value).system(self.name)
+            signals = signals_of(self.case, bare, plan_of(self.case).outputs)
+            self._systems[at] = with_signals(bare, signals), signals
+        return self._systems[at]
+
+    def load(self, value: int, seed: int, factor: float = 1.0) -> Record:
+        """Load of a motion, ``factor`` times as large."""
+        plan, own = plan_of(self.case), {"level": factor}
+        if plan.over in SCALED:
+            own[plan.over] = own.get(plan.over, 1.0) * plan.values[value]
+        made: Record = self._at(value).input(self.name, plan.seeds[seed] if plan.seeds else None, **own)  # type: ignore[attr-defined]
+        return made
+
+    def made(self, motion: Realisation) -> Reading:
+        """Reading of a motion."""
+        record = self.load(motion.value, motion.seed, 1 + NUDGE if motion.twin else 1.0)
+        path, seconds = self.path(motion.value, record)
+        if not path.t_end > path.t_start:
+            return blank_reading(path)
+        rate = plan_of(self.case).rate
+        bins = BINS if rate is None else int(np.clip(round(rate * (path.t_end - path.t_start)), 1, MOST_BINS))
+        return reading_of(path, record, self.system(motion.value)[1], seconds, bins if motion.shown else None)
+
+    def path(self, value: int, record: Record) -> tuple[Path, float]:
+        """Motion under a load at one of the values, and its CPU time, s."""
+        system, plan, fidelity = self.system(value)[0], plan_of(self.case), self.case.fidelities[self.name]
+        start = self._at(value).start(self.name)  # type: ignore[attr-defined]
+        begun = time.thread_time()
+        if SOLVERS[fidelity.solver].motion == "exact":
+            from vibeam.flight.trajectory import simulate
+
+            path: Any = simulate(system, record, plan.duration, start, certify=plan.certify)  # type: ignore[arg-type]
+        else:
+            slowest = 2 * np.pi / plan.duration
+            runner = solver(fidelity.solver, system, slowest, plan.duration, **fidelity.options)
+            path = runner.record_motion(record, start, 0.0, plan.duration)
+        return path, time.thread_time() - begun
+
+    def period(self) -> float:
+        """First natural period, s; NaN of a system without stiffness."""
+        rates = self.system(0)[0].omega
+        return 2 * np.pi / float(np.min(rates[rates > 0])) if np.any(rates > 0) else float("nan")
+
+    def _at(self, value: int) -> Case:
+        """The case at one of the values of a key."""
+        plan = plan_of(self.case)
+        if plan.over in SCALED:
+            return self.case
+        if value not in self._cases:
+            self._cases[value] = self.case.with_keys({plan.over: plan.values[value]})
+        return self._cases[value]
+
+
+def histories_of(reading: Reading, signals: tuple[TransientSignal, ...]) -> dict[str, History]:
+    """Histories that a reading has, by signal."""
+    return {
+        signal.name: _history(reading, reading["history_least"][number], reading["history_greatest"][number])
+        for number, signal in enumerate(signals)
+    }
+
+
+def input_of(reading: Reading) -> History:
+    """History of the load that a reading has."""
+    return _history(reading, reading["input_least"], reading["input_greatest"])
+
+
+def _history(reading: Reading, least: Array, greatest: Array) -> History:
+    begin, end = reading["history_edges"]
+    return History(np.linspace(begin, end, len(least) + 1), least, greatest)
+
+
+def plan_of(case: Case) -> Any:
+    """The record of a case that has one."""
+    return case.record  # type: ignore[attr-defined]

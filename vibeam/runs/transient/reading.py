@@ -1,0 +1,130 @@
+"""Reading of one motion under a record: extremes, impacts, energies, spectra; what the results file keeps of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.observe.decimation import history_of_cubics
+from vibeam.runs.transient.energies import energy_balance
+from vibeam.runs.transient.samples import OUTLINE, SignalSamples, samples_of
+from vibeam.system.response import Ended
+from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from vibeam.observe.decimation import History
+    from vibeam.observe.motion import Path
+    from vibeam.runs.transient.signals import TransientSignal
+
+Reading = dict[
+    str, NDArray[Any]
+]  # numbers of one motion: READINGS by name, and the frequency (f,), Hz, of its spectrum
+PROVED, PARTLY, UNASKED = 1, 0, -1
+
+
+@dataclass(frozen=True)
+class ReadingQuantity:
+    """Meaning of a field of a reading, its unit (q: of the signal), its dimensions."""
+
+    long_name: str
+    unit: Literal["q", "q2 Hz-1", "c/s", "E", "s", "1"]
+    dimensions: tuple[str, ...] = ()
+
+
+SIGNAL, MODE, IMPACT = ("signal",), ("mode",), ("impact",)
+READINGS: Mapping[str, ReadingQuantity] = {
+    "least": ReadingQuantity("least value", "q", SIGNAL),
+    "greatest": ReadingQuantity("greatest value", "q", SIGNAL),
+    "least_time": ReadingQuantity("time of the least value", "s", SIGNAL),
+    "greatest_time": ReadingQuantity("time of the greatest value", "s", SIGNAL),
+    "mean": ReadingQuantity("mean over the record", "q", SIGNAL),
+    "rms": ReadingQuantity("root mean square over the record", "q", SIGNAL),
+    "outline_least": ReadingQuantity("least value of each bin of the time", "q", ("signal", "bin")),
+    "outline_greatest": ReadingQuantity("greatest value of each bin of the time", "q", ("signal", "bin")),
+    "spectrum": ReadingQuantity("one-sided spectral density, Welch's method", "q2 Hz-1", ("signal", "frequency")),
+    "impact_times": ReadingQuantity(
+        "times of the impacts, of the begins of contacts where the stop yields", "s", IMPACT
+    ),
+    "impact_velocities": ReadingQuantity("velocity just before impact", "c/s", IMPACT),
+    "impact_contacts": ReadingQuantity("number of the contact struck, 0: the first stop", "1", IMPACT),
+    "rest": ReadingQuantity("share of the time held on the stop", "1"),
+    "start": ReadingQuantity("energy at the begin", "E", MODE),
+    "work": ReadingQuantity("work of the load on the motion relative to the base", "E", MODE),
+    "damping": ReadingQuantity("energy lost by damping", "E", MODE),
+    "lost": ReadingQuantity("energy lost to the stop, or to other modes through it", "E", MODE),
+    "left": ReadingQuantity("energy at the end", "E", MODE),
+    "residual": ReadingQuantity("share of the largest energy by which the balance is open", "1"),
+    "cpu_seconds": ReadingQuantity("CPU time of the motion", "s"),
+    "reading_seconds": ReadingQuantity("CPU time of what is read off it", "s"),
+    "ended": ReadingQuantity("why the motion ended", "1"),
+    "proved": ReadingQuantity("certificate: 1 complete, 0 not, −1 not asked for", "1"),
+}
+
+
+def reading_of(
+    path: Path, record: Any, signals: Sequence[TransientSignal], cpu_seconds: float, bins: int | None = None
+) -> Reading:
+    """Reading of a motion under ``record`` that took ``cpu_seconds``; of one that ended early, up to its end.
+
+    ``bins``: of its histories, None: it has none.
+    """
+    begun = time.thread_time()
+    samples = samples_of(path, record, signals)
+    (least, greatest), (least_time, greatest_time) = _extremes(path, samples, signals)
+    mean, rms = samples.moments()
+    frequency, density = samples.spectrum()
+    outlines = [samples.history(number, OUTLINE) for number in range(len(signals))]
+    energy = energy_balance(path, record)
+    rests = path.rests
+    found = {
+        "least": least, "greatest": greatest, "least_time": least_time, "greatest_time": greatest_time, "mean": mean,
+        "rms": rms, "spectrum": density, **_as_arrays("outline", outlines),
+        "frequency": frequency, **_impacts(path),
+        "rest": float(np.sum(rests[:, 1] - rests[:, 0])) / (path.t_end - path.t_start),
+        **{name: getattr(energy, name) for name in ("start", "work", "damping", "lost", "left", "residual")},
+        "ended": getattr(path, "ended", Ended.COMPLETE).code, "proved": _proved(path), "cpu_seconds": cpu_seconds,
+    }  # fmt: skip
+    if bins is not None:
+        load = history_of_cubics(record.times, record.coefficients, path.t_start, path.t_end, bins)
+        histories = [samples.history(number, bins) for number in range(len(signals))]
+        found |= {"history_edges": (path.t_start, path.t_end), **_as_arrays("history", histories)}
+        found |= {"input_least": np.float32(load.least), "input_greatest": np.float32(load.greatest)}
+    return {name: np.asarray(each) for name, each in (found | {"reading_seconds": time.thread_time() - begun}).items()}
+
+
+def _as_arrays(name: str, histories: Sequence[History]) -> Reading:
+    """Least and greatest values (o, b) in single precision, as pictures need them."""
+    parts = {part: [getattr(each, part) for each in histories] for part in ("least", "greatest")}
+    return {f"{name}_{part}": np.array(each, dtype=np.float32) for part, each in parts.items()}
+
+
+def _extremes(path: Path, samples: SignalSamples, signals: Sequence[TransientSignal]) -> tuple[Array, Array]:
+    """Values and times (2, o) of the least and greatest values."""
+    return samples.extremes()
+
+
+def _impacts(path: Path) -> Reading:
+    """Impacts, of stops that yield the begins of their contacts."""
+    times, speeds = path.impact_times, path.impact_velocities
+    return {
+        "impact_times": times,
+        "impact_velocities": speeds,
+        "impact_contacts": np.asarray(getattr(path, "impact_contacts", np.zeros(len(times), dtype=np.int64))),
+    }
+
+
+def _proved(path: Path) -> int:
+    certificate = getattr(path, "certificate", None)
+    if certificate is None:
+        return UNASKED
+    return PROVED if certificate.complete else PARTLY
+
+
+def blank_reading(path: Path) -> Reading:
+    """Reading of a motion that ended where it began: no numbers but why."""
+    return {"ended": np.asarray(getattr(path, "ended", Ended.NOT_FINITE).code)}

@@ -1,0 +1,140 @@
+"""Result of a case under a record: the transients of every fidelity, their comparison with the finest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.exchange.faults import suggest
+from vibeam.runs.transient.comparison import TransientComparison, compared
+from vibeam.runs.transient.motions import plan_of
+from vibeam.runs.transient.reading import Reading
+from vibeam.runs.transient.transient import Transient
+from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.observe.decimation import History
+
+
+class TransientResult(Mapping[str, Transient], LabelledData):
+    """Result of a run under a record: ``result[fidelity].peak``; ``found`` motions of ``total`` were in the file.
+
+    ``factors`` (v,): values of what the case varies (``over``), ``seeds`` (s,) of its realisations; arrays of a
+    ``Transient`` begin with these two dimensions. ``periods``: first natural period of each fidelity, s. ``input``:
+    history of the load of the motion whose histories are kept. ``twins``: by fidelity and value, the motion of the
+    first seed under a load larger by 1e-6. Equal to another where the case is and all numbers are, CPU times aside.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        fidelities: Mapping[str, Transient],
+        path: Path | None = None,
+        found: int = 0,
+        periods: Mapping[str, float] | None = None,
+        twins: Mapping[str, Mapping[int, Reading]] | None = None,
+        input: Mapping[str, History] | None = None,
+    ) -> None:
+        self.case, self.path, self.found = case, path, found
+        self.input = dict(input or {})
+        self.periods, self.twins = dict(periods or {}), dict(twins or {})
+        self._fidelities = dict(fidelities)
+
+    @property
+    def fidelities(self) -> Mapping[str, Transient]:
+        """Transients by fidelity."""
+        return self._fidelities
+
+    @property
+    def over(self) -> str:
+        """Name of what the values are of: "level", "speed" or a key."""
+        return str(self._plan.over)
+
+    @property
+    def factors(self) -> tuple[float, ...]:
+        """Values of the factor that the case varies."""
+        return tuple(self._plan.values)
+
+    @property
+    def seeds(self) -> tuple[int, ...]:
+        """Seeds of the realisations, empty of a load that is not random."""
+        return tuple(self._plan.seeds)
+
+    @property
+    def _plan(self) -> Any:
+        return plan_of(self.case)
+
+    @property
+    def total(self) -> int:
+        """Number of motions of all fidelities."""
+        return sum(each.ended.size for each in self.values())
+
+    @property
+    def missing(self) -> int:
+        """Number of motions that were not run yet."""
+        return sum(int(np.count_nonzero(~each.run)) for each in self.values())
+
+    @property
+    def finest(self) -> dict[str, str]:
+        """Reference of each fidelity: the first with most modes among those of the same physics."""
+        own, found = self.case.fidelities, {}
+        for name in self:
+            alike = [each for each in self if own[each].changes == own[name].changes]
+            found[name] = max(alike, key=lambda each: self[each].modes)
+        return found
+
+    @cached_property
+    def comparison(self) -> dict[str, TransientComparison]:
+        """Comparison of each fidelity with its finest; the finest have none."""
+        finest = self.finest
+        return {
+            name: compared(self[name], self[top], self.periods.get(top, float("nan")), self.twins.get(top, {}))
+            for name, top in finest.items()
+            if name != top
+        }
+
+    def __getitem__(self, fidelity: str) -> Transient:
+        if fidelity not in self._fidelities:
+            raise KeyError(f"no fidelity {fidelity!r}: {suggest(str(fidelity), self._fidelities)}")
+        return self._fidelities[fidelity]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fidelities)
+
+    def __len__(self) -> int:
+        return len(self._fidelities)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, TransientResult):
+            return NotImplemented
+        return (self.case, self._fidelities) == (other.case, other._fidelities)
+
+    def __hash__(self) -> int:
+        return hash(self.case)
+
+    def __repr__(self) -> str:
+        where = "" if self.path is None else f" in {self.path}"
+        return "\n".join([f"TransientResult of {self.case.title!r}{where}", *(f"  {each!r}" for each in self.values())])
+
+    def _parts(self) -> Sequence[LabelledPart]:
+        axes = {self.over: np.array(self.factors), "seed": np.array(self.seeds or (0,))}
+        return [LabelledPart({"fidelity": name}, axes, _columns(each)) for name, each in self.items()]
+
+    @property
+    def _names(self) -> DataNames:
+        return DataNames(axes={}, about=self.case.about)
+
+
+def _columns(of: Transient) -> dict[str, Any]:
+    """Numbers (v, s) of every motion by name."""
+    read = ("peak", "peak_time", "least", "greatest", "mean", "rms")
+    found = {f"{each.name}_{name}": of.of(name, each.name) for each in of.signals for name in read}
+    impacts = ("impacts", "first_impact", "hardest_impact", "impact_velocity", "rest")
+    energies = ("work", "lost_at_impacts", "lost_by_damping", "energy_left")
+    found |= {name: of.of(name) for name in (*impacts, *energies)}
+    return found | {"residual": of.residual, "ended": of.ended, "cpu_seconds": of.cpu_seconds}

@@ -1,0 +1,138 @@
+"""Run of a case under its record: every fidelity through the same realisations, stored on disk as it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from threading import Event, Lock
+from typing import TYPE_CHECKING
+
+from vibeam.runs.parallel import Interrupted, run_parallel
+from vibeam.runs.transient.motions import MotionMaker, Realisation, histories_of, input_of, motions_of, plan_of
+from vibeam.runs.transient.result import TransientResult
+from vibeam.runs.transient.store import KnownMotions, StoredModel, TransientStore, opened
+from vibeam.runs.transient.transient import assembled
+from vibeam.store.place import Tell
+from vibeam.system.response import Ended
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.observe.motion import Path as MotionPath
+    from vibeam.runs.transient.reading import Reading
+
+Told = Callable[[int, int], None]
+
+
+def run_record(
+    case: Case, path: Path | None, told: Told, fresh: bool, tell: Tell,
+    before: Callable[[Case, int], None] | None = None,
+) -> TransientResult:  # fmt: skip
+    """Result of all motions of ``case``; those in the results file already are not flown again.
+
+    ``told`` hears the number of motions that are there, and their total, from any thread; ``before`` the case and how
+    many are missing, where any is.
+    """
+    every = [list(motions_of(case, name)) for name in case.own]
+    twins = [list(motions_of(case, name, twins=True)) for name in case.own]
+    wanted = {each.key for some in (*every, *twins) for each in some}
+    with opened(case, wanted, path, fresh, tell) as store:
+        known = store.known.motions
+        asked = [each for some in every for each in some if each.fidelity in case.fidelities]
+        missing = [each for each in _in_turn(asked) if each.key not in known]
+        found = len(asked) - len(missing)
+        makers = {name: MotionMaker(case, name) for name in case.fidelities}
+        if missing and before:
+            before(case, len(missing))
+        count = MotionCount(found, len(asked), told)
+        try:
+            _make(makers, missing, store, count)
+            shadows = [each for each in _twins(case, store.known, twins) if each.key not in known]
+            _make(makers, shadows, store, None)
+        except KeyboardInterrupt:
+            raise Interrupted(_how_to_go_on(count, path)) from None
+        return result_of(case, store.known, path, found)
+
+
+class MotionCount:
+    """Counter of the motions that are there, told as they come."""
+
+    def __init__(self, done: int, total: int, told: Told) -> None:
+        self.done, self.total = done, total
+        self._told, self._lock = told, Lock()
+        told(done, total)
+
+    def add(self) -> None:
+        """Count one more."""
+        with self._lock:
+            self.done += 1
+            self._told(self.done, self.total)
+
+
+def _in_turn(motions: Sequence[Realisation]) -> list[Realisation]:
+    """Motions of all fidelities under one load, then under the next: a run that is stopped has some of each."""
+    return sorted(motions, key=lambda each: (each.seed, each.value))
+
+
+def _make(
+    makers: Mapping[str, MotionMaker], motions: Sequence[Realisation], store: TransientStore, count: MotionCount | None
+) -> None:  # fmt: skip
+    """Make motions, several at once, and keep each."""
+    for name in {each.fidelity for each in motions}:
+        makers[name].system(0)  # once, before threads ask for it
+
+    def make(motion: Realisation, stop: Event) -> None:
+        maker = makers[motion.fidelity]
+        store.keep(motion, maker.made(motion), StoredModel(maker.signals, maker.period()))
+        if count is not None:
+            count.add()
+
+    run_parallel(make, motions)
+
+
+def _twins(case: Case, known: KnownMotions, twins: Sequence[Sequence[Realisation]]) -> Iterator[Realisation]:
+    """Twins of the finest fidelities with which others are compared."""
+    result = result_of(case, known, None, 0)
+    tops = {top for name, top in result.finest.items() if name != top}
+    yield from (each for some in twins for each in some if each.fidelity in tops)
+
+
+def result_of(case: Case, known: KnownMotions, path: Path | None, found: int) -> TransientResult:
+    """Result of what is known of the motions of a case; others are not run yet."""
+    own = {name: known.models[name] for name in case.fidelities if name in known.models}
+    shown = {}
+    transients, twins = {}, {}
+    for name, model in own.items():
+        rows: dict[tuple[int, int], Realisation] = {(each.value, each.seed): each for each in motions_of(case, name)}
+        read = {at: known.motions[each.key][1] for at, each in rows.items() if each.key in known.motions}
+        kept = next((each for each in read.values() if "history_edges" in each), None)
+        table = [[read.get((i, j)) for j in _numbers(rows, 1)] for i in _numbers(rows, 0)]
+        histories = {} if kept is None else histories_of(kept, model.signals)
+        duration = float(plan_of(case).duration)
+        transients[name] = assembled(name, duration, model.signals, table, histories)
+        near = {each.value: known.motions.get(each.key) for each in motions_of(case, name, twins=True)}
+        twins[name] = {value: each[1] for value, each in near.items() if each and _is_complete(each[1])}
+        if kept is not None:
+            shown[name] = input_of(kept)
+    alike = len(set(shown.values())) == 1
+    inputs = {"": next(iter(shown.values()))} if alike else shown
+    return TransientResult(case, transients, path, found, {n: m.period for n, m in own.items()}, twins, inputs)
+
+
+def _is_complete(reading: Reading) -> bool:
+    return int(reading["ended"]) == Ended.COMPLETE.code
+
+
+def _numbers(rows: Mapping[tuple[int, int], Realisation], of: int) -> list[int]:
+    return sorted({place[of] for place in rows})
+
+
+def _how_to_go_on(count: MotionCount, path: Path | None) -> str:
+    if path is None or not count.done:
+        return f"stopped after {count.done} of {count.total} motions: nothing is kept"
+    return f"stopped: {count.done} of {count.total} motions are kept in {path}: the same command goes on from there"
+
+
+def realised(case: Case, fidelity: str, value: int = 0, seed: int = 0) -> MotionPath:
+    """The motion of a fidelity at the numbers of a value and a seed, flown again."""
+    maker = MotionMaker(case, fidelity)
+    return maker.path(value, maker.load(value, seed))[0]

@@ -1,0 +1,113 @@
+"""Samples of a motion's signals at even times: histories, mean and rms, spectral densities by Welch's method."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.flight.equilibrium import Contacts
+from vibeam.observe.decimation import History, history_of_samples
+from vibeam.runs.transient.signals import TransientSignal, values_at
+from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from vibeam.observe.motion import Path
+
+OUTLINE = 512  # bins of an outline
+LEAST, MOST = 2**14, 2**20  # samples of a motion
+A_PERIOD = 10  # samples a period of the fastest mode, within these bounds
+BLOCK = 2**14  # samples at once
+SEGMENTS = 8  # of a record, half overlapping: the resolution of a spectrum is 8 over the record's duration
+BANDS = 400  # of a spectrum, evenly spaced over the logarithm of the frequency; a line each where they are narrower
+
+
+@dataclass(frozen=True, eq=False)
+class SignalSamples:
+    """Values (m + 1, o) of o signals at even times from begin to end, and on both sides of impacts on rigid stops.
+
+    ``struck`` (k,), s; ``before`` and ``after`` (k, o): the values there, between which velocities jump.
+    """
+
+    signals: tuple[TransientSignal, ...]
+    times: Array
+    values: Array
+    struck: Array
+    before: Array
+    after: Array
+
+    @property
+    def rate(self) -> float:
+        """Samples a second."""
+        return (len(self.times) - 1) / float(self.times[-1] - self.times[0])
+
+    @cached_property
+    def all(self) -> tuple[Array, Array]:
+        """Times (m + 1 + 2k,) and values of all samples, in order, both sides of each impact among them."""
+        times = np.concatenate([self.times, self.struck, self.struck])
+        order = np.argsort(times, kind="stable")
+        same = np.concatenate([self.values, self.before, self.after])[order]
+        return times[order], same
+
+    def history(self, number: int, bins: int) -> History:
+        """History of a signal: of cubics where its rate is the next signal, of lines else."""
+        times, values = self.all
+        own, rates = self.signals[number], None
+        for at, each in enumerate(self.signals):
+            if own.order >= 0 and each.output == own.output and each.order == own.order + 1:
+                rates = values[:, at]
+        return history_of_samples(times, values[:, number], rates, bins)
+
+    def extremes(self) -> tuple[Array, Array]:
+        """Least and greatest values and their times (2, o) each: of the samples and of the impacts."""
+        times, values = self.all
+        at = np.stack([values.argmin(axis=0), values.argmax(axis=0)])
+        return np.take_along_axis(values, at, axis=0), times[at]
+
+    def moments(self) -> tuple[Array, Array]:
+        """Mean and root mean square (o,) over the time."""
+        inner = (self.values[1:] + self.values[:-1]) / 2
+        squares = (self.values[1:] ** 2 + self.values[:-1] ** 2) / 2
+        return inner.mean(axis=0), np.sqrt(squares.mean(axis=0))
+
+    def spectrum(self) -> tuple[Array, Array]:
+        """Frequencies (f,), Hz, and one-sided densities (o, f), unit²/Hz: means over the lines of each band."""
+        from scipy.signal import welch
+
+        lines, density = welch(self.values[:-1], self.rate, nperseg=(len(self.times) - 1) // SEGMENTS, axis=0)
+        bands = np.unique(np.geomspace(1, len(lines), BANDS).astype(int))[:-1]
+        many = np.diff(np.append(bands, len(lines)))
+        means = [np.add.reduceat(each, bands, axis=0) for each in (lines, density)]
+        return means[0] / many, (means[1] / many[:, None]).T
+
+
+def samples_of(path: Path, record: Any, signals: Sequence[TransientSignal]) -> SignalSamples:
+    """Samples of the signals of a motion under ``record``, as many as its fastest mode asks for, within bounds."""
+    rates = path.system.omega[np.isfinite(path.system.omega)]
+    span, fastest = path.t_end - path.t_start, float(np.max(rates, initial=0.0)) / (2 * np.pi)
+    parts = int(np.clip(np.ceil(A_PERIOD * fastest * span / LEAST), 1, MOST // LEAST))
+    times = path.t_start + np.linspace(0.0, 1.0, parts * LEAST + 1) * span
+    blocks = [times[first : first + BLOCK] for first in range(0, len(times), BLOCK)]
+    values = [values_at(path, record, signals, block, path.modes_at(block)) for block in blocks]
+    struck, before, after = _around_impacts(path)
+    sides = [
+        values_at(path, record, signals, struck, poses) if len(struck) else np.empty((0, len(signals)))
+        for poses in (before, after)
+    ]
+    return SignalSamples(tuple(signals), times, np.concatenate(values), struck, *sides)
+
+
+def _around_impacts(path: Path) -> tuple[Array, Array, Array]:
+    """Times (k,) of the impacts on rigid stops and the modes (k, 2, n) just before and just after them."""
+    contacts = Contacts.of(path.system)
+    struck = getattr(path, "impact_contacts", np.zeros(len(path.impact_times), dtype=int))
+    rigid = np.array([not law.yields for law in contacts.laws])[struck]
+    times, speeds, rows = path.impact_times[rigid], path.impact_velocities[rigid], contacts.rows[struck[rigid]]
+    after = path.modes_at(times)
+    before = after.copy()
+    impulse = (np.sum(after[:, 1] * rows, axis=1) - speeds) / np.sum(rows**2, axis=1)
+    before[:, 1] -= impulse[:, None] * rows
+    return times, before, after

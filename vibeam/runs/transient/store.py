@@ -1,0 +1,256 @@
+"""Results file of a case under a record: one row a motion, found by its key; blocks beside it while a run is under way.
+
+A motion is stored under the key of all that decides it. So a file goes on when seeds, values or fidelities are added,
+and what another case decides otherwise is not there.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import threading
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.exchange.whole_files import unsealed
+from vibeam.runs.transient.layout import read_group, write_group
+from vibeam.runs.transient.motions import Realisation
+from vibeam.runs.transient.reading import Reading
+from vibeam.runs.transient.signals import TransientSignal
+from vibeam.store.blocks import read_block, write_block
+from vibeam.store.errors import ANEW, CURE, ELSEWHERE, FAULTS, StoreError, reading, reason, unopened
+from vibeam.store.hdf5 import SIGNATURE, content_of, fixed, in_memory, text_of
+from vibeam.store.place import Place, Tell, locked, place_of
+from vibeam.store.provenance import note_continued, write_provenance
+
+if TYPE_CHECKING:
+    import h5py
+
+    from vibeam.case.case import Case
+
+FORMAT = "vibeam transient 1"
+OURS = re.compile(rb"vibeam transient \d+")
+WRITE_EVERY = 0.5  # s between two blocks: a killed run loses no more, and the motions under way
+CASE = ("text", "shared", "whole")
+
+
+@dataclass
+class StoredModel:
+    """Model of one fidelity in the file: its signals and its first natural period, s."""
+
+    signals: tuple[TransientSignal, ...]
+    period: float
+
+
+@dataclass
+class KnownMotions:
+    """Motions that are known, by key, each with what it is, and the models of their fidelities."""
+
+    motions: dict[str, tuple[Realisation, Reading]] = field(default_factory=dict)
+    models: dict[str, StoredModel] = field(default_factory=dict)
+
+    def add(self, found: Mapping[str, Any], models: Mapping[str, StoredModel]) -> None:
+        """Add motions and models."""
+        self.motions |= found
+        self.models |= models
+
+
+class TransientStore:
+    """Open results file, safe to write from several threads; made by ``opened``. ``path`` None: nothing is kept.
+
+    Motions are written as blocks every ``WRITE_EVERY`` s, the file when it is closed; the first block puts a file in
+    place, so that a reader knows of which case they are.
+    """
+
+    def __init__(self, case: Case, place: Place | None, known: KnownMotions, file: h5py.File | None = None) -> None:
+        self.case, self.known = case, known
+        self._place, self._file = place, file
+        self._lock, self._due = threading.Lock(), monotonic() + WRITE_EVERY
+        self._fresh: list[str] = []
+        self._blocks, self._begun, self._changed = 0, False, False
+
+    def keep(self, motion: Realisation, found: Reading, model: StoredModel) -> None:
+        """Keep a motion; StoreError where the disk fails."""
+        with self._lock:
+            self.known.add({motion.key: (motion, found)}, {motion.fidelity: model})
+            self._fresh.append(motion.key)
+            if self._place is not None and monotonic() >= self._due:
+                self._write()
+
+    def _write(self) -> None:
+        assert self._place is not None
+        if not self._begun:
+            self._gather()
+        else:
+            file = self._place.folder / f"motions-{self._blocks:09d}.npz"
+            write_block(self._place.path, file, FORMAT, _packed(self.known, self._fresh))
+            self._blocks += 1
+        self._fresh.clear()
+        self._due = monotonic() + WRITE_EVERY
+
+    def _gather(self) -> None:
+        assert self._place is not None
+        with _file_of(self.case, self.known, self._file) as file:
+            self._place.replace(content_of(file))
+        self._place.discard()
+        self._begun, self._changed = True, False
+
+    def close(self, changed: bool) -> None:
+        """Gather all blocks into the file, where there is anything new."""
+        if self._place is not None and (self._fresh or self._blocks or (changed and self._changed)):
+            self._gather()
+
+
+@contextmanager
+def opened(
+    case: Case, wanted: Collection[str], path: Path | None, fresh: bool, tell: Tell
+) -> Iterator[TransientStore]:  # fmt: skip
+    """Open the results file of a case, made with its first motions where there is none; locked against others.
+
+    ``wanted``: keys of the motions of all fidelities of the case. Where others would be lost, the file as it was is
+    kept aside. StoreError as of any results file.
+    """
+    if path is None:
+        yield TransientStore(case, None, KnownMotions())
+        return
+    with locked(path) as place:
+        place.tidy()
+        store = TransientStore(case, place, KnownMotions())
+        if place.target.exists() and not fresh:
+            store = _continued(case, wanted, place, tell)
+        elif place.target.exists():
+            _content(place, "r+b")
+        try:
+            yield store
+        except BaseException:
+            store.close(changed=False)
+            raise
+        store.close(changed=True)
+
+
+def _continued(case: Case, wanted: Collection[str], place: Place, tell: Tell) -> TransientStore:
+    content = _content(place, "r+b")
+    with _opened(place.path, content) as file:
+        known = _known(place, file)
+        name, text = text_of(file["case"], "name"), file["case"]["whole"][()].decode()
+        provenance = in_memory()
+        file.copy("provenance", provenance)
+    lost = [key for key in known.motions if key not in wanted]
+    if lost and name != case.path.name:
+        raise StoreError(f"{place.path}: holds motions of another case ({name}): {ANEW}")
+    if lost:
+        kept = len(known.motions) - len(lost)
+        said = f"{len(lost)} of its motions are not of the case as it is now, {kept} stay"
+        place.replace(content_of(_file_of(case, known, provenance, text)))  # with its blocks
+        place.discard()
+        place.keep_aside(said, tell)
+        known.motions = {key: each for key, each in known.motions.items() if key in wanted}
+    store = TransientStore(case, place, known, provenance)
+    store._changed = bool(lost) or text != case.text
+    return store
+
+
+def read_motions(path: Path) -> tuple[KnownMotions, str, dict[str, str], str]:
+    """Motions of a file and of the blocks beside it; its case as TOML, its provenance, what decides its numbers."""
+    place = place_of(path)
+    with _opened(path, _content(place, "rb")) as file, reading(path, "its groups"):
+        texts = [file["case"][name][()].decode() for name in ("whole", "text")]
+        made = {name: str(value) for name, value in file["provenance"].attrs.items()}
+        return _known(place, file), texts[0], made, texts[1]
+
+
+def is_transient(path: Path) -> bool:
+    """Test whether a file is one of motions under a record; False where it cannot be read."""
+    try:
+        content = path.read_bytes()
+    except OSError:
+        return False
+    return content.startswith(SIGNATURE) and OURS.search(content) is not None
+
+
+def _content(place: Place, mode: str) -> bytes:
+    try:
+        with place.target.open(mode) as file:
+            content = bytes(file.read())
+    except OSError as fault:
+        raise unopened(place.path, fault, ELSEWHERE) from None
+    if not (content.startswith(SIGNATURE) and OURS.search(content)):
+        raise StoreError(f"{place.path}: is no result of a case with [record]: {ELSEWHERE}, or delete it")
+    return content
+
+
+def _opened(path: Path, content: bytes) -> h5py.File:
+    if FORMAT.encode() not in content:
+        raise StoreError(f"{path}: is no vibeam result of this version: {CURE}")
+    whole = unsealed(content)
+    if whole is None:
+        raise StoreError(f"{path}: its digest does not fit: it is damaged, or was changed since: {CURE}")
+    try:
+        return in_memory(whole)
+    except FAULTS as fault:
+        raise StoreError(f"{path}: it cannot be read ({reason(fault)}): {CURE}") from None
+
+
+def _known(place: Place, file: h5py.File) -> KnownMotions:
+    """Motions of the file and of the blocks beside it; a damaged block is not there."""
+    known = KnownMotions()
+    for name, group in file.get("motions", {}).items():
+        signals, period, rows = read_group(group)
+        found = {str(row["key"]): (Realisation(name, **row), own) for row, own in rows}
+        known.add(found, {name: StoredModel(signals, period)})
+    for block in sorted(place.folder.glob("motions-*.npz")) if place.folder.exists() else ():
+        values = read_block(block, FORMAT)
+        if values is not None:
+            _unpack(values, known)
+    return known
+
+
+def _packed(known: KnownMotions, keys: Sequence[str]) -> dict[str, Any]:
+    """Motions as the arrays of a block."""
+    chosen = [known.motions[key] for key in keys]
+    names = {motion.fidelity for motion, _ in chosen}
+    head = {"motions": [asdict(motion) for motion, _ in chosen], "models": {n: asdict(known.models[n]) for n in names}}
+    arrays = {f"{at}.{name}": each for at, (_, own) in enumerate(chosen) for name, each in own.items()}
+    return {"head": np.frombuffer(json.dumps(head).encode(), dtype=np.uint8), **arrays}
+
+
+def _unpack(values: Mapping[str, Any], known: KnownMotions) -> None:
+    head = json.loads(values["head"].tobytes())
+    found: list[Reading] = [{} for _ in head["motions"]]
+    for place, each in values.items():
+        number, _, name = place.partition(".")
+        if name:
+            found[int(number)][name] = each
+    motions = [Realisation(**each) for each in head["motions"]]
+    models = {
+        name: StoredModel(tuple(TransientSignal(**one) for one in each["signals"]), each["period"])
+        for name, each in head["models"].items()
+    }
+    known.add({each.key: (each, own) for each, own in zip(motions, found, strict=True)}, models)
+
+
+def _file_of(case: Case, known: KnownMotions, before: h5py.File | None, whole: str | None = None) -> h5py.File:
+    """File in memory of all motions, with the provenance that it had ``before``."""
+    file = in_memory()
+    file.attrs["format"] = fixed(FORMAT)
+    if before is None:
+        write_provenance(file.create_group("provenance"))
+    else:
+        before.copy("provenance", file)
+        if whole is None:
+            note_continued(file["provenance"])
+    group = file.create_group("case")
+    group.attrs["key"], group.attrs["name"] = fixed(case.key), fixed(case.path.name)
+    texts = (case.numbers, case.shared, case.text if whole is None else whole)
+    for name, text in zip(CASE, texts, strict=True):
+        group[name] = fixed(text)
+    for name, model in known.models.items():
+        own = [each for each in known.motions.values() if each[0].fidelity == name]
+        write_group(file.create_group(f"motions/{name}"), model.signals, model.period, own)
+    return file
