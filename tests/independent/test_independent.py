@@ -42,7 +42,7 @@ def settled(system: Modes, drive: Drive, start: State, periods: int, digits: int
     return motion
 
 
-PROGRAMS = ["events.py", "geometry.py", "make_references.py", "make_truth.py"]
+PROGRAMS = ["events.py", "geometry.py", "loaded.py", "make_loaded.py", "make_references.py", "make_truth.py"]
 
 CHECKER = ["check_certificate.py", "ball_motion.py", "ball_signal.py", "ball_tail.py"]
 
