@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.plans import FigurePlan, Reference, SweepPlan
+from vibeam.case.plans import FigurePlan, RecordPlan, Reference, SweepPlan
 from vibeam.case.study_plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.exchange.faults import CaseError, Complaint, Fault
 from vibeam.system.labelled import Viewed
@@ -21,11 +21,14 @@ from vibeam_models.outputs import DISPLACEMENT, OutputQuantity
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity, Model
     from vibeam.case.grid_keys import MapPlan
-    from vibeam.case.plans import Expectation, MeasuredNumber, ShowPlan
+    from vibeam.case.input_plan import InputPlan
+    from vibeam.case.plans import Expectation, MeasuredNumber, ShowPlan, StartPlan
     from vibeam.case.study_plans import Uncertain
     from vibeam.exchange.curves.record import ReferenceCurve
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem
+    from vibeam.system.record import Record
+    from vibeam.system.state import State
     from vibeam_models.scene import AnyScene
 
 
@@ -62,7 +65,8 @@ class Case(Viewed):
     the same where it is equal. ``shared`` is the part of ``numbers`` common to all fidelities, ``own`` the key of all
     that decides the numbers of each at given frequencies. ``scenes`` has the scenes of the fidelities that change the
     case's, ``chains`` their measuring chains (None: exact). ``keys``: what any key is, and the case with other values
-    of them. ``asked`` has the plans of ``STUDY_PLANS`` by name. ``locate`` finds the line of a complaint.
+    of them. ``sweep`` or ``record``: how they run; ``inputs``, ``starts``: of each through a record.
+    ``asked`` has the plans of ``STUDY_PLANS`` by name. ``locate`` finds the line of a complaint.
 
     >>> import vibeam
     >>> case = vibeam.Case.of({
@@ -85,7 +89,7 @@ class Case(Viewed):
     scene: AnyScene
     keys: Keys
     fidelities: dict[str, Fidelity]
-    sweep: SweepPlan
+    swept: SweepPlan | None
     references: dict[str, Reference]
     scenes: Mapping[str, AnyScene] = field(default_factory=dict)
     expectations: Mapping[str, Expectation] = field(default_factory=dict)
@@ -100,6 +104,9 @@ class Case(Viewed):
     maps: Mapping[str, MapPlan] = field(default_factory=dict)
     uncertain: tuple[Uncertain, ...] = ()
     fit: FitPlan | None = None
+    record: RecordPlan | None = None
+    starts: Mapping[str, StartPlan] = field(default_factory=dict)
+    inputs: Mapping[str, InputPlan] = field(default_factory=dict)
     locate: Callable[[Complaint], Fault] | None = None
 
     def __eq__(self, other: object) -> bool:
@@ -131,9 +138,57 @@ class Case(Viewed):
         return self.locate((path, message))
 
     def __repr__(self) -> str:
-        grid = self.sweep.frequency
-        swept = f"{len(grid)} frequencies {grid.min():.6g} … {grid.max():.6g} Hz {self.sweep.direction}"
+        if self.swept is None:
+            swept = f"a record of {self.record.duration:g} s" if self.record else "no run"
+        else:
+            grid = self.swept.frequency
+            swept = f"{len(grid)} frequencies {grid.min():.6g} … {grid.max():.6g} Hz {self.swept.direction}"
         return f"Case({self.title!r}, {str(self.path)!r}, fidelities {', '.join(self.fidelities)}, {swept})"
+
+    @property
+    def sweep(self) -> SweepPlan:
+        """Sweep; CaseError, at its line, of a case that has [record] in its place."""
+        if self.swept is None:
+            said = "takes the place of [sweep], and what is asked for goes over drive frequencies: vibeam run takes it"
+            raise CaseError([self.fault("record", message=said)])
+        return self.swept
+
+    def input(self, name: str, seed: int | None = None, level: float = 1.0, speed: float = 1.0) -> Record:
+        """Input over time of one fidelity, ``level`` times as large and ``speed`` times as fast.
+
+        ``seed``: of a random input, None: its first. CaseError of a faulty file, or of a case with [sweep]; else errors
+        as in ``scene_of``.
+
+        >>> import vibeam
+        >>> tables = {
+        ...     "sdof": {"natural_frequency": "1 rad/s", "damping_ratio": 0.02}, "stop": {"gap": 1, "restitution": 0.7},
+        ...     "drive": {"shape": "half_sine", "acceleration": 2.0, "duration": "3 s"}, "record": {"duration": "30 s"},
+        ...     "fidelity": {"one": {}},
+        ... }
+        >>> pulse = vibeam.Case.of(tables).input("one", level=2.0)
+        >>> print(f"{pulse.at(1.5):.9f}")
+        4.000000000
+        """
+        self.scene_of(name)
+        if self.record is None:
+            said = "is a sine at one frequency after the other, no input over time: write [record] in place of [sweep]"
+            raise CaseError([self.fault("drive", message=said)])
+        try:
+            return self.inputs[name].record(self.record.duration, seed, level, speed)
+        except CaseError:
+            raise
+        except ValueError as error:
+            raise CaseError([self.fault("drive", message=str(error))]) from None
+
+    def start(self, name: str) -> State:
+        """State of one fidelity at the start of a record, as [start] says it; CaseError where it is impossible."""
+        from vibeam.case.start import start_of
+
+        try:
+            return start_of(self.system(name), self.starts[name])
+        except ValueError as error:
+            said = f"of fidelity {name}, {str(error).removeprefix('start: ')}"
+            raise CaseError([self.fault("start", message=said)]) from None
 
     @property
     def base_amplitude(self) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,6 +17,8 @@ from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.exchange.curves.record import Point, ReferenceCurve
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam.system.state import State
 
 Direction = Literal["up", "down", "both"]
 DIRECTIONS = ("up", "down", "both")
@@ -110,6 +112,75 @@ class SweepPlan(ValueRecord):
     settle: int = declare.count(0, MOST_POINTS, "drive periods left out before the reading", 300)
     hold: int = declare.count(1, MOST_POINTS, "drive periods read", 50)
     output: str = declare.text("the output that is read", "sensor", "sensor")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordPlan:
+    """Run of every fidelity through one input over time, ``duration`` s from t = 0 on.
+
+    ``seeds``: of the realisations of a random input; empty where it is not random. ``over``: ``"level"``, ``"speed"``
+    or a key of the rig, which goes through ``values`` (SI).
+    """
+
+    duration: float = declare.quantity(
+        "s", "how long the motion is followed; absent = as long as the file of drive.file", "0.5 s", None, above=0
+    )
+    outputs: tuple[str, ...] = declare.text(
+        "the outputs whose displacement, velocity and acceleration are kept", ["sensor", "contact"], ("sensor",),
+        several=True, alone=True,
+    )  # fmt: skip
+    rate: float | None = declare.quantity(
+        "Hz", "samples a second of the histories kept; absent = least and greatest of many short spans, no peak lost",
+        "10 kHz", None, above=0,
+    )  # fmt: skip
+    realisations: int = declare.count(
+        1, MOST_POINTS, "of a random input: seeds drive.seed, drive.seed + 1, …, the same for all fidelities", 50, 1
+    )
+    over: str = declare.text(
+        "what is varied: level (size of the input), speed (how fast it goes by), or a key of the rig",
+        "stop.gap",
+        "level",
+    )
+    values: tuple[float, ...] = declare.text("its values, each run", ["0.1 mm", "0.2 mm"], (1.0,), several=True)
+    certify: bool = declare.flag("prove that no impact was missed, or say where that is not proved", True, False)
+    seeds: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class StartPlan:
+    """State at t = 0: ``displacement`` or ``force`` in the static shape of a force at ``output``, and velocities.
+
+    All None: settled, in static equilibrium. ``base_velocity``: of the rig as a whole, whose base then stops at once.
+    ``settled`` gives the static equilibrium of a system.
+    """
+
+    displacement: float | None = declare.quantity(
+        "m", "plucked: what the output reads, in the static shape of a force there", "2 mm", None,
+        plain=("of the one mode, positive toward the stop", 1e-3, ""),
+    )  # fmt: skip
+    force: float | None = declare.quantity(
+        "N", "plucked: the force at the output that holds it, positive toward the stop, in place of displacement",
+        "5 N", None, plain=("over the mass, that holds it, in place of displacement", 1e-3, ""),
+    )  # fmt: skip
+    velocity: float | None = declare.quantity(
+        "m/s", "moving: of the output, all else in proportion to that static shape", "1 m/s", None,
+        plain=("of the one mode, positive toward the stop", 1e-3, ""),
+    )  # fmt: skip
+    output: str = declare.text("where displacement, force and velocity are: an output by name", "sensor", "contact")
+    height: float | None = declare.quantity(
+        "m", "dropped: free fall of the whole rig, stop below, before its base stops at once", "0.5 m", None, above=0
+    )
+    base_velocity: float | None = declare.quantity(
+        "m/s", "dropped: velocity of the whole rig when its base stops at once, positive toward the stop", "3 m/s",
+        None, plain=("of base and mass, when the base stops at once", 1e-3, ""),
+    )  # fmt: skip
+    settled: Callable[[ImpactSystem], State] | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def moves(self) -> bool:
+        """Test whether it is any other than the static equilibrium."""
+        given = (self.displacement, self.force, self.velocity, self.height, self.base_velocity)
+        return any(each is not None for each in given)
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from vibeam.casefile.number_keys import (
 )
 from vibeam.casefile.overrides import OverrideError, Places, name_map, override
 from vibeam.casefile.quantities import UNIT_SYSTEMS
+from vibeam.casefile.records import record_in_si
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.expectations import amount_checks, amounts_in_si, expectation_checks, measured_checks
 from vibeam.casefile.tables.figures import figure_checks, measurement_checks
@@ -60,6 +61,7 @@ def checked(
     faults, paths = _override(tables, overrides)
     place = Places(str(file), lines, paths, name_map(tables))
     _share_units(tables)
+    _leave_free(tables)
     _name_fidelities(tables, lines)
     faults += map(place.fault, _retired(tables))
     case, wrong = _validated(tables, file.parent)
@@ -80,6 +82,12 @@ def _share_units(tables: dict[str, Any]) -> None:
     matrices, units = tables.get("matrices"), str(tables.get("units"))
     if isinstance(matrices, dict) and "units" in tables:
         matrices.setdefault("units", units if units in UNIT_SYSTEMS else "SI")
+
+
+def _leave_free(tables: dict[str, Any]) -> None:
+    """Give a case with [record] and no drive, in place, one that drives nothing."""
+    if "record" in tables:
+        tables.setdefault("drive", {})
 
 
 def _name_fidelities(tables: dict[str, Any], lines: dict[KeyPath, int]) -> None:
@@ -114,7 +122,7 @@ def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:
     tables: Any = case.fidelity
     own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
     further = {"uncertain": case.uncertain and uncertain_in_si(case), "fit": fit_in_si(case), "map": maps_in_si(case)}
-    return case.model_copy(update={"units": "SI", "fidelity": own} | amounts_in_si(case) | further)
+    return case.model_copy(update={"units": "SI", "fidelity": own} | amounts_in_si(case) | record_in_si(case) | further)
 
 
 def _own(table: Any, variant: FidelityCase | None) -> dict[str, Any]:
@@ -143,7 +151,7 @@ def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, li
         alone, excused = complaints(error, model)
     readable = readable_case(model, tables)
     further = (
-        *map_complaints(readable, model),
+        *(map_complaints(readable, model) if readable.record is None else ()),
         *uncertain_checks(readable),
         *chosen_checks(readable),
         *fit_checks(readable),
@@ -154,7 +162,7 @@ def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, li
 
 #: (table, key): keys that say what other keys of their table mean
 DECIDING = {("stop", "law"), *((name, "shape") for name in ("beam", "opposite", "section")), ("drive", "at"),
-            ("drive", "frequency")}  # fmt: skip
+            ("drive", "frequency"), ("drive", "shape"), ("drive", "density"), ("drive", "file")}  # fmt: skip
 
 
 def _unreported(together: Collection[Complaint], reported: set[KeyPath]) -> list[Complaint]:

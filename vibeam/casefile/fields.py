@@ -45,7 +45,7 @@ class Entry(ABC):
         return value
 
     def nondimensional(self) -> Entry:
-        """Entry without a unit, for a case that has none; frequencies and angles keep theirs."""
+        """Entry without a unit, for a case that has none; frequencies, times and angles keep theirs."""
         return self
 
     def refusal(self, value: Any, article: str = "") -> ValueError:
@@ -142,7 +142,7 @@ class Quantity(Entry):
 
     def nondimensional(self) -> Quantity:
         """As ``Entry.nondimensional``."""
-        return self if self.kind.unit in ("Hz", "rad") else Quantity(RATIO, self.range)
+        return self if self.kind.unit in ("Hz", "rad", "s") else Quantity(RATIO, self.range)
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.number_keys import value_at
 from vibeam.casefile.overrides import with_value
 from vibeam.casefile.quantities import RATIO, Dimension
+from vibeam.casefile.records import record_checks
 from vibeam.casefile.tables.drive import harmonic_checks
 from vibeam.casefile.tables.stop import stop_checks
 from vibeam.casefile.tables.sweep import fidelity_of, plan_checks
@@ -33,6 +34,7 @@ def rig_checks(case: Any, folder: Path) -> Iterator[Complaint]:
     yield from KINDS[case.kind].checks(case, folder)
     yield from stop_checks(case)
     yield from harmonic_checks(case)
+    yield from record_checks(case, folder)
     yield from plan_checks(case, folder)
 
 

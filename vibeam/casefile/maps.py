@@ -83,7 +83,9 @@ def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: t
     if None in keys:
         return
     axes = [AxisPlan(key, (), "") for key in keys]
-    run = way_of(table.direction, table.picture, axes, table.starts is not None, case.sweep.direction)
+    run = way_of(
+        table.direction, table.picture, axes, table.starts is not None, getattr(case.sweep, "direction", None) or "both"
+    )
     for which, message in axis_faults(keys, run != "apart", _frequency(case, table, keys), table.starts is not None):
         yield (*path, "axes", keys.index(which)) if which in keys else (*path, which), message
     if (count := int(np.prod([count_of(axis) for axis in table.axes], dtype=object))) > LARGEST:
@@ -145,7 +147,7 @@ def _frequency(case: Any, table: Any, keys: list[str]) -> float | None:
     """The drive frequency where it is no axis: as said, or the one of the sweep."""
     if table.frequency is not None or FREQUENCY in keys:
         return None if table.frequency is None else float(table.frequency)
-    grid = case.sweep.frequency
+    grid = getattr(case.sweep, "frequency", None)
     if isinstance(grid, tuple):
         return float(grid[0]) if len(grid) == 1 else None
     return None if grid is None or grid.points != 1 else grid.from_

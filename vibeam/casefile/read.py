@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from hashlib import sha256
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import Case
+from vibeam.case.input_plan import InputPlan
 from vibeam.case.plans import Direction, FigurePlan, Reference, ShowPlan, SweepPlan
 from vibeam.case.study_plans import STUDY_PLANS, CostPlan, InfluencePlan
 from vibeam.casefile.checks import checked
@@ -18,8 +20,11 @@ from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.maps import map_plans
 from vibeam.casefile.number_keys import fit_plan, keys_chosen, uncertain_inputs
 from vibeam.casefile.overrides import OverrideError, tables_of
+from vibeam.casefile.records import record_plan, start_plan
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.expectations import expectation, measured_number
+from vibeam.casefile.tables.input import input_plan
+from vibeam.casefile.tables.outputs import main_output
 from vibeam.casefile.tables.sweep import APPLIED, fidelity_of
 from vibeam.casefile.tables.table import content, digest, plan_of, toml_text
 from vibeam.casefile.toml import parsed
@@ -67,7 +72,10 @@ def case_of(tables: dict[str, Any], path: Path, set: Mapping[str, Any]) -> Case:
 
 def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrides: Mapping[str, Any]) -> Case:
     declared, changed, place = checked(tables, lines, file, overrides)
-    folder, sweep, numbers = file.parent, _sweep(declared.sweep), _numbers(declared, changed, file.parent)
+    folder, numbers = file.parent, _numbers(declared, changed, file.parent)
+    swept = None if declared.sweep is None else _sweep(declared.sweep)
+    inputs = _inputs(declared, changed, folder)
+    way = "both" if swept is None else swept.direction
     shared, own = _shared(declared, folder), _keys(declared, changed, folder)
     return Case(
         path=file,
@@ -80,15 +88,15 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
         source=declared.source,
         scene=KINDS[declared.kind].scene_of(declared, folder),
         fidelities={name: fidelity_of(name, table) for name, table in declared.fidelity.items()},
-        sweep=sweep,
-        references=_references(declared, folder, sweep.direction),
+        swept=swept,
+        references=_references(declared, folder, way),
         scenes={name: KINDS[other.kind].scene_of(other, folder) for name, other in changed.items()},
-        expectations={name: expectation(name, table, sweep.direction) for name, table in declared.expect.items()},
+        expectations={name: expectation(name, table, way) for name, table in declared.expect.items()},
         measured={
-            name: measured_number(name, declared, sweep.direction, keys_chosen(name, declared, changed))
+            name: measured_number(name, declared, way, keys_chosen(name, declared, changed))
             for name in declared.measured
         },
-        shows=_shows(declared, sweep, shared, {name: (own[name], _seen(changed.get(name, declared))) for name in own}),
+        shows=_shows(declared, swept, shared, {name: (own[name], _seen(changed.get(name, declared))) for name in own}),
         cost=plan_of(CostPlan, declared.cost),
         influence=plan_of(InfluencePlan, getattr(declared, "influence", InfluencePlan())),
         asked={
@@ -99,9 +107,12 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
         figure=plan_of(FigurePlan, declared.figure),
         chain=_chain(declared),
         chains={name: _chain(other) for name, other in changed.items()},
-        maps=map_plans(declared, sweep),
+        maps={} if swept is None else map_plans(declared, swept),
         uncertain=uncertain_inputs(declared),
         fit=fit_plan(declared),
+        record=None if declared.record is None else record_plan(declared, inputs[next(iter(inputs))]),
+        starts={name: start_plan(changed.get(name, declared)) for name in inputs},
+        inputs=inputs,
         keys=CaseKeys(declared, changed, file, case_of),
         locate=place.fault,
     )
@@ -109,6 +120,7 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
 
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
 GRID = frozenset({"frequency", "direction"})  # of a sweep
+VARIED = frozenset({"values", "realisations"})  # of a record
 
 
 def _numbers(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[str, Any]:
@@ -120,14 +132,19 @@ def _numbers(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dic
 
 
 def _files(case: AnyCase, folder: Path) -> dict[str, Any]:
-    found = KINDS[case.kind].digests(case, folder)
-    return {"files": dict(found)} if found else {}
+    found = dict(KINDS[case.kind].digests(case, folder))
+    if case.drive.file is not None:
+        found["drive.file"] = sha256((folder / case.drive.file).read_bytes()).hexdigest()
+    return {"files": found} if found else {}
 
 
 def _shared(case: AnyCase, folder: Path, sweep: Any = None) -> dict[str, Any]:
     """The physics of a case and how it is swept (as in itself, or by ``sweep``), its frequencies aside."""
-    swept = {"sweep": content(sweep or case.sweep, without=GRID)}
-    return content(case, "physics", "numbers") | _files(case, folder) | swept
+    own = content(case, "physics", "numbers") | _files(case, folder)
+    if case.record is None:
+        return own | {"sweep": content(sweep or case.sweep, without=GRID)}
+    own["drive"].pop("seed", None)
+    return own | {"record": content(case.record, without=VARIED)}
 
 
 def _keys(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[str, str]:
@@ -136,6 +153,13 @@ def _keys(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[s
         name: digest(_shared(changed.get(name, case), folder, case.sweep), content(table, "numbers", without=APPLIED))
         for name, table in case.fidelity.items()
     }
+
+
+def _inputs(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[str, InputPlan]:
+    """The input of every fidelity of a record case; nothing of one that sweeps."""
+    if case.record is None:
+        return {}
+    return {name: input_plan(changed.get(name, case), folder) for name in case.fidelity}
 
 
 def _sweep(table: Any) -> SweepPlan:
@@ -172,15 +196,15 @@ def _seen(case: AnyCase) -> dict[str, Any] | None:
     return None if case.measurement is None else content(case.measurement)
 
 
-def _shows(case: AnyCase, sweep: SweepPlan, shared: Any, seen: Mapping[str, Any]) -> dict[str, ShowPlan]:
+def _shows(case: AnyCase, sweep: SweepPlan | None, shared: Any, seen: Mapping[str, Any]) -> dict[str, ShowPlan]:
     """Plans of all figures; the key of each hangs on its table, and on what is ``seen`` of its fidelities."""
-    grid = sweep.frequency.tolist()
+    grid = [] if sweep is None else sweep.frequency.tolist()
     found = {}
     for name, table in case.show.items():
         kind, fidelities = FIGURES[table.kind], table.fidelities or tuple(case.fidelity)
         frequency = tuple(grid) if table.frequency is None else table.frequency
         physics = (shared, *(seen[each] for each in fidelities))
-        followed = (grid, sweep.direction) if kind.of_beam and table.direction else ()
+        followed = (grid, sweep.direction) if sweep and kind.of_beam and table.direction else ()
         own = {key: getattr(table, key) for key in kind.known if key not in COMMON}
         found[name] = plan_of(
             ShowPlan,
@@ -190,8 +214,8 @@ def _shows(case: AnyCase, sweep: SweepPlan, shared: Any, seen: Mapping[str, Any]
             fidelities=fidelities,
             frequency=frequency,
             key=digest(physics, content(table), fidelities, frequency, *followed),
-            output=table.output or sweep.output,
-            settle=sweep.settle if table.settle is None else table.settle,
+            output=table.output or main_output(case),
+            settle=(sweep.settle if sweep else 0) if table.settle is None else table.settle,
             own=own,
         )
     return found

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,7 +32,7 @@ def beam_scene(case: AnyCase, folder: Path) -> Scene:
         mass=None if case.mass is None else plan_of(Mass, case.mass),
         stop=_stop(case.stop, place if case.stop.position is None else case.stop.position, case.beam),
         sensor=plan_of(Sensor, case.sensor),
-        base=Base(**dict(case.drive)),
+        base=_base(case),
         effects=effects_of_scene(case),
         outputs=_outputs(case.output),
     )
@@ -49,12 +50,13 @@ def _is_absolute(table: Any) -> bool:
 def sdof_scene(case: AnyCase, folder: Path) -> SdofScene:
     """The scene of a single degree of freedom, in its own units."""
     stop, drive = _stop(case.stop, 0.0), case.drive
+    plain = case.record is None and isinstance(drive.amplitude, float) and not drive.harmonic
     return SdofScene(
         natural_frequency=case.sdof.natural_frequency,
         damping_ratio=case.sdof.damping_ratio,
         gap=stop.gap,
         restitution=stop.usual_restitution,
-        amplitude=drive.amplitude if isinstance(drive.amplitude, float) and not drive.harmonic else Base(**dict(drive)),
+        amplitude=drive.amplitude if plain else _base(case),
         stop=None if stop == Stop(0.0, stop.gap, stop.restitution) else stop,
     )
 
@@ -67,7 +69,17 @@ def given_scene(case: AnyCase, folder: Path) -> GivenScene:
     given, _ = given_structure(case, folder)
     assert given is not None  # its rules have found nothing wrong
     on_structure = {} if getattr(case, case.kind).force is None else {"at": 0.0}
-    return GivenScene(given, _stop(case.stop, 0.0), Base(**dict(case.drive) | on_structure), effects_of_scene(case))
+    return GivenScene(given, _stop(case.stop, 0.0), _base(case, **on_structure), effects_of_scene(case))
+
+
+def _base(case: AnyCase, **own: float) -> Base:
+    """The drive; of a record, whose size its input has, where it acts."""
+    said: dict[str, Any] = {name: getattr(case.drive, name, None) for name in keys_of(Base)}
+    drive = Base(**said | own)
+    turned = case.record is not None and case.drive.quantity == "moment"
+    if case.record is None:
+        return drive
+    return replace(drive, moment=0.0).place if turned else drive.place
 
 
 def _stop(table: Any, position: float, beam: Any = None) -> Stop:

@@ -111,7 +111,7 @@ def keys_of(model: type[BaseModel] | None) -> list[str]:
 
 
 #: what every fidelity takes from its case, beside the rig
-SHARED = ("units", "sweep")
+SHARED = ("units", "sweep", "record")
 
 
 def physics_keys(model: type[BaseModel]) -> list[str]:

@@ -24,6 +24,7 @@ class FigureKind:
     by which one of them is chosen (none: their mean is meant). ``exact``:
     True where the motion must be exact between events. ``derivatives``: it shows outputs that are velocities or
     accelerations too. ``transient``: True where no settled motion will do.
+    ``record``: it is drawn of a case with [record], ``sweep``: of one with [sweep].
     ``one_harmonic``: True where it knows a drive of one harmonic alone. ``ending``: of the file that it has in place of
     a picture; its module then has ``write(path, sheets, mark)`` in place of ``draw``. ``of_beam``: True where it shows
     the beam itself. ``refuses``: True where it cannot show all systems:
@@ -45,6 +46,8 @@ class FigureKind:
     transient: bool = False
     derivatives: bool = False
     one_harmonic: bool = False
+    record: bool = False
+    sweep: bool = True
     ending: str = ""
     of_beam: bool = False
     refuses: bool = False

@@ -25,6 +25,7 @@ SOLVERS = Registry(
         blocks=True,
         derivatives=True,
         harmonics=True,
+        records=True,
         marker=("*", 9.0),
     ),
     SolverDeclaration(
@@ -52,6 +53,7 @@ SOLVERS = Registry(
         "vibeam.solvers.integration.direct:DirectSolver",
         beyond_plain="vibeam.solvers.integration.direct:DirectSolver",
         harmonics=True,
+        records=True,
         motion="samples",
         settings=CostSettings(methods=("RK23", "RK45", "DOP853", "LSODA"), limit=200),
         marker=("o", 4.0),
@@ -74,6 +76,7 @@ SOLVERS = Registry(
         "moreau",
         "vibeam.solvers.integration.moreau:MoreauSolver",
         harmonics=True,
+        records=True,
         motion="samples",
         settings=CostSettings(steps=True),
         marker=("s", 3.8),

@@ -43,7 +43,7 @@ class SolverDeclaration:
     each point: a sweep then asks it for several points at once.
     ``derivatives``: it reads outputs that are velocities or accelerations, whose jumps it knows.
     ``curves``: it knows all motions of its kind, stable or not. ``harmonics``: it takes the light undamped modes of
-    ``SeveralHarmonics``. ``marker``: matplotlib's, and its size in points.
+    ``SeveralHarmonics``; ``records``: a ``Record``. ``marker``: matplotlib's, and its size in points.
 
     >>> import vibeam
     >>> vibeam.SolverDeclaration("mine", "mine.solver:Solver", motion="samples").samples
@@ -60,6 +60,7 @@ class SolverDeclaration:
     derivatives: bool = False
     curves: bool = False
     harmonics: bool = False
+    records: bool = False
     settings: CostSettings = field(default_factory=CostSettings)
     marker: tuple[str, float] = ("D", 4.5)
 

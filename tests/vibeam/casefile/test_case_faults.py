@@ -177,7 +177,7 @@ def test_references(right, wrong, message):
     [
         ("gap = 0", 'gap = "0 mm"', "5: stop.gap: '0 mm' is a length, not a plain number"),
         ("gap = 0", 'gap = 0\ngap_at = "sensor"', "6: stop.gap_at: unknown key; did you mean 'gap'?"),
-        ("amplitude = 0.5e-3", "voltage = 1\namplitude = 0", "8: drive.voltage: unknown key; known here: amplitude, velocity, acceleration, frequency, harmonic, harmonic_share, harmonic_phase"),
+        ("amplitude = 0.5e-3", "voltage = 1\namplitude = 0", "8: drive.voltage: unknown key; known here: amplitude, velocity, acceleration, frequency, harmonic, harmonic_share, harmonic_phase, file, column, channel, quantity, unit, scale, remove, shape, duration, rise, fall, cycles, window, beats, pause, delay, density, band, rate, interpolation, seed"),
         ("[stop]", "natural_frequency = 2\n[stop]", "4: sdof.natural_frequency: 2 may be rad/s or Hz: write '2 rad/s' or '2 Hz'"),
         ("exact]", "exact]\nreduction = \"full\"", "14: fidelity.exact.reduction: 'full' is not one of \"static_mode\""),
         ("exact]", "exact]\nmodes = 2", "14: fidelity.exact.modes: unknown key; known here: reduction, solver, options, set, without, label"),
@@ -211,7 +211,7 @@ def test_all_faults_come_at_once_in_the_order_of_lines():
         ("beam.length", "1 kg", "beam.length: '1 kg' is a mass, not a length"),
         ("beam.length", "nan", "beam.length: nan is not a finite number"),
         ("beam.length.x", 1, "beam.length.x: there is no 'x' in '180 mm'"),
-        ("nothing", 1, "nothing: unknown key; known here: title, source, units, beam, mass, added_mass, clamp, further_stop, gravity, leaf, opposite, plate, section, support, torsion, stop, sensor, output, drive, platform, shaker, measurement, sweep, fidelity, reference, expect, measured, chosen_by, show, map, uncertain, figure, cost, fit, modes_needed, uncertainty, verdict, influence"),
+        ("nothing", 1, "nothing: unknown key; known here: title, source, units, beam, mass, added_mass, clamp, further_stop, gravity, leaf, opposite, plate, section, support, torsion, stop, sensor, output, drive, platform, shaker, measurement, sweep, record, start, fidelity, reference, expect, measured, chosen_by, show, map, uncertain, figure, cost, fit, modes_needed, uncertainty, verdict, influence"),
         ("fidelity.more.reduction", "modal", 'fidelity.more.modes: missing: reduction = "modal" needs how many; write modes = 8'),
         ("mass.rotary_inertia", None, "mass.rotary_inertia: cannot be taken away: it is not in the case"),
         ("mass.position", object(), "mass.position: a object is no value of a case"),

@@ -100,7 +100,7 @@ modes = 8
 @pytest.mark.parametrize("ending", ["npz", "h5", "mat", "mtx", "npy"])
 def test_an_exported_beam_gives_the_same_response(ending: str, tmp_path: Path) -> None:
     case = vibeam.load(RIG, set={"sweep.frequency": {"from": "15 Hz", "to": "16 Hz", "points": 3}})
-    case = replace(case, sweep=replace(case.sweep, settle=20, hold=10))
+    case = replace(case, swept=replace(case.sweep, settle=20, hold=10))
     (tmp_path / "own.toml").write_text(rewritten(case, export_matrices(case, tmp_path / f"rig.{ending}")))
     own = vibeam.load(tmp_path / "own.toml")
     for name in own.fidelities:

@@ -110,9 +110,9 @@ def test_the_text_of_a_case_loads_as_the_same_case() -> None:
         ('set = { "stp.gap" = 1 }', "set.\"stp.gap\": unknown key 'stp.gap'; did you mean 'stop'?"),
         ('set = { "stop.gap.x" = 1 }', "set.\"stop.gap.x\": 'stop.gap.x' goes beyond a value"),
         ('set = { "sweep.settle" = 1 }', 'set."sweep.settle": sweep is shared by all fidelities: a fidelity changes '
-         "sdof, stop, drive, measurement alone"),
+         "sdof, stop, drive, measurement, start alone"),
         ('set = { "fidelity.plain.solver" = "mapping" }', 'set."fidelity.plain.solver": fidelity is shared by all '
-         "fidelities: a fidelity changes sdof, stop, drive, measurement alone"),
+         "fidelities: a fidelity changes sdof, stop, drive, measurement, start alone"),
         ("set = 3", 'set: must be table { "stop.gap" = value, … }, not 3'),
         ("set = {}", "set: sets nothing: name a key, or leave it away"),
         ('without = ["stop.gap"]', "without.0: stop.gap cannot be left out: every case needs it; set it instead"),

@@ -20,6 +20,7 @@ from vibeam.casefile.tables.expectations import ExpectTable, MeasuredTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, show_table
 from vibeam.casefile.tables.maps import MapTable, SdofMapTable
 from vibeam.casefile.tables.outputs import OutputTable
+from vibeam.casefile.tables.record import RecordTable, SdofStartTable, StartTable
 from vibeam.casefile.tables.references import ReferenceTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
@@ -84,11 +85,13 @@ class AnyCase(Table):
 Parts = dict[str, tuple[Any, Any]]  # keys of a case: annotation and ``key`` of each
 
 
-def _measured(measurement: Any, sweep: Any, fidelity: Any) -> Parts:
+def _measured(measurement: Any, sweep: Any, start: Any, fidelity: Any) -> Parts:
     """The tables of what is run on a rig, and how it is seen."""
     return {
         "measurement": (measurement | None, key("the measuring chain", None, None, numbers=False)),
-        "sweep": (sweep, key("the sweep of every fidelity", physics=False)),
+        "sweep": (sweep | None, key("the sweep of every fidelity", None, None, physics=False)),
+        "record": (RecordTable | None, key("the run through an input over time", None, None, physics=False)),
+        "start": (start | None, key("the state at its start", None, None)),
         "fidelity": (dict[str, fidelity], key("models of the rig", physics=False)),
     }
 
@@ -143,7 +146,7 @@ def _beam() -> type[AnyCase]:
         {"stop": (stop_table(), ...)},
         {"sensor": (SensorTable, ...), "output": outputs, "drive": (DriveTable, ...)},
         effect_tables("base"),
-        _measured(MeasurementTable, SweepTable, FidelityTable),
+        _measured(MeasurementTable, SweepTable, StartTable, FidelityTable),
         _asked(show, MapTable),
         _influence(),
     )
@@ -160,7 +163,7 @@ def _sdof() -> type[AnyCase]:
         "A single degree of freedom by itself.",
         {"title": title, "source": source, "sdof": (SdofTable, ...)},
         {"stop": (sdof_stop_table(), ...), "drive": (SdofDriveTable, ...)},
-        _measured(SdofMeasurementTable, SdofSweepTable, SdofFidelityTable),
+        _measured(SdofMeasurementTable, SdofSweepTable, SdofStartTable, SdofFidelityTable),
         _asked(show_table("ShowTable", tuple(FIGURES)), SdofMapTable),
     )
 
@@ -173,7 +176,7 @@ def _given(kind: str, doc: str, own: Any) -> type[AnyCase]:
         doc,
         {kind: (own, ...), "stop": (given_stop_table(), ...), "drive": (GivenDriveTable, ...)},
         effect_tables("base"),
-        _measured(MeasurementTable, GivenSweepTable, FidelityTable),
+        _measured(MeasurementTable, GivenSweepTable, StartTable, FidelityTable),
         _asked(given_show_table(), MapTable),
         _influence(),
     )

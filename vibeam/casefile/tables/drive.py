@@ -6,9 +6,11 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any, cast
 
+from vibeam.case.input_plan import InputPlan
 from vibeam.casefile.field_tables import flat
-from vibeam.casefile.fields import Entry, OneOrSeveral, Quantity
-from vibeam.casefile.tables.table import declared_entry, less, plan_keys, table
+from vibeam.casefile.fields import Entry, OneOrSeveral, Quantity, Several
+from vibeam.casefile.tables.input import COLUMN, DENSITY
+from vibeam.casefile.tables.table import Frequency, declared_entry, less, plan_keys, table
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.figures import FIGURES
 from vibeam.solvers import SOLVERS
@@ -18,6 +20,8 @@ from vibeam_models.keys import keys_of
 
 def harmonic_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about further harmonics: their lists, and what beside them knows one harmonic alone."""
+    if case.record is not None:
+        return
     yield from _lists(case.drive)
     if case.drive.harmonic is not None and getattr(case, "platform", None) is not None:
         said = "[platform] filters each harmonic its own way, which is not computed: take harmonic, or it, away"
@@ -77,18 +81,23 @@ NEAR = 1e-9  # share of the table's ends by which the sweep may lie outside, rou
 
 def drive_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the drive of a beam, with or without a platform."""
-    yield from (_without_platform(case) if case.platform is None else _driven_platform(case))
-    yield from list_checks(case.drive, case.sweep.frequency)
+    if case.record is None:
+        yield from (_without_platform(case) if case.platform is None else _driven_platform(case))
+        yield from list_checks(case)
+    elif None not in (case.drive.at, case.drive.force or case.drive.moment):
+        yield from place_checks(case, "force" if case.drive.moment is None else "moment")
 
 
 def sdof_drive_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the drive of a single degree of freedom."""
+    if case.record is not None:
+        return
     said = [name for name in MOTIONS if getattr(case.drive, name) is not None]
     if said:
         yield from _said_once(case.drive, said)
     else:
         yield ("drive", "amplitude"), "missing (of the base B, in the unit of the motion): write amplitude = 0.0005"
-    yield from list_checks(case.drive, case.sweep.frequency)
+    yield from list_checks(case)
 
 
 def _without_platform(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -100,7 +109,7 @@ def _without_platform(case: SimpleNamespace) -> Iterator[Complaint]:
     elif drive.at is not None and ways and not loads:
         yield ("drive", "at"), 'is where a force or a moment acts on the beam: write force = "1 N", or take at away'
     elif len(ways) == 1 and loads:
-        yield from _place(case, loads[0])
+        yield from place_checks(case, loads[0])
     else:
         yield from _said_once(drive, ways)
 
@@ -133,8 +142,8 @@ def _said_once(drive: SimpleNamespace, ways: list[str]) -> Iterator[Complaint]:
         yield ("drive", other), f"missing: {ways[0]} needs it beside it"
 
 
-def _place(case: SimpleNamespace, load: str) -> Iterator[Complaint]:
-    """A place on the beam, with a mass there where the beam itself has none."""
+def place_checks(case: SimpleNamespace, load: str) -> Iterator[Complaint]:
+    """Complaints about the place of a load on the beam, with a mass there where the beam itself has none."""
     at, length = case.drive.at, case.beam.length
     if length is not None and at > length:
         yield ("drive", "at"), f"{at:g} m is beyond the tip: beam.length is {length:g} m"
@@ -185,8 +194,9 @@ def _measured_motion(drive: SimpleNamespace, ways: list[str]) -> Iterator[Compla
             yield ("drive", name), said
 
 
-def list_checks(drive: SimpleNamespace, grid: Any) -> Iterator[Complaint]:
+def list_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about lists beside the frequencies that they are of, which the sweep does not leave."""
+    drive = case.drive
     lists = {name: getattr(drive, name) for name in SIZES if isinstance(getattr(drive, name, None), tuple)}
     if drive.frequency is None:
         for name in lists:
@@ -199,7 +209,7 @@ def list_checks(drive: SimpleNamespace, grid: Any) -> Iterator[Complaint]:
     for name, values in lists.items():
         if len(values) != len(drive.frequency):
             yield ("drive", name), f"{len(values)} numbers for {len(drive.frequency)} frequencies"
-    yield from _inside(drive.frequency, _ends(grid))
+    yield from _inside(drive.frequency, _ends(getattr(case.sweep, "frequency", None)))
 
 
 def _ends(grid: Any) -> tuple[float, ...]:
@@ -216,14 +226,17 @@ def _inside(table: tuple[float, ...], ends: tuple[float, ...]) -> Iterator[Compl
             return
 
 
-DRIVE = """The drive, harmonic: a base motion by voltage and gain, amplitude, velocity or acceleration; or a force or a
-moment at a place of the beam. With [platform] a force on that, with [shaker] voltage alone. Any of these but gain
-may be a list, of amplitudes at as many frequencies."""
+DRIVE = """The drive; with [sweep] harmonic: a base motion by voltage and gain, amplitude, velocity or acceleration; or
+a force or a moment at a place of the beam. With [platform] a force on that, with [shaker] voltage alone. Any of these
+but gain may be a list, of amplitudes at as many frequencies. With [record] an input over time: a file, a shape, or a
+random one by its density; none where [start] says what moves."""
 SDOF_DRIVE = (
     "The base motion of the single degree of freedom: amplitude, or velocity or acceleration, or one of these as a\n"
-    "list over frequency."
+    "list over frequency; with [record] a file, a shape, or a random input by its density."
 )
 _NUMBERS = {name: cast(Quantity, declared_entry(keys_of(Base)[name])) for name in SIZES}
 _LISTS: dict[str, Entry] = {name: OneOrSeveral(each) for name, each in _NUMBERS.items()}
-DriveTable: Any = table("DriveTable", DRIVE, plan_keys(Base, **_LISTS))
+_FREQUENCY = Several(Frequency, alone=True, ascending=True)
+_INPUT = plan_keys(InputPlan, column=COLUMN, density=DENSITY)
+DriveTable: Any = table("DriveTable", DRIVE, plan_keys(Base, frequency=_FREQUENCY, **_LISTS), _INPUT)
 SdofDriveTable: Any = less(DriveTable, "SdofDriveTable", SDOF_DRIVE, "voltage", "gain", *LOADS, "at", plain=True)

@@ -14,7 +14,7 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Entry, Word
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE, SI, Dimension, Range, UnitSystem
-from vibeam.casefile.tables.outputs import of_displacement, quantity_named
+from vibeam.casefile.tables.outputs import main_output, of_displacement, quantity_named
 from vibeam.casefile.tables.table import NAME, QUANTITIES, named_fidelity, plan_keys, plan_of, table
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
 from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, READ
@@ -154,7 +154,7 @@ def _in_si(case: Any, reading: Any, keys: tuple[str, ...]) -> Any:
 def dimension_read(case: Any, reading: Any) -> Dimension:
     """Dimension of what a table reads, off the output of its figure, or of the sweep."""
     shown = case.show.get(getattr(reading, "show", None))
-    of = quantity_named(case, (shown and shown.output) or case.sweep.output).name
+    of = quantity_named(case, (shown and shown.output) or main_output(case)).name
     unit = unit_of_reading(reading.quantity, getattr(reading, "against", None))
     return kind_of_reading(unit, plain=KINDS[case.kind].plain, of=of)
 
@@ -230,7 +230,7 @@ def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) 
 
 def swept_checks(case: SimpleNamespace, path: KeyPath, way: str | None) -> Iterator[Complaint]:
     """A complaint about a direction that is not swept."""
-    swept = case.sweep.direction
+    swept = getattr(case.sweep, "direction", None)
     if way and swept and swept not in ("both", way):
         yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
 

@@ -62,9 +62,9 @@ def given_rules(case: SimpleNamespace, kind: str) -> Iterator[Complaint]:
     vars(case.drive).update(dict.fromkeys(OF_BEAM))
     if table.base is not None and table.force is not None:
         yield (kind, "force"), f"the drive is said twice: keep {kind}.base, of a base that moves, or {kind}.force"
-    elif table.force is not None:
+    elif case.record is None and table.force is not None:
         yield from _forced(case, kind)
-    else:
+    elif case.record is None:
         yield from _moved(case, kind)
     yield from effect_checks(case)
 
@@ -77,7 +77,7 @@ def _forced(case: SimpleNamespace, kind: str) -> Iterator[Complaint]:
         yield ("drive", "force"), f'missing ({kind}.force says where it acts): write force = "5 N"'
     if case.platform is not None:
         yield ("platform",), f"moves a base: write {kind}.base in place of {kind}.force"
-    yield from list_checks(case.drive, case.sweep.frequency)
+    yield from list_checks(case)
 
 
 def _moved(case: SimpleNamespace, kind: str) -> Iterator[Complaint]:
@@ -107,9 +107,10 @@ def given_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> It
 GivenDriveTable: Any = less(
     DriveTable,
     "GivenDriveTable",
-    "The drive, harmonic: a base motion by amplitude, velocity or acceleration, or a force where the structure's table "
-    "says. With [platform] a force on that, with [shaker] its voltage. Any of these may be a list, of amplitudes at as "
-    "many frequencies.",
+    "The drive; with [sweep] harmonic: a base motion by amplitude, velocity or acceleration, or a force where the "
+    "structure's table says. With [platform] a force on that, with [shaker] its voltage. Any of these may be a list, "
+    "of amplitudes at as many frequencies. With [record] an input over time: a file, a shape, or a random one by its "
+    "density; none where [start] says what moves.",
     *OF_BEAM,
 )
 

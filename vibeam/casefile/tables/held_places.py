@@ -67,7 +67,7 @@ def _moving(case: SimpleNamespace, held: dict[float, bool], length: float) -> It
         yield from complaint(("drive", "at"), case.drive.at, "a force moves nothing there; move it")
     elif at is not None and case.drive.moment is not None and held[at]:
         yield from complaint(("drive", "at"), case.drive.at, "a moment moves nothing there; move it")
-    if case.sweep.output == "tip":
+    if case.sweep is not None and case.sweep.output == "tip":
         yield from complaint(("sweep", "output"), length, 'the tip does not move; write output = "sensor"')
     for name, show in case.show.items():
         if show.output == "tip":

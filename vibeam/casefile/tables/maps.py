@@ -116,7 +116,7 @@ def picture_complaints(case: SimpleNamespace, path: KeyPath, table: SimpleNamesp
         yield (*path, "axes"), 'picture = "basins" with starts as axes is of two axes at most'
     elif table.picture != "basins" and table.starts is not None:
         yield (*path, "picture"), f'"{table.picture}" shows one motion a point: with starts write "basins"'
-    hold = case.sweep.hold if table.hold is None else table.hold
+    hold = getattr(case.sweep, "hold", None) if table.hold is None else table.hold
     if table.strobes is not None and hold is not None and table.strobes > hold:
         yield (*path, "strobes"), f"{table.strobes} values need as many periods held: hold is {hold}"
 

@@ -102,10 +102,17 @@ def quantity_named(case: Any, output: str | None) -> OutputQuantity:
     return OUTPUT_QUANTITIES[(said and said.quantity) or DISPLACEMENT.name]
 
 
+def main_output(case: Any) -> str | None:
+    """The output that a sweep reads, or the first that a record keeps; None where it could not be read."""
+    if case.sweep is not None:
+        return None if case.sweep.output is None else str(case.sweep.output)
+    return next(iter((case.record and case.record.outputs) or ()), None)
+
+
 def shown_output(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
     """Complaints about a figure of a velocity or acceleration that it does not show."""
     asked = "output" in kind.needs + kind.takes
-    output = show.output or case.sweep.output
+    output = show.output or main_output(case)
     wanted = quantity_named(case, output)
     if show.quantity in OF_OUTPUT:
         yield from of_displacement(case, (*path, "quantity"), show.quantity)
@@ -119,9 +126,9 @@ def shown_output(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, ki
 
 def of_displacement(case: SimpleNamespace, path: KeyPath, quantity: str) -> Iterator[Complaint]:
     """A complaint about a ``quantity`` that no velocity or acceleration has, where the sweep's output is one."""
-    wanted = quantity_named(case, case.sweep.output)
+    wanted = quantity_named(case, main_output(case))
     if wanted.rate:
-        said = f'"{quantity}" is of a displacement, sweep.output "{case.sweep.output}" is of the quantity {wanted.name}'
+        said = f'"{quantity}" is of a displacement, sweep.output "{main_output(case)}" is of the quantity {wanted.name}'
         yield path, f'{said}: write quantity = "amplitude"'
 
 

@@ -80,7 +80,7 @@ def _second(case: SimpleNamespace, metres: str) -> Iterator[Complaint]:
     stop, where = case.stop, "−gap"
     if stop.second_gap is None or stop.gap is None:
         return
-    drifted = _least_drift(stop, case.sweep.frequency) if stop.second_gap > -stop.gap else 0.0
+    drifted = _least_drift(stop, getattr(case.sweep, "frequency", None)) if stop.second_gap > -stop.gap else 0.0
     where += f" less the drift, {drifted:g}{metres}," if drifted < 0 else ""
     if stop.second_gap <= -(stop.gap + drifted):
         least = 0.0 - (stop.gap + drifted)

@@ -28,9 +28,10 @@ if TYPE_CHECKING:
 
 def plan_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     """Complaints about the sweep's grid, its output and the modes that are asked for."""
-    yield from _grid(case.sweep.frequency)
     kind = KINDS[case.kind]
-    yield from kind.output_complaints(case, ("sweep", "output"), case.sweep.output)
+    if case.sweep is not None:
+        yield from _grid(case.sweep.frequency)
+        yield from kind.output_complaints(case, ("sweep", "output"), case.sweep.output)
     if not kind.one_mode:
         yield from _modes(case, *kind.most_modes_of(case, folder))
 

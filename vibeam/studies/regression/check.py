@@ -107,7 +107,7 @@ def _swept(case: Case, fidelity: str, further: Array) -> Branches:
     grid = np.union1d(case.sweep.frequency, further)
     own = replace(
         case,
-        sweep=replace(case.sweep, frequency=grid),
+        swept=replace(case.sweep, frequency=grid),
         fidelities={fidelity: case.fidelities[fidelity]},
         shows={},
     )

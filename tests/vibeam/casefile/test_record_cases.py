@@ -1,0 +1,267 @@
+"""Record cases: what [drive], [record] and [start] say, and what is told of what cannot be."""
+
+# ruff: noqa: E501  (a message stays on its line)
+
+import re
+from math import pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vibeam
+from vibeam.casefile.read import parse
+
+RIG = {
+    "beam": {
+        "length": "180 mm",
+        "width": "15 mm",
+        "thickness": "0.5 mm",
+        "youngs_modulus": "210 GPa",
+        "density": "7850 kg/m^3",
+        "damping_ratio": 0.017,
+    },
+    "mass": {"mass": "0.2 kg", "position": "132 mm"},
+    "stop": {"gap": "1 mm", "restitution": 0.7},
+    "sensor": {"position": "100 mm"},
+    "fidelity": {
+        "one": {"reduction": "static_mode"},
+        "eight": {"reduction": "modal", "modes": 8},
+    },
+}
+PULSE = {"shape": "half_sine", "acceleration": "50 g", "duration": "11 ms"}
+WHITE = {"density": "0.01 g^2/Hz", "band": ["10 Hz", "2 kHz"], "seed": 3}
+ONE_MODE = {"natural_frequency": "1 rad/s", "damping_ratio": 0.02}
+PLATFORM = {"mass": "5 kg", "frequency": "3 Hz", "damping_ratio": 0.05, "coupling": "two-way"}
+GRAVITY = 9.80665
+
+
+def tables(drive=None, record=None, start=None, **more):
+    own = {"drive": drive, "record": record or {"duration": "0.5 s"}, "start": start}
+    return {**RIG, **{name: each for name, each in own.items() if each is not None}, **more}
+
+
+def case(*said, **more):
+    return vibeam.Case.of(tables(*said, **more))
+
+
+def faults(*said, **more):
+    with pytest.raises(vibeam.CaseError) as caught:
+        case(*said, **more)
+    return [str(each).removeprefix("case.toml: ") for each in caught.value.faults]
+
+
+@pytest.mark.parametrize(
+    ("drive", "at", "value"),
+    [
+        (PULSE, 0.0055, 50 * GRAVITY),
+        ({"shape": "saw_tooth", "acceleration": "10 g", "duration": "10 ms"}, 0.0075, 7.5 * GRAVITY),
+        ({"shape": "initial_saw_tooth", "acceleration": "10 g", "duration": "10 ms"}, 0.0075, 2.5 * GRAVITY),
+        ({"shape": "trapezoid", "acceleration": "10 g", "duration": "10 ms", "rise": "2 ms"}, 0.001, 5 * GRAVITY),
+        ({"shape": "step", "acceleration": "1 g", "delay": "0.1 s"}, 0.45, GRAVITY),
+        ({"shape": "step", "acceleration": "1 g", "delay": "0.1 s"}, 0.05, 0.0),
+        ({"shape": "sine", "acceleration": "1 g", "frequency": "10 Hz"}, 0.475, -GRAVITY),
+        ({"shape": "chirp", "acceleration": "1 g", "frequency": ["1 Hz", "3 Hz"]}, 0.25, GRAVITY * np.sin(0.75 * pi)),
+        ({"shape": "tone_burst", "acceleration": "1 g", "frequency": "10 Hz", "cycles": 2, "window": "rectangular"},
+         0.025, GRAVITY),
+        ({"shape": "sine_beat", "acceleration": "1 g", "frequency": "10 Hz", "cycles": 2.5}, 0.125, GRAVITY),
+        ({"shape": "half_sine", "force": "20 N", "at": "100 mm", "duration": "11 ms"}, 0.0055, 20.0),
+        ({"shape": "half_sine", "moment": "2 N m", "at": "100 mm", "duration": "11 ms"}, 0.0055, 2.0),
+    ],
+)  # fmt: skip
+def test_a_shape_is_the_record_of_its_peak(drive: dict, at: float, value: float) -> None:
+    made = case(drive).input("one")
+    assert made.at(at) == pytest.approx(value, rel=1e-9, abs=1e-12)
+    of = next((name for name in ("force", "moment") if name in drive), "acceleration")
+    assert made.quantity == of
+    scaled = case(drive).input("one", level=2.0)
+    assert scaled.at(at) == pytest.approx(2 * value, rel=1e-9, abs=1e-12)
+
+
+def test_a_held_shape_lasts_to_the_end_whatever_the_speed() -> None:
+    held = case({"shape": "step", "acceleration": "1 g"})
+    for speed in (0.5, 1.0, 2.0):
+        assert held.input("one", speed=speed).end == pytest.approx(0.5, rel=1e-14)
+
+
+def test_a_random_input_is_a_realisation_for_each_seed() -> None:
+    random = case(WHITE, {"duration": "0.1 s", "realisations": 3})
+    assert random.record.seeds == (3, 4, 5)
+    made = {seed: random.input("eight", seed=seed) for seed in random.record.seeds}
+    assert made[3] == random.input("one") == vibeam.Record.random(0.01 * GRAVITY**2, 0.1, seed=3, band=(10.0, 2000.0))
+    assert len({each.digest for each in made.values()}) == 3
+    per_hertz = [["10 Hz", "0.01 g^2/Hz"], ["2 kHz", f"{0.01 * GRAVITY**2} (m/s^2)^2/Hz"]]
+    table = case({"density": per_hertz, "seed": 3})
+    assert table.input("one").quantity == "acceleration"
+    forced = case({"density": "0.01 N^2/Hz", "band": ["10 Hz", "2 kHz"], "seed": 3, "at": "100 mm"})
+    assert forced.input("one").quantity == "force"
+
+
+def test_a_file_is_read_in_its_unit_and_says_how_long_it_is(tmp_path: Path) -> None:
+    (tmp_path / "shock.csv").write_text("t [s],a [g]\n" + "".join(f"{i / 1000},{i % 7}\n" for i in range(101)))
+    text = vibeam.Case.of(tables(PULSE)).text
+    text = re.sub(r"(?s)\[drive\].*?\n\n", '[drive]\nfile = "shock.csv"\n\n', text).replace("duration = 0.5\n", "")
+    (tmp_path / "own.toml").write_text(text)
+    measured = vibeam.load(tmp_path / "own.toml")
+    assert measured.record.duration == pytest.approx(0.1, rel=1e-12)
+    assert measured.input("one").at(0.006) == pytest.approx(6 * GRAVITY, rel=1e-12)
+    (tmp_path / "shock.csv").write_text("t [s],a [g]\n" + "".join(f"{i / 1000},{i % 5}\n" for i in range(101)))
+    other = vibeam.load(tmp_path / "own.toml")
+    assert (other.key != measured.key, other.own["one"] != measured.own["one"]) == (True, True)
+
+
+def test_the_keys_of_a_fidelity_know_the_input_and_neither_values_nor_seeds() -> None:
+    own = case(PULSE).own
+    assert own == case(PULSE, {"duration": "0.5 s", "values": [0.5, 1, 2]}).own
+    assert case(WHITE).own == case(WHITE | {"seed": 9}, {"duration": "0.5 s", "realisations": 8}).own
+    assert case(WHITE).key != case(WHITE | {"seed": 9}).key
+    for changed in (
+        case(PULSE | {"acceleration": "51 g"}),
+        case(PULSE, {"duration": "0.6 s"}),
+        case(PULSE, start={"displacement": "-1 mm"}),
+        case(PULSE, {"duration": "0.5 s", "over": "stop.gap", "values": ["1 mm"]}),
+    ):
+        assert changed.own["one"] != own["one"]
+
+
+@pytest.mark.parametrize(
+    ("drive", "record", "start"),
+    [
+        (PULSE, {"duration": "0.1 s", "over": "stop.gap", "values": ["0.1 mm", "0.2 mm"]}, None),
+        (WHITE, {"duration": "0.1 s", "outputs": ["sensor", "contact"], "certify": True, "rate": "10 kHz"}, None),
+        (None, None, {"displacement": "-2 mm", "output": "sensor"}),
+        ({"density": [["1 Hz", "1 N^2/Hz"], ["9 Hz", "2 N^2/Hz"]], "seed": 0, "at": "100 mm"}, None, None),
+    ],
+)
+def test_a_record_case_loads_from_its_text_as_the_same(
+    drive: dict | None, record: dict | None, start: dict | None
+) -> None:
+    made = case(drive, record, start)
+    again = parse(made.text)
+    assert again == made
+    assert (again.key, again.own, again.inputs) == (made.key, made.own, made.inputs)
+
+
+def test_varied_keys_are_read_in_their_unit() -> None:
+    made = case(PULSE, {"duration": "0.1 s", "over": "stop.gap", "values": ["0.1 mm", "0.2 mm"]})
+    assert (made.record.over, made.record.values) == ("stop.gap", (1e-4, 2e-4))
+    assert made.with_keys({"stop.gap": 1e-4}).scene.stop.gap == 1e-4
+
+
+def test_nothing_that_needs_a_sweep_runs_without_a_word() -> None:
+    with pytest.raises(vibeam.CaseError, match=r"record: takes the place of \[sweep\]"):
+        _ = case(PULSE).sweep
+    swept = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3})
+    with pytest.raises(vibeam.CaseError, match=r"dtu_neutral.toml:\d+: drive: is a sine"):
+        swept.input("sdof")
+    assert (swept.record, dict(swept.inputs)) == (None, {})
+
+
+def test_a_plucked_rig_is_in_the_static_shape_of_its_force() -> None:
+    plucked = case(None, None, {"displacement": "-2 mm", "output": "sensor"})
+    for name in plucked.fidelities:
+        system, state = plucked.system(name), plucked.start(name)
+        row = system.output("sensor")
+        assert row @ state.displacement == pytest.approx(-2e-3, rel=1e-12)
+        force = state.displacement * system.omega**2
+        assert force == pytest.approx(row * (force @ row) / (row @ row), rel=1e-9)  # along the sensor's row alone
+        assert not state.velocity.any()
+    pushed = case(None, None, {"force": "-1 N", "output": "sensor"})
+    system, state = pushed.system("eight"), pushed.start("eight")
+    assert state.displacement == pytest.approx(-system.output("sensor") / system.omega**2, rel=1e-12)
+
+
+def test_a_dropped_rig_goes_on_as_its_base_stops() -> None:
+    dropped, moving = case(None, None, {"height": "0.5 m"}), case(None, None, {"base_velocity": "-2 m/s"})
+    for name in dropped.fidelities:
+        load = dropped.system(name).load
+        assert dropped.start(name).velocity == pytest.approx(load * sqrt(2 * GRAVITY * 0.5), rel=1e-12)
+        assert moving.start(name).velocity == pytest.approx(-2 * load, rel=1e-12)
+    of_output = case(None, None, {"velocity": "1 m/s", "output": "sensor"})
+    assert of_output.system("eight").output("sensor") @ of_output.start("eight").velocity == pytest.approx(1.0)
+
+
+def test_a_start_beyond_the_stop_is_refused_by_the_fidelity_that_it_is_of() -> None:
+    plucked = case(None, None, {"displacement": "2 mm"})
+    with pytest.raises(vibeam.CaseError, match=r"start: of fidelity eight, the contact is 0.001 beyond the stop"):
+        plucked.start("eight")
+
+
+def test_a_platform_is_one_more_mode_that_a_force_drives() -> None:
+    made = case({"shape": "half_sine", "force": "20 N", "duration": "11 ms"}, platform=PLATFORM)
+    record, system = made.input("eight"), made.system("eight")
+    # M⁻¹ of the platform's coordinate sees F/m_p through the modes' load row: the acceleration at once is that of F
+    row = system.output("platform")
+    alone = 20.0 * (row @ row)
+    assert row @ system.load * record.at(0.0055) == pytest.approx(alone, rel=1e-9)
+
+
+def test_one_mode_in_its_own_units() -> None:
+    made = vibeam.Case.of(
+        {
+            "sdof": ONE_MODE,
+            "stop": {"gap": 0.5, "restitution": 0.8},
+            "record": {"duration": "30 s"},
+            "start": {"displacement": -0.3, "velocity": 0.1},
+            "fidelity": {"one": {}},
+        }
+    )
+    state = made.start("one")
+    assert (state.displacement.tolist(), state.velocity.tolist()) == ([-0.3], [0.1])
+    assert (made.input("one").peak, made.input("one").end) == (0.0, 30.0)
+    assert parse(made.text) == made
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ({}, "drive: nothing moves the rig: write file, shape or density here, or add [start]"),
+        ({"drive": {"shape": "half_sine", "acceleration": "1 g"}}, 'drive.duration: missing: shape = "half_sine" needs it; write duration = "… ms"'),
+        ({"drive": {"shape": "step"}}, 'drive.shape: its peak is missing: write acceleration = "50 g", or force or moment with at'),
+        ({"drive": PULSE, "record": {"outputs": "sensor"}}, 'record.duration: missing (how long the motion is followed): write duration = "0.5 s"'),
+        ({"drive": PULSE | {"density": "1 g^2/Hz"}}, "drive.density: the input is said twice: keep shape, or density"),
+        ({"drive": PULSE | {"seed": 3}}, "drive.seed: goes with density, and the input is a shape: take it out"),
+        ({"drive": PULSE | {"cycles": 3}}, 'drive.cycles: shape = "half_sine" has no use for it: take it out'),
+        ({"drive": PULSE | {"harmonic": [2]}}, "drive.harmonic: is of the sine of a [sweep]: take it out"),
+        ({"drive": PULSE | {"acceleration": "2e6 g"}}, "drive.acceleration: is 2e+06 g, and no base is shaken by 10⁶ g: check the unit"),
+        ({"drive": PULSE | {"rise": "20 ms", "shape": "trapezoid"}}, "drive.rise: longer than the whole shape, duration = 0.011 s"),
+        ({"drive": {"acceleration": "1 g"}}, 'drive.acceleration: is of a shape: write shape = "half_sine" and duration, or shape = "sine" and frequency, beside it'),
+        ({"drive": {"amplitude": "1 mm"}}, 'drive.amplitude: is of the sine of a [sweep]: with [record] write acceleration, force or moment beside shape = "sine"'),
+        ({"drive": {**WHITE, "rate": "3 kHz"}}, "drive.rate: 3000 Hz is below twice the highest frequency: write 4000 Hz"),
+        ({"drive": {"density": "1 g^2/Hz", "band": ["1 Hz", "2 Hz"]}}, "drive.seed: missing: a random input needs one; write seed = 1"),
+        ({"drive": {"density": "1 g/Hz", "seed": 1}}, "drive.density: '1 g/Hz' is a quantity of dimension angle^-1 mass^1 time^1, not a density of an acceleration"),
+        ({"drive": {"density": 0.01, "seed": 1}}, "drive.density: 0.01 has no unit: write '0.01 g^2/Hz' or '0.01 m^2/s^4/Hz', or units = \"SI\" at the top of the case"),
+        ({"drive": {"density": [["2 Hz", "1 g^2/Hz"], ["1 Hz", "1 g^2/Hz"]], "seed": 1}}, "drive.density: the frequencies must ascend, each once"),
+        ({"drive": {"density": "1 N^2/Hz", "band": ["1 Hz", "2 Hz"], "seed": 1}}, 'drive.density: a force acts on the beam: write at = "120 mm"'),
+        ({"drive": {"file": "nowhere.csv"}}, "drive.file: no file 'nowhere.csv' in the case file's folder"),
+        ({"drive": PULSE, "record": {"duration": "1 s", "realisations": 4}}, "record.realisations: of a random input alone: write drive.density, or take it away"),
+        ({"drive": PULSE, "record": {"duration": "1 s", "over": "stop.gapp", "values": [1]}}, "record.over: unknown key 'stop.gapp'; did you mean 'gap'?; or level, speed"),
+        ({"drive": PULSE, "record": {"duration": "1 s", "over": "stop.gap", "values": ["1 kg"]}}, "record.values.0: stop.gap: '1 kg' is a mass, not a length"),
+        ({"drive": PULSE, "record": {"duration": "1 s", "outputs": "sensr"}}, "record.outputs: 'sensr' is not one of \"sensor\" | \"contact\" | \"tip\" | \"platform\"; did you mean 'sensor'?"),
+        ({"drive": PULSE, "sweep": {"frequency": ["15 Hz"]}}, "record: and [sweep] do not go together: a case has one of the two"),
+        ({"drive": PULSE, "cost": {"budget": "3 s"}}, "cost: is of a [sweep]: take it away; vibeam run says the CPU time of every fidelity"),
+        ({"drive": PULSE, "measurement": {"sampling": "1 kHz"}}, "measurement: is of the figures of a [sweep]: take it away; record.rate samples histories"),
+        ({"drive": PULSE, "show": {"a": {"kind": "portrait", "frequency": "15 Hz"}}}, 'show.a.kind: "portrait" is of a [sweep]; of a [record]: '),
+        ({"drive": PULSE, "start": {}}, 'start: says nothing: write displacement = "2 mm", velocity, force or base_velocity; or take it away'),
+        ({"drive": PULSE, "start": {"displacement": "1 mm", "force": "1 N"}}, "start.force: goes without displacement: keep one of the two"),
+        ({"drive": PULSE, "fidelity": {"a": {"reduction": "static_mode", "solver": "averaging"}}}, 'fidelity.a.solver: "averaging" knows sines alone: write "flight" or "direct" or "moreau"'),
+        ({"drive": PULSE, "platform": PLATFORM}, "drive.acceleration: a motion of the base has the platform in it already: take [platform] away, or give the force on it"),
+        ({"drive": {"shape": "step", "force": "1 N"}, "platform": PLATFORM | {"coupling": "one-way"}}, 'platform.coupling: "one-way" filters a sine; over time a platform moves as one more mode, which the beam pushes too: write coupling = "two-way"'),
+        ({"drive": PULSE | {"at": "0.1 m"}}, 'drive.at: is where a force or a moment acts: write force, or quantity = "force", or take at away'),
+        ({"drive": PULSE | {"force": "1 N"}}, "drive.force: the peak is said twice: keep acceleration, or force"),
+    ],
+)  # fmt: skip
+def test_every_fault_says_its_cure(said: dict, message: str) -> None:
+    found = faults(**said)
+    assert any(each.startswith(message) for each in found), found
+
+
+def test_a_sweep_says_which_keys_are_of_a_record() -> None:
+    with pytest.raises(vibeam.CaseError) as caught:
+        vibeam.load("cases/dtu_neutral.toml", {"drive.shape": "half_sine", "start.displacement": "1 mm"})
+    assert [str(each) for each in caught.value.faults] == [
+        "--set drive.shape: is of an input over time: write [record] in place of [sweep], or take it out",
+        "--set start: is of a [record]; a sweep goes on from point to point: take it away",
+    ]
+    with pytest.raises(vibeam.CaseError, match=r"sweep: the table is missing: add \[sweep\], or \[record\] for an"):
+        vibeam.load("cases/dtu_neutral.toml", {"sweep": None})

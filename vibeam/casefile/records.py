@@ -1,0 +1,193 @@
+"""Record cases: what is wrong with [record], [start] and their input, and the plans of these."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path as File
+from types import SimpleNamespace
+from typing import Any
+
+from vibeam.case.input_plan import InputPlan
+from vibeam.case.plans import RecordPlan, StartPlan
+from vibeam.casefile import quantities as units
+from vibeam.casefile.fidelity_changes import entry_at
+from vibeam.casefile.fields import Entry, Quantity
+from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.quantities import POSITIVE, with_unit
+from vibeam.casefile.tables.input import input_checks, way_of
+from vibeam.casefile.tables.outputs import quantity_named
+from vibeam.casefile.tables.table import plan_of
+from vibeam.casefile.validation import units_of
+from vibeam.exchange.faults import Complaint, as_shown_in_message
+from vibeam.figures import FIGURES
+from vibeam.solvers import SOLVERS
+from vibeam_models.keys import keys_of
+
+SCALES = ("level", "speed")  # what may be varied of the input itself
+#: tables that are about a sweep alone, and what answers in their place
+OF_SWEEPS = {
+    "cost": "vibeam run says the CPU time of every fidelity",
+    "fit": "it reads frequency-response curves",
+    "map": "record.over and record.values vary one key",
+    "modes_needed": "fidelities with more and more modes, compared by vibeam run, say it",
+    "limits": "it looks for the limits of steady motions",
+}
+OF_FREQUENCY = ("drift", "drift_frequency", "wear")  # keys of [stop] that go by the points of a sweep
+
+
+def record_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Complaints about a case that has neither sweep nor record, or both; about record, start and input."""
+    if case.record is None:
+        if case.sweep is None:
+            yield ("sweep",), "the table is missing: add [sweep], or [record] for an input over time"
+        if case.start is not None:
+            yield ("start",), "is of a [record]; a sweep goes on from point to point: take it away"
+        yield from _of_record(case.drive)
+        return
+    if case.sweep is not None:
+        yield ("record",), "and [sweep] do not go together: a case has one of the two"
+        return
+    yield from input_checks(case, folder)
+    yield from _start(case)
+    yield from _plan(case)
+    yield from _solvers(case)
+    yield from _of_sweeps(case)
+
+
+def _of_record(drive: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about the keys of an input in a case that sweeps a sine."""
+    for name in keys_of(InputPlan):
+        if getattr(drive, name, None) is not None:
+            yield ("drive", name), "is of an input over time: write [record] in place of [sweep], or take it out"
+
+
+def _start(case: SimpleNamespace) -> Iterator[Complaint]:
+    start = case.start
+    if start is None:
+        return
+    given = [name for name in keys_of(StartPlan) if name != "output" and getattr(start, name, None) is not None]
+    for one, other in (("displacement", "force"), ("velocity", "height"), ("velocity", "base_velocity"),
+                       ("height", "base_velocity")):  # fmt: skip
+        if one in given and other in given:
+            yield ("start", other), f"goes without {one}: keep one of the two"
+    if not given:
+        yield ("start",), 'says nothing: write displacement = "2 mm", velocity, force or base_velocity; or take it away'
+    dropped = next((name for name in ("height", "base_velocity") if name in given), None)
+    on_base = getattr(case.drive, "at", None) is None and getattr(case, "platform", None) is None
+    if dropped and (not on_base or _forced(case)):
+        yield ("start", dropped), "stops the base of a rig, and a force or a platform drives this one: write velocity"
+    yield from KINDS[case.kind].output_complaints(case, ("start", "output"), start.output)
+    wanted = quantity_named(case, start.output)
+    if wanted.name != "displacement":
+        yield ("start", "output"), f"is of the quantity {wanted.name}: name an output that is a displacement"
+
+
+def _forced(case: SimpleNamespace) -> bool:
+    return case.kind in ("matrices", "modes") and getattr(case, case.kind).force is not None
+
+
+def _plan(case: SimpleNamespace) -> Iterator[Complaint]:
+    record = case.record
+    if record.duration is None and way_of(case.drive) != "file":
+        yield ("record", "duration"), 'missing (how long the motion is followed): write duration = "0.5 s"'
+    for name in record.outputs or ():
+        yield from KINDS[case.kind].output_complaints(case, ("record", "outputs"), name)
+    if record.realisations not in (1, None) and way_of(case.drive) != "density":
+        yield ("record", "realisations"), "of a random input alone: write drive.density, or take it away"
+    yield from _over(case)
+
+
+def varied(case: Any, model: Any) -> tuple[Entry | None, str]:
+    """The entry that reads the values of what is varied, or what is wrong with it."""
+    if case.record.over in SCALES:
+        return Quantity(units.RATIO, POSITIVE), ""
+    entry, fault = entry_at(model, case.record.over)
+    if fault:
+        return None, f"{fault}; or level, speed"
+    if not isinstance(entry, Quantity):
+        return None, f"{as_shown_in_message(case.record.over)} holds no number that could be varied"
+    return entry, ""
+
+
+def _over(case: SimpleNamespace) -> Iterator[Complaint]:
+    record = case.record
+    if record.over is None or record.values is None:
+        return
+    entry, fault = varied(case, KINDS[case.kind].declaration())
+    if fault:
+        yield ("record", "over"), fault.replace("a fidelity changes", "record.over may be")
+        return
+    if record.over not in SCALES and record.values == RecordPlan.values:
+        yield ("record", "values"), f'missing: the values of {record.over}, write values = ["…", "…"]'
+        return
+    assert entry is not None
+    found = []
+    for place, value in enumerate(record.values):
+        try:
+            found.append(entry.read(value, units_of(case.units)))
+        except ValueError as error:
+            yield ("record", "values", place), f"{record.over}: {error}"
+    if len(set(found)) < len(found):
+        yield ("record", "values"), "has a value twice"
+
+
+def _solvers(case: SimpleNamespace) -> Iterator[Complaint]:
+    able = " or ".join(f'"{name}"' for name, declared in SOLVERS.items() if declared.records)
+    for name, fidelity in case.fidelity.items():
+        if fidelity.solver is not None and not SOLVERS[fidelity.solver].records:
+            yield ("fidelity", name, "solver"), f'"{fidelity.solver}" knows sines alone: write {able}'
+
+
+def _of_sweeps(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about tables and keys without a meaning for an input over time."""
+    usual = KINDS[case.kind].declaration().model_fields
+    for name, instead in OF_SWEEPS.items():
+        asked = getattr(case, name, None)
+        if asked is not None and asked != {} and not _is_usual(asked, usual[name].default):
+            yield (name,), f"is of a [sweep]: take it away; {instead}"
+    for name in OF_FREQUENCY:
+        if getattr(case.stop, name, None) is not None:
+            yield ("stop", name), "goes by the points of a [sweep]: take it out"
+    if case.measurement is not None:
+        yield ("measurement",), "is of the figures of a [sweep]: take it away; record.rate samples histories"
+    for name, show in case.show.items():
+        if show.kind is not None and not FIGURES[show.kind].record:
+            kinds = ", ".join(f'"{each}"' for each in FIGURES if FIGURES[each].record) or "none yet"
+            yield ("show", name, "kind"), f'"{show.kind}" is of a [sweep]; of a [record]: {kinds}'
+
+
+def _is_usual(asked: Any, usual: Any) -> bool:
+    """Test whether a table says what its absence says."""
+    return bool(usual) and all(getattr(asked, name, None) == value for name, value in usual)
+
+
+def record_plan(case: Any, inputs: InputPlan) -> RecordPlan:
+    """The plan of [record] of a checked case; without a duration its file is read, CaseError for a faulty one."""
+    entry, _ = varied(case, type(case))
+    assert entry is not None
+    values = tuple(float(entry.parse(value)) for value in case.record.values)
+    first = inputs.seed or 0
+    seeds = tuple(range(first, first + case.record.realisations)) if inputs.random else ()
+    duration = inputs.measured().end if case.record.duration is None else case.record.duration
+    return plan_of(RecordPlan, case.record, values=values, seeds=seeds, duration=duration)
+
+
+def start_plan(case: Any) -> StartPlan:
+    """The plan of [start] of a checked case."""
+    return StartPlan(**dict(case.start or ()), settled=_settled)
+
+
+def _settled(system: Any) -> Any:
+    from vibeam.flight.equilibrium import equilibrium
+
+    return equilibrium(system)
+
+
+def record_in_si(case: Any) -> dict[str, Any]:
+    """The table [record] of a checked case, the values of what is varied with their SI unit."""
+    if case.record is None:
+        return {}
+    entry, system = varied(case, type(case))[0], units_of(case.units)
+    kind = entry.kind if isinstance(entry, Quantity) else None
+    values = tuple(with_unit(value, kind, system) if kind else value for value in case.record.values)
+    return {"record": case.record.model_copy(update={"values": values})}
