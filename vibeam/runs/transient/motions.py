@@ -86,7 +86,7 @@ class MotionMaker:
         plan, own = plan_of(self.case), {"level": factor}
         if plan.over in SCALED:
             own[plan.over] = own.get(plan.over, 1.0) * plan.values[value]
-        made: Record = self._at(value).input(self.name, plan.seeds[seed] if plan.seeds else None, **own)  # type: ignore[attr-defined]
+        made: Record = self._at(value).input(self.name, plan.seeds[seed] if plan.seeds else None, **own)
         return made
 
     def made(self, motion: Realisation) -> Reading:
@@ -102,7 +102,7 @@ class MotionMaker:
     def path(self, value: int, record: Record) -> tuple[Path, float]:
         """Motion under a load at one of the values, and its CPU time, s."""
         system, plan, fidelity = self.system(value)[0], plan_of(self.case), self.case.fidelities[self.name]
-        start = self._at(value).start(self.name)  # type: ignore[attr-defined]
+        start = self._at(value).start(self.name)
         begun = time.thread_time()
         if SOLVERS[fidelity.solver].motion == "exact":
             from vibeam.flight.trajectory import simulate
@@ -149,4 +149,4 @@ def _history(reading: Reading, least: Array, greatest: Array) -> History:
 
 def plan_of(case: Case) -> Any:
     """The record of a case that has one."""
-    return case.record  # type: ignore[attr-defined]
+    return case.record
