@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import restricted
 from vibeam.runs.store.adaptation import whole_case
-from vibeam.runs.store.branches import branch_names, points_of, read_rows, response_of, state_after
+from vibeam.runs.store.branches import branch_names, points_of, read_rows, response_of
 from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.store.file import opened_to_read
 from vibeam.runs.store.records import (
@@ -26,7 +26,6 @@ from vibeam.runs.store.records import (
 from vibeam.store.blocks import Values
 from vibeam.store.errors import reading
 from vibeam.system.response import Branches
-from vibeam.system.state import State
 
 if TYPE_CHECKING:
     import h5py
@@ -38,13 +37,11 @@ if TYPE_CHECKING:
 class StoredResult:
     """A ``result`` of which ``missing`` points were not run yet (NaN), and what else its file holds.
 
-    ``states``: of each branch ("fidelity", "up") the state at the end of each point, at the drive's phase 0; None where
-    none is known. ``provenance``: what computed the numbers, by name. ``left_out``: references of the case whose files
+    ``provenance``: what computed the numbers, by name. ``left_out``: references of the case whose files
     were not found. ``numbers``: what decides the numbers, as TOML.
     """
 
     result: Result
-    states: Mapping[tuple[str, str], tuple[State | None, ...]]
     provenance: Mapping[str, str]
     missing: int
     numbers: str
@@ -83,8 +80,7 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
     )
     result.estimates = read_estimates(stored[ESTIMATES]) if ESTIMATES in stored else {}
     provenance = {name: str(value) for name, value in stored["provenance"].attrs.items()}
-    states = {at: _states(values) for at, values in rows.items()}
-    return StoredResult(result, states, provenance, result.total - result.found, stored["case/text"][()].decode())
+    return StoredResult(result, provenance, result.total - result.found, stored["case/text"][()].decode())
 
 
 def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Values]) -> Branches:
@@ -92,7 +88,3 @@ def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Value
     ways = {way: response_of(values) for way, values in found.items()}
     curves = read_curves(stored[name][CURVES]) if CURVES in stored[name] else None
     return Branches(ways.get("up"), ways.get("down"), curves)
-
-
-def _states(values: Values) -> tuple[State | None, ...]:
-    return tuple(state_after(values, point) for point in range(len(values["frequency"])))
