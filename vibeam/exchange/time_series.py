@@ -77,7 +77,7 @@ def record_of_file(
             raise FormatError(f"quantity {quantity!r} is none of {', '.join(JOINED)}")
         if path.suffix.lower() in WAVES:
             found, own = _read_wav(path, channel, scale is not None)
-            rate = rate or own
+            rate = own if rate is None else rate
         else:
             found = _read(path, column, time, channel, quantity, rate)
         value = _in_si(found.columns["value"], UNITS[quantity], unit, "unit") * (1.0 if scale is None else scale)

@@ -45,6 +45,10 @@ class Drive:
         object.__setattr__(self, "amplitude", number("amplitude", self.amplitude, faults))
         refuse("drive", faults)
 
+    def load_at(self, t: Array) -> Array:
+        """Factor of the modes' load row at times ``t``: Ω²B sin Ωt, which is −b̈."""
+        return np.asarray(self.omega**2 * self.amplitude * np.sin(self.omega * t))
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ImpactSystem(ValueRecord):

@@ -93,6 +93,11 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
         close = UNIFORM * np.spacing(np.max(np.abs(self.times)))
         return mean if np.max(np.abs(self.times - even)) <= close else None
 
+    @property
+    def omega(self) -> float:
+        """0, as of no drive: a record has no frequency and no period."""
+        return 0.0
+
     @cached_property
     def load(self) -> Array:
         """Coefficients (K, 4) of what multiplies the modes' load row: −b̈, or the force or moment."""
@@ -121,6 +126,10 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
     def at(self, t: ArrayLike) -> Any:
         """u at times ``t`` (s) of any shape: 0 before the start and after the end."""
         return self._evaluated(t, 0)
+
+    def load_at(self, t: Array) -> Array:
+        """Factor of the modes' load row at times ``t``: ∓u, as ``load``."""
+        return np.asarray(QUANTITIES[self.quantity][1] * self._evaluated(t, 0))
 
     def velocity_at(self, t: ArrayLike) -> Any:
         """Velocity of the base at times ``t``, m/s: the exact integral; ValueError for a force or moment.

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from vibeam.solvers.integration.coordinates import EXPLICIT, Frame
-from vibeam.solvers.integration.impact_events import EventSolver
+from vibeam.solvers.integration.impact_events import LONGEST, EventRun, EventSolver
+from vibeam.solvers.integration.record_stretches import stretches
+from vibeam.solvers.integration.samples import SteppedOutcome
+from vibeam.solvers.integration.stepper import NO_MARKS, Watch, cycle, slack
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.record import Record
+from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 from vibeam_models.laws.mechanics import StopLaw
@@ -16,9 +23,9 @@ from vibeam_models.laws.mechanics import StopLaw
 
 @dataclass(frozen=True)
 class ModalFrame:
-    """y = (η, η'): η'' = f = load Ω²B sin Ωt + static − 2ζωη' − ω²η in flight, f − c (c·f)/S at rest on the stop.
+    """y = (η, η'): η'' = f = force · level(t) + static − 2ζωη' − ω²η in flight, f − c (c·f)/S at rest on the stop.
 
-    ``damping``: 2ζω (n,), or (n, n) where it couples the modes; ``law``: R(v).
+    ``level``: sin Ωt, or a record; ``damping``: 2ζω (n,), or (n, n) where it couples the modes; ``law``: R(v).
     """
 
     stiffness: Array
@@ -28,24 +35,24 @@ class ModalFrame:
     static: Array
     gap: float
     law: StopLaw
-    drive: float
+    level: Callable[[float], Any]
     mobility: float
     scale: Array
 
     @classmethod
-    def of(cls, system: ImpactSystem, drive: Drive) -> ModalFrame:
-        """Frame of a system under a drive."""
+    def of(cls, system: ImpactSystem, force: Array, level: Callable[[float], Any]) -> ModalFrame:
+        """Frame of a system under the load ``force`` (n,) times ``level`` over time."""
         mobility = system.mobility
         rates = np.where(system.omega > 0, system.omega, 1.0)
         return cls(
             system.omega**2,
             2 * system.zeta * system.omega if system.coupling is None else system.coupling,
             system.contact,
-            system.load * (drive.omega**2 * drive.amplitude),
+            force,
             system.static,
             system.gap,
             system.contact_law,
-            drive.omega,
+            level,
             mobility,
             np.concatenate([np.ones_like(rates), rates]) / np.sqrt(mobility),
         )
@@ -57,7 +64,7 @@ class ModalFrame:
     def acceleration(self, t: float, y: Array) -> Array:
         """Acceleration f (n,) without the stop."""
         n = len(self.contact)
-        force = self.force * np.sin(self.drive * t) + self.static
+        force = self.force * self.level(t) + self.static
         damped = self.damping * y[n:] if self.damping.ndim == 1 else self.damping @ y[n:]
         return np.asarray(force - damped - self.stiffness * y[:n])
 
@@ -109,6 +116,7 @@ class DirectSolver(EventSolver):
     """
 
     METHODS = (*EXPLICIT, "LSODA")
+    records = True
 
     def takes(self, system: ImpactSystem) -> None:
         """See ``EventSolver.takes``: accepts R(v) and coupled damping, rejects a yielding stop and a second stop."""
@@ -117,4 +125,41 @@ class DirectSolver(EventSolver):
 
     def enter(self, drive: Drive, state: State) -> tuple[Frame, Array]:
         """See ``EventSolver.enter``."""
-        return ModalFrame.of(self.system, drive), np.concatenate([state.displacement, state.velocity])
+        force = self.system.load * (drive.omega**2 * drive.amplitude)
+        frame = ModalFrame.of(self.system, force, lambda t: np.sin(drive.omega * t))
+        return frame, np.concatenate([state.displacement, state.velocity])
+
+    def run(
+        self,
+        drive: Drive | Record,
+        state: State,
+        start: float,
+        end: float,
+        watch: Watch | None = None,
+        marks: Array = NO_MARKS,
+    ) -> SteppedOutcome:
+        """See ``Stepper.run``; under a record flights end where the load is not smooth."""
+        if isinstance(drive, Drive):
+            return super().run(drive, state, start, end, watch, marks)
+        parts = stretches(drive, start, end)
+        frame = ModalFrame.of(self.system, self.system.load, parts[0].level)
+        run = EventRun(
+            frame,
+            np.concatenate([state.displacement, state.velocity]),
+            self.settings,
+            cycle(self.system, drive),
+            start,
+            end,
+            watch,
+            marks,
+        )
+        allowed, ended = slack(self.system, state.displacement) + self.settings.atol, Ended.COMPLETE
+        run.resting = state.resting
+        for part in parts:
+            run.frame = replace(frame, level=part.level)
+            run.end, run.longest = part.end, min(LONGEST * run.period, part.longest)
+            with np.errstate(all="ignore"):
+                ended = run.advance(allowed, run.resting)
+            if ended is not Ended.COMPLETE:
+                break
+        return run.outcome(ended)

@@ -80,14 +80,7 @@ class EventSolver(AdaptiveStepper):
         event_run = EventRun(frame, y, self.settings, cycle(self.system, drive), start, end, watch, marks)
         with np.errstate(all="ignore"):
             ended = event_run.advance(slack(self.system, state.displacement) + self.settings.atol, state.resting)
-        pose = event_run.frame.outward(event_run.y[:, None])[0]
-        return SteppedOutcome(
-            ended,
-            event_run.t,
-            State.reached(pose[0], pose[1], event_run.resting),
-            event_run.impacts,
-            event_run.evaluations.all,
-        )
+        return event_run.outcome(ended)
 
 
 class EventRun:
@@ -101,7 +94,7 @@ class EventRun:
         self.t, self.end, self.watch, self.marks = start, end, watch, marks
         self.touching = self.resting = False
         self.impacts, self.evaluations = 0, EvaluationCount(period, EVALUATIONS)
-        self.turn, self.events = -1.0, 0
+        self.turn, self.events, self.longest = -1.0, 0, LONGEST * period
         self.atol = settings.atol * frame.scale
         self.deep = max(DEEP * settings.atol, ROUNDING * float(np.max(np.abs(y / frame.scale))))
 
@@ -111,6 +104,12 @@ class EventRun:
             return self._advanced(allowed, resting)
         except TooManyEvaluations:
             return Ended.UNRESOLVED
+
+    def outcome(self, ended: Ended) -> SteppedOutcome:
+        """Outcome of the run, which ended so."""
+        pose = self.frame.outward(self.y[:, None])[0]
+        state = State.reached(pose[0], pose[1], self.resting)
+        return SteppedOutcome(ended, self.t, state, self.impacts, self.evaluations.all)
 
     def _advanced(self, allowed: float, resting: bool) -> Ended:
         excess = self.frame.excess(self.y)
@@ -197,7 +196,7 @@ class EventRun:
         with ONE_AT_A_TIME if self.settings.method == "LSODA" else nullcontext():
             found = solve_ivp(
                 interruptible, (self.t, self.end), self.y, method=self.settings.method, rtol=self.settings.rtol,
-                atol=self.atol, events=event, dense_output=dense, max_step=LONGEST * self.period,
+                atol=self.atol, events=event, dense_output=dense, max_step=self.longest,
             )  # fmt: skip
         if found.status < 0:
             self.y = np.full_like(self.y, np.nan)

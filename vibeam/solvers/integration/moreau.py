@@ -28,6 +28,7 @@ from vibeam.flight.kernels import layout
 from vibeam.solvers.integration.samples import SampledPiece, SteppedOutcome
 from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, onto_stop, slack
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.record import Record
 from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arguments import count, number, refuse
@@ -38,6 +39,8 @@ EDGE = 1e-9  # tolerance, as a share of a step, for a span to be a whole number 
 
 class MoreauSolver(Stepper):
     """Moreau–Jean time stepping: any number of modes, any R, no step control."""
+
+    records = True
 
     def __init__(
         self,
@@ -51,8 +54,9 @@ class MoreauSolver(Stepper):
     ) -> None:
         """``slowest`` and ``span`` are ignored.
 
-        ``steps`` a drive period (a motion takes the nearest number above it that fits its span); ``theta`` from ½
-        (undamped) to 1 (fully implicit). ``repeats``: how far states a period apart may differ, as a share of the
+        ``steps`` a drive period (a motion takes the nearest number above it that fits its span); under a record a
+        period of the slowest mode, and no step longer than one of its samples. ``theta`` from ½ (undamped) to 1 (fully
+        implicit). ``repeats``: how far states a period apart may differ, as a share of the
         motion's size; None: 30/steps (impacts hop between steps). Impacts slower than one step's free acceleration
         count as rest. ValueError for others.
         """
@@ -63,10 +67,16 @@ class MoreauSolver(Stepper):
         self.system, self.repeats = system, 30 / self.steps if repeats is None else repeats
 
     def run(
-        self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
+        self,
+        drive: Drive | Record,
+        state: State,
+        start: float,
+        end: float,
+        watch: Watch | None = None,
+        marks: Array = NO_MARKS,
     ) -> SteppedOutcome:
         """See ``Stepper.run``; ``marks`` must be whole periods from ``start``. The returned state is off the stop."""
-        system, longest = self.system, cycle(self.system, drive) / self.steps
+        system, longest = self.system, self._longest(drive)
         if float(system.contact @ state.displacement) - system.gap > slack(system, state.displacement):
             return SteppedOutcome(Ended.PENETRATED, start, state, 0, 0)
         count = int(np.ceil((end - start) / longest - EDGE))
@@ -78,14 +88,23 @@ class MoreauSolver(Stepper):
         ended = Ended.COMPLETE if np.all(np.isfinite(pose)) else Ended.NOT_FINITE
         return SteppedOutcome(ended, end, State.reached(onto_stop(system, pose[0]), pose[1]), march_on.impacts, count)
 
+    def _longest(self, drive: Drive | Record) -> float:
+        """Length of a step at most, s; under a record none is longer than its pieces, or ``steps`` make all of it."""
+        longest = cycle(self.system, drive) / self.steps
+        if isinstance(drive, Drive):
+            return longest
+        own = drive.duration / self.steps if drive.samples is None else float(np.median(np.diff(drive.times)))
+        return min(longest, own)
+
 
 class _March:
     """Arrays of one run, and its impacts."""
 
-    def __init__(self, solver: MoreauSolver, drive: Drive, pose: Array, h: float, watch: Watch | None) -> None:
+    def __init__(self, solver: MoreauSolver, drive: Drive | Record, pose: Array, h: float, watch: Watch | None) -> None:
         system, n, most = solver.system, solver.system.size, solver.steps
         self.drive, self.pose, self.h, self.watch, self.impacts = drive, pose, h, watch, 0
-        self.rows = moreau_rows(system, drive, h, solver.theta)
+        size = drive.omega**2 * drive.amplitude if isinstance(drive, Drive) else 1.0
+        self.rows = moreau_rows(system, size, h, solver.theta)
         self.scheme = np.array([h, solver.theta, system.gap, system.restitution])
         kept = most if watch else 0
         self.samples, self.pushed = np.empty((kept + 1 if watch else 0, 2, n)), np.zeros(kept)
@@ -96,8 +115,10 @@ class _March:
         times: Array = start + self.h * np.arange(first, first + count + 1, dtype=float)
         if self.watch is not None:
             self.samples[0] = self.pose
+        drive = self.drive
+        levels = np.sin(drive.omega * times) if isinstance(drive, Drive) else drive.load_at(times)
         march(
-            self.rows, self.scheme, np.sin(self.drive.omega * times), self.pose, self.samples, self.pushed,
+            self.rows, self.scheme, levels, self.pose, self.samples, self.pushed,
             self.strikes, self.totals,
         )  # fmt: skip
         self.impacts += int(self.totals[layout.MOREAU_IMPACTS])
@@ -111,11 +132,10 @@ class _March:
         return SampledPiece(times, self.samples[: count + 1].copy(), struck, strikes[:, 1].copy(), rest, smooth)
 
 
-def moreau_rows(system: ImpactSystem, drive: Drive, h: float, theta: float) -> Array:
-    """Rows (ROWS, n) of a system for the kernel, for steps of ``h`` s."""
+def moreau_rows(system: ImpactSystem, size: float, h: float, theta: float) -> Array:
+    """Rows (ROWS, n) of a system for the kernel, its load ``size`` times as large, for steps of ``h`` s."""
     rows = np.zeros((layout.MOREAU_ROWS, system.size))
     stiffness, damping = system.omega**2, 2 * system.zeta * system.omega
     inverse = 1 / (1 + theta * h * damping + (theta * h) ** 2 * stiffness)
-    load = system.load * (drive.omega**2 * drive.amplitude)
-    rows[:-1] = stiffness, damping, system.contact, load, system.static, inverse
+    rows[:-1] = stiffness, damping, system.contact, system.load * size, system.static, inverse
     return rows

@@ -7,14 +7,16 @@ their distance), or as the chord where it is not smooth.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from vibeam.observe.periodicity import repetition
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.record import Record
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam.system.rows import TimeDerivative
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
@@ -26,7 +28,7 @@ class SampledPiece:
     """Stretch of motion: samples (m, 2, n) at ascending times (m,), the last one just before the impact that ends it.
 
     ``impact_times`` and ``impact_velocities`` (k,): the impacts in it; ``rest``: time at rest on the stop, s;
-    ``smooth`` (m − 1,): False between samples with an impact between them, None without any.
+    ``smooth`` (m − 1,): False between samples with an impulse between them, None without any.
     """
 
     times: Array
@@ -35,6 +37,15 @@ class SampledPiece:
     impact_velocities: Array
     rest: float = 0.0
     smooth: NDArray[np.bool_] | None = None
+
+    @property
+    def rests(self) -> Array:
+        """Begin and end of rests on the stop (k, 2): all of it, or samples with impulses that are no impacts."""
+        if self.smooth is None:
+            return np.array([[self.times[0], self.times[-1]]] if self.rest > 0 else []).reshape(-1, 2)
+        held = ~self.smooth
+        held[np.searchsorted(self.times, self.impact_times - (self.times[1] - self.times[0]) / 2) - 1] = False
+        return np.stack([self.times[:-1][held], self.times[1:][held]], axis=1)
 
 
 @dataclass(frozen=True)
@@ -53,11 +64,12 @@ class SampledMotion:
     """Sampled motion, SI units: ``times`` (m,), modal ``values`` (m, 2, n); at an impact one before, one after.
 
     ``impact_velocities`` (k,): contact velocities just before, positive toward the stop; ``rest``: time at rest on the
-    stop, s. ``stats``: impacts, evaluations, cpu_seconds.
+    stop, s; ``rests`` (r, 2) when. ``stats``: impacts, evaluations, cpu_seconds. Between samples it is the cubic
+    through both displacements and velocities.
     """
 
     system: ImpactSystem
-    drive: Drive
+    drive: Drive | Record
     times: Array
     values: Array
     impact_times: Array
@@ -67,6 +79,48 @@ class SampledMotion:
     state: State
     ended: Ended
     stats: Mapping[str, float]
+    rests: Array = field(default_factory=lambda: np.empty((0, 2)))
+
+    @property
+    def t_start(self) -> float:
+        """Start time, s."""
+        return float(self.times[0])
+
+    @property
+    def cpu_seconds(self) -> float:
+        """CPU time of the integration, s."""
+        return float(self.stats["cpu_seconds"])
+
+    def modes_at(self, t: ArrayLike) -> Array:
+        """Modal displacements and velocities (…, 2, n) at times t; at an impact those just after."""
+        asked = np.asarray(t, dtype=float)
+        known, rates = between(self.times, self.values[:, 0], self.values[:, 1], asked.ravel())
+        return np.stack([known, rates], axis=1).reshape(*asked.shape, 2, -1)
+
+    def at(self, t: ArrayLike, output: str = "contact") -> Array:
+        """Output at times t, m; of one that is a velocity or an acceleration, that, m/s or m/s²."""
+        derivative = self.system.derivative(output)
+        if derivative is None:
+            return np.asarray(self.modes_at(t)[..., 0, :] @ self.system.output(output))
+        if derivative.order == 1:
+            return np.asarray(self.modes_at(t)[..., 1, :] @ derivative.row)
+        return self._acceleration(np.asarray(t, dtype=float), derivative)
+
+    def velocity_at(self, t: ArrayLike, output: str = "contact") -> Array:
+        """Rate of an output at times t, m/s; at an impact its value just after."""
+        return np.asarray(self.modes_at(t)[..., 1, :] @ self.system.output(output))
+
+    def _acceleration(self, t: Array, derivative: TimeDerivative) -> Array:
+        """Acceleration by the equations of motion: in flight, or held on the stop by the contact force."""
+        system, poses = self.system, self.modes_at(t)
+        x, v = poses[..., 0, :], poses[..., 1, :]
+        damped = 2 * system.zeta * system.omega * v if system.coupling is None else v @ system.coupling
+        load = self.drive.load_at(t)
+        force = load[..., None] * system.load + system.static - damped - system.omega**2 * x
+        resting = np.searchsorted(self.rests.ravel(), t, side="right") % 2 == 1
+        push = np.where(resting, force @ system.contact / system.mobility, 0.0)
+        found = (force - push[..., None] * system.contact) @ derivative.row
+        return np.asarray(found - derivative.base * load if derivative.base else found)
 
     def displacement(self, output: str = "contact") -> Array:
         """Output (m,) at ``times``, m; KeyError for an unknown name."""
@@ -121,6 +175,14 @@ class SampledReading:
         touched = struck > 0 or self.rest > 0
         period = repetition(np.array(self.strobes), self.system.omega, self.drive.omega, repeats)
         response.period[i] = period if touched else -1
+
+
+def merged(rests: Array) -> Array:
+    """Rests (k, 2) in order, those that follow each other without a break as one."""
+    if not len(rests):
+        return rests.reshape(-1, 2)
+    apart = np.flatnonzero(rests[1:, 0] > rests[:-1, 1])
+    return np.stack([rests[np.concatenate([[0], apart + 1]), 0], rests[np.concatenate([apart, [-1]]), 1]], axis=1)
 
 
 def turning_points(times: Array, values: Array, slopes: Array) -> tuple[Array, Array]:

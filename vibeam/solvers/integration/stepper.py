@@ -5,15 +5,17 @@ from __future__ import annotations
 import time
 from abc import abstractmethod
 from collections.abc import Callable
+from typing import Any, ClassVar
 
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.event_driven import modal_values
 from vibeam.solvers.integration.coordinates import EXPLICIT, IntegrationSettings, chosen
-from vibeam.solvers.integration.samples import SampledMotion, SampledPiece, SampledReading, SteppedOutcome
+from vibeam.solvers.integration.samples import SampledMotion, SampledPiece, SampledReading, SteppedOutcome, merged
 from vibeam.solvers.steady import SteadySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.record import Record
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
@@ -29,15 +31,16 @@ class Stepper(SteadySolver):
     Where scipy gives up, a point ends with Ended.NOT_FINITE.
     """
 
+    records: ClassVar[bool] = False  #: whether it moves under a ``Record``, as its declaration says
     repeats: float  #: tolerance between states a period apart, as a share of the motion's size
 
     @abstractmethod
     def run(
-        self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
+        self, drive: Any, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
     ) -> SteppedOutcome:
-        """Run from ``start`` to ``end`` (s); ``watch`` receives the motion in pieces, with a sample at all ``marks``.
+        """Run from ``start`` to ``end`` (s) under a ``Drive``, or a ``Record`` where the solver takes one.
 
-        Without ``watch`` nothing is sampled.
+        ``watch`` receives the motion in pieces, with a sample at all ``marks``. Without ``watch`` nothing is sampled.
         """
 
     def begin(self, state: State | None) -> State:
@@ -63,7 +66,13 @@ class Stepper(SteadySolver):
         reading.write(response, index, self.repeats)
         return last.state
 
-    def motion(self, drive: Drive, state: State | None, t_start: float, t_end: float) -> SampledMotion:
+    def record_motion(self, record: Record, state: State | None, t_start: float, t_end: float) -> SampledMotion:
+        """Motion under a record, as ``motion``; ValueError of a solver that is made for one frequency."""
+        if not self.records:
+            raise ValueError(f"{type(self).__name__} cannot move under a record: flight, direct and moreau can")
+        return self.motion(record, state, t_start, t_end)
+
+    def motion(self, drive: Drive | Record, state: State | None, t_start: float, t_end: float) -> SampledMotion:
         """Motion from ``t_start`` to ``t_end`` (s) at the solver's own samples; ``state`` None: static equilibrium.
 
         ValueError for times that do not ascend or a state of the wrong shape.
@@ -92,6 +101,7 @@ class Stepper(SteadySolver):
             outcome.state,
             outcome.ended,
             stats,
+            merged(np.concatenate([piece.rests for piece in pieces])),
         )
 
 
@@ -114,7 +124,7 @@ def onto_stop(system: ImpactSystem, displacement: Array) -> Array:
     return displacement - system.contact * (max(beyond, 0.0) / system.mobility)
 
 
-def cycle(system: ImpactSystem, drive: Drive) -> float:
+def cycle(system: ImpactSystem, drive: Drive | Record) -> float:
     """Drive period in s, the slowest mode's without a drive."""
     rates = [drive.omega] if drive.omega > 0 else [*system.omega[system.omega > 0], np.inf]
     return float(2 * np.pi / min(rates)) if np.isfinite(min(rates)) else 1.0
