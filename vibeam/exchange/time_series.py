@@ -8,13 +8,14 @@ rate must be said in its place.
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn
+from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn, split_head
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in
@@ -55,7 +56,7 @@ def record_of_file(
     """Record of a file, by its ending: text (CSV and tables of instruments), .wav, .mat, .h5, universal files.
 
     - ``column``: head of the samples, or number from 1 (text); variable or dataset, ``"name:2"`` for its second column
-      (.mat, .h5); number of the data set 58 (universal files). None: a usual head of the ``quantity``.
+      (.mat, .h5); number of the data set 58 (universal files). None: a usual head of the ``quantity``, or the only one.
     - ``time``: the same of the times; None: ``"time"`` or ``"t"``. ``rate`` (Hz): samples per second, in its place.
     - ``channel``: of a WAV file, from 1. Of one of whole numbers ``scale`` must say the value of the full scale.
     - ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``. ``unit`` goes before the one that the file
@@ -75,46 +76,70 @@ def record_of_file(
     try:
         if quantity not in JOINED:
             raise FormatError(f"quantity {quantity!r} is none of {', '.join(JOINED)}")
-        if path.suffix.lower() in WAVES:
-            found, own = _read_wav(path, channel, scale is not None)
-            rate = own if rate is None else rate
-        else:
-            found = _read(path, column, time, channel, quantity, rate)
+        found, own = _columns(path, _Asked(column, time, channel, quantity, rate, scale))
         value = _in_si(found.columns["value"], UNITS[quantity], unit, "unit") * (1.0 if scale is None else scale)
-        clock = found.columns.get("frequency")
-        if clock is not None and clock.unit == "Hz":
-            raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
-        times = _in_si(found.columns["frequency"], "s", None, "time") if rate is None else None
+        times = _in_si(found.columns["frequency"], "s", None, "rate") if own is None else None
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quantity, quote))]) from None
-    word = "line" if is_text(path) and path.suffix.lower() not in WAVES else "row"
-    faults: list[str] = []
-    samples_of(
-        value, LEAST.get(interpolation or JOINED[quantity][0], 2), faults, lambda row: f"{word} {found.lines[row]}"
-    )
-    if times is not None:
-        times_of(len(value), None, times, None, faults, lambda row: f"{word} {found.lines[row]}")
-    if faults:
-        raise CaseError([fault_in(path, None, each) for each in faults])
+    _require_sound(path, found, value, times, LEAST.get(interpolation or JOINED[quantity][0], 2))
     try:
-        start, even = (0.0, rate) if times is None else (float(times[0]), _even(times))
+        start, even = (0.0, own) if times is None else (float(times[0]), _even(times))
         when: dict[str, Any] = {"times": times} if even is None else {"rate": even, "start": start}
         return Record.sampled(value, **when, quantity=quantity, interpolation=interpolation, remove=remove)
     except ValueError as wrong:
         raise CaseError([fault_in(path, None, str(wrong).removeprefix("record: "))]) from None
 
 
-def _read(
-    path: Path, column: str | int | None, time: str | int | None, channel: int | None, quantity: str, rate: float | None
-) -> Columns:
-    """Columns ``value`` and, without a ``rate``, ``frequency``, as the readers of curves call the abscissa."""
-    if channel is not None:
+class _Asked(NamedTuple):
+    """Columns and rate that are asked for of a file."""
+
+    column: str | int | None
+    time: str | int | None
+    channel: int | None
+    quantity: str
+    rate: float | None
+    scale: float | None
+
+
+def _columns(path: Path, asked: _Asked) -> tuple[Columns, float | None]:
+    """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, or the rate in its place."""
+    if path.suffix.lower() in WAVES:
+        found, own = _read_wav(path, asked.channel, asked.scale is not None)
+        return found, own if asked.rate is None else asked.rate
+    if asked.channel is not None:
         raise FormatError("channel goes with a WAV file: say the column of this one")
     wanted = {
-        "frequency": WantedColumn(TIMES if time is None else (time,), needed=rate is None),
-        "value": WantedColumn(HEADS[quantity] if column is None else (column,)),
+        "frequency": WantedColumn(TIMES if asked.time is None else (asked.time,), needed=asked.rate is None),
+        "value": WantedColumn(HEADS[asked.quantity] if asked.column is None else (asked.column,)),
     }
-    return read_columns(path, wanted)
+    found = _read(path, wanted, asked.column is None)
+    clock = found.columns.get("frequency")
+    if clock is not None and clock.unit == "Hz":
+        raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
+    return found, asked.rate
+
+
+def _read(path: Path, wanted: Mapping[str, WantedColumn], any_head: bool) -> Columns:
+    """Columns of a file; with ``any_head`` the value may be the only column that is not the times."""
+    try:
+        return read_columns(path, wanted)
+    except HeadError as fault:
+        times = wanted["frequency"].names
+        left = [each for each in fault.heads if {each, split_head(each)[0].casefold()}.isdisjoint(times)]
+        if not any_head or len(left) != 1:
+            raise
+        return read_columns(path, {**wanted, "value": WantedColumn((left[0],))})
+
+
+def _require_sound(path: Path, found: Columns, value: Array, times: Array | None, least: int) -> None:
+    """CaseError with all faults of samples and times, by line or row."""
+    word = "line" if is_text(path) and path.suffix.lower() not in WAVES else "row"
+    faults: list[str] = []
+    samples_of(value, least, faults, lambda row: f"{word} {found.lines[row]}")
+    if times is not None:
+        times_of(len(value), None, times, None, faults, lambda row: f"{word} {found.lines[row]}")
+    if faults:
+        raise CaseError([fault_in(path, None, each) for each in faults])
 
 
 def _read_wav(path: Path, channel: int | None, scaled: bool) -> tuple[Columns, float]:

@@ -43,6 +43,8 @@ TEXTS: list[tuple[str, dict[str, Any]]] = [
     (table("zeit [ms];kanal 1 [g]"), {"column": 2, "rate": RATE}),
     (table("t [ms];acc", rows=zip(TIME * 1e3, VALUES * G, strict=True)), {}),
     (table("t [ms];acc [V]"), {"unit": "g"}),
+    (table("t [ms];kanal 1 [g]"), {}),
+    (table("zeit [ms];kanal 1 [g]"), {"time": "zeit"}),
     (table("t [ms];acc", rows=zip(TIME * 1e3, VALUES * 2, strict=True)), {"unit": "g", "scale": 0.5}),
     ("".join(f"{value!r}\n" for value in VALUES.tolist()), {"column": 1, "rate": RATE, "unit": "g"}),
 ]
@@ -126,6 +128,7 @@ def test_a_time_response_of_a_universal_file_is_a_record(tmp_path: Path) -> None
 
 
 SHORT = "time;acc\n0;1\n0.1;2\n0.2;1\n"
+THREE = "time;kanal;b\n0;1;5\n0.1;2;5\n"
 REPEATED = "time,acc\n0,0\n# a comment\n0.1,1\n0.1,2\n0.3,x\n"
 LOST = table("time;acc", rows=zip(np.round(np.arange(40) / 51200, 6), VALUES, strict=True))
 WRONG: list[tuple[str, dict[str, Any], str]] = [
@@ -136,10 +139,9 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     (table("time;acc", rows=[row for row in zip(TIME, VALUES, strict=True) if not 0.02 <= row[0] <= 0.022]), {},
      "a.csv: times: 1 gap before line 22 (0.023 s), 3 samples missing: fill them, or cut the record there"),
     (REPEATED, {}, "a.csv:6: 'x' is not a number"),
-    (SHORT.replace("acc", "kanal"), {}, "\"acceleration\": there are 'time', 'kanal'; say column"),
+    (THREE, {}, "\"acceleration\": there are 'time', 'kanal', 'b'; say column and time by head"),
     ("1\n2\n3\n", {"column": 1}, "; say column and time by head or number from 1, or the rate"),
     ("time;acc\n0;1\n", {}, "a.csv: values: 1 sample, at least 2 make a record"),
-    (SHORT, {"quantity": "velocity"}, "has no columns \"time\" and \"velocity\""),
     (SHORT, {"quantity": "velocity", "column": "acc"}, "a.csv: values: 3 samples, at least 4 make a record"),
     (SHORT, {"unit": "mm"}, "a.csv: column 'acc': the unit 'mm' is not one of m/s^2; say it: unit = \"…\""),
     (SHORT, {"unit": "g", "scale": 1e6}, "a.csv: an acceleration of 2e+06 g, more than 10⁶ g"),
