@@ -135,7 +135,7 @@ def run_case(case: Case, path: Path | None, show: bool = True, fresh: bool = Fal
     from vibeam.cli.progress import Bar, stderr, tell_overview
     from vibeam.runs.run import run
 
-    with Bar() as bar:
+    with Bar("sweeping" if case.record is None else "flying") as bar:
         return run(
             case, out=path, progress=bar, show=show, fresh=fresh, tell=stderr().print, before=tell_overview,
             compare=compare,

@@ -180,6 +180,7 @@ def _small(across: str, upward: str) -> tuple[Figure, Any]:
 SHEETS: dict[str, Callable[[Any], StudySheet] | str] = {
     "Case": _case, "Result": _result, "FrequencyResponse": _response, "Branches": _response, "ModeTable": _modes,
     "DerivedTable": _derived, "Orbit": _orbit, "MapResult": _map, "GridResponse": _grid,
+    "TransientResult": "vibeam.report.transient:transient_report",
     **{f"{name}Study": f"vibeam.report.{name.lower()}:sheet" for name in ("Fit", "Uncertainty")},
     "ReductionStudy": "vibeam.report.reductions:sheet", "ModesNeeded": "vibeam.report.modes_needed:sheet",
     "Stability": _map, "FidelityMap": _map, "Verdict": "vibeam.report.verdict:sheet",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from vibeam.runs.store.records import COMPARISONS, ESTIMATED
 from vibeam.runs.systems import ModelProperties, Overview, Systems, overview_of, properties_of
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.steady import warm_up
-from vibeam.store.place import Tell
+from vibeam.store.place import Tell, warn
 from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
@@ -61,6 +61,7 @@ def run(
     ``compare``: compare the fidelities with the finest under both choices of the restitution held, and that with its
     own limit (``result.comparisons``), and estimate the error of each against the full model of its scene
     (``result.estimates``); the file gets both too.
+    A case with [record] gives a ``TransientResult``; its fidelities are compared in any case.
     CaseError for a fidelity that cannot be built; ValueError for one that there is not; StoreError where ``out`` cannot
     be used, Interrupted on Ctrl-C.
 
@@ -72,6 +73,12 @@ def run(
     """
     case = restricted(case, fidelities)
     systems, path = Systems(case), None if out is None else Path(out)
+    if case.record is not None:
+        from vibeam.runs.transient.run import run_record
+
+        with telling(progress, "flying") as told:
+            transient: Any = run_record(case, path, told, fresh, tell or warn, before, show)
+        return transient  # type: ignore[no-any-return]
     with planned(case, systems, path, fresh, tell) as (store, plan), telling(progress, "sweeping") as told:
         jobs = [job_of(case, name, systems, branches, store) for name, branches in plan.branches.items()]
         records = None if store and store.has(set(case.own) - set(case.fidelities)) else store  # theirs

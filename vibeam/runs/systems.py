@@ -167,7 +167,7 @@ class Overview:
         return "; ".join(self._parts())
 
     def _parts(self) -> Iterator[str]:
-        model, (low, high) = self.model, self.sweep
+        model = self.model
         if self.sizes:
             yield f"beam {' × '.join(map(_length, self.sizes))}, {_shown(MASSES, self.mass)}"
         if isfinite(self.moving_mass):
@@ -177,9 +177,14 @@ class Overview:
         yield f"mode 1 at {self.first}{ratio}{closed}"
         if isfinite(model.second):
             yield f"mode 2 at {_hertz(model.second)}"
+        yield from self._driven()
+        yield f"static gap {f'{model.gap:.4g}' if self.plain else _length(model.gap)} at the contact"
+
+    def _driven(self) -> Iterator[str]:
+        """Clause on what drives it."""
+        model, (low, high) = self.model, self.sweep
         over = f" = {low / model.first:.3g} … {high / model.first:.3g} × mode 1" if model.first > 0 else ""
         yield f"sweep {_hertz(low)} … {_hertz(high)}{over}"
-        yield f"static gap {f'{model.gap:.4g}' if self.plain else _length(model.gap)} at the contact"
 
     @property
     def first(self) -> str:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 from vibeam.exchange.faults import CaseError, Fault
 from vibeam.runs.stored_result import StoredResult, read_result
+from vibeam.runs.transient.store import is_transient
+from vibeam.runs.transient.stored_result import read_transient
 from vibeam.store.errors import StoreError
 
 if TYPE_CHECKING:
@@ -37,16 +39,18 @@ def stored(path: str | Path, case: Case | None = None) -> StoredResult:
     another one, and where the case names other files that are not there.
     """
     file, lost = Path(path), []
+    transient = is_transient(file)
 
     def own(text: str) -> Case:
         made, left_out = _parsed(text, file)
         lost.extend(left_out)
         return made
 
+    read_file = read_transient if transient else read_result
     if case is None:
-        found = read_result(file, own)
+        found = read_file(file, own)
         return replace(found, left_out=tuple(lost))
-    found = read_result(file, lambda text: case)
+    found = read_file(file, lambda text: case)
     if case.numbers != found.numbers:
         raise StoreError(f"{file}: is not of {case.path}: its case decides other numbers")
     return found

@@ -18,6 +18,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.fidelity import Fidelity
     from vibeam.observe.motion import Path
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.record import Record
@@ -68,6 +69,16 @@ class MotionMaker:
         self._systems: dict[int, tuple[ImpactSystem, tuple[TransientSignal, ...]]] = {}
 
     @property
+    def fidelity(self) -> Fidelity:
+        """The fidelity."""
+        return self.case.fidelities[self.name]
+
+    @property
+    def duration(self) -> float:
+        """Duration of each motion, s."""
+        return float(plan_of(self.case).duration)
+
+    @property
     def signals(self) -> tuple[TransientSignal, ...]:
         """Signals of the fidelity."""
         return self.system(0)[1]
@@ -101,7 +112,7 @@ class MotionMaker:
 
     def path(self, value: int, record: Record) -> tuple[Path, float]:
         """Motion under a load at one of the values, and its CPU time, s."""
-        system, plan, fidelity = self.system(value)[0], plan_of(self.case), self.case.fidelities[self.name]
+        system, plan, fidelity = self.system(value)[0], plan_of(self.case), self.fidelity
         start = self._at(value).start(self.name)
         begun = time.thread_time()
         if SOLVERS[fidelity.solver].motion == "exact":
@@ -112,7 +123,8 @@ class MotionMaker:
             slowest = 2 * np.pi / plan.duration
             runner = solver(fidelity.solver, system, slowest, plan.duration, **fidelity.options)
             path = runner.record_motion(record, start, 0.0, plan.duration)
-        return path, time.thread_time() - begun
+        taken = time.thread_time() - begun
+        return path, getattr(path, "stats", {}).get("cpu_seconds", taken)
 
     def period(self) -> float:
         """First natural period, s; NaN of a system without stiffness."""

@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.held import held_of
 from vibeam.exchange.faults import suggest
 from vibeam.runs.transient.comparison import TransientComparison, compared
-from vibeam.runs.transient.motions import plan_of
+from vibeam.runs.transient.motions import plan_of, shown_at
 from vibeam.runs.transient.reading import Reading
 from vibeam.runs.transient.transient import Transient
 from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.figures.sheet import Sheet
     from vibeam.observe.decimation import History
 
 
@@ -27,7 +29,8 @@ class TransientResult(Mapping[str, Transient], LabelledData):
     ``factors`` (v,): values of what the case varies (``over``), ``seeds`` (s,) of its realisations; arrays of a
     ``Transient`` begin with these two dimensions. ``periods``: first natural period of each fidelity, s. ``input``:
     history of the load of the motion whose histories are kept. ``twins``: by fidelity and value, the motion of the
-    first seed under a load larger by 1e-6. Equal to another where the case is and all numbers are, CPU times aside.
+    first seed under a load larger by 1e-6. ``shown``: the numbers of the case's [show.NAME] tables, by name. Equal to
+    another where the case is and all numbers are, CPU times aside.
     """
 
     def __init__(
@@ -39,9 +42,10 @@ class TransientResult(Mapping[str, Transient], LabelledData):
         periods: Mapping[str, float] | None = None,
         twins: Mapping[str, Mapping[int, Reading]] | None = None,
         input: Mapping[str, History] | None = None,
+        shown: Mapping[str, tuple[Sheet, ...]] | None = None,
     ) -> None:
         self.case, self.path, self.found = case, path, found
-        self.input = dict(input or {})
+        self.input, self.shown = dict(input or {}), dict(shown or {})
         self.periods, self.twins = dict(periods or {}), dict(twins or {})
         self._fidelities = dict(fidelities)
 
@@ -68,6 +72,11 @@ class TransientResult(Mapping[str, Transient], LabelledData):
     @property
     def _plan(self) -> Any:
         return plan_of(self.case)
+
+    @property
+    def shown_at(self) -> tuple[int, int]:
+        """Numbers of the value and the seed of the motion whose histories are kept."""
+        return shown_at(self.case)
 
     @property
     def total(self) -> int:
@@ -97,6 +106,11 @@ class TransientResult(Mapping[str, Transient], LabelledData):
             for name, top in finest.items()
             if name != top
         }
+
+    @property
+    def held(self) -> str:
+        """Coefficient of restitution held in its comparisons; empty without any."""
+        return ", ".join(dict.fromkeys(held_of(self.case.scene_of(name)).label for name in self.comparison))
 
     def __getitem__(self, fidelity: str) -> Transient:
         if fidelity not in self._fidelities:

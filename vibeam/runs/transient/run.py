@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from threading import Event, Lock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from vibeam.case.case import units_of_output
 from vibeam.runs.parallel import Interrupted, run_parallel
+from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.transient.motions import MotionMaker, Realisation, histories_of, input_of, motions_of, plan_of
+from vibeam.runs.transient.overview import overview_of_record
 from vibeam.runs.transient.result import TransientResult
 from vibeam.runs.transient.store import KnownMotions, StoredModel, TransientStore, opened
 from vibeam.runs.transient.transient import assembled
@@ -17,20 +21,23 @@ from vibeam.system.response import Ended
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.figures.sheet import Sheet
     from vibeam.observe.motion import Path as MotionPath
+    from vibeam.runs.systems import Overview
     from vibeam.runs.transient.reading import Reading
 
 Told = Callable[[int, int], None]
+NONE: Mapping[str, Any] = {}
 
 
 def run_record(
     case: Case, path: Path | None, told: Told, fresh: bool, tell: Tell,
-    before: Callable[[Case, int], None] | None = None,
+    before: Callable[[Overview], None] | None = None, show: bool = True,
 ) -> TransientResult:  # fmt: skip
     """Result of all motions of ``case``; those in the results file already are not flown again.
 
-    ``told`` hears the number of motions that are there, and their total, from any thread; ``before`` the case and how
-    many are missing, where any is.
+    ``told`` hears the number of motions that are there, and their total, from any thread; ``before`` gets the overview
+    of rig and load where any is missing. ``show``: compute the data of the case's figures.
     """
     every = [list(motions_of(case, name)) for name in case.own]
     twins = [list(motions_of(case, name, twins=True)) for name in case.own]
@@ -42,7 +49,7 @@ def run_record(
         found = len(asked) - len(missing)
         makers = {name: MotionMaker(case, name) for name in case.fidelities}
         if missing and before:
-            before(case, len(missing))
+            before(overview_of_record(makers, len(missing)))
         count = MotionCount(found, len(asked), told)
         try:
             _make(makers, missing, store, count)
@@ -50,7 +57,18 @@ def run_record(
             _make(makers, shadows, store, None)
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, path)) from None
-        return result_of(case, store.known, path, found)
+        return result_of(case, store.known, path, found, _shown(case, store) if show else {})
+
+
+def _shown(case: Case, store: TransientStore) -> dict[str, tuple[Sheet, ...]]:
+    """Data of the case's figures that have any beside the motions."""
+    found = {}
+    for name, plan in case.shows.items():
+        from vibeam.figures.sheet import sheets
+
+        record = sheets_of(plan, units_of_output(case, plan.output))
+        found[name] = store.sheets(record, plan.key, partial(sheets, case, plan))
+    return found
 
 
 class MotionCount:
@@ -96,8 +114,10 @@ def _twins(case: Case, known: KnownMotions, twins: Sequence[Sequence[Realisation
     yield from (each for some in twins for each in some if each.fidelity in tops)
 
 
-def result_of(case: Case, known: KnownMotions, path: Path | None, found: int) -> TransientResult:
-    """Result of what is known of the motions of a case; others are not run yet."""
+def result_of(
+    case: Case, known: KnownMotions, path: Path | None, found: int, sheets: Mapping[str, tuple[Sheet, ...]] = NONE
+) -> TransientResult:
+    """Result of what is known of the motions of a case; others are not run yet. ``sheets``: data of its figures."""
     own = {name: known.models[name] for name in case.fidelities if name in known.models}
     shown = {}
     transients, twins = {}, {}
@@ -115,7 +135,8 @@ def result_of(case: Case, known: KnownMotions, path: Path | None, found: int) ->
             shown[name] = input_of(kept)
     alike = len(set(shown.values())) == 1
     inputs = {"": next(iter(shown.values()))} if alike else shown
-    return TransientResult(case, transients, path, found, {n: m.period for n, m in own.items()}, twins, inputs)
+    periods = {name: model.period for name, model in own.items()}
+    return TransientResult(case, transients, path, found, periods, twins, inputs, sheets)
 
 
 def _is_complete(reading: Reading) -> bool:

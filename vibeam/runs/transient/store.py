@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 import threading
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.exchange.whole_files import unsealed
+from vibeam.runs.store.figures import HOME, sheets_of
+from vibeam.runs.store.records import Kept, KeyedRecord, keep, kept
 from vibeam.runs.transient.layout import read_group, write_group
 from vibeam.runs.transient.motions import Realisation
 from vibeam.runs.transient.reading import Reading
@@ -33,11 +35,28 @@ if TYPE_CHECKING:
     import h5py
 
     from vibeam.case.case import Case
+    from vibeam.figures.sheet import Sheet
 
 FORMAT = "vibeam transient 1"
 OURS = re.compile(rb"vibeam transient \d+")
 WRITE_EVERY = 0.5  # s between two blocks: a killed run loses no more, and the motions under way
 CASE = ("text", "shared", "whole")
+
+
+@dataclass(frozen=True)
+class StoredRun:
+    """Content of a results file: motions, the case as TOML, what computed them, what decides the numbers."""
+
+    known: KnownMotions
+    whole: str
+    provenance: Mapping[str, str]
+    numbers: str
+    figures: h5py.File
+
+    def shown(self, case: Case) -> dict[str, tuple[Sheet, ...]]:
+        """Data of the case's figures, as far as the file has them."""
+        found = {name: kept(self.figures, sheets_of(plan), plan.key) for name, plan in case.shows.items()}
+        return {name: sheets for name, sheets in found.items() if sheets is not None}
 
 
 @dataclass
@@ -70,7 +89,7 @@ class TransientStore:
 
     def __init__(self, case: Case, place: Place | None, known: KnownMotions, file: h5py.File | None = None) -> None:
         self.case, self.known = case, known
-        self._place, self._file = place, file
+        self._place, self._beside = place, in_memory() if file is None else file
         self._lock, self._due = threading.Lock(), monotonic() + WRITE_EVERY
         self._fresh: list[str] = []
         self._blocks, self._begun, self._changed = 0, False, False
@@ -82,6 +101,14 @@ class TransientStore:
             self._fresh.append(motion.key)
             if self._place is not None and monotonic() >= self._due:
                 self._write()
+
+    def sheets(self, record: KeyedRecord[Kept], key: str, make: Callable[[], Kept]) -> Kept:
+        """Data of a figure that the file keeps under ``key``, else what ``make`` makes, which it keeps from now on."""
+        found = kept(self._beside, record, key)
+        if found is None:
+            found, self._changed = make(), True
+            keep(self._beside, record, key, found)
+        return found
 
     def _write(self) -> None:
         assert self._place is not None
@@ -96,7 +123,7 @@ class TransientStore:
 
     def _gather(self) -> None:
         assert self._place is not None
-        with _file_of(self.case, self.known, self._file) as file:
+        with _file_of(self.case, self.known, self._beside) as file:
             self._place.replace(content_of(file))
         self._place.discard()
         self._begun, self._changed = True, False
@@ -139,30 +166,38 @@ def _continued(case: Case, wanted: Collection[str], place: Place, tell: Tell) ->
     with _opened(place.path, content) as file:
         known = _known(place, file)
         name, text = text_of(file["case"], "name"), file["case"]["whole"][()].decode()
-        provenance = in_memory()
-        file.copy("provenance", provenance)
+        beside = _beside(file)
     lost = [key for key in known.motions if key not in wanted]
     if lost and name != case.path.name:
         raise StoreError(f"{place.path}: holds motions of another case ({name}): {ANEW}")
     if lost:
         kept = len(known.motions) - len(lost)
         said = f"{len(lost)} of its motions are not of the case as it is now, {kept} stay"
-        place.replace(content_of(_file_of(case, known, provenance, text)))  # with its blocks
+        place.replace(content_of(_file_of(case, known, beside, text)))  # with its blocks
         place.discard()
         place.keep_aside(said, tell)
         known.motions = {key: each for key, each in known.motions.items() if key in wanted}
-    store = TransientStore(case, place, known, provenance)
+    store = TransientStore(case, place, known, beside)
     store._changed = bool(lost) or text != case.text
     return store
 
 
-def read_motions(path: Path) -> tuple[KnownMotions, str, dict[str, str], str]:
-    """Motions of a file and of the blocks beside it; its case as TOML, its provenance, what decides its numbers."""
+def read_motions(path: Path) -> StoredRun:
+    """Content of a results file and of the blocks beside it."""
     place = place_of(path)
     with _opened(path, _content(place, "rb")) as file, reading(path, "its groups"):
-        texts = [file["case"][name][()].decode() for name in ("whole", "text")]
+        whole, numbers = (file["case"][name][()].decode() for name in ("whole", "text"))
         made = {name: str(value) for name, value in file["provenance"].attrs.items()}
-        return _known(place, file), texts[0], made, texts[1]
+        return StoredRun(_known(place, file), whole, made, numbers, _beside(file))
+
+
+def _beside(file: h5py.File) -> h5py.File:
+    """Copy in memory of what a file has beside its motions: provenance and figures."""
+    made = in_memory()
+    for name in ("provenance", HOME):
+        if name in file:
+            file.copy(name, made)
+    return made
 
 
 def is_transient(path: Path) -> bool:
@@ -235,16 +270,16 @@ def _unpack(values: Mapping[str, Any], known: KnownMotions) -> None:
     known.add({each.key: (each, own) for each, own in zip(motions, found, strict=True)}, models)
 
 
-def _file_of(case: Case, known: KnownMotions, before: h5py.File | None, whole: str | None = None) -> h5py.File:
-    """File in memory of all motions, with the provenance that it had ``before``."""
+def _file_of(case: Case, known: KnownMotions, beside: h5py.File, whole: str | None = None) -> h5py.File:
+    """File in memory of all motions, with the figures and the provenance that it had."""
     file = in_memory()
     file.attrs["format"] = fixed(FORMAT)
-    if before is None:
+    for name in beside:
+        beside.copy(name, file)
+    if "provenance" not in file:
         write_provenance(file.create_group("provenance"))
-    else:
-        before.copy("provenance", file)
-        if whole is None:
-            note_continued(file["provenance"])
+    elif whole is None:
+        note_continued(file["provenance"])
     group = file.create_group("case")
     group.attrs["key"], group.attrs["name"] = fixed(case.key), fixed(case.path.name)
     texts = (case.numbers, case.shared, case.text if whole is None else whole)

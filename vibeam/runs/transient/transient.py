@@ -14,6 +14,7 @@ from vibeam.observe.decimation import History
 from vibeam.runs.transient.reading import READINGS, Reading
 from vibeam.runs.transient.signals import TransientSignal
 from vibeam.system.response import Ended
+from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, Index, ValueRecord
 
 Ragged = tuple[tuple[NDArray[Any], ...], ...]  # [value][seed]: an array (impacts,)
@@ -66,6 +67,11 @@ class Transient(ValueRecord):
     cpu_seconds: Array = field(compare=False)
     reading_seconds: Array = field(compare=False)
     history: Mapping[str, History] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        values, seeds = self.ended.shape
+        many = f"{counted(self.modes, 'mode')}, {counted(values, 'value')}, {counted(seeds, 'realisation')}"
+        return f"Transient({self.fidelity}: {many}, {counted(int(self.impacts.sum()), 'impact')})"
 
     @property
     def run(self) -> NDArray[np.bool_]:

@@ -95,7 +95,7 @@ class SampledMotion:
         """Modal displacements and velocities (…, 2, n) at times t; at an impact those just after."""
         asked = np.asarray(t, dtype=float)
         known, rates = between(self.times, self.values[:, 0], self.values[:, 1], asked.ravel())
-        return np.stack([known, rates], axis=1).reshape(*asked.shape, 2, -1)
+        return np.stack([known, rates], axis=1).reshape(*asked.shape, 2, self.system.size)
 
     def at(self, t: ArrayLike, output: str = "contact") -> Array:
         """Output at times t, m; of one that is a velocity or an acceleration, that, m/s or m/s²."""

@@ -1,0 +1,212 @@
+"""A run under a record: kept motion by motion, continued, adapted, read again; its report and JSON."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import vibeam
+from vibeam.report.transient import transient_report
+from vibeam.report.transient_answer import is_chaotic
+from vibeam.runs.parallel import Interrupted
+from vibeam.runs.transient import motions, store
+from vibeam.runs.transient.result import TransientResult
+from vibeam.runs.transient.run import realised
+from vibeam.store.errors import StoreError
+
+TABLES: dict[str, Any] = {
+    "title": "two models of a mass on a spring",
+    "sdof": {"natural_frequency": "2 Hz", "damping_ratio": 0.03},
+    "stop": {"gap": 0.01, "restitution": 0.7},
+    "drive": {"density": 0.5, "band": ["0.5 Hz", "5 Hz"], "seed": 4},
+    "record": {"duration": "4 s", "realisations": 2, "over": "level", "values": [1.0, 2.0]},
+    "fidelity": {"events": {"solver": "direct"}, "steps": {"solver": "moreau"}},
+}
+
+
+def case(**record: Any) -> vibeam.Case:
+    return vibeam.Case.of(TABLES | {"record": TABLES["record"] | record})
+
+
+def run(of: vibeam.Case, path: Path | None = None, **more: Any) -> TransientResult:
+    made: Any = vibeam.run(of, path, **more)
+    assert isinstance(made, TransientResult)
+    return made
+
+
+@pytest.fixture(scope="module")
+def whole() -> TransientResult:
+    return run(case())
+
+
+def test_a_run_has_a_motion_of_each_fidelity_value_and_seed(whole: TransientResult) -> None:
+    assert (list(whole), whole.over, whole.factors, whole.seeds) == (["events", "steps"], "level", (1.0, 2.0), (4, 5))
+    for each in whole.values():
+        assert each.complete.all()
+        assert each.peak.shape == (2, 2, 3)
+        assert [signal.name for signal in each.signals] == ["sensor", "sensor_velocity", "sensor_acceleration"]
+    assert (whole.total, whole.found, whole.missing) == (8, 0, 0)
+
+
+def test_a_reading_is_that_of_the_motion(whole: TransientResult) -> None:
+    """The peak as scanned at 40 000 times of the motion flown again, to the distance of two of them; impacts equal."""
+    path = realised(case(), "events", 1, 1)
+    times = np.linspace(0, 4, 40_001)
+    own = whole["events"]
+    assert own.greatest[1, 1, 0] == pytest.approx(0.01, rel=1e-9)  # the stop
+    assert own.least[1, 1, 0] == pytest.approx(path.at(times, "sensor").min(), rel=1e-5)
+    assert np.array_equal(own.impact_times[1][1], path.impact_times)
+    assert own.of("impacts")[1, 1] == len(path.impact_times) > 3
+    assert own.of("hardest_impact")[1, 1] == path.impact_velocities.max()
+
+
+def test_histories_hold_the_extremes_and_the_load(whole: TransientResult) -> None:
+    own, at = whole["events"], whole.shown_at
+    assert at == (0, 0)
+    for number, signal in enumerate(own.signals):
+        assert own.history[signal.name].peak == pytest.approx(own.peak[0, 0, number], rel=1e-3)
+    assert whole.input[""].peak == pytest.approx(case().input("events", 4).peak, rel=1e-6)
+
+
+def test_a_second_run_flies_nothing(tmp_path: Path, whole: TransientResult, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "own.h5"
+    first = run(case(), path)
+    assert first == whole
+    assert first.found == 0
+    monkeypatch.setattr(motions.MotionMaker, "path", None)
+    again = run(case(), path)
+    assert again == whole
+    assert again.found == 8
+    stored = vibeam.read(path)
+    assert stored == whole
+    assert isinstance(stored, TransientResult)
+    assert stored.comparison == whole.comparison
+    assert stored["events"].history == whole["events"].history
+    assert stored.input == whole.input
+
+
+def test_seeds_values_and_fidelities_are_added(tmp_path: Path, whole: TransientResult) -> None:
+    path = tmp_path / "own.h5"
+    run(case(realisations=1, values=[1.0]), path, fidelities=["events"])
+    assert run(case(realisations=1, values=[1.0]), path).found == 1
+    more = run(case(), path)
+    assert more.found == 2
+    assert more == whole
+
+
+def test_motions_that_would_be_lost_are_kept_aside(tmp_path: Path) -> None:
+    path, said = tmp_path / "own.h5", []
+    run(case(), path)
+    fewer = run(case(realisations=1), path, tell=said.append)
+    assert fewer.found == 4
+    assert (tmp_path / "own.1.h5").exists()
+    assert len(said) == 1
+    assert "kept aside as own.1.h5" in said[0]
+    assert vibeam.read(tmp_path / "own.1.h5") == run(case())
+
+
+def test_a_run_that_is_stopped_goes_on(
+    tmp_path: Path, whole: TransientResult, monkeypatch: pytest.MonkeyPatch
+) -> None:  # fmt: skip
+    path = tmp_path / "own.h5"
+    monkeypatch.setattr(store, "WRITE_EVERY", 0.0)
+
+    def stop(done: int, total: int) -> None:
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(Interrupted, match=r"stopped: \d of 8 motions are kept in .*own.h5: the same command goes on"):
+        run(case(), path, progress=stop)
+    partial: Any = vibeam.read(path)
+    assert 0 < partial.missing < 8
+    assert np.isnan(partial["steps"].peak).any()
+    rest = run(case(), path)
+    assert rest.found == 8 - partial.missing
+    assert rest == whole
+
+
+def test_blocks_of_a_killed_run_are_found(
+    tmp_path: Path, whole: TransientResult, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a kill leaves: the file of the first motions and blocks beside it, which nobody gathered."""
+    path = tmp_path / "own.h5"
+    monkeypatch.setattr(store, "WRITE_EVERY", 0.0)
+    with monkeypatch.context() as killed:
+        killed.setattr(store.TransientStore, "close", lambda self, changed: None)
+        run(case(), path)
+    assert len(list((tmp_path / "own.h5.parts").glob("*.npz"))) >= 7
+    stored: Any = vibeam.read(path)
+    assert stored == whole
+    assert stored.missing == 0
+    assert run(case(), path).found == 8
+
+
+def test_files_of_another_kind_and_damaged_ones_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "own.h5"
+    run(case(), path)
+    content = path.read_bytes()
+    path.write_bytes(content[:3000] + b"?" + content[3001:])
+    with pytest.raises(StoreError, match="damaged, or was changed"):
+        run(case(), path)
+    with pytest.raises(StoreError, match="damaged, or was changed"):
+        vibeam.read(path)
+    path.write_text("no results")
+    with pytest.raises(StoreError, match=r"no result of a case with \[record\]"):
+        run(case(), path)
+
+
+def test_a_key_of_the_rig_is_varied() -> None:
+    """With the stop twice as far away the motion hits it later; without reach of it, never."""
+    found = run(case(over="stop.gap", values=[0.01, 0.02, 10.0], realisations=1))["events"]
+    first = found.of("first_impact")[:, 0]
+    assert first[0] < first[1]
+    assert np.isnan(first[2])
+    assert found.of("impacts")[2, 0] == 0
+    assert found.peak[2, 0, 0] > 0
+
+
+def test_the_answer_names_what_suffices_and_what_is_missed(whole: TransientResult) -> None:
+    sheet = transient_report(whole)
+    assert "is within 5 % of events, the finest" in sheet.answer or "steps misses" in sheet.answer
+    tight = transient_report(whole, 1e-12)
+    assert tight.answer.startswith("No other fidelity is within 1e-10 % of events")
+    assert "steps misses" in tight.answer
+    assert [table.title for table in (*sheet.tables, *sheet.more)] == [
+        "Fidelities", "Peaks", "Energies", "Impacts", "Energy by mode, events", "Cost",
+    ]  # fmt: skip
+    rows = sheet.data["fidelities"][0]["motions"]
+    assert len(rows) == 4
+    assert rows[3]["seed"] == 5
+    assert rows[3]["level"] == 2.0
+
+
+def test_stepping_is_compared_on_the_same_realisations(whole: TransientResult) -> None:
+    """Both solve one system: their peaks are within 2 %, as paired, while the realisations scatter by far more."""
+    of = whole.comparison["steps"]
+    found = of.difference("peak", "sensor", at=0)
+    assert abs(found.mean) < 0.02
+    assert found.n == 2
+    assert np.std(whole["events"].of("peak")[0]) / whole["events"].of("peak")[0].mean() > 2 * found.error
+    assert np.all(of.horizon > 0)
+    assert np.all(of.paired >= 1)
+    assert not is_chaotic(of)
+
+
+def test_the_command_prints_the_answer_first_and_json(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from typer.testing import CliRunner
+
+    from vibeam.casefile.toml_writing import to_toml  # noqa: F401
+    from vibeam.cli.main import app
+
+    file = tmp_path / "own.toml"
+    file.write_text(case().text, encoding="utf-8")
+    found = CliRunner().invoke(app, ["run", str(file), "--out", str(tmp_path / "own.h5"), "--json"])
+    assert found.exit_code == 0, found.output
+    data = json.loads(found.stdout)
+    assert data["answer"]
+    assert data["over"] == "level"
+    assert len(data["fidelities"]) == 2

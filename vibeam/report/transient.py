@@ -1,0 +1,267 @@
+"""Report of a run under a record: answer, tables of fidelities, peaks, energies and impacts, what is uncertain."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.report.output import StudySheet
+from vibeam.report.tables import ReportTable, blank
+from vibeam.report.transient_answer import ENSEMBLE, USUAL, answers, difference_text, time_text, transient_answer
+from vibeam.runs.comparison.differences import listed
+from vibeam.runs.transient.statistics import SampleMean, mean_of, mean_of_series, windowed_rate
+from vibeam.system.number_text import ACCELERATIONS, LENGTHS, SPEEDS, STRAINS, percent, prefixed
+from vibeam.system.response import Ended
+from vibeam_models.arguments import counted
+
+if TYPE_CHECKING:
+    from vibeam.runs.transient.comparison import TransientComparison
+    from vibeam.runs.transient.result import TransientResult
+    from vibeam.runs.transient.transient import Transient
+    from vibeam_models.arrays import Array
+
+OPEN = 1e-3  # residual of an energy balance that is told
+SHARES = (0.1, 0.5, 0.9)  # quantiles of impact velocities
+STEPS = {"m": LENGTHS, "m s-1": SPEEDS, "m s-2": ACCELERATIONS}
+
+
+def transient_report(result: TransientResult, accuracy: float | None = None) -> StudySheet:
+    """Report of a result under a record; ``accuracy``: what suffices, None: 5 %."""
+    tables = [fidelities(result), peaks(result), energies(result)]
+    return StudySheet(
+        transient_answer(result, accuracy or USUAL),
+        tables[:1],
+        list(remarks(result)),
+        list(_details(result)),
+        [*tables[1:], impacts(result), *modal_energies(result), cost(result)],
+        _data(result),
+        rows=[row for part in result.columns()[0] for row in _rows(part)],
+    )
+
+
+def fidelities(result: TransientResult) -> ReportTable:
+    """Table of every fidelity at every value: peak of the first signal, impacts, energy, each beside the finest's."""
+    first = next(iter(result.values())).signals[0]
+    unit, factor = _unit(first.unit, max(float(np.nanmax(each.peak[..., 0], initial=0.0)) for each in result.values()))
+    table = _table(result, "Fidelities", "modes|", f"peak {first.name} ({unit})|", "off|")
+    table.add("impacts|", "off|", "hardest (m/s)|", "off|", "agrees until|", "CPU ratio|")
+    cheapest = min(float(np.nansum(each.cpu_seconds)) for each in result.values()) or float("nan")
+    for name, own in result.items():
+        of, ratio = result.comparison.get(name), float(np.nansum(own.cpu_seconds)) / cheapest
+        for at, head in _values(result, name):
+            numbers = [(own.of("peak")[at] * factor, "peak", first.name), (own.of("impacts")[at], "impacts", "")]
+            numbers.append((own.of("hardest_impact")[at], "hardest_impact", ""))
+            cells = [cell for values, quantity, signal in numbers
+                     for cell in (mean_text(mean_of(values)), _off(of, quantity, signal, at))]  # fmt: skip
+            until = "finest" if of is None and _is_finest(result, name) else "" if of is None else _until(of, at)
+            table.add_row(*head, str(own.modes), *cells, until, f"{ratio:.3g}")
+    table.caption = "\n".join(_caption(result))
+    return table
+
+
+def _is_finest(result: TransientResult, name: str) -> bool:
+    return any(each.finest == name for each in result.comparison.values())
+
+
+def _caption(result: TransientResult) -> Iterator[str]:
+    many = len(result.seeds)
+    if many > 1:
+        yield f"means over {counted(many, 'realisation')} ± standard errors; off: paired, on the same realisations"
+    if result.comparison:
+        share = next(iter(result.comparison.values())).tolerance
+        yield f"agrees until: hard impacts pair within {time_text(share)} with the finest's (the earliest realisation)"
+
+
+def mean_text(found: SampleMean) -> str:
+    """Mean to four digits with its standard error; a dash where there is none."""
+    if not isfinite(found.mean):
+        return "–"
+    error = f" ± {found.error:.2g}" if isfinite(found.error) and found.error > 0 else ""
+    return f"{found.mean:.4g}{error}"
+
+
+def _off(of: TransientComparison | None, quantity: str, signal: str, at: int) -> str:
+    if of is None:
+        return ""
+    try:
+        return difference_text(of.difference(quantity, signal, at))
+    except KeyError:
+        return "–"
+
+
+def _until(of: TransientComparison, at: int) -> str:
+    least = float(np.nanmin(of.horizon[at])) if np.isfinite(of.horizon[at]).any() else float("nan")
+    return "–" if not isfinite(least) else "the end" if least >= of.duration else time_text(least)
+
+
+def peaks(result: TransientResult) -> ReportTable:
+    """Table of all signals: largest absolute value, when, root mean square, beside the finest's."""
+    table = _table(result, "Peaks", "signal", "peak|", "off|", "before the horizon|", "at|", "rms|", "off|")
+    for name, own in result.items():
+        of = result.comparison.get(name)
+        for at, head in _values(result, name):
+            for number, signal in enumerate(own.signals):
+                unit, factor = _unit(signal.unit, float(np.nanmax(own.peak[at, :, number], initial=0.0)))
+                read = [mean_of(own.of(each, signal.name)[at] * factor) for each in ("peak", "rms")]
+                when = time_text(mean_of(own.of("peak_time", signal.name)[at]).mean)
+                peak, rms = (f"{mean_text(each)} {unit}".strip() for each in read)
+                off, rms_off = (_off(of, each, signal.name, at) for each in ("peak", "rms"))
+                table.add_row(*head, signal.name, peak, off, _before(result, of, signal.name, at), when, rms, rms_off)
+    return table
+
+
+def _before(result: TransientResult, of: TransientComparison | None, signal: str, at: int) -> str:
+    if of is None or signal not in [each.name for each in result[of.finest].signals]:
+        return ""
+    known = of.off_before[at, :, result[of.finest].signal(signal)]
+    return percent(float(np.nanmax(np.abs(known)))) if np.isfinite(known).any() else "–"
+
+
+def energies(result: TransientResult) -> ReportTable:
+    """Table of energies: what came in, where it went, by how much the balance is open."""
+    heads = ("start (J)|", "work (J)|", "by damping|", "to the stop|", "left|", "balance open by|")
+    table = _table(result, "Energies", *heads)
+    table.caption = "means over the realisations; of the motion relative to the base; shares of start and work"
+    for name, own in result.items():
+        for at, head in _values(result, name):
+            parts = [float(np.nanmean(getattr(own, each)[at].sum(axis=1))) if own.run[at].any() else float("nan")
+                     for each in ("start", "work", "damping", "lost", "left")]  # fmt: skip
+            put = parts[0] + parts[1]
+            shares = [percent(each / put) if put > 0 else "–" for each in parts[2:]]
+            worst = float(np.nanmax(own.residual[at], initial=0.0))
+            table.add_row(*head, *(f"{each:.4g}" for each in parts[:2]), *shares, f"{worst:.1g}")
+    return table
+
+
+def modal_energies(result: TransientResult) -> Iterator[ReportTable]:
+    """Tables of the finest fidelities: work, energy lost and left of every mode, at the last value."""
+    for name in dict.fromkeys(result.finest.values()):
+        own = result[name]
+        table = blank(
+            f"Energy by mode, {name}", "mode|", "work (J)|", "by damping (J)|", "to the stop (J)|", "left (J)|"
+        )
+        table.caption = "to the stop: less than 0 is handed to the mode by impacts" + _at_last(result)
+        found = [np.nanmean(getattr(own, each)[-1], axis=0) for each in ("work", "damping", "lost", "left")]
+        for mode, row in enumerate(np.transpose(found), 1):
+            table.add_row(str(mode), *(f"{each:.3g}" for each in row))
+        yield table
+
+
+def _at_last(result: TransientResult) -> str:
+    return f"; at {result.over} = {result.factors[-1]:.4g}" if len(result.factors) > 1 else ""
+
+
+def impacts(result: TransientResult) -> ReportTable:
+    """Table of impacts: rate, mean velocity and quantiles with their errors, of one realisation as of a series."""
+    heads = ("first|", "rate (1/s)|", "mean (m/s)|", *(f"{percent(each)} (m/s)|" for each in SHARES), "n|", "worth|")
+    table = _table(result, "Impacts", *heads)
+    table.caption = "n impacts in all, whose mean velocity is worth so many independent ones"
+    for name, own in result.items():
+        for at, head in _values(result, name):
+            rate, speed, quantiles = impact_statistics(own, at)
+            first = mean_of(own.of("first_impact")[at]).mean
+            many, worth = int(own.impacts[at].sum()), f"{speed.effective:.4g}" if isfinite(speed.effective) else "–"
+            cells = [mean_text(each) for each in (rate, speed, *quantiles)]
+            table.add_row(*head, time_text(first), *cells, str(many), worth)
+    return table
+
+
+def impact_statistics(own: Transient, at: int) -> tuple[SampleMean, SampleMean, list[SampleMean]]:
+    """Rate, 1/s, mean velocity and quantiles, m/s, of the impacts at one value: over seeds, else within the motion."""
+    speeds = [each for each, done in zip(own.impact_velocities[at], own.complete[at], strict=True) if done]
+    quantiles = [mean_of([_quantile(each, share) for each in speeds]) for share in SHARES]
+    if len(speeds) > 1:
+        within = [mean_of_series(each) for each in speeds]
+        worth = float(np.nansum([each.effective for each in within]))
+        mean = mean_of([each.mean for each in within])
+        return mean_of(own.of("impact_rate")[at]), SampleMean(mean.mean, mean.error, mean.n, worth), quantiles
+    times = own.impact_times[at][0]
+    return windowed_rate(times, 0.0, own.duration), mean_of_series(speeds[0] if speeds else []), quantiles
+
+
+def _quantile(speeds: Array, share: float) -> float:
+    return float(np.quantile(speeds, share)) if len(speeds) else float("nan")
+
+
+def cost(result: TransientResult) -> ReportTable:
+    """Table of what a run costs that is done again: CPU time of the motions and of what is read off them."""
+    table = blank("Cost", "fidelity", "motions|", "motions, CPU|", "an impact|", "reading, CPU|", "proved")
+    for name, own in result.items():
+        spent, read = float(np.nansum(own.cpu_seconds)), float(np.nansum(own.reading_seconds))
+        struck = int(own.impacts.sum())
+        each = f"{1e6 * spent / struck:.3g} µs" if struck else "–"
+        asked = own.proved[own.run]
+        proved = "" if not len(asked) or (asked < 0).all() else f"{int((asked > 0).sum())} of {len(asked)}"
+        table.add_row(name, str(int(own.run.sum())), f"{spent:.3g} s", each, f"{read:.3g} s", proved)
+    return table
+
+
+def remarks(result: TransientResult) -> Iterator[str]:
+    """Sentences on what is uncertain, each with what to do."""
+    for name, own in result.items():
+        for ended in {int(each) for each in own.ended[own.run & ~own.complete]}:
+            many = int(np.count_nonzero(own.ended == ended))
+            yield f"{name}: {counted(many, 'motion')} not complete: {Ended.of_code(ended).value}"
+        if missing := int(np.count_nonzero(~own.run)):
+            yield f"{name}: {counted(missing, 'motion')} not run yet: the same vibeam run goes on"
+        if (worst := float(np.nanmax(own.residual, initial=0.0))) > OPEN:
+            yield f"{name}: the energy balance is open by {percent(worst)}: its energies hold to that"
+        if partly := int(np.count_nonzero(own.run & (own.proved == 0))):
+            some = counted(partly, "motion")
+            yield f"{name}: {some} not proved throughout: path.certificate.unproved says when and why"
+    chaotic = [each.name for each in answers(result) if each.chaotic]
+    if chaotic and len(result.seeds) < ENSEMBLE:
+        cure = "give record.realisations" if result.seeds else "compare statistics over a longer or random record"
+        yield f"{listed(chaotic)}: single motions part by chaos, and peaks after that say nothing of a model: {cure}"
+    if len(result.seeds) == 1:
+        yield "one realisation of a random input: peaks have no sampling error: give record.realisations"
+
+
+def _details(result: TransientResult) -> Iterator[str]:
+    yield "acceleration: of flight, contact and rest; the impulses of a rigid stop are no part of it"
+    yield "work of the load: on the motion relative to the base"
+    if result.over in ("level", "speed"):
+        return
+    yield f"{result.over} in SI units"
+
+
+def _values(result: TransientResult, name: str) -> Iterator[tuple[int, tuple[str, ...]]]:
+    """Index of every value, and the first cells of its row."""
+    for at, value in enumerate(result.factors):
+        yield at, (name, f"{value:.4g}") if len(result.factors) > 1 else (name,)
+
+
+def _table(result: TransientResult, title: str, *names: str) -> ReportTable:
+    varied = len(result.factors) > 1
+    return blank(title, "fidelity", *[f"{result.over}|"] * varied, *names, heads=1 + varied)
+
+
+def _unit(unit: str, largest: float) -> tuple[str, float]:
+    """Unit for display and its factor."""
+    if unit == "1":
+        return prefixed(STRAINS, largest) if 0 < largest < 0.1 else ("", 1.0)
+    return prefixed(STEPS[unit], largest, 0) if unit in STEPS else (unit, 1.0)
+
+
+def _data(result: TransientResult) -> dict[str, Any]:
+    """Content of the JSON object."""
+    return {
+        "over": result.over, "values": result.factors, "seeds": result.seeds, "finest": result.finest,
+        "found": result.found, "total": result.total,
+        "fidelities": [_fidelity(result, name, own) for name, own in result.items()],
+        "comparison": result.comparison,
+    }  # fmt: skip
+
+
+def _fidelity(result: TransientResult, name: str, own: Transient) -> dict[str, Any]:
+    found = {"fidelity": name, "modes": own.modes, "cpu_seconds": float(np.nansum(own.cpu_seconds))}
+    numbers, _ = result.columns()
+    mine = next(part for part in numbers if part["fidelity"][0] == name)
+    return found | {"motions": _rows(mine)}
+
+
+def _rows(part: dict[str, Any]) -> list[dict[str, Any]]:
+    return [dict(zip(part, row, strict=True)) for row in zip(*part.values(), strict=True)]

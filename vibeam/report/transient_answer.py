@@ -1,0 +1,189 @@
+"""Answer of a run under a record: which fidelity suffices, what the others miss, and until when motions agree.
+
+A fidelity suffices where its principal numbers, the peaks of the outputs and the hardest impact, are within the
+accuracy of the finest's at every value, twice their standard errors added. Where single motions part because impacts
+make them sensitive, the peaks before the horizon of agreement count in place of those after it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.runs.comparison.differences import listed
+from vibeam.runs.transient.comparison import PairedDifference, TransientComparison
+from vibeam.system.number_text import TIMES, begun, percent, prefixed, signed
+
+if TYPE_CHECKING:
+    from vibeam.runs.transient.result import TransientResult
+    from vibeam.runs.transient.transient import Transient
+
+USUAL = 0.05  # accuracy where none is asked for
+NAMED = 4  # quantities named of what a fidelity misses
+ENSEMBLE = 4  # realisations from which on statistics are compared where single motions part
+NEAR = 2.0  # ratio of horizons up to which the finest itself parts as early
+CALLED = {
+    "hardest_impact": "hardest impact", "impact_velocity": "mean impact velocity", "impacts": "number of impacts",
+    "lost_at_impacts": "energy lost to the stop", "lost_by_damping": "energy lost by damping",
+    "energy_left": "energy left",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class FidelityAnswer:
+    """Judgement of one fidelity: the ``worst`` of each quantity over the values, those that are ``principal`` first.
+
+    ``chaotic``: single motions part as early as the finest from itself; ``until``: share of the time until they part.
+    """
+
+    name: str
+    worst: tuple[PairedDifference, ...]
+    principal: tuple[PairedDifference, ...]
+    chaotic: bool
+    until: float
+
+    def is_within(self, accuracy: float) -> bool:
+        """Test whether all principal numbers are known and within the accuracy."""
+        return bool(self.principal) and all(each.is_within(accuracy) for each in self.principal)
+
+
+def answers(result: TransientResult) -> list[FidelityAnswer]:
+    """Judgements of all fidelities but the finest, fewest modes first."""
+    ordered = sorted(result.comparison, key=lambda name: result[name].modes)
+    return [_judged(result, result.comparison[name]) for name in ordered]
+
+
+def _judged(result: TransientResult, of: TransientComparison) -> FidelityAnswer:
+    finest = result[of.finest]
+    plain = {each.name for each in finest.signals if each.name == each.output}
+    worst: dict[tuple[str, str], PairedDifference] = {}
+    for each in of.differences:
+        key = each.quantity, each.signal
+        if each.quantity != "rms" and (key not in worst or abs(each.mean) > abs(worst[key].mean)):
+            worst[key] = each
+    chaotic = is_chaotic(of)
+    principal = [worst[key] for key in worst if key[1] in plain or key[0] == "hardest_impact"]
+    if chaotic and of.horizon.shape[1] < ENSEMBLE:
+        principal = list(_before(of, finest, plain))
+    until = float(np.nanmin(of.horizon / of.duration)) if np.isfinite(of.horizon).any() else float("nan")
+    return FidelityAnswer(of.fidelity, tuple(worst.values()), tuple(principal), chaotic, until)
+
+
+def is_chaotic(of: TransientComparison) -> bool:
+    """Test whether motions part no earlier than the finest from itself, by the factor ``NEAR``, and that does part."""
+    own, first = of.own_horizon, of.horizon[:, 0]
+    known = np.isfinite(own) & np.isfinite(first) & (first < of.duration)
+    return bool(known.any() and np.all((own < of.duration)[known] & (first * NEAR * 2 >= own)[known]))
+
+
+def _before(of: TransientComparison, finest: Transient, plain: set[str]) -> Iterator[PairedDifference]:
+    """Differences of the outputs' peaks before the horizon, the worst of all motions."""
+    for number, signal in enumerate(finest.signals):
+        known = of.off_before[..., number].ravel()
+        known = known[np.isfinite(known)]
+        if signal.name in plain and len(known):
+            yield PairedDifference(
+                "peak", signal.name, 0, float(known[np.abs(known).argmax()]), float("nan"), len(known)
+            )
+
+
+def transient_answer(result: TransientResult, accuracy: float = USUAL) -> str:
+    """Answer of a result; of one fidelity what its motion does."""
+    if not any(each.complete.any() for each in result.values()):
+        return "No motion was completed."
+    found = answers(result)
+    if not found:
+        return " ".join(_alone(result, name) for name in result)
+    tops = {result.comparison[each.name].finest for each in found}
+    alike = {top: [each for each in found if result.comparison[each.name].finest == top] for top in result}
+    return " ".join(_group(result, alike[top], top, accuracy) for top in result if top in tops)
+
+
+def _alone(result: TransientResult, name: str) -> str:
+    found = result[name]
+    many = float(np.nanmean(found.of("impacts")))
+    hardest = np.nanmax(found.of("hardest_impact")) if np.isfinite(found.of("hardest_impact")).any() else float("nan")
+    met = f"{many:.4g} impacts, the hardest at {hardest:.3g} m/s" if isfinite(hardest) else "no impact"
+    return f"{name}, the only fidelity of its physics: {met}."
+
+
+def _group(result: TransientResult, found: Sequence[FidelityAnswer], top: str, accuracy: float) -> str:
+    """Sentences on the fidelities that are compared with one finest."""
+    within, enough = percent(accuracy), [each for each in found if each.is_within(accuracy)]
+    judged = "in the peaks of the outputs and the hardest impact"
+    missed = [misses(each, accuracy) for each in found if each not in enough]
+    if not any(result[name].impacts.any() for name in (top, *(each.name for each in found))):
+        head = "Nothing touches the stop. "
+        judged = "in the peaks of the outputs"
+    else:
+        head = ""
+    if enough:
+        first = enough[0]
+        said = f"{begun(first.name)} is within {within} of {top}, the finest, {judged}"
+        said += f" ({_several(first.principal)})" if first.principal else ""
+        beside = [each for each in first.worst if not each.is_within(accuracy) and each not in first.principal]
+        beside.sort(key=lambda each: -abs(each.mean))
+        said += f", but not in {_several(beside[: NAMED - 1])}" if beside else ""
+    else:
+        said = f"No other fidelity is within {within} of {top}, the finest, {judged}"
+    return head + "; ".join([said, *missed]) + "." + _horizons(result, found, top)
+
+
+def misses(of: FidelityAnswer, accuracy: float) -> str:
+    """Clause on what a fidelity misses: the largest differences first; whether because motions part by chaos."""
+    beyond = sorted((each for each in of.worst if not each.is_within(accuracy)), key=lambda each: -abs(each.mean))
+    principal = [each for each in of.principal if not each.is_within(accuracy)]
+    named = [*principal, *(each for each in beyond if each not in principal)][:NAMED]
+    return (
+        f"{of.name} misses {_several(named)}" if named else f"{of.name} is not compared: no motion of both is complete"
+    )
+
+
+def _several(differences: Sequence[PairedDifference]) -> str:
+    return ", ".join(f"{called(each)} {difference_text(each)}" for each in differences)
+
+
+def called(each: PairedDifference) -> str:
+    """Quantity of a difference in words."""
+    return CALLED.get(each.quantity) or f"peak {each.signal}"
+
+
+def difference_text(each: PairedDifference) -> str:
+    """Share with its sign, and its standard error where it is known."""
+    return signed(each.mean) + (f" ± {percent(each.error)}" if isfinite(each.error) and each.error > 0 else "")
+
+
+def _horizons(result: TransientResult, found: Sequence[FidelityAnswer], top: str) -> str:
+    """Sentence on the fidelities whose impacts part from the finest's, and whether that is chaos."""
+    apart = [each for each in found if each.until < 1]
+    if not apart:
+        return ""
+    several = [f"{each.name} until {time_text(each.until * result[top].duration)}" for each in apart]
+    said = f" Impacts pair with {top}'s: {listed(several)} of {time_text(result[top].duration)}"
+    own = result.comparison[apart[0].name].own_horizon
+    own = own[np.isfinite(own)]
+    if not len(own):
+        return f"{said}."
+    least = float(own.min())
+    if not least < result[top].duration:
+        return (
+            f"{said}; {top} itself agrees to the end with its motion under a load larger by 1e-6: the models are off."
+        )
+    chaotic = [each.name for each in apart if each.chaotic]
+    off = [each.name for each in apart if not each.chaotic]
+    parted = f"{said}; {top} itself, under a load larger by 1e-6, until {time_text(least)}"
+    kinds = [f"{listed(chaotic)} part{'s' * (len(chaotic) == 1)} by chaos"] * bool(chaotic)
+    kinds += [f"{listed(off)} {'is' if len(off) == 1 else 'are'} off before that"] * bool(off)
+    return f"{parted}: {', '.join(kinds)}."
+
+
+def time_text(value: float) -> str:
+    """Time with the unit that suits it; a dash for NaN."""
+    if not isfinite(value):
+        return "–"
+    unit, factor = prefixed(TIMES, value)
+    return f"{value * factor:.3g} {unit}"

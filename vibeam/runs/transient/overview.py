@@ -1,0 +1,59 @@
+"""Overview of rig and load before a run under a record: one sentence, and what is implausible."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from vibeam.runs.systems import Overview, properties_of
+from vibeam.system.number_text import ACCELERATIONS, TIMES, prefixed
+from vibeam_models.arguments import counted
+
+if TYPE_CHECKING:
+    from vibeam.runs.transient.motions import MotionMaker
+    from vibeam.system.record import Record
+
+
+@dataclass(frozen=True)
+class RecordOverview(Overview):
+    """Overview of a case under a record: its ``load`` and the number of ``motions`` that are still to be flown."""
+
+    load: Record | None = None
+    duration: float = 0.0
+    motions: int = 0
+
+    def _driven(self) -> Iterator[str]:
+        if self.load is not None:
+            if self.load.quantity == "acceleration":
+                unit, factor = prefixed(ACCELERATIONS, self.load.peak, 0)
+                yield f"base acceleration up to {self.load.peak * factor:.4g} {unit}, {_time(self.load.duration)}"
+            else:
+                unit = "N" if self.load.quantity == "force" else "N m"
+                yield f"{self.load.quantity} up to {self.load.peak:.4g} {unit}, {_time(self.load.duration)}"
+        yield f"{counted(self.motions, 'motion')} of {_time(self.duration)}"
+
+    def warnings(self) -> Iterator[str]:
+        """Sentence on a load that ends later than the motion."""
+        if self.load is not None and self.load.end > self.duration * (1 + 1e-9):
+            ends = f"the load lasts {_time(self.load.end)}, the motion ends at {_time(self.duration)}"
+            yield f"{ends}: set record.duration"
+        if self.model.damping_ratio >= 1:
+            yield f"a damping ratio of {self.model.damping_ratio:.3g} leaves mode 1 no resonance (1 % is 0.01)"
+
+
+def overview_of_record(makers: Mapping[str, MotionMaker], motions: int) -> RecordOverview:
+    """Overview by the finest fidelity with the case's own rig, ``motions`` still to be flown."""
+    own = [name for name, each in makers.items() if not (each.fidelity.changes or each.fidelity.without)]
+    name = max(own or makers, key=lambda each: makers[each].system(0)[0].size)
+    maker = makers[name]
+    system = maker.system(0)[0]
+    scene, properties = maker.case.scene_of(name), properties_of(maker.case, name, system)
+    load = maker.load(0, 0)
+    plain = scene.natural_unit is not None
+    return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions)
+
+
+def _time(value: float) -> str:
+    unit, factor = prefixed(TIMES, value)
+    return f"{value * factor:.4g} {unit}"
