@@ -43,7 +43,7 @@ SHAPES = {
 }
 #: keys by which an input is said, and those that go with each
 WAYS = {
-    "file": ("column", "channel", "unit", "remove", "scale", "rate", "interpolation", "quantity"),
+    "file": ("column", "time", "channel", "unit", "remove", "scale", "rate", "interpolation", "quantity"),
     "shape": ("duration", "rise", "fall", "cycles", "window", "beats", "pause", "delay"),
     "density": ("band", "seed", "rate", "interpolation", "quantity"),
 }
@@ -51,7 +51,7 @@ QUANTITIES = ("acceleration", "velocity", "displacement", "force", "moment")
 INTERPOLATIONS = ("linear", "cubic")
 REMOVED = ("mean", "velocity", "displacement")
 WINDOWS = ("rectangular", "hann", "hamming", "blackman")
-OF_FILE = ("column", "channel", "quantity", "unit", "rate", "interpolation", "remove", "scale")
+OF_FILE = ("column", "time", "channel", "quantity", "unit", "rate", "interpolation", "remove", "scale")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,6 +70,7 @@ class InputPlan:
     column: Any = declare.text(
         "head of the file's column, or its number from 1; variable, dataset; absent = the only one", "a [g]", None
     )
+    time: Any = declare.text("the same of the file's times; absent = time or t, or drive.rate", "t [ms]", None)
     channel: int | None = declare.count(1, 10_000, "of a WAV file, from 1; absent = the only one", 1, None)
     quantity: str | None = declare.word(
         QUANTITIES, "what a file, or a density, is of: a motion of the base, or a load; absent = acceleration, or "
@@ -78,8 +79,8 @@ class InputPlan:
     unit: str | None = declare.text("of the file's values, where its head does not say it; absent = SI", "g", None)
     scale: float | None = declare.quantity("", "factor of the file's values", 2.0, None)
     remove: str | None = declare.word(
-        REMOVED, "drift taken off a file: mean of the values, or what ends the base with a velocity, or away from "
-        "where it began; absent = nothing", "velocity", None,
+        REMOVED, "drift taken off a file: mean of the load, slope of the line nearest to the base's velocity, or the "
+        "line that ends the base at rest where it began; absent = nothing", "displacement", None,
     )  # fmt: skip
     shape: str | None = declare.word(
         tuple(SHAPES), "input of a shape; its peak is acceleration, force or moment", "half_sine", None

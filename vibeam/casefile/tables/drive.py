@@ -237,6 +237,6 @@ SDOF_DRIVE = (
 _NUMBERS = {name: cast(Quantity, declared_entry(keys_of(Base)[name])) for name in SIZES}
 _LISTS: dict[str, Entry] = {name: OneOrSeveral(each) for name, each in _NUMBERS.items()}
 _FREQUENCY = Several(Frequency, alone=True, ascending=True)
-_INPUT = plan_keys(InputPlan, column=COLUMN, density=DENSITY)
+_INPUT = plan_keys(InputPlan, column=COLUMN, time=COLUMN, density=DENSITY)
 DriveTable: Any = table("DriveTable", DRIVE, plan_keys(Base, frequency=_FREQUENCY, **_LISTS), _INPUT)
 SdofDriveTable: Any = less(DriveTable, "SdofDriveTable", SDOF_DRIVE, "voltage", "gain", *LOADS, "at", plain=True)
