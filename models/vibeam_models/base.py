@@ -47,26 +47,31 @@ class Base:
         plain=("ΩB, instead: the same at every Ω", 1e-3, ""),
     )  # fmt: skip
     acceleration: float | tuple[float, ...] | None = quantity(
-        "m/s^2", "amplitude of the base's acceleration, in place of amplitude; g is 9.80665 m/s^2",
+        "m/s^2", "amplitude of the base's acceleration, in place of amplitude; of a shape its peak; g is 9.80665 m/s^2",
         "0.05 g", None, least=0,
         plain=("Ω²B, instead: a force over the mass that is the same at every Ω", 2e-3, ""),
     )  # fmt: skip
     force: float | tuple[float, ...] | None = quantity(
         "N",
-        "of a force on the beam at drive.at, or on the platform, in place of a moving base",
+        "of a force on the beam at drive.at, or on the platform, in place of a moving base; of a shape its peak",
         "5 N",
         None,
         least=0,
     )
     moment: float | tuple[float, ...] | None = quantity(
-        "N m", "of a moment on the beam at drive.at, in place of a moving base", "0.1 N m", None, least=0
+        "N m",
+        "of a moment on the beam at drive.at, in place of a moving base; of a shape its peak",
+        "0.1 N m",
+        None,
+        least=0,
     )
     at: float | None = quantity(
         "m", "where the force or the moment acts on the beam, whose base is then at rest; from x = 0, in (0, length]",
         "120 mm", None, above=0,
     )  # fmt: skip
     frequency: tuple[float, ...] | None = quantity(
-        "Hz", "of a drive that is a list: one frequency for each of its numbers, linear between, none outside",
+        "Hz", "of a drive that is a list: one frequency for each of its numbers, linear between, none outside; of a "
+        "shape its own, of a chirp the first and the last",
         ["14 Hz", "17 Hz"], None, above=0, several=True, ascending=True, plain=("", ["1.5 rad/s", "2.5 rad/s"], ""),
     )  # fmt: skip
     harmonic: tuple[int, ...] | None = count(

@@ -30,7 +30,7 @@ class ResultNumber:
     """Number of a result: ``quantity`` of ``fidelity`` at ``frequency`` (Hz; None: of the whole branch).
 
     With ``against``, its relative difference to that fidelity. With ``show`` the quantity is read off that figure: its
-    mean, or the entry of mode or order ``number``.
+    mean, or the entry of mode or order ``number``. ``output``, ``at`` (SI), ``seed``: of a record.
     """
 
     name: str
@@ -57,6 +57,14 @@ class ResultNumber:
     direction: Literal["up", "down", "both"] = declare.word(
         DIRECTIONS, "the branches compared; absent = all that are swept", "up", None
     )
+    output: str | None = declare.text(
+        "of a record the signal that is read: an output, or NAME_velocity, NAME_acceleration, contact_force; absent = "
+        "the first of record.outputs", "sensor_acceleration", None,
+    )  # fmt: skip
+    at: float | None = declare.text(
+        "of a record the value of what it varies, one of record.values; absent = the first", "0.1 mm", None
+    )
+    seed: int | None = declare.count(0, 2**31 - 1, "of a record the realisation; absent = the mean of all", 1, None)
 
 
 @dataclass(frozen=True, kw_only=True)

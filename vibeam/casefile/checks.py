@@ -122,7 +122,7 @@ def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:
     tables: Any = case.fidelity
     own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
     further = {"uncertain": case.uncertain and uncertain_in_si(case), "fit": fit_in_si(case), "map": maps_in_si(case)}
-    return case.model_copy(update={"units": "SI", "fidelity": own} | amounts_in_si(case) | record_in_si(case) | further)
+    return case.model_copy(update={"units": "SI", "fidelity": own} | record_in_si(case, amounts_in_si(case)) | further)
 
 
 def _own(table: Any, variant: FidelityCase | None) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.maps import map_plans
 from vibeam.casefile.number_keys import fit_plan, keys_chosen, uncertain_inputs
 from vibeam.casefile.overrides import OverrideError, tables_of
-from vibeam.casefile.records import record_plan, start_plan
+from vibeam.casefile.records import located, record_plan, start_plan
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.expectations import expectation, measured_number
 from vibeam.casefile.tables.input import input_plan
@@ -91,11 +91,16 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
         swept=swept,
         references=_references(declared, folder, way),
         scenes={name: KINDS[other.kind].scene_of(other, folder) for name, other in changed.items()},
-        expectations={name: expectation(name, table, way) for name, table in declared.expect.items()},
-        measured={
-            name: measured_number(name, declared, way, keys_chosen(name, declared, changed))
-            for name in declared.measured
-        },
+        expectations=located(
+            declared, {name: expectation(name, table, way) for name, table in declared.expect.items()}
+        ),
+        measured=located(
+            declared,
+            {
+                name: measured_number(name, declared, way, keys_chosen(name, declared, changed))
+                for name in declared.measured
+            },
+        ),
         shows=_shows(declared, swept, shared, {name: (own[name], _seen(changed.get(name, declared))) for name in own}),
         cost=plan_of(CostPlan, declared.cost),
         influence=plan_of(InfluencePlan, getattr(declared, "influence", InfluencePlan())),

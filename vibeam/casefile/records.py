@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, TypeVar, cast
 
 from vibeam.case.input_plan import InputPlan
 from vibeam.case.plans import RecordPlan, StartPlan
@@ -23,14 +24,16 @@ from vibeam.figures import FIGURES
 from vibeam.solvers import SOLVERS
 from vibeam_models.keys import keys_of
 
+T = TypeVar("T")
+NUMBERS = ("expect", "measured")
 SCALES = ("level", "speed")  # what may be varied of the input itself
 #: tables that are about a sweep alone, and what answers in their place
 OF_SWEEPS = {
+    "reference": "[measured.NAME] compares a number of a history with a measured one",
     "cost": "vibeam run says the CPU time of every fidelity",
     "fit": "it reads frequency-response curves",
     "map": "record.over and record.values vary one key",
     "modes_needed": "fidelities with more and more modes, compared by vibeam run, say it",
-    "limits": "it looks for the limits of steady motions",
 }
 OF_FREQUENCY = ("drift", "drift_frequency", "wear")  # keys of [stop] that go by the points of a sweep
 
@@ -52,6 +55,24 @@ def record_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from _plan(case)
     yield from _solvers(case)
     yield from _of_sweeps(case)
+    yield from _numbers_at(case)
+
+
+def _numbers_at(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about numbers compared at values that are not run."""
+    entry = varied(case, KINDS[case.kind].declaration())[0]
+    values = [number for each in case.record.values or () if (number := _read(entry, each, case)) is not None]
+    for kind in NUMBERS:
+        for name, each in getattr(case, kind).items():
+            if each.at is not None and entry is not None and _read(entry, each.at, case) not in values:
+                yield (kind, name, "at"), f"{as_shown_in_message(each.at)} is none of record.values"
+
+
+def _read(entry: Entry | None, value: Any, case: Any) -> float | None:
+    try:
+        return None if entry is None or value is None else float(entry.read(value, units_of(case.units)))
+    except ValueError:
+        return None
 
 
 def _of_record(drive: SimpleNamespace) -> Iterator[Complaint]:
@@ -183,11 +204,28 @@ def _settled(system: Any) -> Any:
     return equilibrium(system)
 
 
-def record_in_si(case: Any) -> dict[str, Any]:
-    """The table [record] of a checked case, the values of what is varied with their SI unit."""
+def located(case: Any, numbers: Mapping[str, T]) -> dict[str, T]:
+    """Numbers compared by name, with ``at`` in SI, of a checked case."""
     if case.record is None:
-        return {}
+        return dict(numbers)
+    entry = varied(case, type(case))[0]
+    found: Any = {name: (each, _read(entry, each.at, case)) for name, each in cast(Any, numbers).items()}
+    return {name: each if at is None else replace(each, at=at) for name, (each, at) in found.items()}
+
+
+def record_in_si(case: Any, tables: dict[str, Any]) -> dict[str, Any]:
+    """``tables`` and [record] of a checked case, the values of what is varied with their SI unit."""
+    if case.record is None:
+        return tables
     entry, system = varied(case, type(case))[0], units_of(case.units)
     kind = entry.kind if isinstance(entry, Quantity) else None
-    values = tuple(with_unit(value, kind, system) if kind else value for value in case.record.values)
-    return {"record": case.record.model_copy(update={"values": values})}
+
+    def written(value: Any) -> Any:
+        return with_unit(value, kind, system) if kind and value is not None else value
+
+    values = tuple(written(value) for value in case.record.values)
+    numbers = {
+        part: {name: each.model_copy(update={"at": written(each.at)}) for name, each in tables[part].items()}
+        for part in NUMBERS
+    }
+    return tables | numbers | {"record": case.record.model_copy(update={"values": values})}

@@ -41,6 +41,7 @@ UNITS = {
     ("hertz", "Hz"): ("1", "turn/second"),
     ("rpm",): ("1", "turn/minute"),
     ("newton", "N"): ("1", "kilogram*meter/second^2"),
+    ("joule", "J"): ("1", "newton*meter"),
     ("pascal", "Pa"): ("1", "newton/meter^2"),
     ("volt", "V"): ("1", VOLTAGE),
     ("ampere", "A"): ("1", "newton*meter/second/volt"),

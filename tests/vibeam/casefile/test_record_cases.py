@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import vibeam
+from vibeam.case.input_remarks import input_remarks, remarks_on
 from vibeam.casefile.read import parse
 
 RIG = {
@@ -265,3 +266,86 @@ def test_a_sweep_says_which_keys_are_of_a_record() -> None:
     ]
     with pytest.raises(vibeam.CaseError, match=r"sweep: the table is missing: add \[sweep\], or \[record\] for an"):
         vibeam.load("cases/dtu_neutral.toml", {"sweep": None})
+
+
+NUMBER = {"fidelity": "one", "quantity": "peak", "value": "1 mm", "tolerance": "1 %"}
+
+
+def test_numbers_of_a_record_are_read_in_the_unit_of_their_signal() -> None:
+    said = {
+        "peak": NUMBER,
+        "hard": NUMBER | {"output": "sensor_acceleration", "value": "200 g", "at": "0.2 mm"},
+        "fast": NUMBER | {"quantity": "hardest_impact", "value": "30 mm/s"},
+        "work": NUMBER | {"quantity": "work", "value": "20 mJ", "number": 1},
+        "many": NUMBER | {"quantity": "impacts", "value": 20},
+        "first": NUMBER | {"quantity": "first_impact", "value": "12 ms"},
+        "apart": NUMBER | {"quantity": "horizon", "against": "eight", "value": "0.1 s"},
+        "off": NUMBER | {"against": "eight", "value": "3 %"},
+    }
+    over = {"duration": "0.1 s", "over": "stop.gap", "values": ["0.1 mm", "0.2 mm"]}
+    made = case(PULSE, over, expect=said)
+    values = [each.value for each in made.expectations.values()]
+    assert values == pytest.approx([1e-3, 200 * GRAVITY, 0.03, 0.02, 20, 0.012, 0.1, 0.03])
+    assert made.expectations["hard"].at == 2e-4
+    assert parse(made.text) == made
+
+
+@pytest.mark.parametrize(
+    ("said", "message"),
+    [
+        ({"value": "1 kg"}, "value: '1 kg' is a mass, not a plain number"),
+        ({"quantity": "amplitude"}, 'quantity: "amplitude" is of a [sweep]; of a [record]: peak, least'),
+        ({"frequency": "15 Hz"}, "frequency: is of a [sweep]: take it out"),
+        (
+            {"output": "sensor_acc"},
+            "output: no signal 'sensor_acc': there are sensor, sensor_velocity, sensor_acceleration",
+        ),
+        (
+            {"quantity": "work", "value": "1 J", "output": "sensor"},
+            'output: "work" is of the whole motion: take it out',
+        ),
+        ({"number": 2}, "number: is that of a mode, of an energy: take it out"),
+        ({"quantity": "horizon", "value": "1 s"}, 'against: missing: "horizon" is of two fidelities; name the other'),
+        ({"seed": 4}, "seed: is not among the realisations"),
+        ({"at": 2.0}, "at: 2.0 is none of record.values"),
+    ],
+)
+def test_a_number_that_no_record_has_is_refused(said: dict, message: str) -> None:
+    found = faults(PULSE, expect={"it": NUMBER | said})
+    assert any(each.startswith(f"expect.it.{message}") for each in found), found
+
+
+def test_a_sweep_has_no_numbers_of_a_record() -> None:
+    with pytest.raises(vibeam.CaseError) as caught:
+        vibeam.load(
+            "cases/dtu_neutral.toml",
+            {"expect": {"a": NUMBER | {"fidelity": "sdof", "quantity": "work", "value": 1, "seed": 3}}},
+        )
+    assert [str(each).partition(": ")[2] for each in caught.value.faults] == [
+        '"work" is of a [record]: name another',
+        "is of a [record]: take it out",
+    ]
+
+
+def test_an_input_too_coarse_or_a_run_too_short_for_a_mode_says_what_is_needed() -> None:
+    slow = vibeam.Record.sampled(np.zeros(101), rate=1000.0)
+    system = case(PULSE).system("eight")
+    coarse, short = remarks_on(slow, system, 0.05)
+    highest, lowest = system.omega[-1] / (2 * pi), system.omega[0] / (2 * pi)
+    needed = system.omega[-1] / sqrt(8 * 0.1)  # (ωh)²/8 = 0.1
+    assert (
+        f"has 1000 samples a second, the highest mode, {highest:.4g} Hz, needs {needed:.4g} to be off by 10%" in coarse
+    )
+    assert f"0.05 s is {0.05 * lowest:.2g} of a period of the lowest mode, {lowest:.4g} Hz" in short
+    assert input_remarks(case(PULSE), "eight") == ()
+
+
+def test_what_others_call_it_leads_to_the_key() -> None:
+    found = faults({"psd": "0.01 g^2/Hz", "accelerogram": "a.csv"}, {"t_end": "1 s", "seeds": 3}, {"v0": "1 m/s"})
+    assert [each.partition(": ")[2] for each in found] == [
+        "unknown key; did you mean 'file'?",
+        "unknown key; did you mean 'density'?",
+        "unknown key; did you mean 'realisations'?",
+        "unknown key; did you mean 'duration'?",
+        "unknown key; did you mean 'velocity'?",
+    ]

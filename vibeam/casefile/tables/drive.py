@@ -226,10 +226,10 @@ def _inside(table: tuple[float, ...], ends: tuple[float, ...]) -> Iterator[Compl
             return
 
 
-DRIVE = """The drive; with [sweep] harmonic: a base motion by voltage and gain, amplitude, velocity or acceleration; or
-a force or a moment at a place of the beam. With [platform] a force on that, with [shaker] voltage alone. Any of these
-but gain may be a list, of amplitudes at as many frequencies. With [record] an input over time: a file, a shape, or a
-random one by its density; none where [start] says what moves."""
+DRIVE = """The drive, harmonic or an input over time. With [sweep] a base motion by voltage and gain, amplitude,
+velocity or acceleration; or a force or a moment at a place of the beam. With [platform] a force on that, with [shaker]
+voltage alone. Any of these but gain may be a list, of amplitudes at as many frequencies. With [record] an input over
+time: a file, a shape, or a random one by its density; none where [start] says what moves."""
 SDOF_DRIVE = (
     "The base motion of the single degree of freedom: amplitude, or velocity or acceleration, or one of these as a\n"
     "list over frequency; with [record] a file, a shape, or a random input by its density."

@@ -10,19 +10,28 @@ from typing import Any
 
 from vibeam.case.plans import Direction, Expectation, MeasuredNumber, ResultNumber
 from vibeam.case.study_plans import EXTENTS
+from vibeam.case.transient_quantities import QUANTITIES as OF_RECORDS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Entry, Word
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE, SI, Dimension, Range, UnitSystem
+from vibeam.casefile.tables.maps import LEVEL
 from vibeam.casefile.tables.outputs import main_output, of_displacement, quantity_named
 from vibeam.casefile.tables.table import NAME, QUANTITIES, named_fidelity, plan_keys, plan_of, table
+from vibeam.casefile.tables.transient_numbers import (
+    ENERGY,
+    swept_number_checks,
+    transient_checks,
+    transient_dimension,
+)
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
 from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, READ
 from vibeam.system.quantities import LAYOUT
 
 RATE = units.dimension("1/s")
 ANGLE, TURNING, JERK = (units.dimension(unit) for unit in ("rad", "rad/s", "m/s^3"))
-COMPARED = (units.RATIO, units.FREQUENCY, units.LENGTH, units.SPEED, units.TIME, RATE, units.ACCELERATION, ANGLE)
+COMPARED = (units.RATIO, units.FREQUENCY, units.LENGTH, units.SPEED, units.TIME, RATE, units.ACCELERATION, ANGLE,
+            units.FORCE, ENERGY)  # fmt: skip
 
 #: dimension of an output's quantity, and of its rate
 READ_AS = {
@@ -43,6 +52,9 @@ DIMENSIONS = {
     "c/s": units.SPEED,
     "s": units.TIME,
     "1/s": RATE,
+    "m": units.LENGTH,
+    "m s-1": units.SPEED,
+    "m s-2": units.ACCELERATION,
 }
 
 
@@ -97,7 +109,8 @@ class AmountEntry(Entry):
 
     def describe(self) -> str:
         """As ``Entry.describe``."""
-        return " ".join(filter(None, ["number | % | Hz | m | m/s | s | 1/s | m/s^2 | rad", self.range.describe()]))
+        known = "number | % | Hz | m | m/s | s | 1/s | m/s^2 | rad | N | J"
+        return " ".join(filter(None, [known, self.range.describe()]))
 
     def schema(self) -> dict[str, Any]:
         """As ``Entry.schema``."""
@@ -153,6 +166,8 @@ def _in_si(case: Any, reading: Any, keys: tuple[str, ...]) -> Any:
 
 def dimension_read(case: Any, reading: Any) -> Dimension:
     """Dimension of what a table reads, off the output of its figure, or of the sweep."""
+    if case.record is not None and getattr(reading, "show", None) is None:
+        return transient_dimension(case, reading)
     shown = case.show.get(getattr(reading, "show", None))
     of = quantity_named(case, (shown and shown.output) or main_output(case)).name
     unit = unit_of_reading(reading.quantity, getattr(reading, "against", None))
@@ -172,6 +187,8 @@ def unit_of_reading(quantity: str, against: str | None) -> str:
         return "q" if quantity in OF_OUTPUT else "c"
     if quantity in EXTENTS:
         return "q" if quantity == "peak" else "Hz"
+    if quantity not in OF_SWEEPS:
+        return "1"  # of a record, which its own rule says
     return READ[quantity] if quantity in READ else LAYOUT[quantity].unit
 
 
@@ -185,6 +202,13 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
     """Complaints about where an [expect.NAME] or [measured.NAME] finds its number."""
     yield from named_fidelity(case, (*path, "fidelity"), expect.fidelity)
     yield from named_fidelity(case, (*path, "against"), expect.against)
+    if case.record is not None and expect.show is None:
+        yield from transient_checks(case, path, expect)
+        return
+    yield from swept_number_checks(path, expect)
+    if expect.quantity in OF_RECORDS and expect.quantity not in OF_SWEEPS:
+        yield (*path, "quantity"), f'"{expect.quantity}" is of a [record]: name another'
+        return
     yield from swept_checks(case, (*path, "direction"), expect.direction)
     if expect.quantity in OF_OUTPUT:
         yield from of_displacement(case, (*path, "quantity"), expect.quantity)
@@ -235,9 +259,12 @@ def swept_checks(case: SimpleNamespace, path: KeyPath, way: str | None) -> Itera
         yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
 
 
+OF_SWEEPS = (*QUANTITIES, *OF_OUTPUT, *EXTENTS, *LIMITS, *READ)
+
+
 def _reading_table(name: str, plan: type[ResultNumber], meaning: str, **entries: Entry) -> Any:
-    compared = Word((*QUANTITIES, *OF_OUTPUT, *EXTENTS, *LIMITS, *READ))
-    return table(name, meaning, plan_keys(plan, quantity=compared, **entries))
+    compared = Word(tuple(dict.fromkeys((*OF_SWEEPS, *OF_RECORDS))))
+    return table(name, meaning, plan_keys(plan, quantity=compared, at=LEVEL, **entries))
 
 
 ExpectTable: Any = _reading_table(

@@ -107,10 +107,10 @@ def given_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> It
 GivenDriveTable: Any = less(
     DriveTable,
     "GivenDriveTable",
-    "The drive; with [sweep] harmonic: a base motion by amplitude, velocity or acceleration, or a force where the "
-    "structure's table says. With [platform] a force on that, with [shaker] its voltage. Any of these may be a list, "
-    "of amplitudes at as many frequencies. With [record] an input over time: a file, a shape, or a random one by its "
-    "density; none where [start] says what moves.",
+    "The drive, harmonic or an input over time. With [sweep] a base motion by amplitude, velocity or acceleration, or "
+    "a force where the structure's table says. With [platform] a force on that, with [shaker] its voltage. Any of "
+    "these may be a list, of amplitudes at as many frequencies. With [record] a file, a shape, or a random input by "
+    "its density; none where [start] says what moves.",
     *OF_BEAM,
 )
 
