@@ -34,7 +34,42 @@ def _own(name: str, *declared: Any, **more: Any) -> FigureKind:
 
 FIGURES = Registry(
     "kind of figure",
-    _own("history", "displacement and velocity over time", FREQUENCY, MOTION, {"jump": "q/s"}, derivatives=True),
+    _own(
+        "history",
+        "displacement and velocity over time; of a record its input, impacts and contact force too",
+        FREQUENCY,
+        MOTION,
+        {"jump": "q/s"},
+        derivatives=True,
+        record=True,
+        record_keys=("output", "window"),
+        keys={
+            "window": Key(
+                "of history, of a record: begin and end of the part that is shown beside the whole; absent = around "
+                "the largest value",
+                ["0.20 s", "0.35 s"],
+                "s",
+                least=0,
+                several=True,
+                ascending=True,
+            )
+        },
+    ),
+    _own(
+        "impact_velocities",
+        "how many impacts a second are harder than a velocity, of all fidelities",
+        record=True,
+        sweep=False,
+    ),
+    _own(
+        "spectrogram",
+        "density of the output over time and frequency, under the first realisation",
+        takes=("output",),
+        exact=True,
+        derivatives=True,
+        record=True,
+        sweep=False,
+    ),
     _own("portrait", "velocity over displacement", FREQUENCY, MOTION, derivatives=True),
     _own(
         "coordinates",

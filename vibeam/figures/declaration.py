@@ -24,7 +24,8 @@ class FigureKind:
     by which one of them is chosen (none: their mean is meant). ``exact``:
     True where the motion must be exact between events. ``derivatives``: it shows outputs that are velocities or
     accelerations too. ``transient``: True where no settled motion will do.
-    ``record``: it is drawn of a case with [record], ``sweep``: of one with [sweep].
+    ``record``: it is drawn of a case with [record], ``sweep``: of one with [sweep]; of one of both ``record_keys`` are
+    all keys that its table may have beside [record].
     ``one_harmonic``: True where it knows a drive of one harmonic alone. ``ending``: of the file that it has in place of
     a picture; its module then has ``write(path, sheets, mark)`` in place of ``draw``. ``of_beam``: True where it shows
     the beam itself. ``refuses``: True where it cannot show all systems:
@@ -47,6 +48,7 @@ class FigureKind:
     derivatives: bool = False
     one_harmonic: bool = False
     record: bool = False
+    record_keys: tuple[str, ...] = ()
     sweep: bool = True
     ending: str = ""
     of_beam: bool = False
@@ -57,3 +59,17 @@ class FigureKind:
     def known(self) -> tuple[str, ...]:
         """Keys that its table may have beside ``kind`` and ``fidelities``."""
         return (*self.needs, *self.takes, *self.keys)
+
+    def needed(self, record: bool) -> tuple[str, ...]:
+        """Keys that its table must have in a case with [``record``], or with [sweep]."""
+        return () if record and self.sweep else self.needs
+
+    def allowed(self, record: bool) -> tuple[str, ...]:
+        """Keys that its table may have in a case with [``record``], or with [sweep]."""
+        if not (self.record and self.sweep):
+            return self.known
+        return self.record_keys if record else tuple(each for each in self.known if each not in self._of_records)
+
+    @property
+    def _of_records(self) -> set[str]:
+        return set(self.record_keys) - {*self.needs, *self.takes}

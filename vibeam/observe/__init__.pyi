@@ -9,6 +9,8 @@ from vibeam.observe.harmonics import Spectrum as Spectrum
 from vibeam.observe.harmonics import harmonic_amplitudes as harmonic_amplitudes
 from vibeam.observe.harmonics import modal_participation as modal_participation
 from vibeam.observe.harmonics import spectrum_of as spectrum_of
+from vibeam.observe.impact_statistics import Exceedance as Exceedance
+from vibeam.observe.impact_statistics import exceedance_of as exceedance_of
 from vibeam.observe.measuring_chain import Chain as Chain
 from vibeam.observe.measuring_chain import LowPass as LowPass
 from vibeam.observe.measuring_chain import MeasuredRecord as MeasuredRecord

@@ -53,7 +53,7 @@ def figure(result: Comparison, plan: ShowPlan) -> Figure:
     module_of(plan).draw(made, result, plan, shown)
     held = result.held.partition("\n")[0]
     titled(made, result.case.figure, result.case.title, ", ".join(filter(None, [_caption(result.case, plan), held])))
-    legend(made, _handles(made) | name_faults(result.case, plan, shown))
+    legend(made, handles_of(made) | name_faults(result.case, plan, shown))
     return made
 
 
@@ -64,7 +64,7 @@ def _caption(case: Case, plan: ShowPlan) -> str:
     return named_of(usual, quantity_of(case, plan.output).name)
 
 
-def _handles(made: Figure) -> dict[str, Any]:
+def handles_of(made: Figure) -> dict[str, Any]:
     """Labelled curves of all panels, each label once."""
     found: dict[str, Any] = {}
     for axes in made.axes:

@@ -38,7 +38,7 @@ def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         for index, fidelity in enumerate(show.fidelities or ()):
             yield from named_fidelity(case, (*path, "fidelities", index), fidelity)
         if show.kind is not None:
-            yield from _keys(path, show, FIGURES[show.kind])
+            yield from _keys(path, show, FIGURES[show.kind], case.record is not None)
             yield from _exact(case, path, show, FIGURES[show.kind])
             if FIGURES[show.kind].of_beam:
                 yield from _of_beam(case, path, show)
@@ -46,12 +46,14 @@ def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
             yield from shown_output(case, path, show, FIGURES[show.kind])
 
 
-def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
+def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind, record: bool) -> Iterator[Complaint]:
+    if show.window is not None and len(show.window) != 2:
+        yield (*path, "window"), f'{len(show.window)} times: write two, as in window = ["0.20 s", "0.35 s"]'
     for name in (*COMMON, *own_keys()):
         given = getattr(show, name) is not None
-        if given and name not in kind.known:
+        if given and name not in kind.allowed(record):
             yield (*path, name), f'kind = "{show.kind}" has no use for it: leave it away'
-        elif name in kind.needs and not given:
+        elif name in kind.needed(record) and not given:
             yield (*path, name), f'missing: kind = "{show.kind}" needs it'
     limits = show.kind == "boundaries"
     if "quantity" in kind.needs and show.quantity is not None and (show.quantity in LIMITS) != limits:

@@ -1,13 +1,15 @@
 """Figure kind ``history``: displacement and velocity of the output over a few drive periods, all fidelities overlaid.
 
-Velocities jump at impacts and are drawn so: a stray value beside an impact, as in the paper's Fig. 5, is visible.
+Velocities jump at impacts and are drawn so: a stray value beside an impact, as in the paper's Fig. 5, is visible. Of a
+case with [record]: its input, output, impacts and contact force, over all of it and a part (``record_history``).
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibeam.case.plans import ShowPlan
+from vibeam.figures import record_history
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
 from vibeam.figures.settled_motion import motion_columns
 from vibeam.figures.sheet import Columns, Comparison, Sheet
@@ -28,8 +30,21 @@ def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     return motion_columns(case, name, frequency, plan, plan.periods or PERIODS)
 
 
-def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def size(plan: ShowPlan) -> tuple[float, float]:
+    """One panel for each frequency, of a record two for each signal."""
+    panels = len(plan.frequency)
+    return record_history.SIZE if not panels else (5.8 if panels == 1 else 3.2 * panels + 0.6, 4.2)
+
+
+def draw(figure: Figure, result: Any, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw displacement above velocity, a column a frequency; of coinciding motions the first is the widest line."""
+    if result.case.record is not None:
+        window = plan.own["window"]
+        return record_history.draw_histories(figure, result, plan.fidelities, plan.output, window and tuple(window))
+    return _draw_settled(figure, result, plan, shown)
+
+
+def _draw_settled(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     case, units = result.case, units_for(result, plan.output)
     grid = figure.subplots(2, len(plan.frequency), sharex=True, sharey="row", squeeze=False)
     for column, frequency in enumerate(plan.frequency):

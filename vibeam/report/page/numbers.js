@@ -16,10 +16,15 @@ export const metres = (value) => {
   return `${short(value * factor, 2)} ${unit}`;
 };
 
+/** @type {(text: string) => Uint8Array<ArrayBuffer>} */
+const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+/** Bytes from base64 of zlib. @type {(text: string) => Promise<ArrayBuffer>} */
+export const inflated = (text) => new Response(new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+
 /** @type {(packed: Packed) => number[]} */
 export function unpacked(packed) {
-  const bytes = Uint8Array.from(atob(packed.data), (letter) => letter.charCodeAt(0));
-  return Array.from(new Uint16Array(bytes.buffer), (whole) => packed.low + packed.step * whole);
+  const bytes = bytesOf(packed.data);
+  return Array.from(packed.wide ? new Uint32Array(bytes.buffer) : new Uint16Array(bytes.buffer), (whole) => packed.low + packed.step * whole);
 }
 
 /** @type {(values: Iterable<number>) => number[]} */

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibeam.figures import FIGURES
 from vibeam.report.checks import check_report
@@ -18,6 +18,7 @@ from vibeam.report.run_report import run_report
 from vibeam.system.response import modes_of
 
 if TYPE_CHECKING:
+    from vibeam.case.case import Case
     from vibeam.runs.result import Result
     from vibeam.runs.stored_result import StoredResult
 
@@ -34,26 +35,39 @@ def page(stored: StoredResult, live: LivePart | None = None) -> str:
     result = stored.result
     response = picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result))
     data = as_json(chart_data(stored))
-    pictures, absent = _pictures(result, PAGE_BYTES - len(data) - len(response.data))
+    modes = max((modes_of(each) for each in result.values()), default=0)
     return rendered(
         "results.html",
         ("state", "saving", *VIEWS, "start"),
         live,
-        title=result.case.title,
-        result=result,
-        case=result.case,
+        **standing(result, modes, stored.provenance, stored.left_out, PAGE_BYTES - len(data) - len(response.data)),
         missing=stored.missing,
         verdict=run_report(result),
-        drawings=_drawings(result),
-        overview=result.overview,
-        no_beam=result.case.scene.no_beam,
-        checks=_checks(result, stored.left_out),
         response=response,
-        pictures=pictures,
-        absent=absent,
-        provenance=sorted(stored.provenance.items()),
         data=data,
     )
+
+
+def standing(
+    result: Any, modes: int, provenance: Mapping[str, str], left_out: Sequence[str], room: int
+) -> dict[str, Any]:
+    """Values of the sections that the pages of all results have.
+
+    ``modes``: whose shapes are drawn; ``room``: of the figures of the case, bytes.
+    """
+    pictures, absent = _pictures(result, room)
+    return {
+        "title": result.case.title,
+        "result": result,
+        "case": result.case,
+        "drawings": _drawings(result.case, modes),
+        "overview": result.overview,
+        "no_beam": result.case.scene.no_beam,
+        "checks": _checks(result, left_out),
+        "pictures": pictures,
+        "absent": absent,
+        "provenance": sorted(provenance.items()),
+    }
 
 
 def study_page(title: str, overview: str, sheets: Sequence[tuple[str, StudySheet]]) -> str:
@@ -76,10 +90,10 @@ def _checks(result: Result, left_out: Sequence[str]) -> StudySheet:
     return replace(found, notes=[*lost, *found.notes])
 
 
-def _drawings(result: Result) -> list[Picture]:
-    """The scene and its mode shapes; none where it has no beam."""
-    scene = result.case.scene
-    shapes = mode_shapes(scene, max((modes_of(each) for each in result.values()), default=0))
+def _drawings(case: Case, modes: int) -> list[Picture]:
+    """The scene and so many mode shapes; none where it has no beam."""
+    scene = case.scene
+    shapes = mode_shapes(scene, modes)
     if shapes is None:
         return []
     return [Picture("Side view", "Side view to scale; what has no known shape is a box.", drawing(scene)), shapes]

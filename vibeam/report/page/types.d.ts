@@ -9,8 +9,8 @@ export type Colours = { colour: string; dark: string };
 export type Unit = { unit: string; factor: number };
 /** Units of the output, with its name, and of its velocity. */
 export type Units = { output: Unit & { name: string }; speed: Unit };
-/** Numbers in steps of their range. */
-export type Packed = { data: string; low: number; step: number };
+/** Numbers in steps of their range, of 16 bits each, or of 32 where they are ``wide``. */
+export type Packed = { data: string; low: number; step: number; wide?: boolean };
 export type Numbers = (number | null)[];
 export type Cell = string | number | null | undefined;
 
@@ -88,7 +88,9 @@ export type PlotSeries = {
 export type Plot = {
   ctx: CanvasRenderingContext2D; root: HTMLElement; over: HTMLElement; bbox: DOMRect; width: number; height: number;
   axes: PlotAxis[]; series: PlotSeries[]; data: Numbers[]; scales: Record<string, PlotScale>;
-  cursor: { idx?: number | null };
+  cursor: { idx?: number | null; left?: number };
+  select: { left: number; width: number };
+  setSelect(box: { left: number; top: number; width: number; height: number }, heard?: boolean): void;
   valToPos(value: number, scale: string, canvas?: boolean): number;
   posToVal(place: number, scale: string, canvas?: boolean): number;
   setSize(size: { width: number; height: number }): void;

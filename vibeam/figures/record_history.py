@@ -1,0 +1,125 @@
+"""Histories of a record case: input, output, impacts, contact force over time, whole and around the largest value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.figures.panels import is_empty, labelled, say
+from vibeam.figures.record import input_of, kept_place, label_of, plan_of, signals_of_all, unit_of_signal
+from vibeam.figures.style import Look, looks_of, name_of
+from vibeam.observe.decimation import hardest_impacts
+from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from vibeam.figures.record import RecordResult
+    from vibeam.observe.decimation import History
+
+Span = tuple[float, float]
+SIZE = (8.4, 6.0)
+COLUMNS = 360  # of a panel
+CLOSE, MET = 1 / 40, 4  # share of the record around its largest value, and impacts to either side, that are shown
+INK = "0.2"
+
+
+def draw_histories(
+    figure: Figure, result: RecordResult, names: Sequence[str], output: str, window: Span | None = None
+) -> None:
+    """Draw the motion whose histories are kept, a row a signal of ``output``: the whole record, and a part of it.
+
+    ``window``: begin and end of the part, s; None: around the largest value.
+    """
+    signals = {key: each for key, each in signals_of_all(result, names).items() if each.output in (output, "contact")}
+    own = [each for each in signals.values() if each.order < 0 or (each.output == output and each.order < 2)]
+    rows = [None, *(each for each in own if each.order >= 0), "impacts", *(each for each in own if each.order < 0)]
+    spans = list(_spans(result, names, own))
+    if window is not None:
+        spans[1:] = [window]
+    grid = figure.subplots(len(rows), len(spans), sharex="col", sharey="row", squeeze=False)
+    looks = looks_of(result.case, names)
+    for row, signal in zip(grid, rows, strict=True):
+        for axes, span in zip(row, spans, strict=True):
+            if signal == "impacts":
+                _impacts(axes, result, looks, span)
+            else:
+                _signal(axes, result, looks, signal, span)
+    for axes, span in zip(grid[-1], spans, strict=True):
+        axes.set_xlim(*span)
+        labelled(axes, "time", "s" if result.case.scene.natural_unit is None else "", across=True)
+    for axes in grid[:, 1:].flat:
+        axes.set_ylabel("")
+    figure.align_ylabels(grid[:, 0])
+
+
+def _spans(result: RecordResult, names: Sequence[str], signals: Sequence[Any]) -> Iterator[Span]:
+    """The whole record, and the part around the largest value of the first signal with some impacts to either side."""
+    first = [each.name for each in signals[:1]]
+    known = [(own[key], name) for key in first for name in names if key in (own := result[name].history)]
+    if not known:
+        yield 0.0, plan_of(result.case).duration
+        return
+    history, name = max(known, key=lambda each: each[0].peak)
+    begin, end = float(history.edges[0]), float(history.edges[-1])
+    yield begin, end
+    at = float(history.time[np.argmax(np.maximum(-history.least, history.greatest))])
+    times, half = _impacts_of(result, name)[0], CLOSE * (end - begin) / 2
+    near = np.sort(np.abs(times - at))
+    if len(near) > 2 * MET:
+        half = float(near[2 * MET])
+    low = min(max(at - half, begin), end - 2 * half)
+    if 2 * half < (end - begin) / 2:
+        yield low, low + 2 * half
+
+
+def _impacts_of(result: RecordResult, name: str) -> tuple[Array, Array]:
+    place, own = kept_place(result), result[name]
+    return own.impact_times[place][0], own.impact_velocities[place][0]
+
+
+def _signal(axes: Axes, result: RecordResult, looks: dict[str, Look], signal: Any, span: Span) -> None:
+    """Draw a signal of all fidelities in one panel; None: the input."""
+    case = result.case
+    if signal is None:
+        histories = [(each, INK, "") for each in list(result.input.values())[:1]]
+        label, unit = input_of(case)
+    else:
+        owners = [name for name in looks if signal.name in result[name].history]
+        histories = [(result[name].history[signal.name], looks[name].colour, name_of(case, name)) for name in owners]
+        label, unit = label_of(signal), signal.unit
+    shown, factor = unit_of_signal(case, unit, max((each.peak for each, _, _ in histories), default=0.0))
+    for history, colour, name in histories:
+        _envelope(axes, history, span, factor, colour, name)
+    if is_empty(axes):
+        say(axes, "no history kept")
+    labelled(axes, label.replace(" of ", "\nof "), shown)
+
+
+def _envelope(axes: Axes, history: History, span: Span, factor: float, colour: str, label: str) -> None:
+    seen = history.within(*span, most=COLUMNS)
+    axes.fill_between(
+        seen.time, seen.least * factor, seen.greatest * factor, facecolor=colour, edgecolor=colour, linewidth=0.6,
+        alpha=0.6, label=label or None,
+    )  # fmt: skip
+
+
+def _impacts(axes: Axes, result: RecordResult, looks: dict[str, Look], span: Span) -> None:
+    """Draw the hardest impact of each column of the panel as a line from 0 to its velocity."""
+    edges, met = np.linspace(*span, COLUMNS // 2 + 1), []
+    for name, look in looks.items():
+        times, speeds = _impacts_of(result, name)
+        inside = (times >= span[0]) & (times <= span[1])
+        met.append((*hardest_impacts(times[inside], speeds[inside], edges)[:2], look))
+    largest = max((float(np.max(speeds, initial=0.0)) for _, speeds, _ in met), default=0.0)
+    unit, factor = unit_of_signal(result.case, "m s-1", largest)
+    for times, speeds, look in met:
+        axes.vlines(times, 0.0, speeds * factor, color=look.colour, linewidth=0.8)
+        if len(times) <= 16 * MET:
+            axes.plot(times, speeds * factor, ".", color=look.colour, markersize=3)
+    if not largest:
+        say(axes, "no impact")
+    labelled(axes, "velocity\nbefore impact", unit)

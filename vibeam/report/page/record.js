@@ -1,0 +1,50 @@
+// What the views of a motion under a record share: its numbers, the fidelities that are shown.
+import { address, byId, colourOf, element, on, tell } from "./state.js";
+import { inflated, unpacked } from "./numbers.js";
+import { unfolded } from "./envelope.js";
+/** @import { History, Impacts, RecordData } from "./histories.d.ts" */
+
+/** @type {RecordData} */
+export const data = JSON.parse(byId("data").textContent);
+/** Histories by signal and fidelity, once they are inflated. @type {Map<string, History>} */
+const histories = new Map();
+Promise.all(data.histories.map(async (each) => {
+  histories.set(`${each.signal}\n${each.fidelity}`, unfolded(each, await inflated(each.data)));
+})).then(() => tell("histories"));
+/** @type {Map<string, Impacts>} */
+const impacts = new Map(data.impacts.map((each) => [each.fidelity, { time: unpacked(each.time), velocity: unpacked(each.velocity) }]));
+
+/** History of a signal in a fidelity, of all where it has none of its own. @type {(signal: string, fidelity: string) => History | undefined} */
+export const historyOf = (signal, fidelity) => histories.get(`${signal}\n${fidelity}`);
+/** @type {(fidelity: string) => Impacts} */
+export const impactsOf = (fidelity) => impacts.get(fidelity) ?? { time: [], velocity: [] };
+
+// Fidelities taken away, by their numbers.
+const taken = new Set(address.numbers("hide"));
+export const shown = () => data.fidelities.filter((_, number) => !taken.has(number));
+/** @type {(name: string) => boolean} */
+export const isShown = (name) => !taken.has(data.fidelities.findIndex((each) => each.name === name));
+/** @type {(name: string) => {label: string, colour: string, dash: number[]}} */
+export function lookOf(name) {
+  const own = data.fidelities.find((each) => each.name === name);
+  return own ? { label: own.label, colour: colourOf(own), dash: own.dash } : { label: "", colour: "", dash: [] };
+}
+
+/** @type {(number: number, wanted: boolean) => void} */
+function show(number, wanted) {
+  if (wanted) taken.delete(number); else taken.add(number);
+  address.set("hide", [...taken].sort().join(","));
+  tell("hidden");
+}
+
+const colourMarks = data.fidelities.map((each, number) => {
+  const label = element("label"), box = element("input", { type: "checkbox" }), mark = element("i");
+  box.checked = !taken.has(number);
+  box.addEventListener("change", () => show(number, box.checked));
+  label.append(box, mark, each.label);
+  byId("shown").append(label);
+  return () => { mark.style.borderColor = colourOf(each); };
+});
+const recolour = () => colourMarks.forEach((each) => each());
+recolour();
+on("theme", recolour);
