@@ -30,7 +30,7 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
     - ``quantity``: ``"acceleration"`` of the base b̈ (m/s²), ``"force"`` (N) or ``"moment"`` (N m);
     - ``initial``: velocity and displacement of the base at the start (m/s, m), which no motion depends on;
     - ``samples``: what the samples were that it interpolates, ``"linear"`` or ``"cubic"`` between values of the load,
-      ``"velocity"`` or ``"displacement"`` of the base; None: the pieces are the load itself.
+      ``"velocity"`` or ``"displacement"`` of the base; None: the pieces are the load itself, as of shapes and noise.
 
     A system moves by η'' + 2ζωη' + ω²η = load · (∓u) + static, with − for an acceleration: where ``Drive`` has
     Ω²B sin Ωt, it is −b̈. ``sampled``, ``random``, ``half_sine``, ``saw_tooth``, ``trapezoid``, ``step``, ``sine``,

@@ -134,7 +134,7 @@ class RandomRecords(pieces.MadeOfPieces):
             require_acceleration(table.mean_square**0.5)
         values, times = gaussian(table, n, rate, seed, interpolation), start + np.arange(n) / rate
         made = pieces.linear(times, values) if interpolation == "linear" else pieces.spline(times, values)
-        return cls(times, made, quantity, samples=interpolation)
+        return cls(times, made, quantity)
 
 
 def gaussian(table: DensityTable, n: int, rate: float, seed: int, interpolation: str) -> Array:
