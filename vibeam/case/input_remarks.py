@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import pi
 from typing import TYPE_CHECKING
 
+from vibeam.system.number_text import with_unit
 from vibeam.system.record_samples import too_coarse
 
 if TYPE_CHECKING:
@@ -33,8 +34,8 @@ def remarks_on(record: Record, system: ImpactSystem, duration: float) -> Iterato
     if needed is not None:
         has = 1 / float((record.times[1:] - record.times[:-1]).max())
         yield (
-            f"the input has {has:.4g} samples a second, the highest mode, {rates[-1] / (2 * pi):.4g} Hz, needs "
-            f"{needed:.4g} to be off by {COARSE:.0%} at most: sample faster, or keep fewer modes"
+            f"the input has {has:.6g} samples a second, the highest mode, {with_unit(rates[-1] / (2 * pi), 'Hz')}, "
+            f"needs {needed:.0f} to be off by {COARSE:.0%} at most: sample faster, or keep fewer modes"
         )
     period = 2 * pi / rates[0]
     if duration < period:

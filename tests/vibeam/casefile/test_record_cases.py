@@ -334,7 +334,7 @@ def test_an_input_too_coarse_or_a_run_too_short_for_a_mode_says_what_is_needed()
     highest, lowest = system.omega[-1] / (2 * pi), system.omega[0] / (2 * pi)
     needed = system.omega[-1] / sqrt(8 * 0.1)  # (ωh)²/8 = 0.1
     assert (
-        f"has 1000 samples a second, the highest mode, {highest:.4g} Hz, needs {needed:.4g} to be off by 10%" in coarse
+        f"has 1000 samples a second, the highest mode, {highest:.4g} Hz, needs {needed:.0f} to be off by 10%" in coarse
     )
     assert f"0.05 s is {0.05 * lowest:.2g} of a period of the lowest mode, {lowest:.4g} Hz" in short
     assert input_remarks(case(PULSE), "eight") == ()

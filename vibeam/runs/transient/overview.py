@@ -6,11 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from vibeam.case.input_remarks import remarks_on
 from vibeam.runs.systems import Overview, properties_of
-from vibeam.system.number_text import ACCELERATIONS, TIMES, prefixed, with_unit
-from vibeam.system.record_samples import too_coarse
+from vibeam.system.number_text import ACCELERATIONS, TIMES, prefixed
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
@@ -25,7 +23,7 @@ class RecordOverview(Overview):
     load: Record | None = None
     duration: float = 0.0
     motions: int = 0
-    coarse: tuple[float, float] | None = None  # samples a second that the highest mode needs, its frequency, Hz
+    remarks: tuple[str, ...] = ()  # on the load, for the modes that there are
 
     def _driven(self) -> Iterator[str]:
         if self.load is not None:
@@ -42,11 +40,7 @@ class RecordOverview(Overview):
         if self.load is not None and self.load.end > self.duration * (1 + 1e-9):
             ends = f"the load lasts {_time(self.load.end)}, the motion ends at {_time(self.duration)}"
             yield f"{ends}: set record.duration"
-        if self.load is not None and self.coarse is not None:
-            has, (needed, highest) = float(1 / np.diff(self.load.times).max()), self.coarse
-            enough = f"the load has {has:.6g} samples a second, to 10 % for modes up to "
-            followed, top = with_unit(highest * has / needed, "Hz"), with_unit(highest, "Hz")
-            yield f"{enough}{followed}; the highest, {top}, needs {needed:.0f}"
+        yield from self.remarks
         if self.model.damping_ratio >= 1:
             yield f"a damping ratio of {self.model.damping_ratio:.3g} leaves mode 1 no resonance (1 % is 0.01)"
 
@@ -60,10 +54,8 @@ def overview_of_record(makers: Mapping[str, MotionMaker], motions: int) -> Recor
     scene, properties = maker.case.scene_of(name), properties_of(maker.case, name, system)
     load = maker.load(0, 0)
     plain = scene.natural_unit is not None
-    highest = float(system.omega.max())
-    needed = too_coarse(load, highest) if highest > 0 else None
-    coarse = None if needed is None else (needed, highest / (2 * np.pi))
-    return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions, coarse)
+    remarks = tuple(remarks_on(load, system, maker.duration))
+    return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions, remarks)
 
 
 def _time(value: float) -> str:
