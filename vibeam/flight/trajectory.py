@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
     from vibeam.flight.proof.certificate import Certificate
     from vibeam.flight.proof.errors import ImpactErrors
+    from vibeam.system.record import Record
 
 STILL = 1e-11  # share of the motion's fastest velocity, and of ω times the static displacements, that is none
 FADING = 1e-3  # loss of speed at an impact, as a share, that is next to none
@@ -71,6 +72,12 @@ def _endless(path: Trajectory) -> bool:
     return law.at(0.0) == 1 and 1 - law.at(float(speeds[0])) <= FADING
 
 
+def _undriven(path: Trajectory) -> bool:
+    """True where nothing drives it at its end."""
+    drive = path.drive
+    return drive.amplitude == 0 if isinstance(drive, Drive) else drive.end <= path.t_end
+
+
 def _pressed(path: Trajectory) -> bool:
     """True where it stands within the range of a stop that yields."""
     from vibeam.flight.equilibrium import Contacts
@@ -92,6 +99,8 @@ def _still(path: Trajectory) -> bool:
 class Trajectory(ValueRecord):
     """A motion, exact between its events: SI units, times in s; the drive's phase is 0 at time 0.
 
+    ``drive`` is a sine or a ``Record``, of whose motions ``flight.record`` has more to read off.
+
     ``stats``: impacts, evaluations, cpu_seconds; ``segments``: flights and rests as the solver left them
     (``kernels.layout``).
 
@@ -103,7 +112,7 @@ class Trajectory(ValueRecord):
     """
 
     system: ImpactSystem
-    drive: Drive
+    drive: Drive | Record
     t_start: float
     t_end: float
     state: State
@@ -125,7 +134,7 @@ class Trajectory(ValueRecord):
             return Outcome.ENDLESS_CHATTER
         if self.ended is not Ended.COMPLETE:
             return Outcome[self.ended.name]
-        if self.drive.amplitude == 0 and _still(self):
+        if _undriven(self) and _still(self):
             return Outcome.SETTLED_ON_STOP if self.state.resting or _pressed(self) else Outcome.SETTLED
         return Outcome.RESTING if self.state.resting else Outcome.MOVING
 
@@ -137,6 +146,8 @@ class Trajectory(ValueRecord):
         """
         from vibeam.flight.proof.errors import errors_of
 
+        if not isinstance(self.drive, Drive):
+            raise ValueError("errors: how round-off grows is not known of motions under a record")
         return errors_of(self)
 
     @property
@@ -181,8 +192,8 @@ class Trajectory(ValueRecord):
     @property
     def rests(self) -> Array:
         """(m, 2): begin (an accumulation of impacts completed) and end of each rest on the stop, s."""
-        if self.system.further is not None:
-            return self.holds()
+        if self._in_sets:
+            return self._holds(None)
         trace = self.segments.trace
         resting = np.flatnonzero(trace[:, layout.WHAT] == layout.RESTING)
         before = trace[np.maximum(resting - 1, 0)]
@@ -203,6 +214,14 @@ class Trajectory(ValueRecord):
         """
         if self.system.further is None:
             raise ValueError("holds: there is one place of contact: rests has its holds")
+        return self._holds(contact)
+
+    @property
+    def _in_sets(self) -> bool:
+        """True where its segments are of sets of contacts: of several contacts, or under a record."""
+        return self.system.further is not None or not isinstance(self.drive, Drive)
+
+    def _holds(self, contact: int | None) -> Array:
         from vibeam.flight.contacts.readout import holds_of
 
         return holds_of(self.segments.trace, self.t_end, contact)
@@ -212,7 +231,7 @@ class Trajectory(ValueRecord):
         """(m, 3): begin, s, duration, s, and largest force, N, of each contact with stops that yield."""
         trace = self.segments.trace
         pushing = trace[:, layout.WHAT] == regime_layout.CONTACT
-        if self.system.further is not None:
+        if self._in_sets:
             pushing = trace[:, PUSHED_AT] > 0
         pushed = np.flatnonzero(pushing)
         if not len(pushed):
@@ -258,17 +277,22 @@ class Trajectory(ValueRecord):
 
     def _derivative(self, t: ArrayLike, wanted: TimeDerivative, more: int) -> Array:
         """A velocity or acceleration, or its rate, at times t of any shape."""
-        from vibeam.flight.disturbance.derivatives import derivative_along
-
         times, poses = floats("t", t), self.modes_at(t)
         flat, states = times.ravel(), poses.reshape(-1, 2, self.system.size)
-        found = derivative_along(self.system, self.drive, self.segments.trace, flat, states, wanted, more)
+        if isinstance(self.drive, Drive):
+            from vibeam.flight.disturbance.derivatives import derivative_along
+
+            found = derivative_along(self.system, self.drive, self.segments.trace, flat, states, wanted, more)
+        else:
+            from vibeam.flight.record.readout import derivative_under
+
+            found = derivative_under(self, flat, states, wanted, more)
         return np.asarray(found.reshape(times.shape))
 
 
 def simulate(
     system: ImpactSystem,
-    drive: Drive,
+    drive: Drive | Record,
     t_end: float,
     state: State | None = None,
     *,
@@ -277,7 +301,7 @@ def simulate(
     max_impacts: int = 10_000_000,
     certify: bool = False,
 ) -> Trajectory:
-    """The motion of ``system`` under ``drive`` from ``t_start`` to ``t_end`` seconds.
+    """The motion of ``system`` under ``drive``, a sine or a ``Record``, from ``t_start`` to ``t_end`` seconds.
 
     ``state``: where it starts, static equilibrium where None. ``max_impacts``: it ends there with Ended.EVENT_LIMIT.
     ``certify``: the result carries a ``certificate`` that no impact was missed, at less than the motion's cost again
@@ -292,11 +316,12 @@ def simulate(
     ([1.0, 2.0, 2.5, 2.75, 2.875], [1.0, 0.5, 0.25, 0.125, 0.0625])
     """
     require("system", system, ImpactSystem)
-    require("drive", drive, Drive)
     require("state", state, State, none_too=True)
     start, end, limit = _checked(t_start, t_end, max_impacts)
     if solver != "flight":
         raise ValueError(f"solver: {solver!r} keeps no exact path, only 'flight' does; its class has motion() instead")
+    if not isinstance(drive, Drive):
+        return _under_record(system, drive, end, state, start, limit, certify)
     runner = exact_solver(system, drive.omega, end - start)
     warm_up_motion(system, drive)
     ended, last, after, segments, stats = runner.simulate(drive, state, start, end, limit)
@@ -304,6 +329,18 @@ def simulate(
         system, drive, start, last, after, ended, stats, runner, segments,
         _certificate(runner, drive, segments) if certify else None,
     )  # fmt: skip
+
+
+def _under_record(
+    system: ImpactSystem, record: Any, end: float, state: State | None, start: float, limit: int, certify: bool
+) -> Trajectory:
+    """The motion under a record; ValueError where it is none."""
+    from vibeam.flight.record.solver import fly
+    from vibeam.system.record import Record
+
+    if not isinstance(record, Record):
+        raise ValueError(f"drive: must be a Drive or a Record, not {type(record).__name__}")
+    return Trajectory(**fly(system, record, end, state, start, limit, certify))
 
 
 def _checked(t_start: Any, t_end: Any, max_impacts: Any) -> tuple[float, float, int]:

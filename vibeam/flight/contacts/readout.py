@@ -33,25 +33,32 @@ def keys_of(trace: Array, contacts: int) -> Array:
     return np.asarray(trace[:, HELD_AT] + float(1 << contacts) * trace[:, PUSHED_AT]).astype(np.int64)
 
 
-def derivatives_in(
-    system: ImpactSystem, drive: Drive, rows: Array, clocks: Array, poses: Array, row: Array, order: int
-) -> Array:
-    """Derivative of the ``order`` 2 or 3 of what a ``row`` reads, at states in the segments ``rows`` of a trace."""
+def derivatives_in(system: ImpactSystem, loads: Array, rows: Array, poses: Array, row: Array, order: int) -> Array:
+    """Derivative of the ``order`` 2 or 3 of what a ``row`` reads, at states in the segments ``rows`` of a trace.
+
+    ``loads`` (2, m): what the modes' load is multiplied by, and its rate.
+    """
     contacts, found = Contacts.of(system), np.empty(len(rows))
     keys = keys_of(rows, len(contacts.gaps))
     for key in np.unique(keys):
         here = keys == key
         which = ContactSet.of(int(key), len(contacts.gaps))
-        found[here] = _in_set(contacts, which, drive, clocks[here], poses[here], order) @ row
+        found[here] = _in_set(contacts, which, loads[:, here], poses[here], order) @ row
     return found
 
 
-def _in_set(contacts: Contacts, which: ContactSet, drive: Drive, clocks: Array, poses: Array, order: int) -> Array:
+def loads_of(drive: Drive, clocks: Array) -> Array:
+    """Ω²B sin φ and its rate (2, m) at times in the drive period."""
+    strength, phase = drive.omega**2 * drive.amplitude, drive.omega * clocks
+    return np.array([strength * np.sin(phase), strength * (drive.omega * np.cos(phase))])
+
+
+def _in_set(contacts: Contacts, which: ContactSet, loads: Array, poses: Array, order: int) -> Array:
     """Second or third derivative (m, n) of η in one set; ValueError for the third where contact is integrated."""
     system, held = ConstrainedSystem(contacts, which), contacts.rows[list(which.held)]
     free = np.eye(poses.shape[2]) - (multipliers(held).T @ held if len(held) else 0.0)
-    load, phase = contacts.system.load * (drive.omega**2 * drive.amplitude), drive.omega * clocks[:, None]
-    pull = load * np.sin(phase) + system.static - poses[:, 1] @ system.damper - poses[:, 0] @ system.stiffness
+    load = contacts.system.load
+    pull = np.outer(loads[0], load) + system.static - poses[:, 1] @ system.damper - poses[:, 0] @ system.stiffness
     curved = [j for j in which.pushed if contacts.laws[j].integrated]
     for j in curved:
         deep, rate = np.maximum(poses[:, 0] @ contacts.rows[j] - contacts.gaps[j], 0.0), poses[:, 1] @ contacts.rows[j]
@@ -61,5 +68,5 @@ def _in_set(contacts: Contacts, which: ContactSet, drive: Drive, clocks: Array, 
         raise ValueError(f"the jerk in a contact that is integrated, {contacts.laws[curved[0]].name!r}, is not read")
     if order == 2:
         return np.asarray(second)
-    rate = load * (drive.omega * np.cos(phase)) - second @ system.damper - poses[:, 1] @ system.stiffness
+    rate = np.outer(loads[1], load) - second @ system.damper - poses[:, 1] @ system.stiffness
     return np.asarray(rate @ free)

@@ -17,6 +17,7 @@ from vibeam.flight.equilibrium import Contacts, multipliers
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts import layout as contact_layout
 from vibeam.flight.kernels.contacts.layout import ContactEngine, room_for
+from vibeam.flight.kernels.contacts.load.layout import no_course, with_sets
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, lone_modes, signal_rate
 from vibeam.flight.linear.eigenpairs import LinearSystem
@@ -191,7 +192,7 @@ class ContactSets:
         for name in ("sets", "coarsest", *SLOTTED, "signals"):
             old = getattr(self.engine, name)
             more[name] = np.concatenate([old, np.full_like(old, -1.0 if name == "sets" else 0.0)])
-        self.engine = self.engine._replace(**more)
+        self.engine = self.engine._replace(**more, course=with_sets(self.engine.course, 2 * room))
         assert len(self.engine.sets) == 2 * room
 
 
@@ -227,5 +228,5 @@ def _empty(contacts: Contacts, slowest: float) -> ContactEngine:
         laws=laws, curves=curves, gram=rows @ rows.T, soft=soft @ rows.T, yields=np.array(contacts.yields),
         omega=np.array(system.omega), spring=np.array(contacts.spring), damper=np.array(contacts.damper),
         damping=np.array(np.diag(contacts.damper)), load=np.array(system.load), static=np.array(system.static),
-        numbers=numbers, nodes=nodes, weights=weights, **room_for(k, n),
+        numbers=numbers, nodes=nodes, weights=weights, course=no_course(), **room_for(k, n),
     )  # fmt: skip

@@ -139,9 +139,9 @@ def derivative_along(
     which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
     clocks = trace[which, layout.AT_CLOCK] + times - trace[which, layout.START]
     if system.further is not None:
-        from vibeam.flight.contacts.readout import derivatives_in
+        from vibeam.flight.contacts.readout import derivatives_in, loads_of
 
-        found = derivatives_in(system, drive, trace[which], clocks, poses, wanted.row, order)
+        found = derivatives_in(system, loads_of(drive, clocks), trace[which], poses, wanted.row, order)
     else:
         found = _modal(system, drive, trace[which], clocks, poses, order) @ wanted.row
     return np.asarray(found + _of_base(drive, clocks, order, wanted.base))

@@ -11,6 +11,8 @@ from vibeam.flight.kernels.contacts.events import advance, piece_of
 from vibeam.flight.kernels.contacts.integrated import integrated_at, read_integrated
 from vibeam.flight.kernels.contacts.integration import is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
+from vibeam.flight.kernels.contacts.load.layout import LOADED
+from vibeam.flight.kernels.contacts.load.poses import carry_loaded, enter_loaded, leave_loaded
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, set_drive, slot_of
 from vibeam.flight.kernels.contacts.signals import show
 from vibeam.flight.kernels.entry import walk
@@ -78,10 +80,17 @@ def poses_at(
 ) -> None:  # fmt: skip
     """Set out[i] (2, n) to the pose a time after[i] into segment which[i], whose sets have been made."""
     set_drive(engine, omega, amplitude)
+    entered, reached, slot, loaded = -1, 0.0, 0, engine.course.numbers[LOADED] > 0.0
     for i in range(len(which)):
         segment = which[i]
         copy_pose(poses[segment], pose)
-        if after[i] > 0.0 and is_integrated(engine, trace[segment, row.PUSHED_AT]):
+        if loaded and after[i] > 0.0 and not is_integrated(engine, trace[segment, row.PUSHED_AT]):
+            if segment != entered or after[i] < reached:
+                entered, reached, slot = segment, 0.0, enter_loaded(engine, pose, trace[segment])
+            carry_loaded(engine, regime_of(engine, slot), slot, after[i] - reached)
+            leave_loaded(engine, slot, pose)
+            reached = after[i]
+        elif after[i] > 0.0 and is_integrated(engine, trace[segment, row.PUSHED_AT]):
             integrated_at(engine, pose, trace[segment], after[i])
         elif after[i] > 0.0:
             regime, clock = regime_of(engine, slot_at(engine, trace[segment])), trace[segment, layout.AT_CLOCK]

@@ -12,6 +12,9 @@ from vibeam.flight.kernels.contacts.algebra import NOISE
 from vibeam.flight.kernels.contacts.instants import arrive, classify, impulse, touch_all
 from vibeam.flight.kernels.contacts.integration import integrate, is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
+from vibeam.flight.kernels.contacts.load.events import is_jump, is_on_the_way, to_event_loaded
+from vibeam.flight.kernels.contacts.load.layout import LOADED, WRITTEN
+from vibeam.flight.kernels.contacts.load.walk import is_roomy
 from vibeam.flight.kernels.contacts.reactions import decide, each, is_curved, pressed_ones
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
 from vibeam.flight.kernels.contacts.signals import FORCE, first_signal, show
@@ -53,7 +56,7 @@ def advance(
     while done < span or status[row.PHASE] == row.STRIKING:  # an instant is not left half-way
         left = span - done
         if rows > 0:
-            if counts[layout.SEGMENTS] >= rows:
+            if counts[layout.SEGMENTS] >= rows or not is_roomy(engine.course, 2 * engine.rows.shape[0]):
                 return layout.FULL, done
             open_segment(trace, poses, pose, status, done, counts[layout.SEGMENTS])
         outcome, step = segment(engine, pose, status, left, record)
@@ -65,7 +68,7 @@ def advance(
         if step >= left and status[row.PHASE] != row.STRIKING:
             return layout.COMPLETE, span
         done, lost = (span, lost) if step >= left else add(done, lost, step)
-        counts[layout.EVENTS] += 1
+        counts[layout.EVENTS] += 0 if is_on_the_way(engine) else 1
         if status[row.PHASE] == row.STRIKING:
             continue
         if (counts[layout.IMPACTS] >= most or counts[layout.EVENTS] > EVENTS_AN_IMPACT * (most + 100)) and done < span:
@@ -91,7 +94,7 @@ def segment(engine: ContactEngine, pose: Array, status: Array, span: float, reco
 
     PAUSED, and all as it was, where a set is wanted for it. Impulses of one instant are a segment each.
     """
-    panels = record.counts[layout.PANELS]
+    panels, written = record.counts[layout.PANELS], engine.course.numbers[WRITTEN]
     copy_pose(pose, engine.saved)
     for i in range(status.shape[0]):
         engine.memory[i] = status[i]
@@ -101,7 +104,7 @@ def segment(engine: ContactEngine, pose: Array, status: Array, span: float, reco
         copy_pose(engine.saved, pose)
         for i in range(status.shape[0]):
             status[i] = engine.memory[i]
-        status[row.WANTED], record.counts[layout.PANELS] = wanted, panels
+        status[row.WANTED], record.counts[layout.PANELS], engine.course.numbers[WRITTEN] = wanted, panels, written
     if outcome != layout.COMPLETE:
         return outcome, 0.0
     note_segment(engine, status, step, end, before, record)
@@ -122,7 +125,7 @@ def note_segment(
         line[layout.WHAT] = layout.FREE if engine.memory[row.PHASE] == row.STRIKING else engine.memory[layout.KIND]
         line[regime_row.AT_SIDE], line[regime_row.PEAK] = max(status[row.AT], 0.0), status[regime_row.PEAKED]
         line[row.HELD_AT], line[row.PUSHED_AT] = engine.memory[row.HELD], engine.memory[row.PUSHED]
-        line[row.MET_AT] = status[row.MET]
+        line[row.MET_AT], line[row.PIECE_AT] = status[row.MET], engine.memory[row.PIECE]
         for i in range(row.TRACED * engine.rows.shape[0]):
             line[row.EACH_AT + i] = engine.memory[row.EACH + i]
         if end == layout.CHATTER:
@@ -149,6 +152,7 @@ def on(engine: ContactEngine, pose: Array, status: Array, span: float, counts: I
         if met == row.NONE:
             return layout.COMPLETE, step, layout.SPAN_END, 0.0
         end, before, leaving = arrive(engine, pose, status, met)
+        leaving = row.NONE if is_jump(engine) else leaving
     elif status[row.PHASE] == row.BEGINNING:
         end, before = touch_all(engine, pose, status, row.NONE)
     if status[row.PHASE] != row.STRIKING:
@@ -173,6 +177,8 @@ def age(engine: ContactEngine, status: Array) -> None:
 @kernel
 def to_event(engine: ContactEngine, pose: Array, status: Array, span: float, counts: Index) -> tuple[int, int, float]:
     """Carry ``pose`` on to the end of a segment: outcome, which signal's root it is (NONE: span's end), duration."""
+    if engine.course.numbers[LOADED] > 0.0:
+        return to_event_loaded(engine, pose, status, span, counts)
     if is_integrated(engine, status[row.PUSHED]):
         return through_contact(engine, pose, status, span, counts)
     key = key_of(engine, status[row.HELD], status[row.PUSHED])

@@ -11,6 +11,8 @@ from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.kernels.contacts.algebra import NOISE, along, size_along
 from vibeam.flight.kernels.contacts.integration import is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
+from vibeam.flight.kernels.contacts.load.layout import LOADED
+from vibeam.flight.kernels.contacts.load.walk import is_met, reaches_knot
 from vibeam.flight.kernels.contacts.reactions import decide, each, is_rigid
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
 from vibeam.flight.kernels.contacts.signals import FORCE, GAP, OUT, first_signal
@@ -122,7 +124,7 @@ def impulse(
         return layout.COMPLETE, step, layout.IMPACT, before
     after = status[each(engine, row.RISE, struck)]
     left, remainder = time_left(engine, pose, status, struck, after)
-    if left < 0.0:
+    if left < 0.0 or reaches_knot(engine, status, left):
         return layout.COMPLETE, step, layout.IMPACT, before
     outcome = complete(engine, pose, status, struck, left, counts)
     status[regime_row.LEFT_OVER], status[regime_row.LEFT_ERROR] = left, remainder
@@ -153,6 +155,9 @@ def complete(engine: ContactEngine, pose: Array, status: Array, struck: int, lef
             status[row.WANTED] = key_of(engine, status[row.HELD], status[row.PUSHED]) + 1.0
             return layout.PAUSED
         regime = regime_of(engine, slot)
+        if engine.course.numbers[LOADED] > 0.0:
+            outcome, met = is_met(engine, regime, slot, pose, status, left, counts)
+            return outcome if outcome != layout.COMPLETE or met == row.NONE else give_up(engine, pose, status)
         to_block_coordinates(regime, engine.drive, pose, status[layout.CLOCK])
         outcome, met, _ = first_signal(engine, regime, int(engine.coarsest[slot]), pose, status, left, counts)
         if outcome != layout.COMPLETE or met == row.NONE:

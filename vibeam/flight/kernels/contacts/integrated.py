@@ -24,6 +24,7 @@ def enter_segment(engine: ContactEngine, pose: Array, segment: Array) -> None:
     """Set ``engine.trial`` as the status at the start of a traced segment; state[BEGIN] is its first pose."""
     status = engine.trial
     status[layout.CLOCK], status[row.HELD] = segment[layout.AT_CLOCK], segment[row.HELD_AT]
+    status[row.PIECE] = segment[row.PIECE_AT]
     for j in range(engine.rows.shape[0]):
         pushed = (int(segment[row.PUSHED_AT]) >> j) & 1 > 0
         status[each(engine, row.CONDITION, j)] = row.PUSHING if pushed else row.AWAY

@@ -6,14 +6,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from vibeam.flight.kernels.contacts.load.layout import Course
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam_models.arrays import Array, Index
 
 # status: the regimes' rows, then the contacts held, and those that a yielding stop pushes, sums of 2^contact; the set
 # that is wanted, its key + 1; the phase; of an instant with impulses: contacts touched, those pressed by a force, the
 # fastest approach at its begin, impulses so far, which is next, the largest velocity before one, the contact met or
-# left; the signal met, or NONE; the number of contacts held, where contact is integrated; from EACH on ``CONDITIONS``
-HELD, PUSHED, WANTED, PHASE, TOUCHED, PRESSED, FIRST, STRIKES, NEXT, HARDEST, AT, MET, KEPT_NUMBER, EACH = range(17, 31)
+# left; the signal met, or NONE; the number of contacts held, where contact is integrated; the piece of a load, of which
+# CLOCK is the time within it then; from EACH on ``CONDITIONS``
+HELD, PUSHED, WANTED, PHASE, TOUCHED, PRESSED, FIRST, STRIKES, NEXT, HARDEST, AT, MET, KEPT_NUMBER = range(17, 30)
+PIECE, EACH = 30, 31
 # rows (k numbers each): what each contact is in, order and size of the root with which its signal starts, the largest
 # impact velocity so far
 CONDITION, ORDER, RISE, TOP = range(4)
@@ -22,8 +25,9 @@ AWAY, KEPT, IMPLIED, PUSHING, INSIDE = 0.0, 1.0, 2.0, 3.0, 4.0  # CONDITION; IMP
 FLYING, STRIKING, BEGINNING = 0.0, 1.0, 2.0  # PHASE
 
 # trace: the regimes' columns, then the contacts held and those pushed, sums of 2^contact; the signal whose root ended
-# the segment, or NONE; from EACH_AT on, for each contact at its start, what it was in, order and size of its root
-HELD_AT, PUSHED_AT, MET_AT, EACH_AT = range(regime_layout.TRACE_COLUMNS, regime_layout.TRACE_COLUMNS + 4)
+# the segment, or NONE; the piece of a load; from EACH_AT on, for each contact at its start, what it was in, order and
+# size of its root
+HELD_AT, PUSHED_AT, MET_AT, PIECE_AT, EACH_AT = range(regime_layout.TRACE_COLUMNS, regime_layout.TRACE_COLUMNS + 5)
 TRACED = 3  # rows of ``CONDITIONS`` that are traced
 
 # vectors (VECTORS, n): acceleration without constraint and the sizes of its parts, its rate as far as the drive goes,
@@ -89,6 +93,7 @@ class ContactEngine(NamedTuple):
     memory: Array
     tried: Array  # (2, n) the same before an accumulation was tried to be completed
     trial: Array
+    course: Course  # of a load in place of the sine; of none, without room
 
 
 # numbers (NUMBERS,): 1 where damping couples the modes; the slowest rate that panels serve, rad/s

@@ -8,7 +8,7 @@ decides.
 from __future__ import annotations
 
 from vibeam.flight.kernels import layout
-from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.kernels.contacts.algebra import (
     NOISE,
@@ -23,6 +23,8 @@ from vibeam.flight.kernels.contacts.algebra import (
     without_rows,
 )
 from vibeam.flight.kernels.contacts.layout import ContactEngine
+from vibeam.flight.kernels.contacts.load.flow import load_at
+from vibeam.flight.kernels.contacts.load.layout import LOADED
 from vibeam.flight.kernels.drive import phase
 from vibeam.flight.kernels.regimes import layout as regime_row
 from vibeam.flight.kernels.regimes.laws import force, force_rate
@@ -96,16 +98,26 @@ def push_rate(engine: ContactEngine, pose: Array, j: int, second: float) -> floa
     return force_rate(engine.laws[j], deep, rate, second) if deep > 0.0 else 0.0
 
 
+@joined
+def drive_at(engine: ContactEngine, status: Array) -> tuple[float, float, float, float]:
+    """Ω²B, sin φ, Ω cos φ and 1; under a load 1, u, u' and |u|."""
+    if engine.course.numbers[LOADED] > 0.0:
+        u, rate = load_at(engine.course, int(status[row.PIECE]), status[layout.CLOCK])
+        return 1.0, u, rate, abs(u)
+    cosine, sine = phase(engine.drive, status[layout.CLOCK])
+    return engine.drive[layout.STRENGTH], sine, engine.drive[layout.W] * cosine, 1.0
+
+
 @kernel
 def pull(engine: ContactEngine, pose: Array, status: Array) -> None:
     """Set vectors[PULL], [PULL_SIZE], [DRIVE_RATE]: η'' = l Ω²B sin φ + s − Dη' − ω²η − Σ rowᵀ F of those pushing."""
-    cosine, sine = phase(engine.drive, status[layout.CLOCK])
-    strength, w, vectors = engine.drive[layout.STRENGTH], engine.drive[layout.W], engine.vectors
+    strength, sine, rate, size = drive_at(engine, status)
+    vectors = engine.vectors
     for k in range(pose.shape[1]):
         push, spring = engine.load[k] * strength, engine.spring[k] * pose[0, k]
+        parts = abs(push) * size + abs(engine.static[k]) + braked_at_most(engine, pose[1], k) + abs(spring)
         vectors[row.PULL, k] = push * sine + engine.static[k] - braked(engine, pose[1], k) - spring
-        vectors[row.PULL_SIZE, k] = abs(push) + abs(engine.static[k]) + braked_at_most(engine, pose[1], k) + abs(spring)
-        vectors[row.DRIVE_RATE, k] = push * (w * cosine)
+        vectors[row.PULL_SIZE, k], vectors[row.DRIVE_RATE, k] = parts, push * rate
     for j in range(engine.rows.shape[0]):
         if status[each(engine, row.CONDITION, j)] == row.PUSHING:
             pressed = push_of(engine, pose, j)

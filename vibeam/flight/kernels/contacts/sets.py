@@ -6,6 +6,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.kernels.contacts.layout import ContactEngine
+from vibeam.flight.kernels.contacts.load.layout import LOADED
 from vibeam.flight.kernels.drive import carried_rate, coarsest_level, exact_period, steady_response
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.roots.pair import tabulate_drive
@@ -38,10 +39,12 @@ def slot_of(engine: ContactEngine, key: float) -> int:
 
 @kernel
 def set_drive(engine: ContactEngine, omega: float, amplitude: float) -> None:
-    """Put the engine under b = amplitude · sin(omega t)."""
+    """Put the engine under b = amplitude · sin(omega t); under a load of its own that says nothing."""
     drive = engine.drive
     drive[layout.W], drive[layout.STRENGTH], drive[layout.AMPLITUDE] = omega, omega * omega * amplitude, amplitude
     drive[layout.PERIOD], drive[layout.PERIOD_REST] = exact_period(omega)
+    if engine.course.numbers[LOADED] > 0.0:
+        return
     for slot in range(engine.sets.shape[0]):
         if engine.sets[slot] >= 0.0:
             regime = regime_of(engine, slot)

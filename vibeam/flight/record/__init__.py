@@ -1,0 +1,1 @@
+"""Motions under a load over time, a ``Record``."""

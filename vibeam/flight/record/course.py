@@ -1,0 +1,55 @@
+"""The course of a record's load over a motion, as the kernels take it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibeam.flight.kernels.contacts.load.layout import WINDOW
+from vibeam.system.record import Record
+from vibeam_models.arrays import Array, Index
+
+
+@dataclass(frozen=True)
+class RecordCourse:
+    """The pieces of a record from the start of a motion to its end, with pieces of no load where it has none."""
+
+    knots: Array  # (K + 1,) s
+    pieces: Array  # (K, 4)
+    lengths: Array  # (K,) s, all equal where those of the record are to round-off
+    peaks: Array  # (K // WINDOW + 1,)
+
+    @classmethod
+    def of(cls, record: Record, start: float, end: float) -> RecordCourse:
+        """The course of ``record`` for a motion from ``start`` to ``end``, s."""
+        knots, pieces, spacing = np.array(record.times), np.array(record.load), record.spacing
+        lengths = np.diff(knots) if spacing is None else np.full(len(pieces), spacing)
+        none = np.zeros((1, 4))
+        if start < knots[0]:
+            knots, pieces = np.append(start, knots), np.concatenate([none, pieces])
+            lengths = np.append(knots[1] - start, lengths)
+        if end > knots[-1]:
+            knots, pieces = np.append(knots, end), np.concatenate([pieces, none])
+            lengths = np.append(lengths, end - knots[-2])
+        return cls(knots, np.ascontiguousarray(pieces), lengths, _peaks(pieces, lengths))
+
+    def place(self, times: Array | float) -> tuple[Index, Array]:
+        """Piece and time within it at ``times``, s."""
+        piece = np.clip(np.searchsorted(self.knots, times, side="right") - 1, 0, len(self.lengths) - 1)
+        return piece, np.minimum(times - self.knots[piece], self.lengths[piece])
+
+    def loads(self, times: Array) -> Array:
+        """u and u' (2, m) at ``times`` (m,)."""
+        piece, s = self.place(times)
+        c = self.pieces[piece].T
+        return np.array([c[0] + s * (c[1] + s * (c[2] + s * c[3])), c[1] + s * (2 * c[2] + 3 * s * c[3])])
+
+
+def _peaks(pieces: Array, lengths: Array) -> Array:
+    """The largest |u| in every WINDOW pieces, by the hull of each piece's Bernstein coefficients."""
+    c, h = pieces.T, lengths
+    hull = [c[0], c[0] + c[1] * h / 3, c[0] + h * (2 * c[1] + c[2] * h) / 3, c[0] + h * (c[1] + h * (c[2] + h * c[3]))]
+    most = np.max(np.abs(hull), axis=0)
+    padded = np.append(most, np.zeros(-len(most) % WINDOW + WINDOW))
+    return np.asarray(padded.reshape(-1, WINDOW).max(axis=1) * (1 + 1e-12))

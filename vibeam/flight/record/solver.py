@@ -1,0 +1,146 @@
+"""Solver of motions under a record: every system as one of several contacts, whose kernels know loads."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from vibeam.flight.contacts.sets import FIRST, ContactSets
+from vibeam.flight.contacts.solver import ContactsSolver
+from vibeam.flight.event_driven import ROWS, Segments
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.contacts import layout as contact_layout
+from vibeam.flight.kernels.contacts.load import layout as load_layout
+from vibeam.flight.kernels.contacts.load.layout import course_of
+from vibeam.flight.kernels.layout import watch_of
+from vibeam.flight.readout import OUTCOMES
+from vibeam.flight.record.course import RecordCourse
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.record import Record
+from vibeam.system.response import Ended
+from vibeam.system.state import State
+from vibeam_models.arrays import Array
+
+INTERVALS = 1 << 15  # room for intervals of a certificate between two visits to Python
+MOST_ROWS = 65536
+
+
+class RecordSolver(ContactsSolver):
+    """One system and the record that it is under from ``start`` to ``end``, s.
+
+    Between the points that are kept, events and every 256th piece of the record, the motion is made anew where it is
+    asked for.
+    """
+
+    def __init__(self, system: ImpactSystem, record: Record, start: float, end: float, limit: int = 100_000) -> None:
+        """``limit``: as of ``ContactsSolver``."""
+        super().__init__(system, 0.0, end - start, limit)
+        self.course = RecordCourse.of(record, start, end)
+
+    @property
+    def sets(self) -> ContactSets:
+        """The calling thread's sets."""
+        try:
+            found: ContactSets = self._own.sets
+        except AttributeError:
+            found = self._own.sets = ContactSets(self.contacts, self._slowest, self._top)
+            course, (k, n) = self.course, self.contacts.rows.shape
+            load = course_of(course.pieces, course.lengths, course.peaks, FIRST, n, k)
+            found.engine = found.engine._replace(course=load)
+        return found
+
+    def fly(
+        self, state: State | None, start: float, end: float, limit: int, certify: bool
+    ) -> tuple[Ended, float, State, Segments, dict[str, float], Array]:
+        """As ``simulate``, and the intervals (m, PIECE_COLUMNS) of a certificate, none where not asked for."""
+        begun = time.thread_time()
+        pose, status = self.pose(state)
+        status[contact_layout.PIECE], status[layout.CLOCK] = (float(part) for part in self.course.place(start))
+        self._certify(certify)
+        outcome, segments, counts, intervals = self._flown_loaded(pose, status, end - start, limit)
+        trace = segments.trace
+        trace[:, layout.START] = self.times_of(trace)
+        last = end if outcome == layout.COMPLETE else float(trace[-1, layout.START] + trace[-1, layout.DURATION])
+        stats = {
+            "impacts": int(counts[layout.IMPACTS]),
+            "evaluations": int(counts[layout.PANELS]),
+            "cpu_seconds": time.thread_time() - begun,
+        }
+        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats, intervals
+
+    def times_of(self, trace: Array) -> Array:
+        """When each segment begins, s: by the record's own knots, so that times do not drift."""
+        return np.asarray(
+            self.course.knots[trace[:, contact_layout.PIECE_AT].astype(np.int64)] + trace[:, layout.AT_CLOCK]
+        )
+
+    def _certify(self, asked: bool) -> None:
+        course = self.sets.engine.course
+        course.numbers[load_layout.CERTIFIED], course.numbers[load_layout.WRITTEN] = float(asked), 0.0
+        room = np.zeros((INTERVALS if asked else 0, layout.PIECE_COLUMNS))
+        self.sets.engine = self.sets.engine._replace(course=course._replace(intervals=room))
+
+    def _flown_loaded(self, pose: Array, status: Array, span: float, limit: int) -> tuple[int, Segments, Any, Array]:
+        """Carry ``pose`` and ``status`` on by ``span``: outcome, segments, counts, intervals."""
+        rows, done, kept, known = ROWS, 0.0, list[Segments](), [np.zeros((0, layout.PIECE_COLUMNS))]
+        counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
+        outcome, traced = layout.FULL, 0
+        while outcome == layout.FULL:
+            trace, poses = np.zeros((rows, self._trace_columns)), np.zeros((rows, 2, self.system.size))
+            counts[layout.SEGMENTS] = 0
+            outcome, step = self._move(
+                self.sets.engine, 0.0, 0.0, pose, status, float(span - done), 0, 0, limit,
+                watch_of(self._watch(None), 0, trace, poses), counts, 0,
+            )  # fmt: skip
+            known.append(self._intervals(traced))
+            count = int(counts[layout.SEGMENTS])
+            kept.append(Segments(trace[:count].copy(), poses[:count].copy(), np.inf))
+            done, traced, rows = done + step, traced + count, min(2 * rows, MOST_ROWS)
+        segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), np.inf)
+        if not len(segments.trace):
+            segments = self._instant(0.0, pose, status, np.inf)
+            segments.trace[0, contact_layout.PIECE_AT] = status[contact_layout.PIECE]
+        return outcome, segments, counts, np.concatenate(known)
+
+    def _intervals(self, traced: int) -> Array:
+        """The intervals written, of segments counted from ``traced`` on; there is room for others then."""
+        course = self.sets.engine.course
+        found = course.intervals[: int(course.numbers[load_layout.WRITTEN])].copy()
+        found[:, layout.PIECE_SEGMENT] += traced
+        course.numbers[load_layout.WRITTEN] = 0.0
+        return found
+
+    def modes_at(self, segments: Segments, times: Array) -> Array:
+        """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
+        self._make_all(segments.trace)
+        starts = segments.trace[:, layout.START]
+        which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
+        out = np.empty((len(times), 2, self.system.size))
+        self._poses_at(
+            self.sets.engine, 0.0, 0.0, segments.trace, np.ascontiguousarray(segments.poses), which,
+            times - starts[which], *self._scratch(), out,
+        )  # fmt: skip
+        return out
+
+    def poses_at(self, drive: Any, segments: Segments, times: Array) -> Array:
+        """As ``modes_at``."""
+        return self.modes_at(segments, times)
+
+
+def fly(
+    system: ImpactSystem, record: Record, end: float, state: State | None, start: float, limit: int, certify: bool
+) -> dict[str, Any]:
+    """The fields of the trajectory of ``system`` under ``record``."""
+    runner = RecordSolver(system, record, start, end)
+    ended, last, after, segments, stats, intervals = runner.fly(state, start, end, limit, certify)
+    found: dict[str, Any] = {
+        "system": system, "drive": record, "t_start": start, "t_end": last, "state": after, "ended": ended,
+        "stats": stats, "_solver": runner, "segments": segments,
+    }  # fmt: skip
+    if certify:
+        from vibeam.flight.record.certificate import certificate_of_record
+
+        found["certificate"] = certificate_of_record(runner, record, segments, intervals)
+    return found
