@@ -112,7 +112,7 @@ class Trajectory(ValueRecord):
     """
 
     system: ImpactSystem
-    drive: Drive | Record
+    drive: Any  #: a Drive, or the Record
     t_start: float
     t_end: float
     state: State
@@ -335,12 +335,13 @@ def _under_record(
     system: ImpactSystem, record: Any, end: float, state: State | None, start: float, limit: int, certify: bool
 ) -> Trajectory:
     """The motion under a record; ValueError where it is none."""
-    from vibeam.flight.record.solver import fly
+    from vibeam.flight.record.solver import RecordSolver, flown
     from vibeam.system.record import Record
 
     if not isinstance(record, Record):
         raise ValueError(f"drive: must be a Drive or a Record, not {type(record).__name__}")
-    return Trajectory(**fly(system, record, end, state, start, limit, certify))
+    runner = RecordSolver(system, record, start, end)
+    return Trajectory(**flown(runner, record, end, state, start, limit, certify))
 
 
 def _checked(t_start: Any, t_end: Any, max_impacts: Any) -> tuple[float, float, int]:

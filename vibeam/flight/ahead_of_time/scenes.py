@@ -12,8 +12,10 @@ from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
 from vibeam.flight.points.disturbances import carry
 from vibeam.flight.points.points import PlainPoints, PointSettings, compute
+from vibeam.flight.record.extremes import extremes
 from vibeam.flight.trajectory import simulate
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.record import Record
 from vibeam.system.rows import Contact
 from vibeam.system.state import State
 from vibeam_models.laws.compliant import HuntCrossley
@@ -40,6 +42,7 @@ def fly_in_regimes() -> None:
 def fly_between_contacts() -> None:
     """Motions and poses with several contacts."""
     simulate(replace(PLAIN, further=(Contact(np.array([1.0, -0.5]), 1e-4, 0.5),)), DRIVE, 0.1, certify=True).at(0.05)
+    extremes(simulate(PLAIN, Record.half_sine(1.0, 0.01), 0.1), ("contact",))
 
 
 def fly_side_by_side() -> None:

@@ -131,6 +131,9 @@ class ContactSets:
         self.engine = _empty(contacts, slowest)
         self.make(0)
 
+    def __len__(self) -> int:
+        return len(self._made)
+
     def make(self, key: int) -> None:
         """Make the set with that key, unless it is there."""
         if key in self._made:

@@ -30,6 +30,7 @@ KERNELS = {  # by entry point: what is compiled, and about how long that takes o
     f"{REGIMES}.cover": ("the kernels of their certificates", "about half a minute"),
     f"{CONTACTS}.move": ("the kernels of several contacts", "one to two minutes"),
     f"{CONTACTS}.poses_at": ("the kernels of several contacts", "one to two minutes"),
+    f"{CONTACTS}.extremes_loaded": ("the kernels of several contacts", "one to two minutes"),
     f"{CONTACTS}.cover": ("the kernels of several contacts", "one to two minutes"),
     f"{PLAIN}.tangents.entry.carry": ("the kernels of tangent maps", "about half a minute"),
     f"{POINTS}.entry.run": ("the kernels of batches", "one to two minutes"),

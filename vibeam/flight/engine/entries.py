@@ -96,6 +96,7 @@ regimes_move, regimes_poses_at, regimes_cover = (
 contacts_move, contacts_poses_at, contacts_cover = (
     EntryPoint("contacts", f"{KERNELS}.contacts.entry", name) for name in ("move", "poses_at", "cover")
 )
+extremes_loaded = EntryPoint("contacts", f"{KERNELS}.contacts.entry", "extremes_loaded")
 run_points = EntryPoint("points", f"{POINTS}.entry", "run")
 carry_disturbances = EntryPoint("tangents", f"{POINTS}.disturbances", "carry")
 carry_frame = EntryPoint("tangent_maps", f"{KERNELS}.tangents.entry", "carry")
@@ -104,7 +105,7 @@ march = EntryPoint("moreau", f"{KERNELS}.moreau", "march")
 REGIMES = (regimes_move, regimes_poses_at, regimes_cover)
 CONTACTS = (contacts_move, contacts_poses_at, contacts_cover)
 TANGENTS = (carry_disturbances, carry_frame)
-ENTRIES = (tabulate, move, poses_at, cover, *REGIMES, *CONTACTS, run_points, *TANGENTS, march)
+ENTRIES = (tabulate, move, poses_at, cover, *REGIMES, *CONTACTS, extremes_loaded, run_points, *TANGENTS, march)
 
 
 def origin() -> str:

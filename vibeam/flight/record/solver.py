@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from typing import Any
+from copy import copy
+from typing import Any, cast
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from vibeam_models.arrays import Array
 
 INTERVALS = 1 << 15  # room for intervals of a certificate between two visits to Python
 MOST_ROWS = 65536
+NO_INTERVALS = np.zeros((0, layout.PIECE_COLUMNS))
 
 
 class RecordSolver(ContactsSolver):
@@ -39,17 +41,27 @@ class RecordSolver(ContactsSolver):
         super().__init__(system, 0.0, end - start, limit)
         self.course = RecordCourse.of(record, start, end)
 
+    def sibling(self, record: Record, start: float, end: float) -> RecordSolver:
+        """The solver of the same system under another record of about the same span; both use the same sets."""
+        found = copy(self)
+        found.course = RecordCourse.of(record, start, end)
+        return found
+
     @property
     def sets(self) -> ContactSets:
-        """The calling thread's sets."""
-        try:
-            found: ContactSets = self._own.sets
-        except AttributeError:
-            found = self._own.sets = ContactSets(self.contacts, self._slowest, self._top)
-            course, (k, n) = self.course, self.contacts.rows.shape
-            load = course_of(course.pieces, course.lengths, course.peaks, FIRST, n, k)
-            found.engine = found.engine._replace(course=load)
-        return found
+        """The calling thread's sets, under this record's course."""
+        own, course = self._own, self.course
+        if getattr(own, "course", None) is course:
+            return cast(ContactSets, own.sets)
+        if not hasattr(own, "sets"):
+            own.sets = ContactSets(self.contacts, self._slowest, self._top)
+            load = course_of(course.pieces, course.lengths, course.peaks, FIRST, *self.contacts.rows.shape[::-1])
+        else:
+            load = own.sets.engine.course._replace(
+                pieces=course.pieces, lengths=course.lengths, peaks=course.peaks, intervals=NO_INTERVALS
+            )
+        own.sets.engine, own.course = own.sets.engine._replace(course=load), course
+        return cast(ContactSets, own.sets)
 
     def fly(
         self, state: State | None, start: float, end: float, limit: int, certify: bool
@@ -129,14 +141,13 @@ class RecordSolver(ContactsSolver):
         return self.modes_at(segments, times)
 
 
-def fly(
-    system: ImpactSystem, record: Record, end: float, state: State | None, start: float, limit: int, certify: bool
+def flown(
+    runner: RecordSolver, record: Record, end: float, state: State | None, start: float, limit: int, certify: bool
 ) -> dict[str, Any]:
-    """The fields of the trajectory of ``system`` under ``record``."""
-    runner = RecordSolver(system, record, start, end)
+    """The fields of the trajectory that ``runner`` flies under its ``record``."""
     ended, last, after, segments, stats, intervals = runner.fly(state, start, end, limit, certify)
     found: dict[str, Any] = {
-        "system": system, "drive": record, "t_start": start, "t_end": last, "state": after, "ended": ended,
+        "system": runner.system, "drive": record, "t_start": start, "t_end": last, "state": after, "ended": ended,
         "stats": stats, "_solver": runner, "segments": segments,
     }  # fmt: skip
     if certify:

@@ -11,6 +11,7 @@ from vibeam.flight.kernels.contacts.events import advance, piece_of
 from vibeam.flight.kernels.contacts.integrated import integrated_at, read_integrated
 from vibeam.flight.kernels.contacts.integration import is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
+from vibeam.flight.kernels.contacts.load.extremes import OutputWatch, read_flow, read_steps
 from vibeam.flight.kernels.contacts.load.layout import LOADED
 from vibeam.flight.kernels.contacts.load.poses import carry_loaded, enter_loaded, leave_loaded
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, set_drive, slot_of
@@ -97,6 +98,17 @@ def poses_at(
             to_block_coordinates(regime, engine.drive, pose, clock)
             advance_blocks(regime, engine.drive, pose, clock, after[i])
         copy_pose(pose, out[i])
+
+
+@entry
+def extremes_loaded(engine: ContactEngine, trace: Array, poses: Array, watch: OutputWatch) -> None:
+    """Extremes of outputs over a motion under a load, whose sets have been made, into ``watch.found``."""
+    place = 0
+    for i in range(trace.shape[0]):
+        if is_integrated(engine, trace[i, row.PUSHED_AT]):
+            place = read_steps(engine, watch, trace[i], poses[i], place)
+        else:
+            place = read_flow(engine, watch, trace[i], poses[i], place)
 
 
 @entry

@@ -89,7 +89,9 @@ def grow(regime: Regime, course: Course, slot: int, length: float, h: float) -> 
         first = step[row.STEP11, k] * x + step[row.STEP12, k] * y
         second = step[row.STEP21, k] * x + step[row.STEP22, k] * y
         first += u1 * step[row.FIRST_LOAD, k] + u2 * step[row.SECOND_LOAD, k] + u3 * step[row.THIRD_LOAD, k]
-        second += u1 * step[row.FIRST_LOAD + 1, k] + u2 * step[row.SECOND_LOAD + 1, k] + u3 * step[row.THIRD_LOAD + 1, k]
+        second += (
+            u1 * step[row.FIRST_LOAD + 1, k] + u2 * step[row.SECOND_LOAD + 1, k] + u3 * step[row.THIRD_LOAD + 1, k]
+        )
         flow[row.GROWTH, k], flow[row.GROWTH + 1, k] = first, second
         first, second = first + flow[row.Y, k], second + flow[row.Y + 1, k]
         flow[row.TRIAL, k], flow[row.TRIAL + 1, k] = first, second

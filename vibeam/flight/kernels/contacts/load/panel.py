@@ -1,6 +1,6 @@
 """One signal on a panel under a load: its values at the ends, the bound on its fourth derivative, verdict and root.
 
-From the fourth derivative on the load, a cubic, is gone: y⁗ is a free motion, y⁗(τ) = e^{Aτ} y⁗(0), so that each block's
+From the fourth derivative on the load, a cubic, is gone: y⁗ is a free motion, y⁗(τ) = e^{Aτ} y⁗(0), so that a block's
 share r·y⁗ is bounded for the whole panel by its value and rate at the node, as a free pair's is. A signal that starts
 with a root of order m is worked on as p = g/τ^m,
 
@@ -23,7 +23,6 @@ from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.kernels.roots.pair import norm
 from vibeam_models.arrays import Array
 
-FACTORIALS = (1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0)
 ROUNDS = 100
 CLOSE = 1e-12  # share of a panel within which a minimum is found
 
@@ -35,9 +34,9 @@ def sign_of(engine: ContactEngine, which: int) -> float:
 
 
 @joined
-def signal_row(engine: ContactEngine, regime: Regime, which: int) -> Array:
-    """Weights, constant and share of the load of a signal, less its sign."""
-    return regime.signals[which - 2 * engine.rows.shape[0] if which >= 2 * engine.rows.shape[0] else which]
+def row_of(engine: ContactEngine, which: int) -> int:
+    """Row of ``regime.signals`` of a signal, less its sign."""
+    return which - 2 * engine.rows.shape[0] if which >= 2 * engine.rows.shape[0] else which
 
 
 @summing
@@ -61,7 +60,12 @@ def parts(weights: Array, flow: Array, constant: float) -> float:
 @kernel
 def show_value(engine: ContactEngine, regime: Regime, course: Course, place: int, which: int) -> None:
     """watch[AT], [SLOPE] and [PARTS] of a signal at the node."""
-    weights, sign, watch, n = signal_row(engine, regime, which), sign_of(engine, which), course.watch, engine.omega.shape[0]
+    weights, sign, watch, n = (
+        regime.signals[row_of(engine, which)],
+        sign_of(engine, which),
+        course.watch,
+        engine.omega.shape[0],
+    )
     share, u = weights[2 * n + 1], course.numbers[row.U]
     value = read(weights, course.flow, row.Y) + weights[2 * n] + share * u
     watch[row.AT, place] = sign * value + watch[row.ADDED, place]
@@ -72,7 +76,7 @@ def show_value(engine: ContactEngine, regime: Regime, course: Course, place: int
 @kernel
 def derivative_at(engine: ContactEngine, regime: Regime, course: Course, which: int, order: int) -> float:
     """The ``order``-th derivative, 1 … 4, of a signal at the node."""
-    weights, n = signal_row(engine, regime, which), engine.omega.shape[0]
+    weights, n = regime.signals[row_of(engine, which)], engine.omega.shape[0]
     value = read(weights, course.flow, row.Y + 2 * order)
     if order < 4:
         value += weights[2 * n + 1] * course.numbers[row.U + order]
@@ -86,7 +90,10 @@ def bound_of(regime: Regime, weights: Array, flow: Array, order: int, h: float) 
     for k in range(flow.shape[1]):
         x = weights[2 * k] * flow[row.FOURTH, k] + weights[2 * k + 1] * flow[row.FOURTH + 1, k]
         y = weights[2 * k] * flow[row.FIFTH, k] + weights[2 * k + 1] * flow[row.FIFTH + 1, k]
-        damp, square = 2.0 * regime.pairs[layout.SIGMA, k], regime.pairs[layout.OMEGA, k] * regime.pairs[layout.OMEGA, k]
+        damp, square = (
+            2.0 * regime.pairs[layout.SIGMA, k],
+            regime.pairs[layout.OMEGA, k] * regime.pairs[layout.OMEGA, k],
+        )
         for _ in range(order):
             x, y = y, -damp * y - square * x
         most = abs(x) + h * abs(y)
@@ -99,11 +106,16 @@ def bound_of(regime: Regime, weights: Array, flow: Array, order: int, h: float) 
 @kernel
 def judge(engine: ContactEngine, regime: Regime, course: Course, place: int, which: int, h: float) -> int:
     """Verdict on a panel of length h from the node on for one signal; its flow is grown to the end."""
-    weights, sign, watch, n = signal_row(engine, regime, which), sign_of(engine, which), course.watch, engine.omega.shape[0]
+    weights, sign, watch, n = (
+        regime.signals[row_of(engine, which)],
+        sign_of(engine, which),
+        course.watch,
+        engine.omega.shape[0],
+    )
     share, numbers, order = weights[2 * n + 1], course.numbers, int(watch[row.START_ORDER, place])
-    fourth = bound_of(regime, weights, course.flow, order, h)
     if order > 0:
         return judge_start(engine, regime, course, place, which, h)
+    fourth = bound_of(regime, weights, course.flow, order, h)
     growth = read(weights, course.flow, row.GROWTH) + share * (numbers[row.U_LAST] - numbers[row.U])
     last = watch[row.AT, place] + sign * growth
     slope = sign * (read(weights, course.flow, row.TRIAL_RATE) + share * numbers[row.U1_LAST])
@@ -115,7 +127,11 @@ def judge(engine: ContactEngine, regime: Regime, course: Course, place: int, whi
 @kernel
 def judge_start(engine: ContactEngine, regime: Regime, course: Course, place: int, which: int, h: float) -> int:
     """The same for a signal that starts with a root: watch[AT … LAST_SLOPE] are those of p = g/τ^m."""
-    watch, weights, order = course.watch, signal_row(engine, regime, which), int(course.watch[row.START_ORDER, place])
+    watch, weights, order = (
+        course.watch,
+        regime.signals[row_of(engine, which)],
+        int(course.watch[row.START_ORDER, place]),
+    )
     factor, more = factorial(order), factorial(order + 1)
     fourth = bound_of(regime, weights, course.flow, order, h) * 24.0 / factorial(order + 4)
     watch[row.AT, place] = watch[row.START_RISE, place] / factor
@@ -148,10 +164,17 @@ def evaluate(
     engine: ContactEngine, regime: Regime, course: Course, place: int, which: int, tau: float
 ) -> tuple[float, float]:
     """p and p' of a signal at τ from the node on, ``set_functions`` there."""
-    flow, phi, b, numbers, watch = course.flow, course.phi, regime.blocks, course.numbers, course.watch
-    weights, n, m = signal_row(engine, regime, which), engine.omega.shape[0], int(watch[row.START_ORDER, place])
-    value, slope, at = 0.0, 0.0, row.Y + 2 * (m + 1)
-    for k in range(flow.shape[1]):
+    order, sign = int(course.watch[row.START_ORDER, place]), sign_of(engine, which)
+    value, slope = growth_of(regime, course, regime.signals[row_of(engine, which)], order, tau)
+    return course.watch[row.AT, place] + sign * tau * value, sign * slope
+
+
+@kernel
+def growth_of(regime: Regime, course: Course, weights: Array, m: int, tau: float) -> tuple[float, float]:
+    """(p(τ) − p(0))/τ and p'(τ) of a signal with these weights that starts with a root of order m, or none."""
+    flow, phi, b, numbers = course.flow, course.phi, regime.blocks, course.numbers
+    value, slope, at, n = 0.0, 0.0, row.Y + 2 * (m + 1), course.flow.shape[1]
+    for k in range(n):
         r0, r1 = weights[2 * k], weights[2 * k + 1]
         a0, a1 = r0 * b[layout.A11, k] + r1 * b[layout.A21, k], r0 * b[layout.A12, k] + r1 * b[layout.A22, k]
         x, y = r0 * flow[at, k] + r1 * flow[at + 1, k], a0 * flow[at, k] + a1 * flow[at + 1, k]
@@ -171,8 +194,7 @@ def evaluate(
         value += share * numbers[row.U + m + i] * power / factorial(m + i)
         slope += share * numbers[row.U + m + i] * power * i / factorial(m + i)
         power *= tau
-    sign = sign_of(engine, which)
-    return watch[row.AT, place] + sign * tau * value, sign * slope
+    return value, slope
 
 
 @kernel

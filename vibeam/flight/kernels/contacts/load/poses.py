@@ -6,7 +6,15 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import layout as contact_row
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load.flow import accept, differentiate, enter_blocks, grow, leave_blocks, move_on, set_load
+from vibeam.flight.kernels.contacts.load.flow import (
+    accept,
+    differentiate,
+    enter_blocks,
+    grow,
+    leave_blocks,
+    move_on,
+    set_load,
+)
 from vibeam.flight.kernels.contacts.load.layout import CLOCK_NOW, PIECE_NOW
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
 from vibeam.flight.kernels.layout import Regime

@@ -12,7 +12,7 @@ from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.load import layout as row
 from vibeam.flight.kernels.contacts.load.flow import load_at
 from vibeam.flight.kernels.contacts.load.layout import Course
-from vibeam.flight.kernels.contacts.load.panel import sign_of, signal_row
+from vibeam.flight.kernels.contacts.load.panel import row_of, sign_of
 from vibeam.flight.kernels.contacts.load.phi import step_over
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.roots.newton import EPSILON
@@ -44,7 +44,7 @@ def is_quiet(engine: ContactEngine, regime: Regime, number: int, piece: int, lef
 @kernel
 def is_far(engine: ContactEngine, regime: Regime, which: int, span: float, peak: float) -> bool:
     """True where one signal stays above zero over a span on which |u| is at most ``peak``."""
-    weights, sign, n = signal_row(engine, regime, which), sign_of(engine, which), engine.omega.shape[0]
+    weights, sign, n = regime.signals[row_of(engine, which)], sign_of(engine, which), engine.omega.shape[0]
     blocks, flow, most = regime.blocks, engine.course.flow, abs(weights[2 * n + 1]) * peak
     size = abs(weights[2 * n])
     for k in range(n):
@@ -65,7 +65,7 @@ def bound_of_free(regime: Regime, weights: Array, k: int, y1: float, y2: float, 
     most = abs(x) + span * abs(y)
     if regime.pairs[layout.INVERSE, k] > 0.0:
         most = min(most, norm(x, y * regime.pairs[layout.INVERSE, k]))
-    return most
+    return float(most)
 
 
 @kernel
@@ -87,4 +87,4 @@ def pass_window(regime: Regime, course: Course, slot: int, piece: int) -> float:
             )
             flow[row.Y, k], flow[row.Y + 1, k] = y1 + first, y2 + second
     course.numbers[row.U_LAST], course.numbers[row.U1_LAST] = load_at(course, piece + row.WINDOW - 1, length)
-    return row.WINDOW * length
+    return float(row.WINDOW * length)

@@ -28,9 +28,9 @@ from vibeam.flight.kernels.contacts.load.panel import (
     find_root,
     find_turn,
     judge,
+    row_of,
     show_value,
     sign_of,
-    signal_row,
 )
 from vibeam.flight.kernels.contacts.load.peaks import note_push
 from vibeam.flight.kernels.contacts.load.quiet import is_quiet, pass_window
@@ -61,7 +61,7 @@ def first_signal_loaded(
     a point that is kept.
     """
     course, number = engine.course, list_signals(engine, status)
-    numbers, lengths, watch, whole = course.numbers, course.lengths, course.watch, engine.course.lengths.shape[0]
+    numbers, lengths, whole = course.numbers, course.lengths, course.lengths.shape[0]
     piece, clock = int(status[contact_row.PIECE]), status[layout.CLOCK]
     enter_blocks(regime, course, pose)
     numbers[row.WHY], status[regime_row.PEAKED] = row.REACHED, 0.0
@@ -253,7 +253,7 @@ def jumped(engine: ContactEngine, regime: Regime, number: int, jump: float, anew
         return met
     for place in range(number):
         which, grown = engine.watched[place], watch[row.AT, place]
-        share = sign_of(engine, which) * signal_row(engine, regime, which)[2 * n + 1]
+        share = sign_of(engine, which) * regime.signals[row_of(engine, which)][2 * n + 1]
         if share == 0.0:
             continue
         show_value(engine, regime, engine.course, place, which)
@@ -326,7 +326,7 @@ def note_pushes(engine: ContactEngine, regime: Regime, status: Array, number: in
 def is_roomy(course: Course, number: int) -> bool:
     """True where there is room for the intervals of two panels, or none are asked for."""
     written = int(course.numbers[row.WRITTEN])
-    return course.numbers[row.CERTIFIED] == 0.0 or written + 2 * number <= course.intervals.shape[0]
+    return bool(course.numbers[row.CERTIFIED] == 0.0 or written + 2 * number <= course.intervals.shape[0])
 
 
 @kernel

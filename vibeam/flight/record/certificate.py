@@ -1,0 +1,46 @@
+"""The certificate of a motion under a record: the panels and quiet windows that it was flown by, each with its claim.
+
+The verdicts of the flight are the proof, so they are kept as they are found: the signals are those of several contacts
+(``proof.contacts``), also of a system with contact in one place.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from vibeam.flight.event_driven import Segments
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.contacts import layout as row
+from vibeam.flight.proof.contacts import ContactsCertificate
+from vibeam.flight.readout import sides
+from vibeam.flight.record.solver import RecordSolver
+from vibeam.system.record import Record
+from vibeam_models.arrays import Array
+
+
+def certificate_of_record(
+    solver: RecordSolver, record: Record, segments: Segments, intervals: Array
+) -> ContactsCertificate:
+    """The certificate of a motion that was flown with these ``intervals`` (m, PIECE_COLUMNS)."""
+    trace, k = segments.trace, len(solver.contacts.gaps)
+    held, pushed = (trace[:, column].astype(np.int64) for column in (row.HELD_AT, row.PUSHED_AT))
+    starting = _starting(trace, k)
+    orders, roots = np.zeros(len(trace)), np.full(len(trace), -1.0)
+    first = starting[np.unique(starting[:, 0], return_index=True)[1]]
+    orders[first[:, 0].astype(np.int64)], roots[first[:, 0].astype(np.int64)] = first[:, 2], first[:, 1]
+    completed = np.flatnonzero(trace[:, layout.END] == layout.CHATTER)
+    tails = np.stack([completed, np.zeros(len(completed)), np.full(len(completed), np.nan)], axis=1)
+    return ContactsCertificate(
+        solver.system, record, trace[:, layout.START], trace[:, layout.WHAT], sides(trace), trace[:, layout.END],  # type: ignore[arg-type]
+        segments.poses, trace[:, layout.AT_CLOCK], trace[:, layout.DURATION], orders, roots, intervals, tails, held,
+        pushed, starting,
+    )  # fmt: skip
+
+
+def _starting(trace: Array, contacts: int) -> Array:
+    """Segment, signal, order and size (m, 4) of the roots with which gaps and reactions start."""
+    each = trace[:, row.EACH_AT :].reshape(len(trace), row.TRACED, contacts)
+    condition, order, rise = each[:, row.CONDITION], each[:, row.ORDER], each[:, row.RISE]
+    which, j = np.nonzero((order > 0) & np.isin(condition, (row.AWAY, row.KEPT)))
+    signal = j + np.where(condition[which, j] == row.KEPT, contacts, 0)
+    return np.stack([which, signal, order[which, j], rise[which, j]], axis=1).astype(float)
