@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -286,7 +286,7 @@ class Trajectory(ValueRecord):
         else:
             from vibeam.flight.record.readout import derivative_under
 
-            found = derivative_under(self, flat, states, wanted, more)
+            found = derivative_under(cast(Any, self._solver), self.segments.trace, flat, states, wanted, more)
         return np.asarray(found.reshape(times.shape))
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.engine.entries import march
 from vibeam.flight.event_driven import Segments
+from vibeam.flight.extremes import extremes
 from vibeam.flight.kernels import layout
 from vibeam.flight.points.disturbances import carry
 from vibeam.flight.points.points import PlainPoints, PointSettings, compute
-from vibeam.flight.record.extremes import extremes
 from vibeam.flight.trajectory import simulate
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.record import Record

@@ -16,8 +16,8 @@ import numpy as np
 from vibeam.flight.equilibrium import Contacts, multipliers
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts import layout as contact_layout
+from vibeam.flight.kernels.contacts.course import no_course, with_sets
 from vibeam.flight.kernels.contacts.layout import ContactEngine, room_for
-from vibeam.flight.kernels.contacts.load.layout import no_course, with_sets
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, lone_modes, signal_rate
 from vibeam.flight.linear.eigenpairs import LinearSystem

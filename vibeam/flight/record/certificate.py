@@ -8,21 +8,22 @@ from __future__ import annotations
 
 import numpy as np
 
+from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.proof.contacts import ContactsCertificate
 from vibeam.flight.readout import sides
-from vibeam.flight.record.solver import RecordSolver
+from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.record import Record
 from vibeam_models.arrays import Array
 
 
 def certificate_of_record(
-    solver: RecordSolver, record: Record, segments: Segments, intervals: Array
+    system: ImpactSystem, record: Record, segments: Segments, intervals: Array
 ) -> ContactsCertificate:
     """The certificate of a motion that was flown with these ``intervals`` (m, PIECE_COLUMNS)."""
-    trace, k = segments.trace, len(solver.contacts.gaps)
+    trace, k = segments.trace, len(Contacts.of(system).gaps)
     held, pushed = (trace[:, column].astype(np.int64) for column in (row.HELD_AT, row.PUSHED_AT))
     starting = _starting(trace, k)
     orders, roots = np.zeros(len(trace)), np.full(len(trace), -1.0)
@@ -31,7 +32,7 @@ def certificate_of_record(
     completed = np.flatnonzero(trace[:, layout.END] == layout.CHATTER)
     tails = np.stack([completed, np.zeros(len(completed)), np.full(len(completed), np.nan)], axis=1)
     return ContactsCertificate(
-        solver.system, record, trace[:, layout.START], trace[:, layout.WHAT], sides(trace), trace[:, layout.END],  # type: ignore[arg-type]
+        system, record, trace[:, layout.START], trace[:, layout.WHAT], sides(trace), trace[:, layout.END],  # type: ignore[arg-type]
         segments.poses, trace[:, layout.AT_CLOCK], trace[:, layout.DURATION], orders, roots, intervals, tails, held,
         pushed, starting,
     )  # fmt: skip

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam.flight.kernels.contacts.load.layout import WINDOW
+from vibeam.flight.kernels.contacts.course import WINDOW
 from vibeam.system.record import Record
 from vibeam_models.arrays import Array, Index
 

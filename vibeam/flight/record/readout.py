@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
-
 import numpy as np
 
 from vibeam.flight.contacts.readout import derivatives_in
@@ -12,11 +10,10 @@ from vibeam.flight.record.solver import RecordSolver
 from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 
-if TYPE_CHECKING:
-    from vibeam.flight.trajectory import Trajectory
 
-
-def derivative_under(path: Trajectory, times: Array, poses: Array, wanted: TimeDerivative, more: int) -> Array:
+def derivative_under(
+    solver: RecordSolver, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int
+) -> Array:
     """The output ``wanted`` (m,), or its rate (``more`` 1), at ``times`` (m,) with their ``poses`` (m, 2, n).
 
     At an event the value after it. ValueError for the rate of an acceleration in a contact that is integrated.
@@ -24,7 +21,7 @@ def derivative_under(path: Trajectory, times: Array, poses: Array, wanted: TimeD
     order = wanted.order + more
     if order == 1:
         return np.asarray(poses[:, 1] @ wanted.row)
-    trace, loads = path.segments.trace, cast(RecordSolver, path._solver).course.loads(times)
+    loads = solver.course.loads(times)
     which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
-    found = derivatives_in(path.system, loads, trace[which], poses, wanted.row, order)
+    found = derivatives_in(solver.system, loads, trace[which], poses, wanted.row, order)
     return np.asarray(found - wanted.base * loads[order - 2])

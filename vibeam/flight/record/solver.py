@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from copy import copy
-from typing import Any, cast
+from threading import local
+from typing import Any
 
 import numpy as np
 
@@ -12,9 +13,9 @@ from vibeam.flight.contacts.sets import FIRST, ContactSets
 from vibeam.flight.contacts.solver import ContactsSolver
 from vibeam.flight.event_driven import ROWS, Segments
 from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.contacts import course as load_layout
 from vibeam.flight.kernels.contacts import layout as contact_layout
-from vibeam.flight.kernels.contacts.load import layout as load_layout
-from vibeam.flight.kernels.contacts.load.layout import course_of
+from vibeam.flight.kernels.contacts.course import course_of
 from vibeam.flight.kernels.layout import watch_of
 from vibeam.flight.readout import OUTCOMES
 from vibeam.flight.record.course import RecordCourse
@@ -24,9 +25,16 @@ from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
-INTERVALS = 1 << 15  # room for intervals of a certificate between two visits to Python
+SEGMENTS = 8  # of the longest, for whose intervals there is room
 MOST_ROWS = 65536
 NO_INTERVALS = np.zeros((0, layout.PIECE_COLUMNS))
+
+
+class _Own(local):
+    """Sets of one thread, and the course that they are under."""
+
+    sets: ContactSets | None = None
+    course: RecordCourse | None = None
 
 
 class RecordSolver(ContactsSolver):
@@ -39,7 +47,14 @@ class RecordSolver(ContactsSolver):
     def __init__(self, system: ImpactSystem, record: Record, start: float, end: float, limit: int = 100_000) -> None:
         """``limit``: as of ``ContactsSolver``."""
         super().__init__(system, 0.0, end - start, limit)
-        self.course = RecordCourse.of(record, start, end)
+        self.course, self._under = RecordCourse.of(record, start, end), _Own()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in super().__getstate__().items() if name != "_under"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self._under = _Own()
 
     def sibling(self, record: Record, start: float, end: float) -> RecordSolver:
         """The solver of the same system under another record of about the same span; both use the same sets."""
@@ -50,10 +65,10 @@ class RecordSolver(ContactsSolver):
     @property
     def sets(self) -> ContactSets:
         """The calling thread's sets, under this record's course."""
-        own, course = self._own, self.course
-        if getattr(own, "course", None) is course:
-            return cast(ContactSets, own.sets)
-        if not hasattr(own, "sets"):
+        own, course = self._under, self.course
+        if own.sets is not None and own.course is course:
+            return own.sets
+        if own.sets is None:
             own.sets = ContactSets(self.contacts, self._slowest, self._top)
             load = course_of(course.pieces, course.lengths, course.peaks, FIRST, *self.contacts.rows.shape[::-1])
         else:
@@ -61,7 +76,7 @@ class RecordSolver(ContactsSolver):
                 pieces=course.pieces, lengths=course.lengths, peaks=course.peaks, intervals=NO_INTERVALS
             )
         own.sets.engine, own.course = own.sets.engine._replace(course=load), course
-        return cast(ContactSets, own.sets)
+        return own.sets
 
     def fly(
         self, state: State | None, start: float, end: float, limit: int, certify: bool
@@ -91,7 +106,8 @@ class RecordSolver(ContactsSolver):
     def _certify(self, asked: bool) -> None:
         course = self.sets.engine.course
         course.numbers[load_layout.CERTIFIED], course.numbers[load_layout.WRITTEN] = float(asked), 0.0
-        room = np.zeros((INTERVALS if asked else 0, layout.PIECE_COLUMNS))
+        most = 2 * len(self.contacts.gaps) * (load_layout.LONG + load_layout.STRIDE)
+        room = np.zeros((SEGMENTS * most if asked else 0, layout.PIECE_COLUMNS))
         self.sets.engine = self.sets.engine._replace(course=course._replace(intervals=room))
 
     def _flown_loaded(self, pose: Array, status: Array, span: float, limit: int) -> tuple[int, Segments, Any, Array]:
@@ -153,5 +169,5 @@ def flown(
     if certify:
         from vibeam.flight.record.certificate import certificate_of_record
 
-        found["certificate"] = certificate_of_record(runner, record, segments, intervals)
+        found["certificate"] = certificate_of_record(runner.system, record, segments, intervals)
     return found

@@ -118,7 +118,7 @@ class MotionMaker:
         if SOLVERS[fidelity.solver].motion == "exact":
             from vibeam.flight.trajectory import simulate
 
-            path: Any = simulate(system, record, plan.duration, start, certify=plan.certify)  # type: ignore[arg-type]
+            path: Any = simulate(system, record, plan.duration, start, certify=plan.certify)
         else:
             slowest = 2 * np.pi / plan.duration
             runner = solver(fidelity.solver, system, slowest, plan.duration, **fidelity.options)

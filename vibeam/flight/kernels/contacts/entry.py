@@ -7,12 +7,12 @@ from vibeam.flight.kernels.block_energy import energy_by_mode, energy_in_blocks,
 from vibeam.flight.kernels.block_flow import advance_blocks, set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import entry, kernel
 from vibeam.flight.kernels.contacts import layout as row
+from vibeam.flight.kernels.contacts.course import LOADED, OutputWatch
 from vibeam.flight.kernels.contacts.events import advance, piece_of
 from vibeam.flight.kernels.contacts.integrated import integrated_at, read_integrated
 from vibeam.flight.kernels.contacts.integration import is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load.extremes import OutputWatch, read_flow, read_steps
-from vibeam.flight.kernels.contacts.load.layout import LOADED
+from vibeam.flight.kernels.contacts.load.extremes import read_flow, read_steps
 from vibeam.flight.kernels.contacts.load.poses import carry_loaded, enter_loaded, leave_loaded
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, set_drive, slot_of
 from vibeam.flight.kernels.contacts.signals import show

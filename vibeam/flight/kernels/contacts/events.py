@@ -9,11 +9,11 @@ from vibeam.flight.kernels.block_flow import advance_blocks, to_block_coordinate
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.kernels.contacts.algebra import NOISE
+from vibeam.flight.kernels.contacts.course import LOADED, WRITTEN
 from vibeam.flight.kernels.contacts.instants import arrive, classify, impulse, touch_all
 from vibeam.flight.kernels.contacts.integration import integrate, is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.load.events import is_jump, is_on_the_way, to_event_loaded
-from vibeam.flight.kernels.contacts.load.layout import LOADED, WRITTEN
 from vibeam.flight.kernels.contacts.load.walk import is_roomy
 from vibeam.flight.kernels.contacts.reactions import decide, each, is_curved, pressed_ones
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
@@ -56,7 +56,7 @@ def advance(
     while done < span or status[row.PHASE] == row.STRIKING:  # an instant is not left half-way
         left = span - done
         if rows > 0:
-            if counts[layout.SEGMENTS] >= rows or not is_roomy(engine.course, 2 * engine.rows.shape[0]):
+            if counts[layout.SEGMENTS] >= rows or not is_roomy(engine):
                 return layout.FULL, done
             open_segment(trace, poses, pose, status, done, counts[layout.SEGMENTS])
         outcome, step = segment(engine, pose, status, left, record)

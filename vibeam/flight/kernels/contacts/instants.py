@@ -9,9 +9,9 @@ from vibeam.flight.kernels.block_flow import to_block_coordinates
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.kernels.contacts.algebra import NOISE, along, size_along
+from vibeam.flight.kernels.contacts.course import LOADED
 from vibeam.flight.kernels.contacts.integration import is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load.layout import LOADED
 from vibeam.flight.kernels.contacts.load.walk import is_met, reaches_knot
 from vibeam.flight.kernels.contacts.reactions import decide, each, is_rigid
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vibeam.flight.kernels.contacts.load.layout import Course
+from vibeam.flight.kernels.contacts.course import Course
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam_models.arrays import Array, Index
 

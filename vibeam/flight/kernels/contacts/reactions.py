@@ -22,9 +22,9 @@ from vibeam.flight.kernels.contacts.algebra import (
     size_along,
     without_rows,
 )
+from vibeam.flight.kernels.contacts.course import LOADED
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load.flow import load_at
-from vibeam.flight.kernels.contacts.load.layout import LOADED
+from vibeam.flight.kernels.contacts.load_value import load_at
 from vibeam.flight.kernels.drive import phase
 from vibeam.flight.kernels.regimes import layout as regime_row
 from vibeam.flight.kernels.regimes.laws import force, force_rate

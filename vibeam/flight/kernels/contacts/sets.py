@@ -5,8 +5,8 @@ from __future__ import annotations
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.contacts import layout as row
+from vibeam.flight.kernels.contacts.course import LOADED
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load.layout import LOADED
 from vibeam.flight.kernels.drive import carried_rate, coarsest_level, exact_period, steady_response
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.roots.pair import tabulate_drive

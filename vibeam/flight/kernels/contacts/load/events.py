@@ -7,10 +7,7 @@ import numpy as np
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.contacts import layout as row
-from vibeam.flight.kernels.contacts.integration import integrate, is_integrated
-from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load.flow import leave_blocks
-from vibeam.flight.kernels.contacts.load.layout import (
+from vibeam.flight.kernels.contacts.course import (
     CLOCK_NOW,
     JUMPED,
     KEPT_POINT,
@@ -20,6 +17,9 @@ from vibeam.flight.kernels.contacts.load.layout import (
     RENEWED,
     WHY,
 )
+from vibeam.flight.kernels.contacts.integration import integrate, is_integrated
+from vibeam.flight.kernels.contacts.layout import ContactEngine
+from vibeam.flight.kernels.contacts.load.flow import leave_blocks
 from vibeam.flight.kernels.contacts.load.walk import first_signal_loaded
 from vibeam.flight.kernels.contacts.reactions import each
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of

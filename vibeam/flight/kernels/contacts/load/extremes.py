@@ -7,19 +7,18 @@ steps' ends count, and the tops of the cubics between them, where the step is ma
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.contacts import course as row
 from vibeam.flight.kernels.contacts import layout as contact_row
+from vibeam.flight.kernels.contacts.course import Course, OutputWatch
 from vibeam.flight.kernels.contacts.integrated import enter_segment
 from vibeam.flight.kernels.contacts.integration import BEGIN, END, first_step, step
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load import layout as row
-from vibeam.flight.kernels.contacts.load.flow import accept, differentiate, grow, load_at, set_load
-from vibeam.flight.kernels.contacts.load.layout import Course
+from vibeam.flight.kernels.contacts.load.flow import accept, differentiate, grow, set_load
 from vibeam.flight.kernels.contacts.load.panel import bound_of, growth_of, parts, read, set_functions
 from vibeam.flight.kernels.contacts.load.poses import enter_loaded
+from vibeam.flight.kernels.contacts.load_value import load_at
 from vibeam.flight.kernels.contacts.sets import regime_of
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.regimes.contact_integration import MOST_STEPS, next_step
@@ -29,20 +28,10 @@ from vibeam.flight.kernels.segments import copy_pose
 from vibeam_models.arrays import Array
 
 LEAST, LEAST_TIME, GREATEST, GREATEST_TIME = range(4)  # of ``found``
-FIRST, FIRST_SLOPE, LAST, LAST_SLOPE = range(4)  # of ``ends``
+FIRST, FIRST_SLOPE, LAST, LAST_SLOPE, SAYS = range(5)  # of ``ends``
 WITHIN, SETTLED, OPEN = range(3)  # what a panel says of an output
 FINEST = 2.0**-40  # share of a piece below which a panel is not halved
 ROUNDS = 60
-
-
-class OutputWatch(NamedTuple):
-    """Outputs watched: weights on y, constant, share of the load, set by set; bins of time, what is found in each."""
-
-    signals: Array  # (S, o, 2n + 2)
-    edges: Array  # (b + 1,) s
-    rows: Array  # (o, n + 2): the same on the modes, order of the derivative, share of the base's acceleration
-    found: Array  # (o, b, 4): least, when, greatest, when
-    ends: Array  # (4, o)
 
 
 @kernel
@@ -122,7 +111,9 @@ def is_open(regime: Regime, course: Course, watch: OutputWatch, slot: int, place
     """True where a panel of length h, whose flow is grown, is to be halved."""
     found = False
     for at in range(watch.signals.shape[1]):
-        found = settle_output(regime, course, watch, slot, at, place, h) == OPEN or found
+        said = settle_output(regime, course, watch, slot, at, place, h)
+        watch.ends[SAYS, at] = said
+        found = found or said == OPEN
     return found
 
 
@@ -133,7 +124,7 @@ def settle(
     """The extremes over a panel of length h."""
     for at in range(watch.signals.shape[1]):
         note_value(watch, at, place, watch.ends[LAST, at], time + h)
-        if watch.ends[FIRST_SLOPE, at] * watch.ends[LAST_SLOPE, at] < 0.0:
+        if watch.ends[SAYS, at] != WITHIN and watch.ends[FIRST_SLOPE, at] * watch.ends[LAST_SLOPE, at] < 0.0:
             turn(regime, course, watch, slot, at, place, time, h)
 
 
@@ -141,7 +132,7 @@ def settle(
 def settle_output(
     regime: Regime, course: Course, watch: OutputWatch, slot: int, at: int, place: int, h: float
 ) -> int:  # fmt: skip
-    """What a panel says of one output, whose values and slopes at the end are set."""
+    """Verdict of a panel on one output, whose values and slopes at the end are set."""
     weights, ends, n, numbers = watch.signals[slot, at], watch.ends, course.flow.shape[1], course.numbers
     growth = read(weights, course.flow, row.GROWTH) + weights[2 * n + 1] * (numbers[row.U_LAST] - numbers[row.U])
     p0, s0 = ends[FIRST, at], ends[FIRST_SLOPE, at]
@@ -165,25 +156,24 @@ def settle_output(
 def turn(
     regime: Regime, course: Course, watch: OutputWatch, slot: int, at: int, place: int, time: float, h: float
 ) -> None:  # fmt: skip
-    """The value of an output where its slope changes sign, if it may be an extreme of the bin."""
-    weights, ends, found = watch.signals[slot, at], watch.ends, watch.found[at, place]
+    """The value of an output where its slope changes sign, by the Illinois method; off by 1e-18 of its swing."""
+    weights, ends = watch.signals[slot, at], watch.ends
     first, down, up = ends[FIRST, at], ends[FIRST_SLOPE, at], ends[LAST_SLOPE, at]
-    reach = max(first + h * max(down, 0.0), ends[LAST, at] - h * min(up, 0.0))
-    depth = min(first + h * min(down, 0.0), ends[LAST, at] - h * max(up, 0.0))
-    if reach <= found[GREATEST] and depth >= found[LEAST]:
-        return
-    low, high, where, value = 0.0, h, 0.0, first
-    for i in range(ROUNDS):
-        where = low + (high - low) * (0.5 if i % 3 == 2 else min(max(down / (down - up), 1e-3), 0.999))
+    low, high, where, value, before, steep = 0.0, h, 0.0, first, down, max(abs(down), abs(up))
+    for _ in range(ROUNDS):
+        where = low + (high - low) * min(max(down / (down - up), 1e-6), 1.0 - 1e-6)
         set_functions(regime, course, where)
         growth, slope = growth_of(regime, course, weights, 0, where)
         value = first + where * growth
-        if slope == 0.0 or high - low <= 1e-9 * h:
+        if abs(slope) <= 1e-9 * steep or high - low <= 1e-9 * h:
             break
         if (slope < 0.0) == (down < 0.0):
             low, down = where, slope
+            up = 0.5 * up if (before < 0.0) == (slope < 0.0) else up
         else:
             high, up = where, slope
+            down = 0.5 * down if (before < 0.0) == (slope < 0.0) else down
+        before = slope
     note_value(watch, at, place, value, time + where)
 
 

@@ -4,19 +4,12 @@ from __future__ import annotations
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.contacts.load import layout as row
-from vibeam.flight.kernels.contacts.load.layout import Course
+from vibeam.flight.kernels.contacts import course as row
+from vibeam.flight.kernels.contacts.course import Course
 from vibeam.flight.kernels.contacts.load.phi import functions, step_over
+from vibeam.flight.kernels.contacts.load_value import load_at
 from vibeam.flight.kernels.layout import Regime
 from vibeam_models.arrays import Array
-
-
-@joined
-def load_at(course: Course, piece: int, clock: float) -> tuple[float, float]:
-    """u and u' at a time within a piece."""
-    c = course.pieces
-    value = c[piece, 0] + clock * (c[piece, 1] + clock * (c[piece, 2] + clock * c[piece, 3]))
-    return value, c[piece, 1] + clock * (2.0 * c[piece, 2] + clock * (3.0 * c[piece, 3]))
 
 
 @kernel

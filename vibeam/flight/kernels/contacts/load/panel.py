@@ -13,9 +13,9 @@ from __future__ import annotations
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel, summing
+from vibeam.flight.kernels.contacts import course as row
+from vibeam.flight.kernels.contacts.course import Course
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load import layout as row
-from vibeam.flight.kernels.contacts.load.layout import Course
 from vibeam.flight.kernels.contacts.load.phi import functions
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.roots.bounds import Bounds, PanelEnds, verdict

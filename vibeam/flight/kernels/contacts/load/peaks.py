@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.contacts import course as row
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load import layout as row
 from vibeam.flight.kernels.contacts.load.panel import evaluate, set_functions
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.roots.newton import EPSILON

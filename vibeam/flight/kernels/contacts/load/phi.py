@@ -15,8 +15,8 @@ import numpy as np
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.contacts.load import layout as row
-from vibeam.flight.kernels.contacts.load.layout import Course
+from vibeam.flight.kernels.contacts import course as row
+from vibeam.flight.kernels.contacts.course import Course
 from vibeam.flight.kernels.layout import FORGOTTEN, Regime
 from vibeam.flight.kernels.roots.pair import propagator
 from vibeam_models.arrays import Array

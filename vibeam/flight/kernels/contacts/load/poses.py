@@ -5,6 +5,7 @@ from __future__ import annotations
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import layout as contact_row
+from vibeam.flight.kernels.contacts.course import CLOCK_NOW, PIECE_NOW
 from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.load.flow import (
     accept,
@@ -15,7 +16,6 @@ from vibeam.flight.kernels.contacts.load.flow import (
     move_on,
     set_load,
 )
-from vibeam.flight.kernels.contacts.load.layout import CLOCK_NOW, PIECE_NOW
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
 from vibeam.flight.kernels.layout import Regime
 from vibeam_models.arrays import Array

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.contacts import course as row
+from vibeam.flight.kernels.contacts.course import Course
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load import layout as row
-from vibeam.flight.kernels.contacts.load.flow import load_at
-from vibeam.flight.kernels.contacts.load.layout import Course
 from vibeam.flight.kernels.contacts.load.panel import row_of, sign_of
 from vibeam.flight.kernels.contacts.load.phi import step_over
+from vibeam.flight.kernels.contacts.load_value import load_at
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.kernels.roots.pair import norm

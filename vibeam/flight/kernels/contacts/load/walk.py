@@ -11,9 +11,10 @@ import numpy as np
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.contacts import course as row
 from vibeam.flight.kernels.contacts import layout as contact_row
+from vibeam.flight.kernels.contacts.course import Course
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load import layout as row
 from vibeam.flight.kernels.contacts.load.flow import (
     accept,
     differentiate,
@@ -22,7 +23,6 @@ from vibeam.flight.kernels.contacts.load.flow import (
     move_on,
     set_load,
 )
-from vibeam.flight.kernels.contacts.load.layout import Course
 from vibeam.flight.kernels.contacts.load.panel import (
     derivative_at,
     find_root,
@@ -48,7 +48,6 @@ CARRIED = 8  # panels from a start over which a signal's value is what it has gr
 FINEST = 2.0**-56  # share of a piece below which a panel is not halved
 MOST_FINEST = 1000  # such panels in one walk
 PATIENT = 64
-LONG = 4096  # panels after which a segment ends, so that its first pose is kept
 
 
 @kernel
@@ -94,7 +93,7 @@ def first_signal_loaded(
                 if piece - first >= row.STRIDE:
                     numbers[row.WHY] = row.KEPT_POINT
                     return finish(course, piece, clock, contact_row.NONE, done)
-                if is_quiet(engine, regime, number, piece, span - done) and is_roomy(course, number):
+                if is_quiet(engine, regime, number, piece, span - done):
                     length = pass_window(regime, course, slot, piece)
                     note_all(engine, number, segment, done, length)
                     piece, clock, done = piece + row.WINDOW - 1, lengths[piece + row.WINDOW - 1], done + length
@@ -102,7 +101,7 @@ def first_signal_loaded(
                     continue
             else:
                 set_load(course, piece, clock)
-            if panels >= LONG or not is_roomy(course, number):
+            if panels >= row.LONG:
                 numbers[row.WHY] = row.KEPT_POINT
                 return finish(course, piece, clock, contact_row.NONE, done)
             differentiate(regime, course, 5)
@@ -323,10 +322,11 @@ def note_pushes(engine: ContactEngine, regime: Regime, status: Array, number: in
 
 
 @kernel
-def is_roomy(course: Course, number: int) -> bool:
-    """True where there is room for the intervals of two panels, or none are asked for."""
-    written = int(course.numbers[row.WRITTEN])
-    return bool(course.numbers[row.CERTIFIED] == 0.0 or written + 2 * number <= course.intervals.shape[0])
+def is_roomy(engine: ContactEngine) -> bool:
+    """True where there is room for the intervals of a segment, or none are asked for."""
+    course, number = engine.course, 2 * engine.rows.shape[0]
+    most = course.numbers[row.WRITTEN] + number * (row.LONG + row.STRIDE)
+    return bool(course.numbers[row.CERTIFIED] == 0.0 or most <= course.intervals.shape[0])
 
 
 @kernel

@@ -33,7 +33,7 @@ def simulate_records(
     >>> import vibeam
     >>> ball = vibeam.ImpactSystem.from_modes(0.0, 0.0, 1.0, 1.0, gap=1e-3, restitution=0.5)
     >>> pushes = [vibeam.Record.half_sine(peak, 0.01) for peak in (-10.0, -20.0)]
-    >>> [len(path.impact_times) for path in simulate_records(ball, pushes, 0.1)]
+    >>> [len(path.impact_times) for path in vibeam.simulate_records(ball, pushes, 0.1)]
     [1, 1]
     """
     starts = [None] * len(records) if states is None else list(states)

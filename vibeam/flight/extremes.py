@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.flight.engine.entries import extremes_loaded
-from vibeam.flight.kernels.contacts.load.extremes import OutputWatch
+from vibeam.flight.kernels.contacts.course import OutputWatch
 from vibeam.flight.record.solver import RecordSolver
 from vibeam_models.arguments import floats
 from vibeam_models.arrays import Array
@@ -49,7 +49,14 @@ def extremes(path: Trajectory, outputs: Sequence[str], edges: ArrayLike | None =
 
     To round-off; in a contact that is integrated to about 1e-6 of the value. At an impact a velocity counts before and
     after it, the acceleration of the impulse does not. KeyError for an unknown name, ValueError for a motion under a
-    sine or for edges that do not ascend within the motion.
+    sine or for edges that do not ascend.
+
+    >>> import vibeam
+    >>> free = vibeam.ImpactSystem.from_modes(1.0, 0.0, 1.0, 1.0, gap=9.0)  # 1 − cos t under a step
+    >>> path = vibeam.simulate(free, vibeam.Record.step(-1.0, 10.0), 10.0)
+    >>> found = vibeam.extremes(path, ("contact",))
+    >>> found.greatest.round(12).tolist(), found.greatest_time.round(6).tolist()
+    ([[2.0]], [[3.141593]])
     """
     solver, system = path._solver, path.system
     if not isinstance(solver, RecordSolver):
@@ -70,6 +77,6 @@ def extremes(path: Trajectory, outputs: Sequence[str], edges: ArrayLike | None =
             signals[slot, place, -1] -= base if order == 2 else 0.0
     found = np.empty((len(outputs), len(bins) - 1, 4))
     found[..., 0], found[..., 2], found[..., 1::2] = np.inf, -np.inf, np.nan
-    watch = OutputWatch(signals, np.ascontiguousarray(bins), rows, found, np.zeros((4, len(outputs))))
+    watch = OutputWatch(signals, np.ascontiguousarray(bins), rows, found, np.zeros((5, len(outputs))))
     extremes_loaded(solver.sets.engine, path.segments.trace, np.ascontiguousarray(path.segments.poses), watch)
     return OutputExtremes(tuple(outputs), bins, *(found[..., i] for i in range(4)))

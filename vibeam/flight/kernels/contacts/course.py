@@ -35,6 +35,7 @@ NUMBERS = 12
 REACHED, KEPT_POINT, JUMPED, RENEWED = range(4)  # WHY: span or signal; a point kept; u jumped; a stop touched is judged
 
 WINDOW = 32  # pieces whose largest |u| is known
+LONG = 4096  # panels of a segment at most
 STRIDE = 256  # pieces after which a segment ends, so that its first pose is kept
 
 
@@ -80,3 +81,13 @@ def with_sets(course: Course, sets: int) -> Course:
         old = getattr(course, name)
         more[name] = np.concatenate([old, np.zeros((sets - len(old), *old.shape[1:]))])
     return course._replace(**more)
+
+
+class OutputWatch(NamedTuple):
+    """Outputs watched: weights on y, constant, share of the load, set by set; bins of time, what is found in each."""
+
+    signals: Array  # (S, o, 2n + 2)
+    edges: Array  # (b + 1,) s
+    rows: Array  # (o, n + 2): the same on the modes, order of the derivative, share of the base's acceleration
+    found: Array  # (o, b, 4): least, when, greatest, when
+    ends: Array  # (5, o): value and slope at a panel's begin and end, what it says
