@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts.layout import PUSHED_AT
 from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.outcome import Outcome, outcome_of
 from vibeam.flight.readout import sides, struck
 from vibeam.flight.solver import exact_solver, warm_up_motion
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -30,69 +29,8 @@ if TYPE_CHECKING:
     from vibeam.flight.proof.errors import ImpactErrors
     from vibeam.system.record import Record
 
-STILL = 1e-11  # share of the motion's fastest velocity, and of ω times the static displacements, that is none
-FADING = 1e-3  # loss of speed at an impact, as a share, that is next to none
-LAST = 100  # impacts by which a motion that was given up is judged
 MOST_IMPACTS = 10**15  # what is counted in an int64, with room to spare
 INSTANTS = 2000
-
-
-class Outcome(Enum):
-    """State of affairs at the end of a motion.
-
-    >>> import vibeam
-    >>> ball = vibeam.ImpactSystem.from_modes(0.0, 0.0, 1.0, 0.0, static=1.0, restitution=0.5)  # falls onto the stop
-    >>> start = vibeam.State([-0.5], [0.0])
-    >>> vibeam.simulate(ball, vibeam.Drive(1.0, 0.0), 4.0, start).outcome.name
-    'SETTLED_ON_STOP'
-    """
-
-    MOVING = "still moving, off the stop"
-    RESTING = "at rest on the stop, other modes or the drive still at work"
-    SETTLED = "settled: at static equilibrium, off the stop"
-    SETTLED_ON_STOP = "settled: at static equilibrium, pressed against the stop"
-    EVENT_LIMIT = Ended.EVENT_LIMIT.value
-    ENDLESS_CHATTER = (
-        "stopped in a chatter without end: pressed on the stop, impacts become weaker and more frequent, and as R → 1 "
-        "for the weakest the contact never comes to rest"
-    )
-    PENETRATED = Ended.PENETRATED.value
-    NOT_FINITE = Ended.NOT_FINITE.value
-    UNRESOLVED = Ended.UNRESOLVED.value
-
-
-def _endless(path: Trajectory) -> bool:
-    """True where it was given up in impacts that become weaker and lose next to nothing of their speed.
-
-    With 1 − R ~ v^b the times 2v/a between impacts add up to a finite time for b < 1 alone: then it would have ended.
-    """
-    law, speeds = path.system.contact_law, path.impact_velocities[-LAST:]
-    if law.yields or law.converges or len(speeds) < LAST or speeds[-1] >= speeds[0]:
-        return False
-    return law.at(0.0) == 1 and 1 - law.at(float(speeds[0])) <= FADING
-
-
-def _undriven(path: Trajectory) -> bool:
-    """True where nothing drives it at its end."""
-    drive = path.drive
-    return drive.amplitude == 0 if isinstance(drive, Drive) else drive.end <= path.t_end
-
-
-def _pressed(path: Trajectory) -> bool:
-    """True where it stands within the range of a stop that yields."""
-    from vibeam.flight.equilibrium import Contacts
-
-    return bool(np.any(Contacts.of(path.system).clearances(path.state.displacement) < 0))
-
-
-def _still(path: Trajectory) -> bool:
-    """True where no energy is left above equilibrium, against the most that any segment began with."""
-    system, last = path.system, np.stack([path.state.displacement, path.state.velocity])
-    poses = np.concatenate([path.segments.poses, last[None]])
-    away = poses[:, 0] - equilibrium(system).displacement
-    speeds = np.sqrt(np.sum((system.omega * away) ** 2 + poses[:, 1] ** 2, axis=1))
-    held = float(np.linalg.norm(system.omega * equilibrium(system).displacement))
-    return bool(speeds[-1] <= STILL * max(speeds.max(), held))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -130,13 +68,7 @@ class Trajectory(ValueRecord):
     @property
     def outcome(self) -> Outcome:
         """Outcome of the motion; how often it chattered to rest on the way is ``len(path.chatters)``."""
-        if self.ended is Ended.EVENT_LIMIT and _endless(self):
-            return Outcome.ENDLESS_CHATTER
-        if self.ended is not Ended.COMPLETE:
-            return Outcome[self.ended.name]
-        if _undriven(self) and _still(self):
-            return Outcome.SETTLED_ON_STOP if self.state.resting or _pressed(self) else Outcome.SETTLED
-        return Outcome.RESTING if self.state.resting else Outcome.MOVING
+        return outcome_of(self)
 
     @cached_property
     def errors(self) -> ImpactErrors:

@@ -27,6 +27,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.proof.errors import endless, responses
 from vibeam.flight.proof.watched import WatchedMotion
+from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Index
 
 ROOM = 2.0  # times the first estimate: what T and P are assumed to be at most
@@ -35,7 +36,7 @@ DOUBTFUL = 0.5  # the largest doubt in u₀ and a for which its bounds mean some
 SLACK = 64 * float(np.finfo(float).eps)  # share of the parts of a velocity or pull by which doubles may miss it
 
 
-class _Start(NamedTuple):
+class TailStart(NamedTuple):
     """State after the last impacts computed, (k,) each."""
 
     speed: Array  # u₀
@@ -45,7 +46,7 @@ class _Start(NamedTuple):
     doubt: Array  # shares of u₀ and of a that may be round-off, together
 
 
-class _Range(NamedTuple):
+class TailRange(NamedTuple):
     """Bounds that hold while an accumulation goes on, (k,) each."""
 
     least: Array  # a⁻
@@ -72,14 +73,19 @@ def tails_of(motion: WatchedMotion) -> Array:
 
 
 def _bounds(motion: WatchedMotion, side: int, which: Index) -> tuple[Array, Array]:
-    start, system = _after_impact(motion, side, which), motion.system
-    law = system.contact_law
-    mobility = system.mobility
+    system, drive, start = motion.system, motion.drive, _after_impact(motion, side, which)
+    push = float(np.linalg.norm(system.load)) * drive.omega**5 * abs(drive.amplitude)
+    return bounds_of(system, start, np.full(len(which), push))
+
+
+def bounds_of(system: ImpactSystem, start: TailStart, push: Array) -> tuple[Array, Array]:
+    """Least and most time (k,) that accumulations still take; ``push``: |load u'''| at most meanwhile, (k,)."""
+    law, mobility = system.contact_law, system.mobility
     with np.errstate(all="ignore"):
         share = law.accumulation_loss(start.speed)
         time = ROOM * 2 * start.speed / (start.pull * share)
         change = ROOM * 2 * start.speed / share  # S P
-        kept = _range(motion, start, time, change / np.sqrt(mobility))
+        kept = _range(system, start, time, change / np.sqrt(mobility), push)
         least, most, changed = law.accumulation(start.speed, kept.least, kept.most, kept.jerk)
         sure = (kept.least > 0) & (share > 0) & (most < time) & (changed < change)
         sure &= (least > 0) & (start.doubt < DOUBTFUL)
@@ -87,7 +93,7 @@ def _bounds(motion: WatchedMotion, side: int, which: Index) -> tuple[Array, Arra
         return np.where(sure, least * (1 - doubt), 0.0), np.where(sure, most * (1 + doubt), np.inf)
 
 
-def _after_impact(motion: WatchedMotion, side: int, which: Index) -> _Start:
+def _after_impact(motion: WatchedMotion, side: int, which: Index) -> TailStart:
     """Taken back from the rest that follows, whose contact velocity was taken out by the least impulse."""
     system, drive, row = motion.system, motion.drive, stop_of(motion.system, side).row
     speed = system.contact_law.rebound(motion.trace[which, layout.BEFORE])
@@ -104,17 +110,15 @@ def _after_impact(motion: WatchedMotion, side: int, which: Index) -> _Start:
     pulls = (system.omega**2 * reach + braked + push) @ np.abs(row)
     with np.errstate(divide="ignore", invalid="ignore"):
         doubt = 2 * SLACK * (parts / speed + pulls / np.abs(second))
-    return _Start(speed, -second, np.abs(third), norm, doubt)
+    return TailStart(speed, -second, np.abs(third), norm, doubt)
 
 
-def _range(motion: WatchedMotion, start: _Start, time: Array, pushed: Array) -> _Range:
+def _range(system: ImpactSystem, start: TailStart, time: Array, pushed: Array, push: Array) -> TailRange:
     """``pushed``: P √S, the most by which impulses may move the modes."""
-    system, w = motion.system, motion.drive.omega
     size, damper = float(np.linalg.norm(system.contact)), damper_of(system)
-    push = float(np.linalg.norm(system.load)) * w**2 * abs(motion.drive.amplitude)
-    fourth = size * (start.fourth + time * push * w**3)
+    fourth = size * (start.fourth + time * push)
     braked, bent = float(np.linalg.norm(damper @ system.contact)), float(np.linalg.norm(system.omega * system.contact))
     sway = np.hypot(braked, bent) * pushed
     rate = float(np.max(system.omega)) + float(np.sum(np.abs(damper)))
     shift = start.jerk * time + fourth * time**2 / 2 + sway
-    return _Range(start.pull - shift, start.pull + shift, start.jerk + fourth * time + 2 * rate * sway)
+    return TailRange(start.pull - shift, start.pull + shift, start.jerk + fourth * time + 2 * rate * sway)

@@ -14,13 +14,15 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.proof.contacts import ContactsCertificate
 from vibeam.flight.readout import sides
+from vibeam.flight.record.course import RecordCourse
+from vibeam.flight.record.tails import tails_under
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.record import Record
 from vibeam_models.arrays import Array
 
 
 def certificate_of_record(
-    system: ImpactSystem, record: Record, segments: Segments, intervals: Array
+    system: ImpactSystem, record: Record, course: RecordCourse, segments: Segments, intervals: Array
 ) -> ContactsCertificate:
     """The certificate of a motion that was flown with these ``intervals`` (m, PIECE_COLUMNS)."""
     trace, k = segments.trace, len(Contacts.of(system).gaps)
@@ -29,8 +31,7 @@ def certificate_of_record(
     orders, roots = np.zeros(len(trace)), np.full(len(trace), -1.0)
     first = starting[np.unique(starting[:, 0], return_index=True)[1]]
     orders[first[:, 0].astype(np.int64)], roots[first[:, 0].astype(np.int64)] = first[:, 2], first[:, 1]
-    completed = np.flatnonzero(trace[:, layout.END] == layout.CHATTER)
-    tails = np.stack([completed, np.zeros(len(completed)), np.full(len(completed), np.nan)], axis=1)
+    tails = tails_under(system, course, trace, segments.poses)
     return ContactsCertificate(
         system, record, trace[:, layout.START], trace[:, layout.WHAT], sides(trace), trace[:, layout.END],  # type: ignore[arg-type]
         segments.poses, trace[:, layout.AT_CLOCK], trace[:, layout.DURATION], orders, roots, intervals, tails, held,

@@ -98,7 +98,7 @@ class RecordSolver(ContactsSolver):
         return OUTCOMES[outcome], last, self.state(pose, status), segments, stats, intervals
 
     def times_of(self, trace: Array) -> Array:
-        """When each segment begins, s: by the record's own knots, so that times do not drift."""
+        """Times at which the segments begin, s: by the record's own knots, so that they do not drift."""
         return np.asarray(
             self.course.knots[trace[:, contact_layout.PIECE_AT].astype(np.int64)] + trace[:, layout.AT_CLOCK]
         )
@@ -169,5 +169,5 @@ def flown(
     if certify:
         from vibeam.flight.record.certificate import certificate_of_record
 
-        found["certificate"] = certificate_of_record(runner.system, record, segments, intervals)
+        found["certificate"] = certificate_of_record(runner.system, record, runner.course, segments, intervals)
     return found
