@@ -56,6 +56,9 @@ class Keys(Protocol):
         ...
 
 
+OF_A_SWEEP = "takes the place of [sweep], and what is asked for goes over drive frequencies: vibeam run takes it"
+
+
 @dataclass(frozen=True, eq=False)
 class Case(Viewed):
     """Scene, fidelities, sweep, references and measured numbers of a case; equal where all that they say is.
@@ -149,8 +152,7 @@ class Case(Viewed):
     def sweep(self) -> SweepPlan:
         """Sweep; CaseError, at its line, of a case that has [record] in its place."""
         if self.swept is None:
-            said = "takes the place of [sweep], and what is asked for goes over drive frequencies: vibeam run takes it"
-            raise CaseError([self.fault("record", message=said)])
+            raise CaseError([self.fault("record", message=OF_A_SWEEP)])
         return self.swept
 
     def input(self, name: str, seed: int | None = None, level: float = 1.0, speed: float = 1.0) -> Record:

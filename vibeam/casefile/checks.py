@@ -162,7 +162,8 @@ def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, li
 
 #: (table, key): keys that say what other keys of their table mean
 DECIDING = {("stop", "law"), *((name, "shape") for name in ("beam", "opposite", "section")), ("drive", "at"),
-            ("drive", "frequency"), ("drive", "shape"), ("drive", "density"), ("drive", "file")}  # fmt: skip
+            ("drive", "frequency"), ("drive", "shape"), ("drive", "density"), ("drive", "file"),
+            ("drive", "acceleration"), ("drive", "force"), ("drive", "moment")}  # fmt: skip
 
 
 def _unreported(together: Collection[Complaint], reported: set[KeyPath]) -> list[Complaint]:

@@ -14,7 +14,7 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.fidelity_changes import entry_at
 from vibeam.casefile.fields import Entry, Quantity
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.quantities import POSITIVE, with_unit
+from vibeam.casefile.quantities import ANY, POSITIVE, with_unit
 from vibeam.casefile.tables.input import input_checks, way_of
 from vibeam.casefile.tables.outputs import quantity_named
 from vibeam.casefile.tables.table import plan_of
@@ -23,6 +23,7 @@ from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.figures import FIGURES
 from vibeam.solvers import SOLVERS
 from vibeam_models.keys import keys_of
+from vibeam_reductions.declaration import REDUCTIONS
 
 T = TypeVar("T")
 NUMBERS = ("expect", "measured")
@@ -121,7 +122,7 @@ def _plan(case: SimpleNamespace) -> Iterator[Complaint]:
 def varied(case: Any, model: Any) -> tuple[Entry | None, str]:
     """The entry that reads the values of what is varied, or what is wrong with it."""
     if case.record.over in SCALES:
-        return Quantity(units.RATIO, POSITIVE), ""
+        return Quantity(units.RATIO, POSITIVE if case.record.over == "speed" else ANY), ""
     entry, fault = entry_at(model, case.record.over)
     if fault:
         return None, f"{fault}; or level, speed"
@@ -157,6 +158,9 @@ def _solvers(case: SimpleNamespace) -> Iterator[Complaint]:
     for name, fidelity in case.fidelity.items():
         if fidelity.solver is not None and not SOLVERS[fidelity.solver].records:
             yield ("fidelity", name, "solver"), f'"{fidelity.solver}" knows sines alone: write {able}'
+        if fidelity.reduction is not None and REDUCTIONS[fidelity.reduction].flown:
+            said = f'"{fidelity.reduction}" is made of a motion under a sine: take another'
+            yield ("fidelity", name, "reduction"), said
 
 
 def _of_sweeps(case: SimpleNamespace) -> Iterator[Complaint]:

@@ -269,8 +269,8 @@ def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode, why: str) -> 
     from vibeam_models.base_motion import base_amplitude
 
     span, gain = scene.beam.length, scene.base.gain
-    if scene.platform is not None:
-        return []  # the base motion depends on the frequency there
+    if scene.platform is not None or scene.base == scene.base.place:
+        return []  # the base motion depends on the frequency there, or is a record
     rows = []
     if is_constant(scene.base):
         amplitude = base_amplitude(scene)

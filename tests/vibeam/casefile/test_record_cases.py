@@ -79,6 +79,19 @@ def test_a_shape_is_the_record_of_its_peak(drive: dict, at: float, value: float)
     assert scaled.at(at) == pytest.approx(2 * value, rel=1e-9, abs=1e-12)
 
 
+def test_a_pulse_has_a_direction_and_a_sine_an_amplitude() -> None:
+    away = case(PULSE | {"acceleration": "-50 g"})
+    assert away.input("one").at(0.0055) == pytest.approx(-50 * GRAVITY, rel=1e-9)
+    both = case(PULSE, {"duration": "0.1 s", "values": [-1, 1]})
+    assert both.record.values == (-1.0, 1.0)
+    assert both.input("one", level=-1.0).at(0.0055) == pytest.approx(-50 * GRAVITY, rel=1e-9)
+    assert faults(PULSE, {"duration": "0.1 s", "over": "speed", "values": [-1, 1]}) == [
+        "record.values.0: speed: -1 must be > 0"
+    ]
+    with pytest.raises(vibeam.CaseError, match=r"drive\.acceleration: must be ≥ 0: it is the amplitude of a sine"):
+        vibeam.load("cases/dtu_neutral.toml", {"drive": {"acceleration": "-1 g"}})
+
+
 def test_a_held_shape_lasts_to_the_end_whatever_the_speed() -> None:
     held = case({"shape": "step", "acceleration": "1 g"})
     for speed in (0.5, 1.0, 2.0):

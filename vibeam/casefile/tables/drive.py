@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any, cast
 
 from vibeam.case.input_plan import InputPlan
 from vibeam.casefile.field_tables import flat
 from vibeam.casefile.fields import Entry, OneOrSeveral, Quantity, Several
-from vibeam.casefile.tables.input import COLUMN, DENSITY
+from vibeam.casefile.quantities import ANY
+from vibeam.casefile.tables.input import COLUMN, DENSITY, PEAKS
 from vibeam.casefile.tables.table import Frequency, declared_entry, less, plan_keys, table
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.figures import FIGURES
@@ -197,6 +199,10 @@ def _measured_motion(drive: SimpleNamespace, ways: list[str]) -> Iterator[Compla
 def list_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about lists beside the frequencies that they are of, which the sweep does not leave."""
     drive = case.drive
+    for name in PEAKS:
+        value = getattr(drive, name, None)
+        if value is not None and min(value if isinstance(value, tuple) else (value,)) < 0:
+            yield ("drive", name), "must be ≥ 0: it is the amplitude of a sine"
     lists = {name: getattr(drive, name) for name in SIZES if isinstance(getattr(drive, name, None), tuple)}
     if drive.frequency is None:
         for name in lists:
@@ -235,7 +241,8 @@ SDOF_DRIVE = (
     "list over frequency; with [record] a file, a shape, or a random input by its density."
 )
 _NUMBERS = {name: cast(Quantity, declared_entry(keys_of(Base)[name])) for name in SIZES}
-_LISTS: dict[str, Entry] = {name: OneOrSeveral(each) for name, each in _NUMBERS.items()}
+_SIGNED = {name: replace(_NUMBERS[name], range=ANY) for name in PEAKS}  # a pulse has a direction
+_LISTS: dict[str, Entry] = {name: OneOrSeveral(each) for name, each in (_NUMBERS | _SIGNED).items()}
 _FREQUENCY = Several(Frequency, alone=True, ascending=True)
 _INPUT = plan_keys(InputPlan, column=COLUMN, time=COLUMN, density=DENSITY)
 DriveTable: Any = table("DriveTable", DRIVE, plan_keys(Base, frequency=_FREQUENCY, **_LISTS), _INPUT)

@@ -74,7 +74,8 @@ class DensityEntry(Entry):
         if not isinstance(value, list):
             return _level(value, units)
         if len(value) < 2 or not all(isinstance(row, list) and len(row) == 2 for row in value):
-            raise self.refusal(value, "a level, or a ")
+            said = 'must be a level, "0.01 g^2/Hz", or a list of two or more [frequency, level]'
+            raise ValueError(f"{said}, not {as_shown_in_message(value)}")
         rows = [(Frequency.read(row[0], units), *_level(row[1], units)) for row in value]
         if any(one[0] >= two[0] for one, two in pairwise(rows)):
             raise ValueError("the frequencies must ascend, each once")
@@ -212,7 +213,7 @@ def _shape(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     peak: Any = getattr(drive, said[0]) if said else None
     if isinstance(peak, tuple):
         yield ("drive", said[0]), f"a list is of a [sweep]: a shape has one peak, write {said[0]} = one number"
-    elif said == ["acceleration"] and peak > MOST and not KINDS[case.kind].plain:
+    elif said == ["acceleration"] and abs(peak) > MOST and not KINDS[case.kind].plain:
         yield ("drive", "acceleration"), f"is {peak / GRAVITY:.3g} g, and no base is shaken by 10⁶ g: check the unit"
 
 
