@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn, split_head
+from vibeam.exchange.curves.columns import Columns, CurveColumn, HeadError, WantedColumn, split_head
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import factor
-from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in
+from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, file_fault, reason
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
@@ -80,7 +80,7 @@ def record_of_file(
         value = _in_si(found.columns["value"], UNITS[quantity], unit, "unit") * (1.0 if scale is None else scale)
         times = _in_si(found.columns["frequency"], "s", None, "rate") if own is None else None
     except FormatError as wrong:
-        raise CaseError([fault_in(path, wrong.line, _told(wrong, quantity, quote))]) from None
+        raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
     _require_sound(path, found, value, times, LEAST.get(interpolation or JOINED[quantity][0], 2))
     try:
         start, even = (0.0, own) if times is None else (float(times[0]), _even(times))
@@ -190,14 +190,10 @@ def _in_si(column: CurveColumn, wanted: str, unit: str | None, key: str) -> Arra
         raise FormatError(f'column {column.head!r}: {fault}; say it: {key} = "…"') from None
 
 
-def _told(wrong: FormatError, quantity: str, quote: bool) -> str:
+def _told(wrong: FormatError, quote: bool) -> str:
     """Message of a reader, with the keys of a record as the cure."""
     if not quote:
         return ANONYMOUS
-    if isinstance(wrong, HeadError):
-        there = ", ".join(map(as_shown_in_message, wrong.heads[:SHOWN]))
-        heads = f": there are {there}" if there else ""
-        return (
-            f'has no columns "time" and "{quantity}"{heads}; say column and time by head or number from 1, or the rate'
-        )
-    return wrong.message.partition(", columns = {")[0]
+    said = wrong.message.partition("; say which in the case")[0].partition(", columns = {")[0]
+    cure = "; say column and time by head or number from 1, or the rate" if isinstance(wrong, HeadError) else ""
+    return said + cure

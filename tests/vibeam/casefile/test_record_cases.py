@@ -351,6 +351,9 @@ def test_an_input_too_coarse_or_a_run_too_short_for_a_mode_says_what_is_needed()
     )
     assert f"0.05 s is {0.05 * lowest:.2g} of a period of the lowest mode, {lowest:.4g} Hz" in short
     assert input_remarks(case(PULSE), "eight") == ()
+    for by in (-0.02, 0.06):
+        first, *_ = remarks_on(slow.shifted(by), system, 0.05)
+        assert first.startswith(f"the input begins at {by} s, the motion lasts from 0 to 0.05 s")
 
 
 def test_what_others_call_it_leads_to_the_key() -> None:

@@ -31,8 +31,10 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     one = curves[_chosen(curves, wanted["value"])]
     frequency, ordinate = np.asarray(one["x"], dtype=float), np.asarray(one["data"])
     over = ABSCISSAE.get(int(one.get("abscissa_spec_data_type") or 0), "")
-    if over not in ("frequency", *(["time"] if "time" in wanted["frequency"].names else [])):
-        raise FormatError("its data set 58 is not over frequency: export a frequency response or an order")
+    timed = "time" in wanted["frequency"].names
+    if over not in ("frequency", *(["time"] if timed else [])):
+        cure = "over time" if timed else "over frequency: export a frequency response or an order"
+        raise FormatError(f"its data set 58 is not {cure}")
     if not len(frequency) == len(ordinate) == int(one.get("num_pts") or len(ordinate)) > 0:
         told = f"{len(frequency)} frequencies and {len(ordinate)} values for {one.get('num_pts')} points"
         raise FormatError(f"its data set 58 has {told}: blanks are missing between numbers, or lines?")
