@@ -107,6 +107,10 @@ class Base:
         return Base(at=self.at, force=0.0) if self.moment is None else Base(at=self.at, moment=0.0)
 
 
+#: a force on a platform, whose size is a record's
+ON_PLATFORM = Base(force=0.0)
+
+
 def level(base: Base, name: str, omega: Array) -> float | Array | None:
     """The amplitude ``name`` of a drive at ``omega`` (rad/s): as given, or of its table one each, linear between.
 

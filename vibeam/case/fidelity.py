@@ -15,6 +15,7 @@ from vibeam.case.study_plans import MOST_ELEMENTS
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.rows import TimeDerivative
 from vibeam_models import keys as declare
+from vibeam_models.base import ON_PLATFORM
 from vibeam_reductions.declaration import REDUCTIONS
 
 if TYPE_CHECKING:
@@ -178,9 +179,12 @@ def _at_its_stop(scene: RigScene, small: Structure, static: float) -> ImpactSyst
 
     # After the reduction, so that it carries the whole mass with the modes of the beam on a base held still.
     moved = moving_platform(scene.platform, scene.shaker, scene.moving_mass).under(bare)
-    return ImpactSystem.from_structure(
+    carried = ImpactSystem.from_structure(
         moved, gap=built.gap, restitution=built.restitution, law=built.law, second_gap=built.second_gap, further=further
     )
+    if scene.base != ON_PLATFORM:
+        return carried
+    return replace(carried, load=carried.load / scene.platform.mass)  # which is of b₀ = F/(m_pΩ²), not of the force
 
 
 def parameters_of(scene: RigScene, fidelity: Fidelity) -> Mapping[str, Any]:

@@ -59,7 +59,6 @@ class InputPlan:
     """Input over time of a record case, SI units; ``file`` is absolute; all None: nothing drives.
 
     ``peak``: of a shape, in the unit of its ``quantity``; ``frequency``: in Hz, of a chirp the first and the last.
-    ``factor``: of the load; one over its mass of a force on a platform, which the load row of that is for.
     ``quote``: messages may quote the file.
     """
 
@@ -115,7 +114,6 @@ class InputPlan:
     seed: int | None = declare.count(0, 2**31 - 1, "of a random input, of its first realisation", 1, None)
     peak: float = 0.0
     frequency: tuple[float, ...] = ()
-    factor: float = 1.0
     quote: bool = True
 
     @property
@@ -129,8 +127,7 @@ class InputPlan:
         ``seed``: of a random input, None: its own first. ValueError for what no record can be.
         """
         made = self._made(duration * speed, self.seed if seed is None else seed)
-        size = level * self.factor
-        return made if size == speed == 1.0 else made.scaled(level=size, speed=speed)
+        return made if level == speed == 1.0 else made.scaled(level=level, speed=speed)
 
     def _made(self, duration: float, seed: int | None) -> Record:
         from vibeam.system.record import Record

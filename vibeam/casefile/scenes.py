@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibeam.casefile.tables.effects import effects_of_scene
+from vibeam.casefile.tables.input import said_of
 from vibeam.casefile.tables.stop import contact_law
 from vibeam.casefile.tables.table import plan_of
-from vibeam_models.base import Base
+from vibeam_models.base import ON_PLATFORM, Base
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import SHAPES
 from vibeam_models.keys import keys_of
@@ -76,10 +77,11 @@ def _base(case: AnyCase, **own: float) -> Base:
     """The drive; of a record, whose size its input has, where it acts."""
     said: dict[str, Any] = {name: getattr(case.drive, name, None) for name in keys_of(Base)}
     drive = Base(**said | own)
-    turned = case.record is not None and case.drive.quantity == "moment"
+    if case.record is not None and getattr(case, "platform", None) is not None:
+        return ON_PLATFORM
     if case.record is None:
         return drive
-    return replace(drive, moment=0.0).place if turned else drive.place
+    return replace(drive, moment=0.0).place if said_of(case) == "moment" else drive.place
 
 
 def _stop(table: Any, position: float, beam: Any = None) -> Stop:

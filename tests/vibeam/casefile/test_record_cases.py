@@ -204,10 +204,26 @@ def test_a_start_beyond_the_stop_is_refused_by_the_fidelity_that_it_is_of() -> N
 def test_a_platform_is_one_more_mode_that_a_force_drives() -> None:
     made = case({"shape": "half_sine", "force": "20 N", "duration": "11 ms"}, platform=PLATFORM)
     record, system = made.input("eight"), made.system("eight")
-    # M⁻¹ of the platform's coordinate sees F/m_p through the modes' load row: the acceleration at once is that of F
+    assert (record.quantity, record.at(0.0055)) == ("force", pytest.approx(20.0))
+    # the platform's acceleration at once is e_bᵀ M⁻¹ e_b F
     row = system.output("platform")
     alone = 20.0 * (row @ row)
     assert row @ system.load * record.at(0.0055) == pytest.approx(alone, rel=1e-9)
+
+
+@pytest.mark.parametrize("density", ["0.1 N^2 m^2/Hz", "0.1 (N m)^2/Hz"])
+def test_a_density_of_a_moment_turns_the_beam(density: str) -> None:
+    turned = case({"density": density, "band": ["10 Hz", "2 kHz"], "seed": 3, "at": "100 mm"})
+    pulse = case({"shape": "step", "moment": "1 N m", "at": "100 mm"})
+    assert turned.input("one").quantity == "moment"
+    assert turned.system("eight").load == pytest.approx(pulse.system("eight").load, rel=1e-12)
+    pushed = case({"shape": "step", "force": "1 N", "at": "100 mm"})
+    assert np.abs(pulse.system("eight").load - pushed.system("eight").load).max() > 1
+
+
+def test_a_platform_that_nothing_drives_is_not_left_out() -> None:
+    said = faults(None, None, {"displacement": "-1 mm"}, platform=PLATFORM | {"coupling": "one-way"})
+    assert said[0].startswith('platform.coupling: "one-way" filters a sine')
 
 
 def test_one_mode_in_its_own_units() -> None:

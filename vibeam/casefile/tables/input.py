@@ -155,6 +155,7 @@ def input_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         yield ("drive", said[1]), f"the input is said twice: keep {said[0]}, or {said[1]}"
         return
     yield from _foreign(drive, said[0] if said else None)
+    yield from _platform(case)
     if not said:
         if not _moves(case.start) and not any(getattr(drive, name, None) is not None for name in keys_of(Base)):
             yield ("drive",), "nothing moves the rig: write file, shape or density here, or add [start]"
@@ -259,10 +260,10 @@ def _kind(case: SimpleNamespace) -> Iterator[Complaint]:
     of, drive = said_of(case) or _load_of(case), case.drive
     key = of if way_of(drive) == "shape" else "quantity" if drive.quantity is not None else way_of(drive) or ""
     path = ("drive", key)
-    if getattr(case, "shaker", None) is not None:
-        yield ("shaker",), "knows sines alone: take it away, and give the force on the platform"
     if getattr(case, "platform", None) is not None:
-        yield from _on_platform(case, path, of)
+        if of != "force":
+            said = "a motion of the base has the platform in it already: take [platform] away, or give the force on it"
+            yield path, said
     elif case.kind == "sdof":
         if of in LOADS:
             yield path, "a single degree of freedom is driven by its base: write acceleration, a force over the mass"
@@ -277,14 +278,15 @@ def _kind(case: SimpleNamespace) -> Iterator[Complaint]:
         yield ("drive", "at"), 'is where a force or a moment acts: write force, or quantity = "force", or take at away'
 
 
-def _on_platform(case: SimpleNamespace, path: tuple[str, str], of: str) -> Iterator[Complaint]:
-    """A platform is one more mode that a force drives, where the beam pushes back too."""
+def _platform(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about a platform that is not one more mode, which the beam pushes too, and about a shaker."""
+    if getattr(case, "shaker", None) is not None:
+        yield ("shaker",), "knows sines alone: take it away, and give the force on the platform"
+    if getattr(case, "platform", None) is None:
+        return
     if case.platform.coupling == "one-way":
         said = "filters a sine; over time a platform moves as one more mode, which the beam pushes too"
         yield ("platform", "coupling"), f'"one-way" {said}: write coupling = "two-way"'
-    if of != "force":
-        said = "a motion of the base has the platform in it already: take [platform] away, or give the force on it"
-        yield path, said
     if case.platform.calibrated_at is not None:
         yield ("platform", "calibrated_at"), "goes with the base motion of a [sweep]: take it out"
     if getattr(case.drive, "at", None) is not None:
@@ -297,11 +299,9 @@ def input_plan(case: Any, folder: File) -> InputPlan:
     own = {name: getattr(drive, name, None) for name in keys_of(InputPlan)}
     own["density"] = None if drive.density is None else drive.density[0]
     own["file"] = None if drive.file is None else str((folder / drive.file).absolute())
-    platform = getattr(case, "platform", None)
     return InputPlan(
         **own | {"quantity": of},
         peak=getattr(drive, of) if drive.shape is not None else 0.0,
         frequency=drive.frequency or (),
-        factor=1.0 if platform is None else 1.0 / platform.mass,
         quote=drive.file is None or (folder / drive.file).resolve().is_relative_to(folder.resolve()),
     )

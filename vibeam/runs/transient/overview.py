@@ -26,7 +26,9 @@ class RecordOverview(Overview):
     remarks: tuple[str, ...] = ()  # on the load, for the modes that there are
 
     def _driven(self) -> Iterator[str]:
-        if self.load is not None:
+        if self.load is not None and not self.load.peak:
+            yield "no load: the motion is free"
+        elif self.load is not None:
             if self.load.quantity == "acceleration":
                 unit, factor = prefixed(ACCELERATIONS, self.load.peak, 0)
                 yield f"base acceleration up to {self.load.peak * factor:.4g} {unit}, {_time(self.load.duration)}"
