@@ -34,6 +34,7 @@ HERE = Path(__file__).parent
 CASES = HERE.parents[1] / "cases"
 sys.path[:0] = [str(HERE.parent / "hard"), str(HERE.parent / "support")]
 
+from case_files import SWEPT  # noqa: E402
 from random_rigs import KINDS, rig  # noqa: E402
 from report import commit, machine  # noqa: E402
 
@@ -215,7 +216,7 @@ def prove_kind(kind: str, seeds: range = SEEDS) -> Proved:
 
 def entries(whole: bool = False) -> dict[str, Callable[[], Proved]]:
     """Everything that the file holds, by name; ``whole``: every period of every case."""
-    files, neutral = [*sorted(CASES.glob("*.toml")), *sorted(CASES.glob("*/*.toml"))], CASES / "dtu_neutral.toml"
+    files, neutral = sorted(SWEPT, key=lambda path: (path.parent != CASES, path)), CASES / "dtu_neutral.toml"
     found: dict[str, Callable[[], Proved]] = {f"random, {kind}": lambda kind=kind: prove_kind(kind) for kind in KINDS}
     found |= {f"rig, {name}": lambda more=more: prove_case(neutral, more) for name, more in LAWS.items()}
     return found | {

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from case_files import SWEPT
 from stand_in import SI
 
 import vibeam
@@ -18,7 +19,7 @@ from vibeam.system.response import Ended
 STEPPED = ("direct", "zhuravlev", "ivanov", "moreau")
 ANALYTICAL = ("mapping", "averaging", "orbit")  # they say where they have no motion
 WHOLE = 201  # points of a sweep up to which it is run as it is
-FILES = sorted((Path(__file__).parents[3] / "cases").rglob("*.toml"))
+FILES = SWEPT
 SLOW = ("two_stops", "dtu_harmonic", "fig27_drive", "fig27_damping", "fig27_mass")  # 10 to 30 s each; fig27 stays
 SLOW += ("fig22_gap", "fig28_mass")  # fig22 and fig28 stay
 JUMPING = ("sdof_nominal", "sdof_methods")  # which of two motions is met hangs on the points between

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import mpmath as mp
 import numpy as np
 import pytest
+from case_files import SWEPT
 from numpy.typing import NDArray
 
 import vibeam
@@ -21,7 +22,7 @@ from vibeam.periodic.trains import carried
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 
-FILES = sorted((Path(__file__).parents[3] / "cases").rglob("*.toml"))
+FILES = SWEPT
 POINTS = 16  # a case and model
 FORGOTTEN = 1e-13  # share of a disturbance that is left when the flight is read
 LONGEST = 20_000  # periods: what settles more slowly starts on the orbit itself and must stay there

@@ -7,6 +7,7 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
+from case_files import SWEPT
 
 import vibeam
 from vibeam.case.case import Case
@@ -16,7 +17,7 @@ from vibeam.system.impact_system import ImpactSystem
 
 ROOT = Path(__file__).parents[4]
 CASES = ROOT / "cases"
-FILES = sorted(CASES.rglob("*.toml"))
+FILES = SWEPT
 PAGE = ROOT / "vibeam/report/explore/README.md"
 ROW = re.compile(r"^\| `([\w/]+)` \| (\d+) \| (\d+) \| (\d+) \| (.*) \|$", re.MULTILINE)
 REASONS = {  # in a row, by the beginning of the sentence
