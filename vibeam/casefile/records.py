@@ -33,8 +33,8 @@ OF_SWEEPS = {
     "reference": "[measured.NAME] compares a number of a history with a measured one",
     "cost": "vibeam run says the CPU time of every fidelity",
     "fit": "it reads frequency-response curves",
-    "map": "record.over and record.values vary one key",
-    "modes_needed": "fidelities with more and more modes, compared by vibeam run, say it",
+    "map": "vibeam map CASE --over KEY,KEY --quantity peak flies any keys",
+    "modes_needed": "vibeam verdict --only modes says how many suffice",
 }
 OF_FREQUENCY = ("drift", "drift_frequency", "wear")  # keys of [stop] that go by the points of a sweep
 

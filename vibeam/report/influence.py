@@ -16,6 +16,7 @@ from vibeam.case.plans import FigurePlan
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import COLOURS
 from vibeam.report.output import StudySheet
+from vibeam.report.record_studies import of_effects
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import both_peaks, doubts, listed, settled
 from vibeam.system.number_text import signed
@@ -42,8 +43,10 @@ LEAST, MOST = 1e-3, 1e3  # changes over tolerance: larger ones are drawn at the 
 MOVED = 0.005  # relative change above which a mode's frequency counts as changed
 
 
-def sheet(study: InfluenceStudy, case: Case) -> StudySheet:
+def sheet(study: Any, case: Case) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a model and quantity."""
+    if case.record is not None:
+        return of_effects(study)
     said = list(details(study))
     return StudySheet(
         answer=answer(study),

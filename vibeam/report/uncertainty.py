@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.case import quantity_of
+from vibeam.case.case import Case, quantity_of
 from vibeam.case.study_plans import Uncertain
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, units_of
 from vibeam.report.fit import restitution_meant
 from vibeam.report.output import StudySheet
+from vibeam.report.record_studies import of_uncertainty
 from vibeam.report.tables import ReportTable, blank, plain
 from vibeam.studies.identification.modes import unit_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT
@@ -38,8 +39,10 @@ def units_in(study: UncertaintyStudy) -> DisplayUnits:
     return units_of(study.case, float(np.nanmax(study.finest.bands, initial=0.0)), quantity=output)
 
 
-def sheet(study: UncertaintyStudy) -> StudySheet:
+def sheet(study: Any, case: Case | None = None) -> StudySheet:
     """Sheet of a study: spread of the peak and its main source, tables, remarks, bands as CSV, their figure."""
+    if case is not None and case.record is not None:
+        return of_uncertainty(study)
     said, uncertain, further = answer(study), list(notes(study)), list(details(study))
     data = {
         "inputs": study.uncertain, "samples": study.samples, "seed": study.seed, "frequency": study.frequency,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from vibeam.report import cost, influence, modes_needed
+from vibeam.report import cost, influence, modes_needed, record_studies
 from vibeam.report.maps import verdict as fidelity_map
 from vibeam.report.maps.page import map_figure
 from vibeam.report.output import StudySheet
@@ -26,6 +26,9 @@ QUESTIONS = {
 }
 
 
+UNDER_RECORD: Mapping[str, Callable[[Any], StudySheet]] = {
+    "modes": record_studies.of_modes, "effects": record_studies.of_effects, "map": record_studies.of_fidelities,
+}  # fmt: skip
 FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map"}
 
 
@@ -47,7 +50,8 @@ def sheet(found: Verdict) -> StudySheet:
         return replace(made, study=FILES[stage.name])
     from vibeam.report.page.page import study_page
 
-    rows = [StageRow(stage.name, QUESTIONS[stage.name], made.answer, stage.cpu_seconds) for stage, made in sheets]
+    asked = QUESTIONS if found.case.record is None else QUESTIONS | {"map": "Which fidelity?"}
+    rows = [StageRow(stage.name, asked[stage.name], made.answer, stage.cpu_seconds) for stage, made in sheets]
     notes = [note for _, made in sheets for note in made.notes[:1]]
     answer = next((row.answer for row, (stage, _) in zip(rows, sheets, strict=True) if not stage.why), rows[0].answer)
     return StudySheet(
@@ -58,7 +62,7 @@ def sheet(found: Verdict) -> StudySheet:
         [table for _, made in sheets for table in [*made.tables, *made.more]],
         data={"stages": {stage.name: {"answer": made.answer, **made.data} for stage, made in sheets}},
         rows=rows,
-        page=lambda: study_page(found.case.title, answer, [(QUESTIONS[each.name], made) for each, made in sheets]),
+        page=lambda: study_page(found.case.title, answer, [(asked[each.name], made) for each, made in sheets]),
     )
 
 
@@ -66,6 +70,9 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
     """Sheet of one stage: of its study, or why it has no answer."""
     if stage.why:
         return StudySheet(f"Not answered: {stage.why}", data={"why": stage.why})
+    if case.record is not None:
+        found: StudySheet = UNDER_RECORD[stage.name](stage.record)
+        return found
     if stage.name == "modes":
         return modes_needed.sheet(stage.record)
     if stage.name == "effects":
@@ -78,6 +85,8 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
 def first_answer(case: Case) -> str:
     """Answer of the first stage that is known before anything is flown; empty where it is not asked for."""
     plan: VerdictPlan = case.asked["verdict"]
+    if case.record is not None:
+        return ""
     require_plane(case, plan)
     return modes_needed.first_answer(case, plan_of_modes(case, plan)) if "modes" in plan.only else ""
 

@@ -15,6 +15,7 @@ from vibeam.studies.modes import modes as modes
 from vibeam.studies.modes_needed.limit import limit as limit
 from vibeam.studies.modes_needed.reduction import reduce as reduce
 from vibeam.studies.modes_needed.study import modes_needed as modes_needed
+from vibeam.studies.record.plane import record_map as record_map
 from vibeam.studies.regression.check import check as check
 from vibeam.studies.regression.check import compare_measured as compare_measured
 from vibeam.studies.stability import stability as stability

@@ -20,6 +20,7 @@ from vibeam.studies.cost.study import cost
 from vibeam.studies.fidelity_map.study import fidelity_map
 from vibeam.studies.influence.study import influence
 from vibeam.studies.modes_needed.study import modes_needed
+from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -88,7 +89,8 @@ def verdict(
     2
     """
     asked = plan_with(plan or case.asked["verdict"], settings)
-    require_plane(case, asked)
+    if case.record is None:
+        require_plane(case, asked)
     return Verdict(case, asked, tuple(_stage(name, case, asked, tell, progress) for name in _names(asked)))
 
 
@@ -125,6 +127,8 @@ def _stage(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progress
 
 
 def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progress: Progress | bool | None) -> Any:
+    if case.record is not None:
+        return _under_record(name, case, plan, progress)
     if name == "modes":
         return modes_needed(case, plan_of_modes(case, plan))
     if name == "effects":
@@ -135,6 +139,19 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
         case, plan.over, points=plan.points, frequencies=plan.points, accuracy=plan.accuracy, progress=progress,
         budget=plan.budget,
     )  # fmt: skip
+
+
+def _under_record(name: str, case: Case, plan: VerdictPlan, progress: Progress | bool | None) -> Any:
+    """Record of a stage of a case under a record; ValueError for the stage that it has not."""
+    from vibeam.studies.influence.recorded_effects import record_effects
+    from vibeam.studies.record.fidelities import record_fidelities
+    from vibeam.studies.record.modes import record_modes
+
+    if name == "solvers":
+        raise ValueError("the solvers' errors are of steady motions; vibeam run says the CPU time of every fidelity")
+    study = {"modes": record_modes, "effects": record_effects, "map": record_fidelities}[name]
+    with telling(progress, name) as told:
+        return study(case, plan.accuracy, told=told)  # type: ignore[operator]
 
 
 def plan_of_modes(case: Case, plan: VerdictPlan) -> ModesNeededPlan:

@@ -29,6 +29,7 @@ _PICTURE = "For a case without such a table: period, values, bifurcation, spectr
 _OVER = "gap, drive, restitution, frequency or a dotted key."
 _POINTS = "Values of each key, one number for all."
 _ACCURACY = "Of verdict: how near the finest model; absent = 1 %."
+_QUANTITY = "Of values, verdict: amplitude, reach, …; of a record: peak, impacts, …"
 _CLUSTER = "Workers of this Dask scheduler, or its scheduler file."
 
 
@@ -43,9 +44,7 @@ def map(
     high: Annotated[str | None, option("Its last value.", "--to", metavar="VALUE")] = None,
     points: Annotated[str | None, option(_POINTS, "--points", metavar="N[,M]")] = None,
     accuracy: Annotated[str | None, option(_ACCURACY, "--accuracy", metavar="PERCENT")] = None,
-    quantity: Annotated[
-        str | None, option("Of values and verdict: amplitude, reach, …", "--quantity", metavar="NAME")
-    ] = None,
+    quantity: Annotated[str | None, option(_QUANTITY, "--quantity", metavar="NAME")] = None,
     periods: Annotated[
         int | None, option("Of stability: from impact to impact.", "--periods", min=1, metavar="N")
     ] = None,
@@ -62,8 +61,15 @@ def map(
     Examples:
       vibeam map cases/maps/fig18.toml fig18
       vibeam map cases/dtu_neutral.toml --picture verdict --over gap --accuracy "2 %"
+      vibeam map shock.toml --over gap,level --from "0 mm,0.5" --to "1 mm,2"
     """
     loaded = load(case, set_)
+    if loaded.record is not None:
+        ends, counts = (low, high), _counts(points)
+        not_taken = {"--picture": picture, "--accuracy": accuracy, "--periods": periods, "--verify": verify,
+                     "--cluster": cluster, "NAME": names or None}  # fmt: skip
+        _under_record(loaded, out, over, ends, counts, quantity, fidelity, not_taken)
+        return
     asked = {
         "over": over, "low": low, "high": high, "points": _counts(points), "accuracy": accuracy,
         "quantity": quantity, "periods": periods, "verify": verify, "fidelities": fidelity,
@@ -80,6 +86,27 @@ def map(
     from vibeam.report.maps.page import one_sheet
 
     print_sheet(one_sheet(sheets), files)
+
+
+def _under_record(
+    case: Case, out: str | None, over: str | None, ends: tuple[str | None, str | None], counts: tuple[int, ...] | None,
+    quantity: str | None, fidelities: list[str] | None, not_taken: dict[str, Any],
+) -> None:  # fmt: skip
+    """The map of a case under a record: means over its realisations, as table and figure."""
+    from vibeam.cli.arguments import table_path
+    from vibeam.cli.progress import Bar
+    from vibeam.report.record_map import sheet
+    from vibeam.studies.record.plane import axes_asked, record_map
+
+    if found := [name for name, given in not_taken.items() if given is not None]:
+        raise UsageError(f"{found[0]}: is of a map of a [sweep]; of a [record]: --over KEY[,KEY] --quantity peak")
+    path = table_path(case, out, "map", (".csv",))
+    with Bar("map") as bar:
+        study = of_case(case.path, lambda: record_map(
+            case, axes_asked(case, over, *ends, counts), quantity or "peak", fidelities, bar
+        ))  # fmt: skip
+    made = sheet(study)
+    print_sheet(made, made.write(path, case.figure))
 
 
 def _counts(points: str | None) -> tuple[int, ...] | None:

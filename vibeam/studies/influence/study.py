@@ -110,8 +110,10 @@ def influence(
     progress: Progress | bool | None = None,
     clock: Clock = time.thread_time,
     budget: float = inf,
-) -> InfluenceStudy:
+) -> Any:
     """Remove each effect alone, keep each alone, and find the smallest set within the tolerances.
+
+    An ``InfluenceStudy``; of a case under a record, whose peaks are to stay within ``tolerance``, ``RecordEffects``.
 
     ``tell`` is called with the time that it takes where that is long, ``progress`` with the sweeps made and all that
     are foreseen; True shows both. Sets that do not fit into ``budget`` CPU seconds are not swept. ValueError where the
@@ -123,6 +125,11 @@ def influence(
     >>> sorted(row.effect for row in vibeam.influence(case).rows)
     ['mass.rigid_half_width', 'mass.rotary_inertia']
     """
+    if case.record is not None:
+        from vibeam.studies.influence.recorded_effects import record_effects
+
+        with telling(progress, "influence") as counting:
+            return record_effects(case, case.influence.tolerance, counting)
     require_displacement(case, "influence")
     sets = subsets(case)
     _warm_up(case, sets.fidelity)

@@ -125,22 +125,36 @@ class Subsets:
 
 def subsets(case: Case) -> Subsets:
     """Subsets of a case's effects; ValueError where there is none."""
-    if case.scene.given_mode is not None:
-        raise ValueError("a single degree of freedom by itself has no effects: influence needs a beam")
     name = case.influence.fidelity or finest(case)
-    model: Any = case.model(name)
-    own = model.tables
-    effects = effects_of(own)
-    if not effects:
-        raise ValueError(f"fidelity {name!r} names no effect: vibeam keys lists those there are, each marked 'effect'")
-    table = own.fidelity[name]
+    own = _with_effects(case, name)
     alone = {
-        "fidelity": {name: table.model_copy(update={"set": None, "without": None})},
+        "fidelity": {name: own.fidelity[name].model_copy(update={"set": None, "without": None})},
         "sweep": own.sweep.model_copy(update=_reduced(case)),
     }
     whole = case_of({"units": "SI"} | content(own.model_copy(update=alone), "numbers"), case.path, {})
+    return _subsets_of(whole, name, own)
+
+
+def subsets_of_record(case: Case, name: str) -> Subsets:
+    """Subsets of the effects of a fidelity of a case under a record; ValueError where there is none."""
+    return _subsets_of(case, name, _with_effects(case, name))
+
+
+def _with_effects(case: Case, name: str) -> Any:
+    """The declared case of a fidelity; ValueError where it names no effect."""
+    if case.scene.given_mode is not None:
+        raise ValueError("a single degree of freedom by itself has no effects: influence needs a beam")
+    model: Any = case.model(name)
+    own = model.tables
+    if not effects_of(own):
+        raise ValueError(f"fidelity {name!r} names no effect: vibeam keys lists those there are, each marked 'effect'")
+    return own
+
+
+def _subsets_of(whole: Case, name: str, own: Any) -> Subsets:
+    effects = effects_of(own)
     beside = {effect: companions(own, effect) for effect in effects}
-    found = Subsets(whole, name, effects, {}, beside, table.modes)
+    found = Subsets(whole, name, effects, {}, beside, own.fidelity[name].modes)
     return replace(found, own_modes=_own_modes(found))
 
 

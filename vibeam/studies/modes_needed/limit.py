@@ -115,8 +115,9 @@ class LimitRow(ObservedLimit):
 
 
 @of_source
-def limit(case: Case, /, plan: ModesNeededPlan | None = None, **settings: Any) -> list[LimitRow]:
-    """Limits of a case's rig over 1, 2, 4 … modes, with R and with R₁ held, or with its stop that yields.
+def limit(case: Case, /, plan: ModesNeededPlan | None = None, **settings: Any) -> Any:
+    """Limits of a case's rig over 1, 2, 4 … modes, with R and with R₁ held, or with its stop that yields: a list of
+    ``LimitRow``; of a case under a record ``RecordModes``, the numbers of its motions over the modes.
 
     ``settings``: of the ``plan``, ``modes`` at most, ``frequency`` of the exact motions, ``speed`` of collisions, in SI
     or with units. ValueError for a case without modes to add, or a drive that no closed form takes.
@@ -127,6 +128,10 @@ def limit(case: Case, /, plan: ModesNeededPlan | None = None, **settings: Any) -
     ('R₁ of mode 1', (1, 2, 4, 8), 0.72)
     """
     asked, scene = plan_asked(case, plan, settings), case.scene
+    if case.record is not None:
+        from vibeam.studies.record.modes import record_modes
+
+        return record_modes(case, asked.accuracy)
     if scene.given_mode is not None or not isinstance(scene, RigScene):
         raise ValueError("a single degree of freedom given directly has no more modes")
     most = asked.modes if isinstance(scene, Scene) else min(asked.modes, structure_of(scene).size)

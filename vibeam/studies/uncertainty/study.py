@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -77,8 +77,9 @@ class UncertaintyStudy(ValueRecord, ViewedTable):
 @of_source
 def uncertainty(
     case: Case, progress: Progress | bool | None = None, *, samples: int | None = None, seed: int | None = None
-) -> UncertaintyStudy:
-    """Carry the uncertain inputs of a case through its sweep.
+) -> Any:
+    """Carry the uncertain inputs of a case through its sweep: an ``UncertaintyStudy``; of one under a record a
+    ``RecordUncertainty``, each sample through the same realisations.
 
     The finest fidelity is run at (2 + d)·``samples`` values of d inputs (Sobol' sequence), each other one of the same
     physics at 2·``samples`` of them; None: as the case asks. ``progress``: True shows it, a function is told in lines.
@@ -101,7 +102,17 @@ def uncertainty(
     if samples < PILOT // 2 or samples & (samples - 1):
         raise ValueError(f"samples: {samples}, must be a power of two, {PILOT // 2} or more")
     with telling(progress, "uncertainty") as told:
+        if case.record is not None:
+            from vibeam.studies.uncertainty.recorded_inputs import record_uncertainty
+
+            return record_uncertainty(case, samples, seed, lambda done, total: _often(told, done, total))
         return _study(case, told, samples, seed)
+
+
+def _often(told: Progress, done: int, total: int) -> None:
+    """Tell of motions, a few times in all."""
+    if done and done % max(total // 3, 20) == 0:
+        told(f"{done} of {total} motions")
 
 
 def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintyStudy:

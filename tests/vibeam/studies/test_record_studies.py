@@ -1,0 +1,248 @@
+"""Studies of cases under a record: against closed forms, scipy's linear systems, and runs compared by hand."""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.signal import lsim
+from typer.testing import CliRunner
+
+import vibeam
+from vibeam.cli.main import app
+from vibeam.runs.transient.run import run_record
+from vibeam.studies.influence.recorded_effects import record_effects
+from vibeam.studies.record.ensembles import AskedNumber, asked_number, changes, ensembles, usual_numbers
+from vibeam.studies.record.fidelities import judged
+from vibeam.studies.record.modes import RecordModes, record_modes
+from vibeam.studies.record.plane import axes_asked, record_map
+from vibeam.studies.uncertainty.recorded_inputs import cheaper_mean
+from vibeam.studies.uncertainty.samples import inputs_of
+from vibeam.studies.uncertainty.statistics import saltelli
+
+SHOCK, LENGTH = 40.0, 11e-3  # m/s², s: a half-sine
+FAR = "50 mm"
+MODES = ((30.0, 1.0), (110.0, 0.4), (260.0, 0.1), (500.0, 0.02))  # Hz; mode × sensor, of a base that drives all alike
+
+
+def modal_case(count: int = 4, gap: str = FAR, **more: Any) -> vibeam.Case:
+    """Modes given by their frequencies, under a half-sine of the base."""
+    ones = [1.0] * len(MODES)
+    tables = {
+        "modes": {
+            "frequency": [f"{hertz} Hz" for hertz, _ in MODES], "damping_ratio": 0.02, "contact": ones,
+            "sensor": [share for _, share in MODES], "base": ones,
+        },
+        "stop": {"gap": gap, "restitution": 0.7},
+        "drive": {"shape": "half_sine", "acceleration": f"{SHOCK} m/s^2", "duration": f"{LENGTH} s"},
+        "record": {"duration": "0.1 s"},
+        "fidelity": {"few": {"reduction": "modal", "modes": 1}, "many": {"reduction": "modal", "modes": count}},
+    }  # fmt: skip
+    return vibeam.Case.of(tables, set=more)
+
+
+@cache
+def linear_motion(count: int) -> np.ndarray:
+    """Displacement of the sensor without a stop, by scipy's transition matrices over 2 µs steps."""
+    times = np.linspace(0.0, 0.1, 50_001)
+    base = np.where(times < LENGTH, SHOCK * np.sin(np.pi * times / LENGTH), 0.0)
+    total = np.zeros_like(times)
+    for hertz, share in MODES[:count]:
+        omega = 2 * np.pi * hertz
+        total += share * lsim(([-1.0], [1.0, 0.04 * omega, omega**2]), base, times)[1]
+    return total
+
+
+def linear_peak(count: int) -> float:
+    return float(np.abs(linear_motion(count)).max())
+
+
+def test_peaks_over_the_level_are_those_of_the_linear_system() -> None:
+    """2 µs between scipy's samples, joined by lines: 1e-5 of the peak at most."""
+    found = record_map(modal_case(), {"level": [0.5, 1.0, 3.0]}, fidelities=["many"])
+    assert found.means["many"] == pytest.approx(np.array([0.5, 1.0, 3.0]) * linear_peak(4), rel=2e-5)
+    assert np.isnan(found.errors["many"]).all()  # one motion, no ensemble
+
+
+def test_impacts_begin_where_the_free_peak_reaches_the_gap() -> None:
+    """One mode: its contact is its sensor."""
+    peak = float(linear_motion(1).max())
+    found = record_map(modal_case(), {"stop.gap": [0.99 * peak, 1.01 * peak]}, "impacts", ["few"])
+    assert found.means["few"][0] >= 1
+    assert found.means["few"][1] == 0
+    assert np.isnan(record_map(modal_case(), {"stop.gap": [1.01 * peak]}, "first impact", ["few"]).means["few"]).all()
+
+
+def test_a_plane_has_a_row_a_value_of_the_first_key() -> None:
+    case = modal_case()
+    found = record_map(case, {"stop.gap": [1e-4, 2e-4], "speed": [0.5, 1.0, 2.0]}, "hardest_impact", ["few"])
+    assert found.means["few"].shape == (2, 3)
+    one = run_record(case.with_keys({"stop.gap": 2e-4, "record.over": "speed", "record.values": [2.0]}), None,
+                     lambda *each: None, False, lambda line: None)  # fmt: skip
+    assert found.means["few"][1, 2] == one["few"].of("hardest_impact")[0, 0]
+
+
+def test_modes_suffice_where_scipy_says_so() -> None:
+    off = [abs(linear_peak(count) / linear_peak(4) - 1) for count in (1, 2, 3)]
+    found = record_modes(modal_case(), off[0] / 2)
+    assert [row.modes for row in found.rows] == [1, 2, 3]
+    assert [row.worst for row in found.rows] == pytest.approx(off, abs=4e-5)
+    enough = next(count for count in (1, 2, 3) if max(off[count - 1 :]) <= off[0] / 2)
+    assert found.enough() == enough > 1
+    assert replace_accuracy(found, 1e-9).enough() is None
+
+
+def replace_accuracy(found: RecordModes, accuracy: float) -> RecordModes:
+    return dataclasses.replace(found, accuracy=accuracy)
+
+
+def noisy(**more: Any) -> vibeam.Case:
+    """Two fidelities under noise, which strike their stop."""
+    tables = {
+        "beam": {
+            "length": "90 mm", "width": "8 mm", "thickness": "0.8 mm", "youngs_modulus": "200 GPa",
+            "density": "7800 kg/m^3", "damping_ratio": 0.02, "elements": 6,
+        },
+        "mass": {"mass": "1.5 g", "position": "85 mm", "rotary_inertia": "1e-7 kg m^2"},
+        "gravity": {"direction": "transverse"},
+        "stop": {"gap": "0.2 mm", "restitution": 0.6},
+        "sensor": {"position": "90 mm"},
+        "drive": {"density": "0.02 g^2/Hz", "band": ["20 Hz", "300 Hz"], "seed": 5},
+        "record": {"duration": "0.1 s", "realisations": 3, "values": [0.5, 1.0]},
+        "fidelity": {"one": {"reduction": "static_mode"}, "two": {"reduction": "modal", "modes": 2}},
+    }  # fmt: skip
+    return vibeam.Case.of(tables, set=more)
+
+
+def test_a_variant_on_the_same_realisations_as_itself_changes_nothing() -> None:
+    case = noisy()
+    one, same = ensembles([(case, "one"), (case, "one")], usual_numbers(case))
+    for each in changes(one, same):
+        assert (each.change, each.error) == (0.0, 0.0)
+
+
+def test_the_cheapest_within_is_named_at_each_value() -> None:
+    """Differences by hand: mean over the seeds of the difference of the peaks over the mean peak; s/√3 its error."""
+    case = noisy()
+    result = run_record(case, None, lambda *each: None, False, lambda line: None)
+    found = judged(result, 1e9)
+    assert [each.cheapest for each in found.values] == ["one", "one"]
+    for at, each in enumerate(found.values):
+        ours, theirs = (result[name].of("peak")[at] for name in ("one", "two"))
+        [row] = each.rows
+        peak = row.changes[0]
+        assert peak.number == AskedNumber("peak", "sensor")
+        assert peak.change == pytest.approx(np.mean(ours - theirs) / np.mean(theirs), rel=1e-12)
+        assert peak.error == pytest.approx(np.std(ours - theirs, ddof=1) / np.sqrt(3) / np.mean(theirs), rel=1e-12)
+        assert row.worst == pytest.approx(abs(peak.change) + 2 * peak.error, rel=1e-12)
+    assert [each.cheapest for each in judged(result, 1e-9).values] == ["two", "two"]
+
+
+def test_what_an_effect_changes_is_what_the_case_without_it_does() -> None:
+    case = noisy()
+    found = record_effects(case, 0.02)
+    assert {row.effect for row in found.rows} == {"gravity", "mass.rotary_inertia"}
+    whole, without = (
+        run_record(each, None, lambda *each: None, False, lambda line: None)["two"].of("peak")
+        for each in (case, case.with_keys({"gravity": None}))
+    )
+    own = next(row for row in found.rows if row.effect == "gravity")
+    by_hand = [np.mean(two - one) / np.mean(one) for one, two in zip(whole, without, strict=True)]
+    assert min(abs(own.without.changes[0].change - each) for each in by_hand) < 1e-12
+    assert ("gravity" in found.enough.kept) == next(row.needed for row in found.rows if row.effect == "gravity")
+    assert found.exact
+    assert found.models == 4
+
+
+def test_a_peak_that_follows_its_input_has_its_quantiles_and_all_its_variance() -> None:
+    """Without contact the peak is proportional to the shock: uniform ± 20 %, of which 90 % lie within ± 18 %."""
+    case = modal_case(2, uncertain={"drive.acceleration": "32 m/s^2 … 48 m/s^2", "stop.gap": "± 1 mm"})
+    found = vibeam.uncertainty(case, samples=32)
+    peak = found.rows[0]
+    assert peak.spread.nominal == pytest.approx(linear_peak(2), rel=2e-5)
+    assert np.array(peak.spread.quantiles) / peak.spread.nominal == pytest.approx([0.82, 0.9, 1.0, 1.1, 1.18], abs=0.01)
+    assert peak.indices.total[:, 0] == pytest.approx([1.0, 0.0], abs=0.05)
+    assert found.failed == 0
+
+
+def test_a_cheaper_fidelity_takes_the_mean_nearer() -> None:
+    """y = x₁ + x₂²/10 of standard normal inputs has the mean 0.1; x₁ alone follows it and costs a hundredth."""
+    costs = {"many": 1.0, "few": 0.01}
+
+    def at(name: str, inputs: np.ndarray) -> tuple[np.ndarray, float]:
+        values = inputs[:, 0] + (name == "many") * inputs[:, 1] ** 2 / 10
+        return values[None], costs[name]
+
+    case = modal_case(uncertain={"drive.acceleration": "± 1 m/s^2", "stop.gap": "± 1 mm"})
+    unit = [dataclasses.replace(each, first=0.0, second=1.0) for each in case.uncertain]
+    case = dataclasses.replace(case, uncertain=tuple(unit))
+    inputs = inputs_of(case.uncertain, saltelli(2, 128, 3))[:256]
+    known = at("many", inputs)[0][0]
+    found = cheaper_mean(case, SimpleNamespace(at=at), "many", inputs, known, 1.0, 7)
+    assert found.chosen.names == ("many", "few")
+    assert found.correlations["few"] == pytest.approx(1 / np.sqrt(1.02), abs=0.005)  # var(x₂²/10) = 0.02
+    assert found.combined.seconds < found.alone.seconds
+    assert found.combined.error < 0.7 * found.alone.error
+    assert abs(found.combined.mean - 0.1) < 4 * found.combined.error
+    assert found.gain > 3
+
+
+def test_what_cannot_be_asked_is_said() -> None:
+    case = modal_case()
+    for text, said in (("peek", "no quantity 'peek' of a record"), ("horizon", "no quantity 'horizon'")):
+        with pytest.raises(ValueError, match=said):
+            asked_number(case, text)
+    assert asked_number(case, "peak of sensor_acceleration") == AskedNumber("peak", "sensor_acceleration")
+    with pytest.raises(ValueError, match="has no signal 'tip'"):
+        record_map(case, {"level": [1.0]}, "peak of tip")
+    for given, said in (
+        (("stop.gap", None, None), "--from: missing, for stop.gap has no usual range"),
+        (("level,speed", None, None), "--over: write a key, or two"),
+        (("gap,level", "0 mm", "1 mm"), "--from: 1 values for 2 keys"),
+        (("level", "2", "1"), "must ascend"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            axes_asked(case, *given, None)
+    with pytest.raises(ValueError, match="the solvers' errors are of steady motions"):
+        vibeam.verdict(case, only=["solvers"])
+    with pytest.raises(ValueError, match="has no effects"):
+        vibeam.influence(one_mode())
+
+
+def one_mode() -> vibeam.Case:
+    tables = {
+        "sdof": {"natural_frequency": "50 Hz", "damping_ratio": 0.05}, "stop": {"gap": 1e-4, "restitution": 0.7},
+        "drive": {"density": 1.0, "band": ["5 Hz", "200 Hz"], "seed": 1},
+        "record": {"duration": "0.1 s", "realisations": 2}, "fidelity": {"one": {}},
+    }  # fmt: skip
+    return vibeam.Case.of(tables)
+
+
+UNCERTAIN = ("--set", 'uncertain."stop.restitution"="± 0.05"')
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "said"),
+    [
+        (("map", "--over", "level", "--points", "3", "--quantity", "impacts"), 0, "Impacts over level: one up to"),
+        (("map", "--picture", "stability"), 2, "--picture: is of a map of a [sweep]"),
+        (("verdict",), 0, "Not answered: the solvers' errors are of steady motions"),
+        (("verdict", "--only", "map"), 2, "fewer than two fidelities of one rig"),
+        (("uncertainty", "--samples", "16", *UNCERTAIN), 0, "Peak of sensor, one: "),
+    ],
+)  # fmt: skip
+def test_the_command_line_takes_a_record(
+    words: tuple[str, ...], code: int, said: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ball.toml").write_text(one_mode().text, encoding="utf-8")
+    found = CliRunner().invoke(app, [words[0], "ball.toml", *words[1:]])
+    assert found.exit_code == code, found.output
+    assert said in " ".join((found.stdout + found.stderr).split())
+    if words[0] == "map" and not code:
+        assert (tmp_path / "ball_map.png").stat().st_size > 5000
+        assert len((tmp_path / "ball_map.csv").read_text().splitlines()) == 4

@@ -1,0 +1,215 @@
+"""Ensembles of motions under a record: numbers of a case and of its variants, their changes on the same realisations.
+
+A variant is a case and one of its fidelities. All of its motions are flown: every value of the factor that the case
+varies, every seed. Variants of one case share the seeds, so that their differences are paired: what the realisations
+scatter in all of them alike falls out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from threading import Event, Lock
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.case.transient_quantities import QUANTITIES
+from vibeam.exchange.faults import CaseError, suggest
+from vibeam.runs.parallel import run_parallel
+from vibeam.runs.transient.motions import MotionMaker, Realisation, motions_of
+from vibeam.runs.transient.statistics import SampleMean, mean_of, paired
+from vibeam.runs.transient.transient import assembled
+from vibeam_models.arrays import Array, ValueRecord
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.case.plans import RecordPlan
+
+Told = Callable[[int, int], None]
+PEAK = "peak"  # quantity by which a model is judged: the others hang on each single impact
+OF_IMPACTS = ("impacts", "hardest_impact", "lost_at_impacts")
+KNOWN = tuple(name for name, each in QUANTITIES.items() if each.of != "pair")
+
+
+@dataclass(frozen=True)
+class AskedNumber:
+    """Number of a motion: a quantity, and the ``signal`` that it is of (empty: of none)."""
+
+    quantity: str
+    signal: str = ""
+
+    def __str__(self) -> str:
+        words = self.quantity.replace("_", " ")
+        return f"{words} of {self.signal}" if self.signal else words
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Ensemble(ValueRecord):
+    """Motions of one variant over v values of the factor and s seeds; ``of`` a number (v, s), SI.
+
+    NaN where a motion did not run to the record's end, or has no such number. ``seconds`` (v, s): CPU time of the
+    motion and of what is read off it.
+    """
+
+    fidelity: str
+    modes: int
+    numbers: Mapping[AskedNumber, Array]
+    seconds: Array
+
+    def of(self, number: AskedNumber) -> Array:
+        """Values (v, s) of a number."""
+        return self.numbers[number]
+
+    def mean(self, number: AskedNumber) -> SampleMean:
+        """Mean over all motions."""
+        return mean_of(self.of(number))
+
+
+@dataclass(frozen=True)
+class NumberChange:
+    """Change of a number in another model, as a share of the reference's ``mean``: the worst value of the factor.
+
+    ``error``: standard error of the paired ``change``, NaN of one realisation; NaN throughout where either has none.
+    """
+
+    number: AskedNumber
+    mean: float
+    change: float
+    error: float
+
+    @property
+    def size(self) -> float:
+        """Size of the change, its error counted twice; NaN where it is not known."""
+        return abs(self.change) + (2 * self.error if isfinite(self.error) else 0.0)
+
+
+def plan_of_record(case: Case) -> RecordPlan:
+    """The record of a case that has one."""
+    assert case.record is not None
+    return case.record
+
+
+def usual_numbers(case: Case) -> tuple[AskedNumber, ...]:
+    """Peak of every output that is kept, number of impacts, the hardest, energy lost at them."""
+    outputs = plan_of_record(case).outputs
+    return (*(AskedNumber(PEAK, name) for name in outputs), *map(AskedNumber, OF_IMPACTS))
+
+
+def asked_number(case: Case, text: str) -> AskedNumber:
+    """Number of a quantity by its name, of the first output; ``"peak of tip_acceleration"`` names the signal.
+
+    ValueError names the quantities that there are.
+    """
+    quantity, _, signal = (part.strip() for part in text.partition(" of "))
+    quantity = quantity.replace(" ", "_")
+    if quantity not in KNOWN:
+        raise ValueError(f"--quantity: no quantity {quantity!r} of a record; {suggest(quantity, KNOWN)}")
+    if QUANTITIES[quantity].of != "signal":
+        return AskedNumber(quantity)
+    return AskedNumber(quantity, signal or plan_of_record(case).outputs[0])
+
+
+def ensembles(
+    variants: Sequence[tuple[Case, str]], asked: Sequence[AskedNumber], told: Told | None = None
+) -> list[Ensemble]:
+    """Ensemble of every variant, several motions at once; ``told`` the motions done and their total, from any thread.
+
+    CaseError for a variant that cannot be built, ValueError for a signal that there is not.
+    """
+    makers = [MotionMaker(case, name) for case, name in variants]
+    jobs = [(at, each) for at, (case, name) in enumerate(variants) for each in motions_of(case, name)]
+    for maker, (case, _) in zip(makers, variants, strict=True):
+        _require_signals(maker, asked)
+        for value in range(len(plan_of_record(case).values)):
+            maker.system(value)
+    shapes = [(len(plan.values), max(len(plan.seeds), 1)) for plan in (plan_of_record(case) for case, _ in variants)]
+    rows = [np.full((len(asked) + 1, *shape), np.nan) for shape in shapes]
+    done, lock = 0, Lock()
+
+    def fly(job: tuple[int, Realisation], stop: Event) -> None:
+        nonlocal done
+        at, motion = job
+        rows[at][:, motion.value, motion.seed] = _numbers(makers[at], motion, asked)
+        with lock:
+            done += 1
+            if told is not None:
+                told(done, len(jobs))
+
+    if told is not None:
+        told(0, len(jobs))
+    run_parallel(fly, jobs)
+    return [
+        Ensemble(name, maker.system(0)[0].size, dict(zip(asked, row[:-1], strict=True)), row[-1])
+        for (_, name), maker, row in zip(variants, makers, rows, strict=True)
+    ]
+
+
+def _require_signals(maker: MotionMaker, asked: Sequence[AskedNumber]) -> None:
+    known = [each.name for each in maker.signals]
+    for each in asked:
+        if each.signal and each.signal not in known:
+            said = f"--quantity: fidelity {maker.name} has no signal {each.signal!r}"
+            raise ValueError(f"{said}; {suggest(each.signal, known)}")
+
+
+def _numbers(maker: MotionMaker, motion: Realisation, asked: Sequence[AskedNumber]) -> list[float]:
+    """Numbers of one motion, and its CPU time at the end."""
+    reading = maker.made(replace(motion, shown=False))
+    duration = float(plan_of_record(maker.case).duration)
+    one = assembled(maker.name, duration, maker.system(motion.value)[1], [[reading]])
+    found = [float(one.of(each.quantity, each.signal or None)[0, 0]) for each in asked]
+    return [*found, float(one.cpu_seconds[0, 0] + one.reading_seconds[0, 0])]
+
+
+def changes(reference: Ensemble, other: Ensemble) -> tuple[NumberChange, ...]:
+    """Changes of all numbers, each at the value of the factor at which it is largest."""
+    return tuple(_largest(number, reference, other) for number in reference.numbers)
+
+
+def _largest(number: AskedNumber, reference: Ensemble, other: Ensemble) -> NumberChange:
+    rows = zip(reference.of(number), other.of(number), strict=True)
+    found = [change_of(number, theirs, ours) for theirs, ours in rows]
+    return max(found, key=lambda each: each.size if each.size == each.size else -1.0)
+
+
+def change_of(number: AskedNumber, theirs: Array, ours: Array) -> NumberChange:
+    """Change of a number from ``theirs`` to ``ours``, (s,) each, on the same realisations; ∞ of one that was 0."""
+    known = np.isfinite(theirs) & np.isfinite(ours)
+    mean = float(np.mean(theirs[known])) if known.any() else float("nan")
+    if mean == 0:
+        return NumberChange(number, mean, float("inf") if np.any(ours[known]) else 0.0, float("nan"))
+    found = paired(ours, theirs)
+    return NumberChange(number, mean, found.mean, found.error)
+
+
+def worst(found: Sequence[NumberChange], quantity: str = PEAK) -> float:
+    """Largest size of the changes of a quantity that are known; NaN without any."""
+    sizes = [each.size for each in found if each.number.quantity == quantity]
+    return max((each for each in sizes if each == each), default=float("nan"))
+
+
+def reason_of(refusal: ValueError) -> str:
+    """Reason of a refusal, without the file name before each fault."""
+    if isinstance(refusal, CaseError):
+        return "; ".join(f"{fault.key}: {fault.message}" for fault in refusal.faults)
+    return str(refusal)
+
+
+def plain_finest(case: Case, named: str | None = None) -> str:
+    """Fidelity with most modes, the first of several, of those of the case's own rig, or the one that is ``named``.
+
+    ValueError where that changes the rig.
+    """
+    plain = [name for name, each in case.fidelities.items() if not (each.changes or each.without)]
+    if named is not None and named not in plain:
+        raise ValueError(f"fidelity {named!r} changes the rig: name one of the rig itself")
+    return named or max(plain or case.fidelities, key=lambda name: case.system(name).size)
+
+
+def alone(case: Case, fidelity: str) -> Case:
+    """The case with one fidelity, without what compares or draws others."""
+    others = {f"fidelity.{name}": None for name in case.fidelities if name != fidelity}
+    aside = {"reference": case.references, "expect": case.expectations, "measured": case.measured, "show": case.shows}
+    return case.with_keys({**{name: None for name, each in aside.items() if each}, **others})

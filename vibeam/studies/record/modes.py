@@ -1,0 +1,91 @@
+"""Number of modes that suffice under a record: convergence of the motions' numbers with the modes of one fidelity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from vibeam.studies.record.ensembles import (
+    PEAK,
+    Ensemble,
+    NumberChange,
+    Told,
+    alone,
+    changes,
+    ensembles,
+    plain_finest,
+    usual_numbers,
+    worst,
+)
+from vibeam_models.arrays import ValueRecord
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+STEPS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # numbers of modes that are flown
+BEYOND = 2  # the reference has so many times the modes of the fidelity
+LEAST = 8  # modes of the reference, where the mesh has them
+
+
+@dataclass(frozen=True)
+class ModesRow:
+    """Model with that number of ``modes``: its ``changes`` from the reference, and CPU time of a motion, s."""
+
+    modes: int
+    changes: tuple[NumberChange, ...]
+    seconds: float
+
+    @property
+    def worst(self) -> float:
+        """Largest change of the peaks, as a share, its error counted twice."""
+        return worst(self.changes)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RecordModes(ValueRecord):
+    """``rows`` of fewer modes of a ``fidelity``, ascending, against its ``reference`` with ``modes`` of them.
+
+    ``accuracy``: largest change allowed. ``realisations``: motions of each model.
+    """
+
+    case: Case
+    fidelity: str
+    accuracy: float
+    rows: tuple[ModesRow, ...]
+    reference: Ensemble
+    realisations: int
+
+    @property
+    def modes(self) -> int:
+        """Number of modes of the reference."""
+        return self.reference.modes
+
+    def enough(self, quantity: str = PEAK) -> int | None:
+        """Least number of modes from which on all that were flown are within the accuracy; None where none is."""
+        found = None
+        for row in reversed(self.rows):
+            if not worst(row.changes, quantity) <= self.accuracy:
+                break
+            found = row.modes
+        return found
+
+
+def record_modes(case: Case, accuracy: float, fidelity: str | None = None, told: Told | None = None) -> RecordModes:
+    """Fly one fidelity with more and more modes through the case's record, up to twice its own.
+
+    ``fidelity``: None: the one with most modes that changes nothing of the rig. ValueError where its number of modes is
+    no key of it, or where it has one alone.
+    """
+    name = plain_finest(case, fidelity)
+    own = case.fidelities[name]
+    if own.modes is None:
+        raise ValueError(f'fidelity {name}: reduction = "{own.reduction}" says its modes itself: take one with modes')
+    whole = alone(case, name)
+    top = min(whole.model(name).most_modes, max(BEYOND * own.modes, LEAST))
+    numbers = [*(count for count in STEPS if count < top), top]
+    if len(numbers) < 2:
+        raise ValueError(f"fidelity {name}: its rig has {top} mode: there are no fewer to compare with")
+    variants = [(whole.with_keys({f"fidelity.{name}.modes": count}), name) for count in numbers]
+    *fewer, reference = ensembles(variants, usual_numbers(whole), told)
+    rows = tuple(ModesRow(each.modes, changes(reference, each), float(each.seconds.mean())) for each in fewer)
+    return RecordModes(case, name, accuracy, rows, reference, reference.seconds.size)
