@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import isfinite, nan
 from numbers import Number, Real
 from typing import Any
@@ -103,6 +104,16 @@ def count(name: str, value: Any, faults: list[str], least: int = 0, most: int | 
     bound = f"≥ {least}" if most is None else f"from {least} to {most}"
     faults.append(f"{name}: {shown(value)} must be a whole number {bound}")
     return least
+
+
+def word(name: str, value: Any, known: Iterable[str], faults: list[str]) -> str:
+    """``value`` where it is one of the ``known`` words; else the first of them, and a line in ``faults``."""
+    words = list(known)
+    if isinstance(value, str) and value in words:
+        return value
+    told = " or ".join(words) if len(words) < 3 else f"one of {', '.join(words)}"
+    faults.append(f"{name}: {shown(value)} must be {told}")
+    return words[0]
 
 
 def shown(value: Any) -> str:

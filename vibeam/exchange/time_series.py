@@ -22,6 +22,7 @@ from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, file_fault, reason
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
+from vibeam_models.arguments import number, shown, word
 from vibeam_models.arrays import Array
 
 UNITS = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "force": "N", "moment": "N m"}
@@ -74,20 +75,34 @@ def record_of_file(
     if fault := file_fault(path):
         raise CaseError([fault_in(path, None, fault)])
     try:
-        if quantity not in JOINED:
-            raise FormatError(f"quantity {quantity!r} is none of {', '.join(JOINED)}")
+        _require_keys(quantity, column, time, unit, scale)
         found, own = _columns(path, _Asked(column, time, channel, quantity, rate, scale))
         value = _in_si(found.columns["value"], UNITS[quantity], unit, "unit") * (1.0 if scale is None else scale)
         times = _in_si(found.columns["frequency"], "s", None, "rate") if own is None else None
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
-    _require_sound(path, found, value, times, LEAST.get(interpolation or JOINED[quantity][0], 2))
+    _require_sound(path, found, value, times, 2 if interpolation == "linear" else LEAST[JOINED[quantity][0]])
     try:
         start, even = (0.0, own) if times is None else (float(times[0]), _even(times))
         when: dict[str, Any] = {"times": times} if even is None else {"rate": even, "start": start}
         return Record.sampled(value, **when, quantity=quantity, interpolation=interpolation, remove=remove)
     except ValueError as wrong:
         raise CaseError([fault_in(path, None, str(wrong).removeprefix("record: "))]) from None
+
+
+def _require_keys(quantity: Any, column: Any, time: Any, unit: Any, scale: Any) -> None:
+    """FormatError for what no file can have."""
+    faults: list[str] = []
+    word("quantity", quantity, JOINED, faults)
+    for name, each in (("column", column), ("time", time)):
+        if not (each is None or isinstance(each, str) or (isinstance(each, int) and each > 0)):
+            faults.append(f"{name}: {shown(each)} must be a head, or a number from 1")
+    if not (unit is None or isinstance(unit, str)):
+        faults.append(f"unit: {shown(unit)} must be text")
+    if scale is not None:
+        number("scale", scale, faults)
+    if faults:
+        raise FormatError("; ".join(faults))
 
 
 class _Asked(NamedTuple):

@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 
 from vibeam.system import record_pieces as pieces
 from vibeam.system.record_random import RandomRecords
-from vibeam.system.record_samples import SampledRecords, ascent_faults
+from vibeam.system.record_samples import ERRORS, SampledRecords, ascent_faults, extent
 from vibeam.system.record_shapes import ShapedRecords
-from vibeam_models.arguments import floats, number, read_only, refuse, require
+from vibeam_models.arguments import floats, number, read_only, refuse, require, word
 from vibeam_models.arrays import Array, ValueRecord
 
 #: what a record drives by: unit, and the sign with which it multiplies the modes' load row
@@ -52,18 +52,21 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
     def __post_init__(self) -> None:
         faults: list[str] = []
         times, coefficients = read_only(self.times), read_only(self.coefficients)
-        if self.quantity not in QUANTITIES:
-            faults.append(f"quantity: {self.quantity!r} must be one of {', '.join(QUANTITIES)}")
+        word("quantity", self.quantity, QUANTITIES, faults)
+        if self.samples is not None:
+            word("samples", self.samples, ERRORS, faults)
         if times is None or times.ndim != 1 or len(times) < 2:
             faults.append("times: must be two or more numbers, s")
         else:
             faults.extend(ascent_faults(times))
-        pieces_of = None if times is None else len(times) - 1
-        if coefficients is None or coefficients.shape != (pieces_of, 4) or not np.isfinite(coefficients).all():
+        known = 0 if times is None else times.size
+        if coefficients is None or coefficients.shape != (known - 1, 4) or not np.isfinite(coefficients).all():
             faults.append("coefficients: must be (K, 4) finite numbers for K + 1 times")
-        start = [number("initial", value, faults) for value in self.initial]
+        start = read_only(self.initial)
+        if start is None or start.shape != (2,) or not np.isfinite(start).all():
+            faults.append("initial: must be two numbers, velocity (m/s) and displacement (m)")
         refuse("record", faults)
-        self.__dict__.update(times=times, coefficients=coefficients, initial=tuple(start))
+        self.__dict__.update(times=times, coefficients=coefficients, initial=tuple(np.ravel(self.initial).tolist()))
 
     def __repr__(self) -> str:
         unit, joined = QUANTITIES[self.quantity][0], f", samples {self.samples}" if self.samples else ""
@@ -165,8 +168,9 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
         """
         if remove is None:
             return self
-        if remove not in pieces.BASELINES:
-            raise ValueError(f"remove: {remove!r} must be one of {', '.join(pieces.BASELINES)}")
+        faults: list[str] = []
+        word("remove", remove, pieces.BASELINES, faults)
+        refuse("record", faults)
         if remove != "mean":
             self._require_base(f"remove = {remove!r}")
         constant, slope, velocity = pieces.BASELINES[remove](self.duration, *self._knots)
@@ -181,7 +185,7 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
         Record(acceleration, 0 … 0.022 s, 457 pieces, peak 1000 m/s²)
         """
         faults: list[str] = []
-        level, speed = number("level", level, faults), number("speed", speed, faults, above=0.0)
+        level, speed = number("level", level, faults), extent("speed", speed, faults)
         refuse("record", faults)
         times = self.start + (self.times - self.times[0]) / speed
         initial = (self.initial[0] * level / speed, self.initial[1] * level / speed**2)

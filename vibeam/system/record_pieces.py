@@ -51,7 +51,7 @@ def bounds(times: Array, coefficients: Array) -> tuple[float, float]:
     lengths = np.diff(times)
     found = [coefficients[:, 0], integrated(coefficients, lengths, 0)]
     _, b, c, d = coefficients.T
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         root = np.sqrt(c * c - 3 * b * d)
         half = -(c + np.copysign(root, c))  # roots of b + 2cs + 3ds² without cancellation
         for s in (half / (3 * d), b / half):

@@ -20,8 +20,8 @@ from typing import Any, Self
 import numpy as np
 
 from vibeam.system import record_pieces as pieces
-from vibeam.system.record_samples import MOST_SAMPLES, require_acceleration
-from vibeam_models.arguments import count, number, real, real_array, refuse
+from vibeam.system.record_samples import LEAST, MOST_SAMPLES, extent, require_acceleration
+from vibeam_models.arguments import count, number, real, real_array, refuse, word
 from vibeam_models.arrays import Array
 
 OVERSAMPLED = 10  # samples a period of the highest frequency of a density, where no rate is said
@@ -110,7 +110,7 @@ class RandomRecords(pieces.MadeOfPieces):
         True
         """
         faults: list[str] = []
-        top = None if rate is None else number("rate", rate, faults, above=0.0) / 2
+        top = None if rate is None else extent("rate", rate, faults) / 2
         table = density_table(density, band, top, faults)
         highest = float(table.frequency[-1]) if len(table.frequency) else 1.0
         rate = OVERSAMPLED * highest if rate is None else rate
@@ -118,12 +118,10 @@ class RandomRecords(pieces.MadeOfPieces):
             faults.append(
                 f"rate: {rate:g} Hz must be at least twice the highest frequency of the density, {2 * highest:g} Hz"
             )
-        duration = number("duration", duration, faults, above=0.0)
+        duration = extent("duration", duration, faults)
         seed, start = count("seed", seed, faults), number("start", start, faults)
-        if quantity not in ("acceleration", "force", "moment"):
-            faults.append(f"quantity: {quantity!r} must be acceleration, force or moment")
-        if interpolation not in ("linear", "cubic"):
-            faults.append(f"interpolation: {interpolation!r} must be linear or cubic")
+        word("quantity", quantity, ("acceleration", "force", "moment"), faults)
+        word("interpolation", interpolation, LEAST, faults)
         if not faults and duration * rate > MOST_SAMPLES:
             faults.append(
                 f"duration: {duration * rate:.3g} samples, {MOST_SAMPLES:.3g} at most: shorten it, or lower rate"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.system import record_pieces as pieces
-from vibeam_models.arguments import counted, number, real_array, refuse
+from vibeam_models.arguments import counted, number, real_array, refuse, shown, word
 from vibeam_models.arrays import Array, Index
 
 GRAVITY = 9.80665
@@ -33,6 +33,11 @@ ERRORS = {"linear": (8, 2), "cubic": (384, 4), "velocity": (72 * 3**0.5, 3), "di
 
 
 Named = Callable[[int], str]  # name of a sample in a message, by its index
+
+
+def extent(name: str, value: Any, faults: list[str]) -> float:
+    """A duration, frequency or ratio as a float in bounds beyond which floats end; as ``number``."""
+    return number(name, value, faults, least=1e-12, most=1e12)
 
 
 def by_index(index: int) -> str:
@@ -75,7 +80,7 @@ class SampledRecords(pieces.MadeOfPieces):
         """
         faults: list[str] = []
         joined = _interpolation(quantity, interpolation, faults)
-        known = samples_of(values, LEAST.get(joined, 2), faults)
+        known = samples_of(values, LEAST[joined], faults)
         knots = times_of(len(known), rate, times, start, faults)
         refuse("record", faults)
         derivative = DERIVATIVE.get(quantity, 0)
@@ -90,14 +95,8 @@ class SampledRecords(pieces.MadeOfPieces):
 
 
 def _interpolation(quantity: str, interpolation: str | None, faults: list[str]) -> str:
-    known = JOINED.get(quantity)
-    if known is None:
-        faults.append(f"quantity: {quantity!r} must be one of {', '.join(JOINED)}")
-        return "linear"
-    if interpolation is not None and interpolation not in known:
-        why = ": its second derivative is the load" if quantity == "displacement" else ""
-        faults.append(f"interpolation: {interpolation!r} of {quantity} must be {' or '.join(known)}{why}")
-    return interpolation or known[0]
+    known = JOINED[word("quantity", quantity, JOINED, faults)]
+    return known[0] if interpolation is None else word(f"interpolation of {quantity}", interpolation, known, faults)
 
 
 def samples_of(values: ArrayLike, least: int, faults: list[str], named: Named = by_index) -> Array:
@@ -125,7 +124,7 @@ def times_of(n: int, rate: Any, times: Any, start: Any, faults: list[str], named
         faults.append(f"rate, times: {'one of both' if rate is None else 'one of both alone'} says when samples are")
         return np.zeros(0)
     if times is None:
-        first, rate = number("start", start, faults), number("rate", rate, faults, above=0.0)
+        first, rate = number("start", start, faults), extent("rate", rate, faults)
         return np.asarray(first + np.arange(n) / rate)
     found = real_array(times)
     if found is None or found.ndim != 1:
@@ -194,6 +193,8 @@ def too_coarse(record: Any, highest_rate: float, error: float = 0.1) -> float | 
     10607
     """
     faults: list[str] = []
+    if not isinstance(record, SampledRecords):
+        faults.append(f"record: must be a Record, not {shown(record)}")
     highest_rate = number("highest_rate", highest_rate, faults, above=0.0)
     error = number("error", error, faults, above=0.0)
     refuse("too_coarse", faults)

@@ -13,8 +13,8 @@ from typing import Self
 import numpy as np
 
 from vibeam.system import record_pieces as pieces
-from vibeam.system.record_samples import require_acceleration
-from vibeam_models.arguments import count, number, refuse
+from vibeam.system.record_samples import extent, require_acceleration
+from vibeam_models.arguments import count, number, refuse, word
 from vibeam_models.arrays import Array
 
 NODES = np.array([0.0, 0.5 - 0.5 * np.tan(np.pi / 8), 0.5 + 0.5 * np.tan(np.pi / 8), 1.0])
@@ -45,7 +45,7 @@ class ShapedRecords(pieces.MadeOfPieces):
         3.433924066 m/s
         """
         faults: list[str] = []
-        omega = np.pi / number("duration", duration, faults, above=0.0)
+        omega = np.pi / extent("duration", duration, faults)
         return cls._fitted(peak, duration, omega, lambda t: np.sin(omega * t), quantity, start, error, faults)
 
     @classmethod
@@ -54,9 +54,8 @@ class ShapedRecords(pieces.MadeOfPieces):
     ) -> Self:
         """Saw-tooth pulse that ends at its peak, ``kind = "terminal"``, or begins with it, ``"initial"``; exact."""
         faults: list[str] = []
-        if kind not in SAW_TEETH:
-            faults.append(f"kind: {kind!r} must be one of {', '.join(SAW_TEETH)}")
-        ends, lasts = (0, 1) if kind == "terminal" else (1, 0), number("duration", duration, faults, above=0.0)
+        word("kind", kind, SAW_TEETH, faults)
+        ends, lasts = (0, 1) if kind == "terminal" else (1, 0), extent("duration", duration, faults)
         return cls._lines(peak, [ends], [lasts], quantity, start, faults)
 
     @classmethod
@@ -66,7 +65,7 @@ class ShapedRecords(pieces.MadeOfPieces):
     ) -> Self:  # fmt: skip
         """Trapezoidal pulse: up in ``rise``, down in ``fall`` seconds (None: as long), all in ``duration``; exact."""
         faults: list[str] = []
-        duration = number("duration", duration, faults, above=0.0)
+        duration = extent("duration", duration, faults)
         up = number("rise", rise, faults, least=0.0)
         down = up if fall is None else number("fall", fall, faults, least=0.0)
         flat = duration - up - down
@@ -89,7 +88,7 @@ class ShapedRecords(pieces.MadeOfPieces):
     ) -> Self:  # fmt: skip
         """Sine peak · sin(2π frequency (t − start) + phase), ``duration`` s long; ``frequency`` Hz, ``phase`` rad."""
         faults: list[str] = []
-        omega = 2 * np.pi * number("frequency", frequency, faults, above=0.0)
+        omega = 2 * np.pi * extent("frequency", frequency, faults)
         phase = number("phase", phase, faults)
         return cls._fitted(peak, duration, omega, lambda t: np.sin(omega * t + phase), quantity, start, error, faults)
 
@@ -100,8 +99,10 @@ class ShapedRecords(pieces.MadeOfPieces):
     ) -> Self:  # fmt: skip
         """Sine whose frequency goes from ``first`` to ``last`` (Hz) in a straight line over ``duration`` seconds."""
         faults: list[str] = []
-        low, high = (number(name, each, faults, least=0.0) for name, each in (("first", first), ("last", last)))
-        duration = number("duration", duration, faults, above=0.0)
+        low, high = (
+            number(name, each, faults, least=0.0, most=1e12) for name, each in (("first", first), ("last", last))
+        )
+        duration = extent("duration", duration, faults)
         bend = np.pi * (high - low) / duration
         top = 2 * np.pi * max(low, high)
         fastest = (top**4 + 12 * top**2 * abs(bend) + 12 * bend**2) ** 0.25  # |d⁴ sin φ/dt⁴|, φ'' = 2 bend
@@ -119,12 +120,8 @@ class ShapedRecords(pieces.MadeOfPieces):
         ``peak`` is that of the sine where the window is 1, in its middle.
         """
         faults: list[str] = []
-        frequency, cycles = (
-            number(name, each, faults, above=0.0) for name, each in (("frequency", frequency), ("cycles", cycles))
-        )
-        if window not in WINDOWS:
-            faults.append(f"window: {window!r} must be one of {', '.join(WINDOWS)}")
-        terms, omega, span = WINDOWS.get(window, (1.0,)), 2 * np.pi * frequency, cycles / frequency
+        frequency, cycles = extent("frequency", frequency, faults), extent("cycles", cycles, faults)
+        terms, omega, span = WINDOWS[word("window", window, WINDOWS, faults)], 2 * np.pi * frequency, cycles / frequency
 
         def burst(t: Array) -> Array:
             shape = sum(share * np.cos(2 * np.pi * k / span * t) for k, share in enumerate(terms))
@@ -147,9 +144,7 @@ class ShapedRecords(pieces.MadeOfPieces):
         18.0
         """
         faults: list[str] = []
-        frequency, cycles = (
-            number(name, each, faults, above=0.0) for name, each in (("frequency", frequency), ("cycles", cycles))
-        )
+        frequency, cycles = extent("frequency", frequency, faults), extent("cycles", cycles, faults)
         beats, pause = count("beats", beats, faults, least=1, most=100_000), number("pause", pause, faults, least=0.0)
         omega, slow, span = 2 * np.pi * frequency, np.pi * frequency / cycles, cycles / frequency
         one = cls._fitted(
@@ -183,7 +178,7 @@ class ShapedRecords(pieces.MadeOfPieces):
     ) -> Self:  # fmt: skip
         """Record of cubics through ``peak`` times a function whose fourth derivative is ``omega``⁴ at most."""
         peak, start = number("peak", peak, faults), number("start", start, faults)
-        duration = number("duration", duration, [] if faults else faults, above=0.0)
+        duration = extent("duration", duration, [] if faults else faults)
         error = number("error", error, faults, least=1e-15, most=0.1)
         refuse("record", faults)
         _require_peak(peak, quantity)

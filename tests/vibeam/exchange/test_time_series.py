@@ -146,8 +146,9 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     (SHORT, {"quantity": "velocity", "column": "acc"}, "a.csv: values: 3 samples, at least 4 make a record"),
     (SHORT, {"unit": "mm"}, "a.csv: column 'acc': the unit 'mm' is not one of m/s^2; say it: unit = \"…\""),
     (SHORT, {"unit": "g", "scale": 1e6}, "a.csv: an acceleration of 2e+06 g, more than 10⁶ g"),
+    (SHORT, {"column": 0, "unit": 3, "scale": "x"}, "column: 0 must be a head, or a number from 1; unit: 3 must be"),
     (SHORT, {"channel": 1}, "a.csv: channel goes with a WAV file: say the column of this one"),
-    (SHORT, {"quantity": "strain"}, "a.csv: quantity 'strain' is none of acceleration, force, moment"),
+    (SHORT, {"quantity": "strain"}, "a.csv: quantity: 'strain' must be one of acceleration, force, moment"),
     (LOST, {}, "of one, by digits that were lost: say rate = 51181.1 Hz, or what it was before"),
     ("", {}, "a.csv: is empty"),
 ]  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from typing import Any
 
@@ -176,9 +177,9 @@ WRONG: list[tuple[dict[str, Any], str]] = [
     ({"rate": 10, "values": [1.0]}, "values: 1 sample, at least 2 make a record"),
     (PAIR | {"quantity": "velocity"}, "values: 2 samples, at least 4 make a record"),
     ({"values": [1.0, 2.0]}, "rate, times: one of both says when samples are"),
-    (PAIR | {"rate": 0}, "rate: 0 must be a finite number above 0"),
+    (PAIR | {"rate": 0}, "rate: 0 must be in [1e-12, 1e+12]"),
     (PAIR | {"values": [1e9, 0.0]}, "record: an acceleration of 1.02e+08 g, more than 10⁶ g"),
-    (PAIR | {"interpolation": "spline"}, "interpolation: 'spline' of acceleration must be linear or cubic"),
+    (PAIR | {"interpolation": "spline"}, "interpolation of acceleration: 'spline' must be linear or cubic"),
     (PAIR | {"quantity": "strain"}, "quantity: 'strain' must be one of acceleration, force, moment, velocity, disp"),
     (PAIR | {"quantity": "force", "remove": "velocity"}, "remove = 'velocity' goes with an acceleration alone"),
 ]
@@ -202,3 +203,36 @@ def test_too_coarse_says_the_rate_that_the_bound_needs() -> None:
         assert needed is None or (OMEGA / needed) ** power / constant == pytest.approx(0.01)
         assert (needed is None) == ((OMEGA * 0.02) ** power / constant <= 0.01)
     assert vibeam.too_coarse(Record.trapezoid(1.0, 1.0, rise=0.1), 1e6) is None
+
+
+HOSTILE = [None, "x", np.nan, np.inf, -1.0, True, [], object(), 1e300, 1e-300, 10**400, (1,), {}, np.array([1.0]), 1j]
+MAKERS: dict[str, tuple[Any, dict[str, Any]]] = {
+    "record": (Record, {"times": [0, 1.0], "coefficients": [[0, 1, 2, 3.0]], "quantity": "force", "initial": (0, 0)}),
+    "half-sine": (Record.half_sine, {"peak": 1.0, "duration": 1.0, "start": 0.0, "error": 1e-6}),
+    "saw-tooth": (Record.saw_tooth, {"peak": 1.0, "duration": 1.0, "kind": "initial"}),
+    "trapezoid": (Record.trapezoid, {"peak": 1.0, "duration": 1.0, "rise": 0.1, "fall": 0.2}),
+    "sine": (Record.sine, {"peak": 1.0, "frequency": 2.0, "duration": 1.0, "phase": 0.1, "error": 1e-6}),
+    "chirp": (Record.chirp, {"peak": 1.0, "first": 2.0, "last": 5.0, "duration": 1.0, "error": 1e-6}),
+    "burst": (Record.tone_burst, {"peak": 1.0, "frequency": 2.0, "cycles": 3, "window": "hann", "error": 1e-6}),
+    "beat": (Record.sine_beat, {"peak": 1.0, "frequency": 2.0, "cycles": 3, "beats": 2, "pause": 0.1, "error": 1e-6}),
+    "sampled": (Record.sampled, {"values": [0, 1, 2, 1.0], "rate": 10.0, "interpolation": "cubic", "remove": "mean"}),
+    "timed": (Record.sampled, {"values": [0, 1, 2, 1.0], "times": [0, 1, 2, 3.0], "quantity": "force"}),
+    "random": (Record.random, {"density": [(1, 1), (9, 1.0)], "duration": 1.0, "seed": 1, "rate": 99.0}),
+    "scaled": (SHAPES["sine"][0].scaled, {"level": 1.0, "speed": 2.0}),
+    "shifted": (SHAPES["sine"][0].shifted, {"by": 1.0}),
+    "then": (SHAPES["sine"][0].then, {"rest": SHAPES["sine"][0]}),
+    "too coarse": (vibeam.too_coarse, {"record": SHAPES["sine"][0], "highest_rate": 1.0, "error": 0.1}),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("maker", MAKERS)
+def test_a_wrong_argument_is_a_value_error_or_none_at_all(maker: str) -> None:
+    """Anything else than a ValueError, a warning of overflow too, ends the test."""
+    make, good = MAKERS[maker]
+    make(**good)
+    for name in good:
+        for wrong in HOSTILE:
+            with contextlib.suppress(ValueError):
+                make(**good | {name: wrong})
+        with pytest.raises(ValueError, match=": "):
+            make(**good | {name: object()})
