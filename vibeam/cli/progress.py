@@ -43,7 +43,7 @@ class Bar:
 
     def __init__(self, doing: str = "sweeping", console: Console | None = None) -> None:
         self._console = console or stderr()
-        self._doing = doing
+        self._doing, self._what = doing, "motions" if doing == "flying" else "points"
         self._progress: Any = None  # rich's, or that of a notebook
         self._began = False
 
@@ -67,10 +67,10 @@ class Bar:
 
     def _begin(self, done: int, total: int | None) -> None:
         if done == total:
-            self._console.print(f"all {total} points are there already")
+            self._console.print(f"all {total} {self._what} are there already")
             return
         if done:
-            self._console.print(f"continuing: {done} of {total} points are there")
+            self._console.print(f"continuing: {done} of {total} {self._what} are there")
         if self._console.is_jupyter:
             self._progress = _NotebookBar(self._doing)
         elif self._console.is_terminal:

@@ -35,9 +35,9 @@ KINDS = {
 
 
 def moved(system: vibeam.ImpactSystem) -> tuple[vibeam.Trajectory, vibeam.Record]:
-    """A motion under a sine, and the same sine as a record, to 1e-12 of its peak."""
+    """A motion under a sine as a record."""
     record = vibeam.Record.sine(-(OMEGA**2) * BASE, OMEGA / (2 * np.pi), SPAN)
-    return vibeam.simulate(with_signals(system, SIGNALS), vibeam.Drive(OMEGA, BASE), SPAN), record
+    return vibeam.simulate(with_signals(system, SIGNALS), record, SPAN), record
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -62,7 +62,7 @@ def test_a_wrong_load_opens_the_balance() -> None:
 def test_accelerations_are_those_of_the_exact_path(kind: str) -> None:
     """To 1e-9 of the largest, in flight, in contact, at rest: the path knows them by another way, regime by regime."""
     path, record = moved(KINDS[kind])
-    times = np.linspace(0.01, SPAN, 4001)
+    times = np.linspace(0.01, SPAN - 1e-6, 4001)  # before the load ends
     found = accelerations(path, record, times, path.modes_at(times)) @ path.system.output("sensor")
     exact = path.at(times, "sensor_acceleration")
     assert np.max(np.abs(found - exact)) < 1e-9 * np.max(np.abs(exact))
@@ -71,15 +71,15 @@ def test_accelerations_are_those_of_the_exact_path(kind: str) -> None:
 def test_impacts_count_on_both_sides() -> None:
     """Without any mode but one, under no load: falls onto the stop at 1 m/s and leaves at −0.5 m/s."""
     ball = vibeam.ImpactSystem.from_modes(0.0, 0.0, 1.0, 0.0, static=1.0, restitution=0.5, outputs={"sensor": [1.0]})
-    path = vibeam.simulate(with_signals(ball, SIGNALS), vibeam.Drive(1.0, 0.0), 1.9, vibeam.State([-0.5], [0.0]))
     record = vibeam.Record([0.0, 1.9], [[0.0, 0.0, 0.0, 0.0]])
+    path = vibeam.simulate(with_signals(ball, SIGNALS), record, 1.9, vibeam.State([-0.5], [0.0]))
     found = reading_of(path, record, SIGNALS, 0.0, bins=64)
     assert found["greatest"].tolist() == pytest.approx([0.0, 1.0, 1.0], abs=1e-12)
     assert found["least"].tolist() == pytest.approx([-0.5, -0.5, 1.0], abs=1e-12)
-    assert found["greatest_time"][1] == 1.0
-    assert found["impact_times"].tolist() == [1.0]
-    assert found["outline_greatest"][1].max() == 1.0
-    assert found["history_least"][1].min() == -0.5
+    assert found["greatest_time"][1] == pytest.approx(1.0, rel=1e-14)
+    assert found["impact_times"].tolist() == pytest.approx([1.0], rel=1e-14)
+    assert found["outline_greatest"][1].max() == pytest.approx(1.0, rel=1e-7)
+    assert found["history_least"][1].min() == pytest.approx(-0.5, rel=1e-7)
     assert float(found["residual"]) < 1e-14
     assert found["lost"].sum() == pytest.approx(0.375, rel=1e-12)
 
@@ -87,7 +87,7 @@ def test_impacts_count_on_both_sides() -> None:
 def test_a_spectrum_holds_the_mean_square() -> None:
     """Its integral is the variance (Parseval) to a few per cent: the windows weigh the samples."""
     path, record = moved(SYSTEM)
-    samples = samples_of(path, record, SIGNALS)
+    samples = samples_of(path, record, SIGNALS, 10)
     frequency, density = samples.spectrum()
     mean, rms = samples.moments()
     edges = np.sqrt(frequency[1:] * frequency[:-1])
@@ -99,5 +99,5 @@ def test_a_spectrum_holds_the_mean_square() -> None:
 def test_a_stop_that_yields_has_a_force() -> None:
     path, record = moved(KINDS["linear"])
     found = reading_of(path, record, (*SIGNALS, TransientSignal(FORCE, "contact", -1, "N")), 0.0)
-    assert found["greatest"][3] == pytest.approx(path.contacts[:, 2].max(), rel=1e-3)
+    assert found["greatest"][3] == path.contacts[:, 2].max()
     assert found["least"][3] == 0.0

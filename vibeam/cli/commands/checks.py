@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -91,6 +91,8 @@ def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], 
     from vibeam.studies.regression.references import require_readable
 
     require_readable(case)
+    if case.record is not None and (record_files := [str(file) for file in files]):
+        raise UsageError(f"--plot {record_files[0]}: draws curves over frequency, and this case has a [record]")
     result = run_case(case, None if out is None else results_path(case, out), show=False, fresh=fresh)
     partial = any(each.strip().startswith("sweep") for each in settings)
     at = at_references(case, result, partial=partial)
@@ -103,7 +105,13 @@ def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], 
         from vibeam.report.references import write_references
 
         write_references(case, rows, at, *files)
-    return check_report(rows, compare_measured(case, result), units_of(case), held, remarks(result))
+    measured = compare_measured(case, result)
+    if case.record is not None:
+        from vibeam.report.transient import remarks as remarks_of
+
+        transient: Any = result
+        return check_report(rows, measured, held=held, remarks=list(remarks_of(transient)))
+    return check_report(rows, measured, units_of(case), held, remarks(result))
 
 
 def _recorded(case: Case, out: str | None, force: bool) -> tuple[StudySheet, list[Path]]:

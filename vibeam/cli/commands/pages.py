@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -51,10 +51,16 @@ def report(
         raise UsageError(
             f"{results}: is a case: name the results file that vibeam run makes of it, or vibeam explore it"
         )
-    wanted = (f"{results.stem}_curves.csv", (".csv",), "a table")
-    path = output_path(out, *(wanted if csv else (f"{results.stem}.html", PAGES, "a page")))
     found = stored(results, None if case is None else load(case))
-    if csv:
+    rows = "curves" if found.result.case.record is None else "motions"
+    wanted = (f"{results.stem}_{rows}.csv", (".csv",), "a table")
+    path = output_path(out, *(wanted if csv else (f"{results.stem}.html", PAGES, "a page")))
+    if csv and found.result.case.record is not None:
+        from vibeam.report.transient_tables import write_motions
+
+        transient: Any = found.result
+        files = write_motions(transient, path)
+    elif csv:
         from vibeam.report.curve_tables import write_curves
 
         files = write_curves(found.result, path)

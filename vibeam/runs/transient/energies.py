@@ -17,16 +17,19 @@ import numpy as np
 from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.kernels.layout import START
 from vibeam.observe.motion import poles_of
-from vibeam.runs.transient.signals import contact_forces, damping_force, load_at
-from vibeam_models.arrays import Array, Flags
+from vibeam.runs.transient.signals import contact_forces, damping_force
+from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
     from vibeam.observe.motion import Path
     from vibeam.system.impact_system import ImpactSystem
 
-NODES = {3: 0.5, 12: 6.0}  # Gauss nodes of an interval, and the angle that its fastest live exponential may turn there
-DEAD = 144.0  # decay after which an exponential is dead; wide, since modes that are held have another damping
-BLOCK = 1 << 14  # nodes at once
+NODES = (2, 3, 5, 8)  # Gauss nodes of an interval
+TURNS = np.array(
+    [0.5, 1.5, 3.0, 6.0]
+)  # angle that its fastest live exponential may turn there: 1e-3 of its part is missed
+DEAD = 40.0  # decay after which an exponential is dead; wide, since modes that are held have another damping
+BLOCK = 1 << 17  # nodes at once: a motion is made anew for each block
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +56,7 @@ def energy_balance(path: Path, record: Any) -> EnergyBalance:
     for times, weights in _nodes(path, record):
         poses = path.modes_at(times)
         rates = poses[:, 1]
-        work += (weights * load_at(record, times)) @ rates
+        work += (weights * record.load_at(times)) @ rates
         damping += weights @ (rates * damping_force(system, rates))
         if yields:
             to_stop += float(weights @ np.sum(np.prod(contact_forces(contacts, poses), axis=0), axis=1))
@@ -87,23 +90,32 @@ def _at_impacts(path: Path, contacts: Contacts) -> float:
 
 
 def _nodes(path: Path, record: Any) -> Iterator[tuple[Array, Array]]:
-    """Nodes and weights, in blocks: the intervals between events and knots, split where a live mode turns fast."""
+    """Nodes and weights in order, in blocks: of the intervals between events and knots, split where modes turn fast."""
     edges, events = _edges(path, record)
     width = np.diff(edges)
     since = edges[:-1] - events[np.searchsorted(events, edges[:-1], side="right") - 1]
-    turn = width * _live_rate(path.system, since)
-    plain = (turn <= NODES[3]) & ~_pushing(path, edges)
-    parts = np.where(plain, 1, np.maximum(1, np.ceil(turn / NODES[12]))).astype(int)
-    for nodes, chosen in ((3, plain), (12, ~plain)):
-        x, w = np.polynomial.legendre.leggauss(nodes)
-        low, half = edges[:-1][chosen], width[chosen] / (2 * parts[chosen])
-        low, half, first = (np.repeat(each, parts[chosen]) for each in (low, half, np.cumsum(parts[chosen])))
-        number = np.arange(len(low)) - (first - np.repeat(parts[chosen], parts[chosen]))
-        middle = low + (2 * number + 1) * half
-        for begin in range(0, len(middle), BLOCK):
-            here = slice(begin, begin + BLOCK)
-            times = np.clip(middle[here, None] + half[here, None] * x, path.t_start, path.t_end)
-            yield times.ravel(), (half[here, None] * w).ravel()
+    turn = np.where(_pushing(path, edges), TURNS[-1], width * _live_rate(path.system, since))
+    parts = np.maximum(1, np.ceil(turn / TURNS[-1])).astype(int)
+    kinds = np.minimum(np.searchsorted(TURNS, turn), len(TURNS) - 1)
+    found = [_rule(nodes, edges[:-1][at], width[at], parts[at]) for nodes, at in _of_kind(kinds)]
+    times, weights = (np.concatenate(each) for each in zip(*found, strict=True))
+    order = np.argsort(times)
+    times, weights = np.clip(times[order], path.t_start, path.t_end), weights[order]
+    for begin in range(0, len(times), BLOCK):
+        yield times[begin : begin + BLOCK], weights[begin : begin + BLOCK]
+
+
+def _of_kind(kinds: Array) -> Iterator[tuple[int, Flags]]:
+    return ((nodes, kinds == kind) for kind, nodes in enumerate(NODES))
+
+
+def _rule(nodes: int, low: Array, width: Array, parts: Index) -> tuple[Array, Array]:
+    """Gauss' nodes and weights of intervals from ``low`` on, each in so many ``parts``."""
+    x, w = np.polynomial.legendre.leggauss(nodes)
+    first = np.cumsum(parts) - parts
+    low, half, first = (np.repeat(each, parts) for each in (low, width / (2 * parts), first))
+    middle = low + (2 * (np.arange(len(low)) - first) + 1) * half
+    return (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
 
 
 def _edges(path: Path, record: Any) -> tuple[Array, Array]:

@@ -22,9 +22,11 @@ if TYPE_CHECKING:
     from vibeam.observe.motion import Path
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.record import Record
+    from vibeam.system.state import State
 
 SCALED = ("level", "speed")  # factors of the record itself
 READ_AS = 1  # raised where readings mean something else: motions of older files are run anew
+WARM_UP = 1e-3  # share of a motion that is flown before
 NUDGE = 1e-6  # by which the load of a twin is larger
 
 
@@ -66,6 +68,7 @@ class MotionMaker:
     def __init__(self, case: Case, name: str) -> None:
         self.case, self.name = case, name
         self._cases: dict[int, Case] = {}
+        self._starts: dict[int, State] = {}
         self._systems: dict[int, tuple[ImpactSystem, tuple[TransientSignal, ...]]] = {}
 
     @property
@@ -85,7 +88,7 @@ class MotionMaker:
 
     def system(self, value: int) -> tuple[ImpactSystem, tuple[TransientSignal, ...]]:
         """System at one of the values, with its signals; they are the same at all values of level and speed."""
-        at = 0 if plan_of(self.case).over in SCALED else value
+        at = self._number(value)
         if at not in self._systems:
             bare = self._at(value).system(self.name)
             signals = signals_of(self.case, bare, plan_of(self.case).outputs)
@@ -110,19 +113,22 @@ class MotionMaker:
         bins = BINS if rate is None else int(np.clip(round(rate * (path.t_end - path.t_start)), 1, MOST_BINS))
         return reading_of(path, record, self.system(motion.value)[1], seconds, bins if motion.shown else None)
 
-    def path(self, value: int, record: Record) -> tuple[Path, float]:
-        """Motion under a load at one of the values, and its CPU time, s."""
+    def warm_up(self) -> None:
+        """Fly the first thousandth of a motion, unmeasured: loading and compiling are no part of a motion's cost."""
+        self.path(0, self.load(0, 0), WARM_UP * self.duration)
+
+    def path(self, value: int, record: Record, until: float | None = None) -> tuple[Path, float]:
+        """Motion under a load at one of the values, and its CPU time, s; ``until``: its end, None: the record's."""
         system, plan, fidelity = self.system(value)[0], plan_of(self.case), self.fidelity
-        start = self._at(value).start(self.name)
+        start, end = self._start(value), self.duration if until is None else until
         begun = time.thread_time()
         if SOLVERS[fidelity.solver].motion == "exact":
             from vibeam.flight.trajectory import simulate
 
-            path: Any = simulate(system, record, plan.duration, start, certify=plan.certify)
+            path: Any = simulate(system, record, end, start, certify=plan.certify)
         else:
-            slowest = 2 * np.pi / plan.duration
-            runner = solver(fidelity.solver, system, slowest, plan.duration, **fidelity.options)
-            path = runner.record_motion(record, start, 0.0, plan.duration)
+            runner = solver(fidelity.solver, system, 2 * np.pi / end, end, **fidelity.options)
+            path = runner.record_motion(record, start, 0.0, end)
         taken = time.thread_time() - begun
         return path, getattr(path, "stats", {}).get("cpu_seconds", taken)
 
@@ -130,6 +136,17 @@ class MotionMaker:
         """First natural period, s; NaN of a system without stiffness."""
         rates = self.system(0)[0].omega
         return 2 * np.pi / float(np.min(rates[rates > 0])) if np.any(rates > 0) else float("nan")
+
+    def _number(self, value: int) -> int:
+        """Number of the system at one of the values: level and speed have one."""
+        return 0 if plan_of(self.case).over in SCALED else value
+
+    def _start(self, value: int) -> State:
+        """State at the start at one of the values."""
+        at = self._number(value)
+        if at not in self._starts:
+            self._starts[at] = self._at(value).start(self.name)
+        return self._starts[at]
 
     def _at(self, value: int) -> Case:
         """The case at one of the values of a key."""

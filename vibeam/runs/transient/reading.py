@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from vibeam.observe.decimation import history_of_cubics
 from vibeam.runs.transient.energies import energy_balance
-from vibeam.runs.transient.samples import OUTLINE, SignalSamples, samples_of
+from vibeam.runs.transient.extremes import SignalExtremes, extremes_of, is_exact
+from vibeam.runs.transient.samples import A_PERIOD, PLENTY, samples_of
 from vibeam.system.response import Ended
-from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.observe.decimation import History
     from vibeam.observe.motion import Path
     from vibeam.runs.transient.signals import TransientSignal
 
@@ -25,6 +24,7 @@ Reading = dict[
     str, NDArray[Any]
 ]  # numbers of one motion: READINGS by name, and the frequency (f,), Hz, of its spectrum
 PROVED, PARTLY, UNASKED = 1, 0, -1
+OUTLINE = 512  # bins of an outline
 
 
 @dataclass(frozen=True)
@@ -74,38 +74,33 @@ def reading_of(
     ``bins``: of its histories, None: it has none.
     """
     begun = time.thread_time()
-    samples = samples_of(path, record, signals)
-    (least, greatest), (least_time, greatest_time) = _extremes(path, samples, signals)
+    samples = samples_of(path, record, signals, A_PERIOD if is_exact(path) else PLENTY)
+    outline = extremes_of(path, samples, OUTLINE)
+    low, high = outline.least.argmin(axis=1), outline.greatest.argmax(axis=1)
+    each = np.arange(len(signals))
     mean, rms = samples.moments()
     frequency, density = samples.spectrum()
-    outlines = [samples.history(number, OUTLINE) for number in range(len(signals))]
     energy = energy_balance(path, record)
     rests = path.rests
     found = {
-        "least": least, "greatest": greatest, "least_time": least_time, "greatest_time": greatest_time, "mean": mean,
-        "rms": rms, "spectrum": density, **_as_arrays("outline", outlines),
-        "frequency": frequency, **_impacts(path),
-        "rest": float(np.sum(rests[:, 1] - rests[:, 0])) / (path.t_end - path.t_start),
+        "least": outline.least[each, low], "least_time": outline.least_time[each, low],
+        "greatest": outline.greatest[each, high], "greatest_time": outline.greatest_time[each, high],
+        "mean": mean, "rms": rms, "spectrum": density, "frequency": frequency, **_as_arrays("outline", outline),
+        **_impacts(path), "rest": float(np.sum(rests[:, 1] - rests[:, 0])) / (path.t_end - path.t_start),
         **{name: getattr(energy, name) for name in ("start", "work", "damping", "lost", "left", "residual")},
         "ended": getattr(path, "ended", Ended.COMPLETE).code, "proved": _proved(path), "cpu_seconds": cpu_seconds,
     }  # fmt: skip
     if bins is not None:
         load = history_of_cubics(record.times, record.coefficients, path.t_start, path.t_end, bins)
-        histories = [samples.history(number, bins) for number in range(len(signals))]
-        found |= {"history_edges": (path.t_start, path.t_end), **_as_arrays("history", histories)}
+        found |= {"history_edges": (path.t_start, path.t_end)}
+        found |= _as_arrays("history", extremes_of(path, samples, bins))
         found |= {"input_least": np.float32(load.least), "input_greatest": np.float32(load.greatest)}
     return {name: np.asarray(each) for name, each in (found | {"reading_seconds": time.thread_time() - begun}).items()}
 
 
-def _as_arrays(name: str, histories: Sequence[History]) -> Reading:
+def _as_arrays(name: str, bins: SignalExtremes) -> dict[str, Any]:
     """Least and greatest values (o, b) in single precision, as pictures need them."""
-    parts = {part: [getattr(each, part) for each in histories] for part in ("least", "greatest")}
-    return {f"{name}_{part}": np.array(each, dtype=np.float32) for part, each in parts.items()}
-
-
-def _extremes(path: Path, samples: SignalSamples, signals: Sequence[TransientSignal]) -> tuple[Array, Array]:
-    """Values and times (2, o) of the least and greatest values."""
-    return samples.extremes()
+    return {f"{name}_{part}": np.float32(getattr(bins, part)) for part in ("least", "greatest")}
 
 
 def _impacts(path: Path) -> Reading:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.held import held_of
+from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.exchange.faults import suggest
 from vibeam.runs.transient.comparison import TransientComparison, compared
 from vibeam.runs.transient.motions import plan_of, shown_at
@@ -139,16 +140,33 @@ class TransientResult(Mapping[str, Transient], LabelledData):
         axes = {self.over: np.array(self.factors), "seed": np.array(self.seeds or (0,))}
         return [LabelledPart({"fidelity": name}, axes, _columns(each)) for name, each in self.items()]
 
+    def columns(self) -> tuple[list[dict[str, Any]], dict[str, str]]:
+        """Columns of ``to_dataframe`` of each fidelity, and the units of those that have one."""
+        parts, _ = super().columns()
+        units = {name: each for own in self.values() for name, each in _units(own).items()}
+        return parts, {name: unit for name, unit in units.items() if unit != "1"}
+
     @property
     def _names(self) -> DataNames:
         return DataNames(axes={}, about=self.case.about)
 
 
+READ = ("peak", "peak_time", "least", "greatest", "mean", "rms")
+WHOLE = tuple(name for name, each in QUANTITIES.items() if each.of in ("impacts", "energy"))
+
+
 def _columns(of: Transient) -> dict[str, Any]:
     """Numbers (v, s) of every motion by name."""
-    read = ("peak", "peak_time", "least", "greatest", "mean", "rms")
-    found = {f"{each.name}_{name}": of.of(name, each.name) for each in of.signals for name in read}
-    impacts = ("impacts", "first_impact", "hardest_impact", "impact_velocity", "rest")
-    energies = ("work", "lost_at_impacts", "lost_by_damping", "energy_left")
-    found |= {name: of.of(name) for name in (*impacts, *energies)}
+    found = {f"{each.name}_{name}": of.of(name, each.name) for each in of.signals for name in READ}
+    found |= {name: of.of(name) for name in WHOLE}
     return found | {"residual": of.residual, "ended": of.ended, "cpu_seconds": of.cpu_seconds}
+
+
+def _units(of: Transient) -> dict[str, str]:
+    """SI units of these columns."""
+    plain = of.signals[0].unit == "1"
+    named = {"c/s": "s-1" if plain else "m s-1", "E": "s-2" if plain else "J"}
+    found = {f"{each.name}_{name}": "s" if name == "peak_time" else each.unit for each in of.signals for name in READ}
+    return (
+        found | {name: named.get(QUANTITIES[name].unit, QUANTITIES[name].unit) for name in WHOLE} | {"cpu_seconds": "s"}
+    )

@@ -96,7 +96,7 @@ def _make(
 ) -> None:  # fmt: skip
     """Make motions, several at once, and keep each."""
     for name in {each.fidelity for each in motions}:
-        makers[name].system(0)  # once, before threads ask for it
+        makers[name].warm_up()  # here Ctrl-C can stop a compilation; what is made once is there before threads ask
 
     def make(motion: Realisation, stop: Event) -> None:
         maker = makers[motion.fidelity]

@@ -17,10 +17,9 @@ from vibeam_models.arrays import Array
 if TYPE_CHECKING:
     from vibeam.observe.motion import Path
 
-OUTLINE = 512  # bins of an outline
-LEAST, MOST = 2**14, 2**20  # samples of a motion
-A_PERIOD = 10  # samples a period of the fastest mode, within these bounds
-BLOCK = 2**14  # samples at once
+LEAST, MOST = 2**12, 2**20  # samples of a motion
+A_PERIOD, PLENTY = 3, 10  # samples a period of the fastest mode: for spectra, and for all that is read
+BLOCK = 2**17  # samples at once
 SEGMENTS = 8  # of a record, half overlapping: the resolution of a spectrum is 8 over the record's duration
 BANDS = 400  # of a spectrum, evenly spaced over the logarithm of the frequency; a line each where they are narrower
 
@@ -61,12 +60,6 @@ class SignalSamples:
                 rates = values[:, at]
         return history_of_samples(times, values[:, number], rates, bins)
 
-    def extremes(self) -> tuple[Array, Array]:
-        """Least and greatest values and their times (2, o) each: of the samples and of the impacts."""
-        times, values = self.all
-        at = np.stack([values.argmin(axis=0), values.argmax(axis=0)])
-        return np.take_along_axis(values, at, axis=0), times[at]
-
     def moments(self) -> tuple[Array, Array]:
         """Mean and root mean square (o,) over the time."""
         inner = (self.values[1:] + self.values[:-1]) / 2
@@ -84,11 +77,11 @@ class SignalSamples:
         return means[0] / many, (means[1] / many[:, None]).T
 
 
-def samples_of(path: Path, record: Any, signals: Sequence[TransientSignal]) -> SignalSamples:
-    """Samples of the signals of a motion under ``record``, as many as its fastest mode asks for, within bounds."""
+def samples_of(path: Path, record: Any, signals: Sequence[TransientSignal], a_period: int) -> SignalSamples:
+    """Samples of the signals of a motion under ``record``: so many a period of its fastest mode, within bounds."""
     rates = path.system.omega[np.isfinite(path.system.omega)]
     span, fastest = path.t_end - path.t_start, float(np.max(rates, initial=0.0)) / (2 * np.pi)
-    parts = int(np.clip(np.ceil(A_PERIOD * fastest * span / LEAST), 1, MOST // LEAST))
+    parts = int(np.clip(np.ceil(a_period * fastest * span / LEAST), 1, MOST // LEAST))
     times = path.t_start + np.linspace(0.0, 1.0, parts * LEAST + 1) * span
     blocks = [times[first : first + BLOCK] for first in range(0, len(times), BLOCK)]
     values = [values_at(path, record, signals, block, path.modes_at(block)) for block in blocks]

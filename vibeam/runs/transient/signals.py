@@ -85,15 +85,10 @@ def values_at(path: Path, record: Any, signals: Sequence[TransientSignal], times
     return np.stack(made, axis=1)
 
 
-def load_at(record: Any, times: Array) -> Array:
-    """Load (m,), what multiplies the modes' load row: −b̈ of a base that accelerates, a force or a moment as it is."""
-    return np.asarray(-record.at(times) if record.quantity == "acceleration" else record.at(times))
-
-
 def accelerations(path: Path, record: Any, times: Array, poses: Array) -> Array:
     """Modal accelerations (m, n) by the equations of motion, the forces of contacts that push or hold among them."""
     system, contacts = path.system, Contacts.of(path.system)
-    found = np.outer(load_at(record, times), system.load) + system.static
+    found = np.outer(record.load_at(times), system.load) + system.static
     found -= damping_force(system, poses[:, 1]) + system.omega**2 * poses[:, 0]
     if any(law.yields for law in contacts.laws):
         found -= contact_forces(contacts, poses)[0] @ contacts.rows

@@ -13,7 +13,8 @@ from vibeam.case.plans import Expectation
 from vibeam.case.source import of_source
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.studies.regression import readings, references
-from vibeam.studies.regression.readings import NAN, NumberRead, directions, read
+from vibeam.studies.regression.number_read import NAN, NumberRead
+from vibeam.studies.regression.readings import directions, read
 from vibeam.studies.regression.references import CheckRow
 from vibeam_models.arrays import Array
 
@@ -34,7 +35,7 @@ def check_expectations(case: Case, result: Result, *, partial: bool = False) -> 
 
 
 def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
-    found = [read(expected, result, direction) for direction in directions(expected)]
+    found = [read(expected, result, direction) for direction in directions(expected, result.case)]
     present = [each for each in found if not each.absent]
     deviations = [_deviation(expected, each.number) for each in present]
     worst = max(deviations, default=NAN)

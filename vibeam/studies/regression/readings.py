@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from math import isclose, isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,27 +13,18 @@ from vibeam.case.plans import MeasuredNumber, ResultNumber
 from vibeam.case.response_quantities import values_of
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.figures import FIGURES, LIMITS
+from vibeam.studies.regression.number_read import NAN, NumberRead
 from vibeam.system.response import Ended, FrequencyResponse
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.result import Result
 
-NAN = float("nan")
 
-
-@dataclass(frozen=True)
-class NumberRead:
-    """Number read on one branch, NaN with the reason ``fault``; ``note``: what is to be known of it."""
-
-    number: float
-    fault: str = ""
-    note: str = ""
-    absent: bool = False  #: the frequency is not in the grid
-
-
-def directions(reading: ResultNumber) -> tuple[str, ...]:
-    """Directions of the branches that a reading is of."""
+def directions(reading: ResultNumber, case: Case) -> tuple[str, ...]:
+    """Directions of the branches that a reading is of; one that says nothing under a record."""
+    if case.record is not None:
+        return ("",)
     if reading.quantity in LIMITS or reading.show:
         return ("up",)  # of the motions as such, whichever direction they are swept in
     return ("up", "down") if reading.direction == "both" else (reading.direction,)
@@ -41,6 +32,11 @@ def directions(reading: ResultNumber) -> tuple[str, ...]:
 
 def read(reading: ResultNumber, result: Result, direction: str) -> NumberRead:
     """Number of a reading on one branch."""
+    if result.case.record is not None and reading.show is None:
+        from vibeam.studies.regression.transient_readings import read_transient
+
+        transient: Any = result
+        return read_transient(reading, transient)
     ours = _number(reading, result, reading.fidelity, direction)
     if reading.against is None or ours.fault:
         return ours
@@ -148,7 +144,7 @@ def compare(case: Case, result: Result) -> list[MeasuredRow]:
 
 
 def _rows(measured: MeasuredNumber, result: Result) -> Iterator[MeasuredRow]:
-    rows = [_row(measured, result, direction) for direction in directions(measured)]
+    rows = [_row(measured, result, direction) for direction in directions(measured, result.case)]
     first, last = rows[0], rows[-1]
     same = isclose(first.model, last.model, rel_tol=SAME) or (first.notes and first.notes == last.notes)
     yield from [replace(first, direction="both" if measured.show else measured.direction)] if same else rows
