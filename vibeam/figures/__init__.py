@@ -214,6 +214,64 @@ FIGURES = Registry(
         },
     ),
     _own(
+        "shock_spectrum",
+        "largest responses of equipment at the output, or of the device with and without stop, over natural frequency",
+        takes=("output",),
+        exact=True,
+        derivatives=True,
+        record=True,
+        sweep=False,
+        keys={
+            "response_of": Key(
+                "of shock_spectrum: equipment, oscillators mounted at the output (absent); or device, the case's own "
+                "structure with its natural frequencies multiplied, with its stop and without",
+                "device",
+                words=("equipment", "device"),
+            ),
+            "measure": Key(
+                "of shock_spectrum: what is drawn; absent = acceleration of equipment, displacement of a device",
+                "pseudo_velocity",
+                words=("acceleration", "pseudo_velocity", "displacement"),
+            ),
+            "natural": Key(
+                "of shock_spectrum: natural frequencies, of a device the lowest one; absent = 91 from a tenth of the "
+                "fidelity's lowest to 100 times it",
+                ["50 Hz", "100 Hz"],
+                "Hz",
+                above=0,
+                several=True,
+                alone=True,
+                ascending=True,
+            ),
+            "equipment_damping": Key(
+                "of shock_spectrum: damping ratio of the equipment; absent = 0.05", 0.05, least=0, most=0.99
+            ),
+        },
+    ),
+    _own(
+        "response_spectrum",
+        "power spectral densities under noise with intervals, their ratio to the last fidelity's, coherence",
+        takes=("output",),
+        exact=True,
+        derivatives=True,
+        record=True,
+        sweep=False,
+        keys={
+            "up_to": Key(
+                "of response_spectrum: highest frequency; absent = ten times the lowest natural one",
+                "500 Hz",
+                "Hz",
+                above=0,
+            ),
+            "resolution": Key(
+                "of response_spectrum: spacing of the lines; absent = eight segments a realisation",
+                "1 Hz",
+                "Hz",
+                above=0,
+            ),
+        },
+    ),
+    _own(
         "modal",
         "frequencies and damping ratios of the modes",
         reads={"mode_frequency": "Hz", "mode_damping": "1"},

@@ -11,7 +11,8 @@ from vibeam.system.number_text import ACCELERATIONS, LENGTHS, OF_QUANTITY, SPEED
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.plans import RecordPlan
+    from vibeam.case.plans import RecordPlan, ShowPlan
+    from vibeam.flight.trajectory import Trajectory
     from vibeam.observe.decimation import History
 
 FORCES: Steps = ((1e4, "kN", 1e-3), (1e-1, "N", 1.0), (0.0, "mN", 1e3))
@@ -82,3 +83,22 @@ def signals_of_all(result: RecordResult, names: Sequence[str]) -> dict[str, Any]
 def label_of(signal: Any) -> str:
     """Label of a signal: ``sensor``, ``velocity of sensor``, ``largest contact force``."""
     return str(signal.long_name)
+
+
+def record_motion(case: Case, name: str, plan: ShowPlan, seed: int | None = None) -> Trajectory:
+    """Motion of a fidelity under the input as the case writes it, by flight; NoMotion where there is no output or end.
+
+    ``seed``: of the realisation, the case's first where None.
+    """
+    from vibeam.figures.sheet import NoMotion
+    from vibeam.flight.trajectory import simulate
+    from vibeam.system.response import Ended
+
+    system, record = case.system(name), plan_of(case)
+    if plan.output not in ("contact", *system.outputs, *system.derivatives):
+        raise NoMotion(f"there is no {plan.output} in this model")
+    load = case.input(name, *(record.seeds[:1] if seed is None else (seed,)))
+    path = simulate(system, load, record.duration, case.start(name))
+    if path.ended is not Ended.COMPLETE:
+        raise NoMotion(path.ended.value)
+    return path

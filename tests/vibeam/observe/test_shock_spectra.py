@@ -191,3 +191,53 @@ def test_a_motion_has_no_residual_spectrum() -> None:
     found = vibeam.shock_spectrum(carried(), [20.0])
     with pytest.raises(ValueError, match="a motion goes on after its last computed time"):
         found.of(part="residual")
+    with pytest.raises(ValueError, match=r"device: goes with a record(.|\n)*damping: goes without a device"):
+        vibeam.shock_spectrum(carried(), [20.0], 0.1, device=device(1.0))
+
+
+def device(gap: float, restitution: float = 0.5, **more: object) -> vibeam.ImpactSystem:
+    return vibeam.ImpactSystem.from_modes(
+        1.0, 0.0, -1.0, 1.0, gap=gap, restitution=restitution, outputs={"tip": [1.0]}, **more
+    )
+
+
+def test_device_that_misses_its_stop_is_the_oscillator() -> None:
+    record, rates = Record.half_sine(PEAK, LENGTH), np.array([20.0, 70.0, 300.0])
+    held, free = (
+        vibeam.shock_spectrum(record, rates, **each)
+        for each in ({"device": device(1.0), "output": "tip"}, {"damping": 0.0})
+    )
+    assert held.impacts.tolist() == [0, 0, 0]
+    for quantity in ("acceleration", "displacement", "pseudo_velocity"):
+        for part in ("primary", "residual", "positive", "negative"):
+            np.testing.assert_allclose(held.of(quantity, part), free.of(quantity, part), rtol=1e-9, atol=1e-9 * PEAK)
+
+
+def test_device_that_strikes_under_a_step_is_the_closed_form() -> None:
+    """By hand, z'' + ω²z = −a, a stop at z = −d: v² = 2ad − ω²d², rebound with Rv about z₀ = −a/ω²."""
+    a, d, share = 10.0, 1e-3, 0.5
+    rate = 10.0
+    omega = 2 * np.pi * rate
+    speed = np.sqrt(2 * a * d - (omega * d) ** 2)
+    middle = -a / omega**2
+    turn = middle + np.hypot(d + middle, share * speed / omega)
+    assert turn < 0
+    found = vibeam.shock_spectrum(Record.step(a, 0.03), [rate], device=device(d, share), output="tip")
+    assert found.impact_velocity[0] == pytest.approx(speed, rel=1e-12)
+    assert found.of("displacement", "negative")[0] == pytest.approx(d, rel=1e-12)
+    assert found.displacement[0, 1, 0] == 0.0  # it never comes beyond its place at rest while the step lasts
+    assert found.of("acceleration", "primary")[0] == pytest.approx(omega**2 * d, rel=1e-12)
+
+
+def test_device_of_two_modes_is_the_motion_itself_at_its_own_frequency() -> None:
+    system = vibeam.ImpactSystem.from_modes(
+        [60.0, 350.0], 0.01, [1.0, 1.5], [1.0, 0.4], gap=1e-4, second_gap=2e-4, restitution=0.7,
+        outputs={"sensor": [0.8, -0.5]},
+    )  # fmt: skip
+    record = Record.half_sine(20.0, LENGTH)
+    found = vibeam.shock_spectrum(record, [60.0 / (2 * np.pi)], device=system)
+    path = vibeam.simulate(system, record, LENGTH + 2 * 2 * np.pi / 60.0)
+    seen = path.at(np.linspace(0.0, path.t_end, 200_001), "sensor")
+    assert found.impacts[0] == len(path.impact_times) > 3
+    assert found.of("displacement")[0] == pytest.approx(np.abs(seen).max(), rel=1e-6)
+    assert found.impact_velocity[0] == path.impact_velocities.max()

@@ -5,17 +5,15 @@ Power of Hann windows of eight periods of the first mode, half of it overlapping
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import labelled, say
-from vibeam.figures.record import plan_of
-from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet, sheet_of
+from vibeam.figures.record import plan_of, record_motion
+from vibeam.figures.sheet import Column, Columns, Sheet, sheet_of
 from vibeam.figures.style import name_of
-from vibeam.flight.trajectory import simulate
-from vibeam.system.response import Ended
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -39,13 +37,8 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 def _columns(case: Case, name: str, plan: ShowPlan) -> Columns:
     from scipy.signal import ShortTimeFFT
 
-    system, record = case.system(name), plan_of(case)
-    if plan.output not in ("contact", *system.outputs, *system.derivatives):
-        raise NoMotion(f"there is no {plan.output} in this model")
-    load: Any = case.input(name, *record.seeds[:1])
-    path = simulate(system, load, record.duration, case.start(name))
-    if path.ended is not Ended.COMPLETE:
-        raise NoMotion(path.ended.value)
+    path, record = record_motion(case, name, plan), plan_of(case)
+    system = path.system
     rates = np.sort(system.omega[np.isfinite(system.omega) & (system.omega > 0)]) / (2 * np.pi)
     first = float(rates[0]) if len(rates) else 1 / record.duration
     rate = min(SAMPLES * max(float(rates[-1]) if len(rates) else 0.0, HIGHEST * first), MOST / record.duration)
