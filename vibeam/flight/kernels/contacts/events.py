@@ -14,7 +14,7 @@ from vibeam.flight.kernels.contacts.instants import arrive, classify, impulse, t
 from vibeam.flight.kernels.contacts.integration import integrate, is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.load.events import is_jump, is_on_the_way, to_event_loaded
-from vibeam.flight.kernels.contacts.load.walk import is_roomy
+from vibeam.flight.kernels.contacts.load.notes import is_roomy
 from vibeam.flight.kernels.contacts.reactions import decide, each, is_curved, pressed_ones
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
 from vibeam.flight.kernels.contacts.signals import FORCE, first_signal, show

@@ -23,6 +23,7 @@ from vibeam.flight.kernels.contacts.load.flow import leave_blocks
 from vibeam.flight.kernels.contacts.load.walk import first_signal_loaded
 from vibeam.flight.kernels.contacts.reactions import each
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
+from vibeam.flight.kernels.contacts.strikes import put, stop
 from vibeam.flight.kernels.regimes import layout as regime_row
 from vibeam.flight.kernels.regimes.events import STEPS_A_PANEL
 from vibeam_models.arrays import Array, Index
@@ -61,6 +62,8 @@ def to_event_loaded(
         return outcome, row.NONE, 0.0
     if step > 0.0:
         leave_blocks(regime, engine.course, pose)
+        put(engine, pose, int(status[row.HELD]))
+        stop(engine, pose, int(status[row.HELD]))
     if not np.isfinite(pose[0, 0]):
         return layout.UNRESOLVED, row.NONE, 0.0
     status[row.PIECE], status[layout.CLOCK] = numbers[PIECE_NOW], numbers[CLOCK_NOW]

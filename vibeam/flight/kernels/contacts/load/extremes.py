@@ -15,7 +15,7 @@ from vibeam.flight.kernels.contacts.course import Course, OutputWatch
 from vibeam.flight.kernels.contacts.integrated import enter_segment
 from vibeam.flight.kernels.contacts.integration import BEGIN, END, first_step, step
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.load.flow import accept, differentiate, grow, set_load
+from vibeam.flight.kernels.contacts.load.flow import accept, differentiate, fitted, grow, set_load
 from vibeam.flight.kernels.contacts.load.panel import bound_of, growth_of, parts, read, set_functions
 from vibeam.flight.kernels.contacts.load.poses import enter_loaded
 from vibeam.flight.kernels.contacts.load_value import load_at
@@ -30,8 +30,9 @@ from vibeam_models.arrays import Array
 LEAST, LEAST_TIME, GREATEST, GREATEST_TIME = range(4)  # of ``found``
 FIRST, FIRST_SLOPE, LAST, LAST_SLOPE, SAYS = range(5)  # of ``ends``
 WITHIN, SETTLED, OPEN = range(3)  # what a panel says of an output
-FINEST = 2.0**-40  # share of a piece below which a panel is not halved
+SHORTEST = 2.0**-40  # share of a piece below which a panel is not halved
 ROUNDS = 60
+TURNED = 1e-8  # share of a panel's steepest slope that is none: its square is lost in the value
 
 
 @kernel
@@ -60,38 +61,31 @@ def read_flow(engine: ContactEngine, watch: OutputWatch, segment: Array, pose: A
     numbers, lengths = course.numbers, course.lengths
     piece, clock, time = int(numbers[row.PIECE_NOW]), numbers[row.CLOCK_NOW], segment[layout.START]
     left, want = segment[layout.DURATION], lengths[piece]
+    last = lengths.shape[0] - 1
     while True:
+        if clock >= lengths[piece] and piece < last:
+            piece, clock = piece + 1, 0.0
+            want = fitted(want, lengths[piece])
         place = bin_of(watch, time, place)
         set_load(course, piece, clock)
         differentiate(regime, course, 5)
         begin_panel(regime, watch, slot, course, place, time)
         if left <= 0.0:
             return place
-        rest = lengths[piece] - clock
-        if piece + 1 >= lengths.shape[0]:
-            rest = max(rest, left)
-        h = min(min(want, rest), left)
-        if place < watch.edges.shape[0] - 2:
-            h = min(h, watch.edges[place + 1] - time) if watch.edges[place + 1] - time > 0.0 else h
+        rest = lengths[piece] - clock if piece < last else left
+        bound = min(rest, left)
+        if place < watch.edges.shape[0] - 2 and watch.edges[place + 1] > time:
+            bound = min(bound, watch.edges[place + 1] - time)
+        h = min(want, bound)
         grow(regime, course, slot, lengths[piece], h)
-        while is_open(regime, course, watch, slot, place, h) and h > FINEST * lengths[piece]:
-            h *= 0.5
+        while is_open(regime, course, watch, slot, place, h) and h > SHORTEST * lengths[piece]:
+            h, want = 0.5 * h, 0.5 * h
             grow(regime, course, slot, lengths[piece], h)
         settle(regime, watch, slot, course, place, time, h)
-        want = h if h < min(want, min(rest, left)) else 2.0 * h
+        want = max(want, 2.0 * h)
         accept(course)
         time, left = time + h, left - h
-        clock += h
-        if h >= rest:
-            if piece + 1 >= lengths.shape[0]:
-                left = 0.0
-                continue
-            piece, clock = piece + 1, 0.0
-        if clock == 0.0:
-            fit = lengths[piece]
-            while fit > want and fit > FINEST * lengths[piece]:
-                fit *= 0.5
-            want = fit
+        clock = lengths[piece] if h >= rest and piece < last else clock + h
 
 
 @kernel
@@ -142,7 +136,7 @@ def settle_output(
     off = m4 * h * h * h * h * VALUE
     low, high = min(min(p0, b1), min(b2, p1)) - off, max(max(p0, b1), max(b2, p1)) + off
     found = watch.found[at, place]
-    slack = 4.0 * EPSILON * parts(weights, course.flow, weights[2 * n])
+    slack = 4.0 * EPSILON * (parts(weights, course.flow, row.Y) + abs(weights[2 * n]))
     if low >= min(found[LEAST], p1) - slack and high <= max(found[GREATEST], p1) + slack:
         return WITHIN
     d, off = 3.0 * (b2 - b1) / h, SLOPE * m4 * h * h * h
@@ -156,24 +150,24 @@ def settle_output(
 def turn(
     regime: Regime, course: Course, watch: OutputWatch, slot: int, at: int, place: int, time: float, h: float
 ) -> None:  # fmt: skip
-    """The value of an output where its slope changes sign, by the Illinois method; off by 1e-18 of its swing."""
+    """The value of an output where its slope changes sign, by Newton's method with the curvature of the cubic."""
     weights, ends = watch.signals[slot, at], watch.ends
     first, down, up = ends[FIRST, at], ends[FIRST_SLOPE, at], ends[LAST_SLOPE, at]
-    low, high, where, value, before, steep = 0.0, h, 0.0, first, down, max(abs(down), abs(up))
+    low, high, steep = 0.0, h, TURNED * max(abs(down), abs(up))
+    mean = 3.0 * (ends[LAST, at] - first) / h - down - up  # H' = down + 2 (mean − down) t + (up + down − 2 mean) t²
+    bend, tilt = (down + up - 2.0 * mean) / h, mean - down
+    where, value = h * down / (down - up), first
     for _ in range(ROUNDS):
-        where = low + (high - low) * min(max(down / (down - up), 1e-6), 1.0 - 1e-6)
         set_functions(regime, course, where)
         growth, slope = growth_of(regime, course, weights, 0, where)
         value = first + where * growth
-        if abs(slope) <= 1e-9 * steep or high - low <= 1e-9 * h:
+        if abs(slope) <= steep or high - low <= 1e-9 * h:
             break
-        if (slope < 0.0) == (down < 0.0):
-            low, down = where, slope
-            up = 0.5 * up if (before < 0.0) == (slope < 0.0) else up
-        else:
-            high, up = where, slope
-            down = 0.5 * down if (before < 0.0) == (slope < 0.0) else down
-        before = slope
+        low, high = (where, high) if (slope < 0.0) == (down < 0.0) else (low, where)
+        curve = 2.0 * (tilt + bend * where) / h
+        where = where - slope / curve if curve != 0.0 else 0.5 * (low + high)
+        if not low < where < high:
+            where = 0.5 * (low + high)
     note_value(watch, at, place, value, time + where)
 
 

@@ -11,6 +11,17 @@ from vibeam.flight.kernels.contacts.load_value import load_at
 from vibeam.flight.kernels.layout import Regime
 from vibeam_models.arrays import Array
 
+FINEST = 2.0**-56  # share of a piece below which a panel is not halved
+
+
+@kernel
+def fitted(want: float, length: float) -> float:
+    """The longest of a piece's length, half of it, … that is no longer than ``want``; for the steps kept."""
+    h = length
+    while h > want and h > FINEST * length:
+        h *= 0.5
+    return h
+
 
 @kernel
 def enter_blocks(regime: Regime, course: Course, pose: Array) -> None:

@@ -49,11 +49,11 @@ def read(weights: Array, flow: Array, at: int) -> float:
 
 
 @kernel
-def parts(weights: Array, flow: Array, constant: float) -> float:
-    """The sizes of the parts of a signal at the node, added up."""
-    total = abs(constant)
+def parts(weights: Array, flow: Array, at: int) -> float:
+    """The sizes of the parts of weights · y of the rows from ``at`` on, added up."""
+    total = 0.0
     for k in range(flow.shape[1]):
-        total += abs(weights[2 * k] * flow[row.Y, k]) + abs(weights[2 * k + 1] * flow[row.Y + 1, k])
+        total += abs(weights[2 * k] * flow[at, k]) + abs(weights[2 * k + 1] * flow[at + 1, k])
     return total
 
 
@@ -70,7 +70,7 @@ def show_value(engine: ContactEngine, regime: Regime, course: Course, place: int
     value = read(weights, course.flow, row.Y) + weights[2 * n] + share * u
     watch[row.AT, place] = sign * value + watch[row.ADDED, place]
     watch[row.SLOPE, place] = sign * (read(weights, course.flow, row.RATE) + share * course.numbers[row.U1])
-    watch[row.PARTS, place] = parts(weights, course.flow, weights[2 * n]) + abs(share * u)
+    watch[row.PARTS, place] = parts(weights, course.flow, row.Y) + abs(weights[2 * n]) + abs(share * u)
 
 
 @kernel

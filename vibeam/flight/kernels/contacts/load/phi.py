@@ -24,6 +24,7 @@ from vibeam_models.arrays import Array
 TERMS = 22  # of φ₄ where |A|τ ≤ 1: 1/26! = 2e-27
 INVERSE = np.array([1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0])  # 1/j!
 MOST_DOUBLINGS = 60
+NOTHING = -1.0  # length of a step that was not made
 
 
 @kernel
@@ -114,7 +115,7 @@ def step_over(regime: Regime, course: Course, slot: int, length: float, h: float
     if grades[0] != length:
         for i in range(row.GRADES + 2):
             grades[i] = 0.0
-        grades[0] = length
+        grades[0], grades[row.GRADES + 1] = length, NOTHING
     while reach < length and grade < row.GRADES:
         reach *= 2.0
         grade += 1

@@ -7,45 +7,34 @@ bound excludes every root are merged: the flow goes through them exactly, and th
 
 from __future__ import annotations
 
-import numpy as np
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import course as row
 from vibeam.flight.kernels.contacts import layout as contact_row
 from vibeam.flight.kernels.contacts.course import Course
 from vibeam.flight.kernels.contacts.layout import ContactEngine
+from vibeam.flight.kernels.contacts.load import panel, starts
 from vibeam.flight.kernels.contacts.load.flow import (
+    FINEST,
     accept,
     differentiate,
     enter_blocks,
+    fitted,
     grow,
     move_on,
     set_load,
 )
-from vibeam.flight.kernels.contacts.load.panel import (
-    derivative_at,
-    find_root,
-    find_turn,
-    judge,
-    row_of,
-    show_value,
-    sign_of,
-)
-from vibeam.flight.kernels.contacts.load.peaks import note_push
+from vibeam.flight.kernels.contacts.load.notes import note_all, note_last, note_pushes
 from vibeam.flight.kernels.contacts.load.quiet import is_quiet, pass_window
-from vibeam.flight.kernels.contacts.reactions import each
-from vibeam.flight.kernels.contacts.signals import FORCE, GAP, OUT, list_signals
+from vibeam.flight.kernels.contacts.signals import list_signals
 from vibeam.flight.kernels.layout import Regime
-from vibeam.flight.kernels.modal_flow import ROUND_OFF, SMALLEST
+from vibeam.flight.kernels.modal_flow import ROUND_OFF
 from vibeam.flight.kernels.regimes import layout as regime_row
-from vibeam.flight.kernels.regimes.events import STALLS
 from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, ROOT, SPLIT
 from vibeam.flight.kernels.roots.pair import power
 from vibeam_models.arrays import Array, Index
 
 CARRIED = 8  # panels from a start over which a signal's value is what it has grown by
-FINEST = 2.0**-56  # share of a piece below which a panel is not halved
 MOST_FINEST = 1000  # such panels in one walk
 PATIENT = 64
 
@@ -67,13 +56,13 @@ def first_signal_loaded(
     numbers[row.PIECE_NOW], numbers[row.CLOCK_NOW] = piece, clock
     set_load(course, piece, clock)
     differentiate(regime, course, 5)
-    outcome, met = start_watch(engine, regime, status, number)
+    outcome, met = starts.start_watch(engine, regime, status, number)
     if outcome != layout.COMPLETE or met != contact_row.NONE:
         return outcome, met, 0.0
     if clock >= lengths[piece]:
         return finish(course, piece, clock, contact_row.NONE, span)
     first, segment = piece, counts[layout.SEGMENTS]
-    want, done, panels, finest = first_panel(engine, regime, number, lengths[piece] - clock), 0.0, 0, 0
+    want, done, panels, finest = starts.first_panel(engine, regime, number, lengths[piece] - clock), 0.0, 0, 0
     since, patience, lengthened = 0, 1, False
     while done < span:
         if panels > 0:
@@ -87,7 +76,7 @@ def first_signal_loaded(
                 if met != contact_row.NONE:
                     numbers[row.WHY] = row.JUMPED
                     return finish(course, piece, clock, met, done)
-                if renews(engine, status, piece):
+                if renews(engine, regime, number):
                     numbers[row.WHY] = row.RENEWED
                     return finish(course, piece, clock, contact_row.NONE, done)
                 if piece - first >= row.STRIDE:
@@ -158,78 +147,12 @@ def finish(course: Course, piece: int, clock: float, met: int, step: float) -> t
 
 
 @kernel
-def fitted(want: float, length: float) -> float:
-    """The longest of a piece's length, half of it, … that is no longer than ``want``; for the steps kept."""
-    h = length
-    while h > want and h > FINEST * length:
-        h *= 0.5
-    return h
-
-
-@kernel
-def start_watch(engine: ContactEngine, regime: Regime, status: Array, number: int) -> tuple[int, int]:
-    """Begin to watch the signals: outcome, and the one that is an event at once, or NONE."""
-    watch, k = engine.course.watch, engine.rows.shape[0]
-    for place in range(number):
-        which = engine.watched[place]
-        j, kind = which % k, which // k
-        watch[row.ADDED, place], watch[row.START_ORDER, place], watch[row.START_RISE, place] = 0.0, 0.0, 0.0
-        show_value(engine, regime, engine.course, place, which)
-        value, size = watch[row.AT, place], watch[row.PARTS, place]
-        if not np.isfinite(size):
-            return layout.NOT_FINITE, contact_row.NONE
-        touching = status[each(engine, contact_row.ORDER, j)] == regime_row.TOUCHING
-        order, rise = int(status[each(engine, contact_row.ORDER, j)]), status[each(engine, contact_row.RISE, j)]
-        if kind != GAP and status[each(engine, contact_row.CONDITION, j)] != contact_row.KEPT:
-            fresh = order > 0 and kind != OUT
-            order, rise = leading(engine, regime, which, place, max(value, 0.0) if fresh else value)
-            touching = status[regime_row.STALL] >= STALLS and order != 0
-            if order < 0 and not touching:
-                return layout.COMPLETE, which
-        if touching:
-            watch[row.ADDED, place] = 2.0 * (ROUND_OFF * size + max(-value, 0.0)) + SMALLEST
-            watch[row.AT, place] = value + watch[row.ADDED, place]
-        else:
-            watch[row.START_ORDER, place], watch[row.START_RISE, place] = max(order, 0), rise
-    return layout.COMPLETE, contact_row.NONE
-
-
-@kernel
-def leading(engine: ContactEngine, regime: Regime, which: int, place: int, value: float) -> tuple[int, float]:
-    """Order and size of the first derivative by which a signal rises from 0, as ``leading_order``."""
-    watch, course = engine.course.watch, engine.course
-    rate, size = watch[row.SLOPE, place], watch[row.PARTS, place]
-    if value > ROUND_OFF * size:
-        return 0, 0.0
-    if rate > 0.0 and value >= -ROUND_OFF * size:
-        return 1, rate
-    if rate < 0.0 or value < -ROUND_OFF * size:
-        return -1, 0.0
-    second, third = derivative_at(engine, regime, course, which, 2), derivative_at(engine, regime, course, which, 3)
-    if second > 0.0:
-        return 2, second
-    return (3, third) if second == 0.0 and third > 0.0 else (-1, 0.0)
-
-
-@kernel
-def first_panel(engine: ContactEngine, regime: Regime, number: int, rest: float) -> float:
-    """The length to start with: twice the shortest flight 2g'(0)/|g''(0)| that two derivatives foretell."""
-    want, watch = rest, engine.course.watch
-    for place in range(number):
-        if watch[row.START_ORDER, place] == 1.0:
-            ahead = derivative_at(engine, regime, engine.course, engine.watched[place], 2)
-            if ahead < 0.0:
-                want = min(want, -4.0 * watch[row.START_RISE, place] / ahead)
-    return want
-
-
-@kernel
 def renew_watch(engine: ContactEngine, regime: Regime, number: int, anew: bool) -> None:
     """Signals at the next node: what they have grown to, or ``anew`` from the blocks."""
     watch = engine.course.watch
     for place in range(number):
         grown = watch[row.AT, place]
-        show_value(engine, regime, engine.course, place, engine.watched[place])
+        panel.show_value(engine, regime, engine.course, place, engine.watched[place])
         if not anew:
             watch[row.AT, place] = grown
 
@@ -252,10 +175,10 @@ def jumped(engine: ContactEngine, regime: Regime, number: int, jump: float, anew
         return met
     for place in range(number):
         which, grown = engine.watched[place], watch[row.AT, place]
-        share = sign_of(engine, which) * regime.signals[row_of(engine, which)][2 * n + 1]
+        share = panel.sign_of(engine, which) * regime.signals[panel.row_of(engine, which)][2 * n + 1]
         if share == 0.0:
             continue
-        show_value(engine, regime, engine.course, place, which)
+        panel.show_value(engine, regime, engine.course, place, which)
         if not anew:
             watch[row.AT, place] = grown + share * jump
         if watch[row.AT, place] < -ROUND_OFF * watch[row.PARTS, place] and share * jump < 0.0:
@@ -264,14 +187,14 @@ def jumped(engine: ContactEngine, regime: Regime, number: int, jump: float, anew
 
 
 @kernel
-def renews(engine: ContactEngine, status: Array, piece: int) -> bool:
-    """True where some contact touches its stop without force, and a load begins that may press or free it."""
-    pieces, loaded, touching = engine.course.pieces, False, False
-    for i in range(4):
-        loaded = loaded or pieces[piece, i] != pieces[piece - 1, i]
-    for j in range(engine.rows.shape[0]):
-        touching = touching or status[each(engine, contact_row.ORDER, j)] == regime_row.TOUCHING
-    return loaded and touching
+def renews(engine: ContactEngine, regime: Regime, number: int) -> bool:
+    """True where a signal that stays at zero would leave it by the load of the piece that begins."""
+    course, found = engine.course, False
+    for place in range(number):
+        if course.watch[row.ADDED, place] != 0.0:
+            differentiate(regime, course, 5)
+            found = found or starts.first_derivative(engine, regime, engine.watched[place])[0] > 0
+    return found
 
 
 @kernel
@@ -279,7 +202,7 @@ def judge_all(engine: ContactEngine, regime: Regime, number: int, h: float) -> i
     """CLEAR where every signal's verdict is; SPLIT where one is that; else ROOT."""
     found, watch = CLEAR, engine.course.watch
     for place in range(number):
-        one = judge(engine, regime, engine.course, place, engine.watched[place], h)
+        one = panel.judge(engine, regime, engine.course, place, engine.watched[place], h)
         watch[row.FOUND, place] = one
         if one == SPLIT:
             found = SPLIT
@@ -301,54 +224,13 @@ def first_of_panel(engine: ContactEngine, regime: Regime, number: int, h: float)
             found = ROOT if course.watch[row.LAST, place] <= 0.0 else CLEAR
         bracket = h
         if found == MINIMUM:
-            bracket, value = find_turn(engine, regime, course, place, which, h)
+            bracket, value = panel.find_turn(engine, regime, course, place, which, h)
             found = ROOT if value <= 0.0 else CLEAR
         if found == ROOT:
-            root = find_root(engine, regime, course, place, which, bracket)
+            root = panel.find_root(engine, regime, course, place, which, bracket)
             if root <= time:
                 met, time = which, root
     return met, time
-
-
-@kernel
-def note_pushes(engine: ContactEngine, regime: Regime, status: Array, number: int, h: float) -> None:
-    """status[PEAKED]: the largest force of the stops that push."""
-    k = engine.rows.shape[0]
-    for place in range(number):
-        which = engine.watched[place]
-        if which // k == FORCE and status[each(engine, contact_row.CONDITION, which % k)] == contact_row.PUSHING:
-            most = note_push(engine, regime, place, which, h, status[regime_row.PEAKED])
-            status[regime_row.PEAKED] = most
-
-
-@kernel
-def is_roomy(engine: ContactEngine) -> bool:
-    """True where there is room for the intervals of a segment, or none are asked for."""
-    course, number = engine.course, 2 * engine.rows.shape[0]
-    most = course.numbers[row.WRITTEN] + number * (row.LONG + row.STRIDE)
-    return bool(course.numbers[row.CERTIFIED] == 0.0 or most <= course.intervals.shape[0])
-
-
-@kernel
-def note_all(engine: ContactEngine, number: int, segment: int, begin: float, length: float) -> None:
-    """Intervals of a certificate: every signal is positive there."""
-    note_last(engine, number, segment, begin, length, contact_row.NONE)
-
-
-@kernel
-def note_last(engine: ContactEngine, number: int, segment: int, begin: float, length: float, met: int) -> None:
-    """The same up to a root of signal ``met``."""
-    course = engine.course
-    if course.numbers[row.CERTIFIED] == 0.0:
-        return
-    for place in range(number):
-        which, at = engine.watched[place], int(course.numbers[row.WRITTEN])
-        doubt = course.watch[row.ADDED, place] != 0.0 or course.watch[row.FOUND, place] == SPLIT
-        claim = layout.UNPROVED if doubt else layout.CLOSES if which == met else layout.OPEN
-        interval = course.intervals[at]
-        interval[layout.PIECE_SEGMENT], interval[layout.PIECE_SIGNAL] = segment, which
-        interval[layout.BEGIN], interval[layout.LENGTH], interval[layout.CLAIM] = begin, length, claim
-        course.numbers[row.WRITTEN] += 1.0
 
 
 @kernel
