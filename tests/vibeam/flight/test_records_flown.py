@@ -170,3 +170,40 @@ def test_what_is_no_load_is_refused() -> None:
         vibeam.simulate(PLAIN, 3.0, 1.0)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="4 of them, but 1 records"):
         vibeam.simulate_records(PLAIN, [vibeam.Record.half_sine(1.0, 0.01)], 0.1, [None] * 4)
+
+
+@pytest.mark.parametrize("name", ["rest", "linear", "Hertz"])
+@pytest.mark.parametrize("peak", [30.0, -30.0])
+def test_a_contact_that_touches_is_judged_where_the_load_begins(name: str, peak: float) -> None:
+    """At rest on its stop without force, and 20 ms of quiet before the pulse: the motion is the same, 20 ms later."""
+    system, pulse = replace(SYSTEMS[name], gap=0.0), vibeam.Record.half_sine(peak, 0.011)
+    at_once, later = vibeam.simulate(system, pulse, 0.06), vibeam.simulate(system, pulse.shifted(0.02), 0.08)
+    times = np.linspace(0.0, 0.06, 61)
+    size = np.abs(at_once.at(times)).max()
+    assert len(at_once.impact_times) == len(later.impact_times)
+    np.testing.assert_allclose(later.at(times + 0.02), at_once.at(times), rtol=0, atol=1e-12 * size)
+
+
+def test_a_release_from_a_rest_is_no_impact() -> None:
+    """What a held contact's velocity has of round-off after many pieces is taken out: no impact at 1e-17 m/s."""
+    rng = np.random.default_rng(200)
+    system = vibeam.ImpactSystem.from_modes(
+        [20.0, 90.0, 310.0, 800.0], 0.02, contact=[0.7, -1.1, 0.4, 0.9], load=[1.0, 0.6, -0.8, 0.3], gap=0.02,
+        restitution=0.0, static=[8.0, 3.0, -2.0, 1.0],
+    )  # fmt: skip
+    record = vibeam.Record.sampled(rng.normal(size=1001) * 30.0, rate=400.0, interpolation="linear")
+    path = vibeam.simulate(system, record, 2.5)
+    assert len(path.rests) > 20
+    assert path.impact_velocities.min() > 1e-9 * path.impact_velocities.max()
+
+
+def test_a_push_by_a_first_jump_of_the_load_is_proved_from_its_start() -> None:
+    """A linear stop that is touched, in modes that it couples: the force starts with its second derivative."""
+    system = vibeam.ImpactSystem.from_modes(
+        [18.706, 31.5417], 0.01, contact=[0.9, -0.4], load=[1.3, 0.2], law=LinearStop(1200.0)
+    )
+    record = vibeam.Record([0.0, 0.01, 0.02], [[-1.0, 0, 0, 0], [0.5, 0, 0, 0]])
+    path = vibeam.simulate(system, record, 0.02, certify=True)
+    assert path.certificate is not None
+    assert path.certificate.complete
+    assert path.contacts[0, 2] > 0
