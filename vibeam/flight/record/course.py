@@ -48,8 +48,11 @@ class RecordCourse:
 
 def _peaks(pieces: Array, lengths: Array) -> Array:
     """The largest |u| in every WINDOW pieces, by the hull of each piece's Bernstein coefficients."""
-    c, h = pieces.T, lengths
-    hull = [c[0], c[0] + c[1] * h / 3, c[0] + h * (2 * c[1] + c[2] * h) / 3, c[0] + h * (c[1] + h * (c[2] + h * c[3]))]
-    most = np.max(np.abs(hull), axis=0)
+    c = np.ascontiguousarray(pieces.T)
+    slope, bend = c[1] * lengths / 3, c[2] * lengths**2 / 3
+    second = c[0] + slope
+    third = second + slope + bend
+    last = third + slope + 2 * bend + c[3] * lengths**3
+    most = np.maximum(np.maximum(np.abs(c[0]), np.abs(second)), np.maximum(np.abs(third), np.abs(last)))
     padded = np.append(most, np.zeros(-len(most) % WINDOW + WINDOW))
     return np.asarray(padded.reshape(-1, WINDOW).max(axis=1) * (1 + 1e-12))
