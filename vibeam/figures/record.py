@@ -75,6 +75,16 @@ def kept_place(result: RecordResult) -> int:
     return int(np.argmin(np.abs(np.asarray(result.factors) - 1.0))) if result.over in ("level", "speed") else 0
 
 
+def drawn_motion(result: RecordResult) -> str:
+    """Sentence on the motion that is drawn of several; empty of one alone."""
+    seeds, parts = plan_of(result.case).seeds, []
+    if len(result.factors) > 1:
+        parts.append(f"{result.over} {result.factors[kept_place(result)]:g}")
+    if len(seeds) > 1:
+        parts.append(f"seed {seeds[0]}")
+    return f"drawn: the motions at {', '.join(parts)}" if parts else ""
+
+
 def signals_of_all(result: RecordResult, names: Sequence[str]) -> dict[str, Any]:
     """Signals by name that any of the fidelities has histories of, in their order."""
     return {each.name: each for name in names for each in result[name].signals if each.name in result[name].history}

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Span = tuple[float, float]
 SIZE = (8.4, 6.0)
-COLUMNS = 360  # of a panel
+COLUMNS = 200  # of a panel
 CLOSE, MET = 1 / 40, 4  # share of the record around its largest value, and impacts to either side, that are shown
 INK = "0.2"
 

@@ -1,7 +1,6 @@
 from vibeam.observe.decimation import History as History
 from vibeam.observe.decimation import hardest_impacts as hardest_impacts
 from vibeam.observe.decimation import history_of_cubics as history_of_cubics
-from vibeam.observe.decimation import history_of_motion as history_of_motion
 from vibeam.observe.decimation import history_of_samples as history_of_samples
 from vibeam.observe.harmonics import Harmonics as Harmonics
 from vibeam.observe.harmonics import Participation as Participation

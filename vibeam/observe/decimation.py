@@ -1,7 +1,8 @@
 """Decimation of histories: least and greatest value of every bin of time, the hardest impact of every bin.
 
 What a picture of a million samples needs: no extreme and no impact is lost, whatever the bins. Histories merge into
-coarser ones by whole bins, so that a zoom reads the same values as the whole.
+coarser ones by whole bins, so that a zoom reads the same values as the whole. Those of an exact motion come from
+``vibeam.extremes`` in as many bins.
 """
 
 from __future__ import annotations
@@ -11,15 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.observe.motion import Path, smooth_stretches
 from vibeam_models.arguments import count, floats, refuse
 from vibeam_models.arrays import Array, Index, ValueRecord
 
 BINS = 2**15
 MOST_BINS = 2**24
-TURN = 0.5  # ωh of the fastest mode between two points: an extreme is off by 3.2e-5 (ωh)⁶ = 5e-7 of its amplitude
-FEWEST = 8  # pieces of a stretch between two events: a contact with a yielding stop is half a turn
-BLOCK = 2**16  # points evaluated at once
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -149,60 +146,6 @@ def history_of_samples(
     if not len(at) == len(known) == len(known if slopes is None else slopes):
         raise ValueError(f"values: {len(known)} of them at {len(at)} times")
     return history_of_cubics(at, cubics_of(at, known, slopes), bins=bins)
-
-
-def history_of_motion(
-    path: Path,
-    output: str = "sensor",
-    begin: float | None = None,
-    end: float | None = None,
-    bins: int = BINS,
-    knots: ArrayLike | None = None,
-) -> History:
-    """History of an output of an exact motion, from ``begin`` to ``end`` (s, None: all of it).
-
-    Where the output turns is found on cubics between points at ωh ≤ ``TURN`` of the fastest mode, what it reaches there
-    is the motion's own value: off by at most 5e-7 of that mode's amplitude. Both sides of an impact count. ``knots``:
-    times, s, between which the load is smooth (``Record.times``); None of a sine, whose Ω counts as a mode's does.
-    KeyError for an unknown output, ValueError outside the motion.
-    """
-    found = _empty(path.t_start if begin is None else begin, path.t_end if end is None else end, bins)
-    times, joined = _points(path, float(found.edges[0]), float(found.edges[-1]), knots)
-    for first in range(0, len(times) - 1, BLOCK):
-        block, joins = times[first : first + BLOCK + 1], joined[first : first + BLOCK]
-        values, rates = _read(path, block, output)
-        _take(found, block, values)
-        which, s = turning_points(cubics_of(block, values, rates)[joins], np.diff(block)[joins])
-        turned = np.minimum(block[:-1][joins][which] + s, block[1:][joins][which])
-        _take(found, turned, path.at(turned, output))
-    _take_edges(found, path.at(found.edges, output))
-    return found
-
-
-def _points(path: Path, begin: float, end: float, knots: ArrayLike | None) -> tuple[Array, Array]:
-    """Times of points (k,) on all smooth stretches, their last just before the event; which pairs lie on one."""
-    ends = smooth_stretches(path, begin, end)[:, 1]
-    fastest = float(np.max(path.system.omega)) if knots is not None else max(*path.system.omega, path.drive.omega)
-    own = np.empty(0) if knots is None else floats("knots", knots)
-    marks = np.unique(np.concatenate([[begin], ends, own[(own > begin) & (own < end)]]))
-    low, high = marks[:-1], marks[1:]
-    event = np.isin(high[:-1], ends)
-    high = np.append(np.where(event, np.nextafter(high[:-1], begin), high[:-1]), end)
-    fewest = np.where(np.append(event, True) | np.append(True, event), FEWEST, 1)
-    pieces = np.maximum(np.ceil((high - low) * fastest / TURN).astype(int), fewest)
-    own = np.repeat(np.arange(len(pieces)), pieces + 1)
-    turn = np.arange(len(own)) - np.repeat(np.cumsum(pieces + 1) - pieces - 1, pieces + 1)
-    times = np.minimum(low[own] + turn * ((high - low) / pieces)[own], high[own])
-    times[np.cumsum(pieces + 1) - 1] = high
-    return times, own[1:] == own[:-1]
-
-
-def _read(path: Path, times: Array, output: str) -> tuple[Array, Array]:
-    """Values and rates of an output at ``times``."""
-    if path.system.derivative(output) is not None:
-        return path.at(times, output), path.velocity_at(times, output)
-    poses = path.modes_at(times) @ path.system.output(output)
-    return poses[:, 0], poses[:, 1]
 
 
 def hardest_impacts(times: ArrayLike, velocities: ArrayLike, edges: ArrayLike) -> tuple[Array, Array, Index]:

@@ -11,6 +11,7 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
 from vibeam.figures.files import all_current, figure_files, paths_of, shown_paths, stamp
 from vibeam.figures.sheet import Comparison, module_of, named_of
+from vibeam.report.record_figure import handles_of, record_figure
 from vibeam.system.labelled import Viewed
 from vibeam.system.response import Branches, FrequencyResponse
 
@@ -18,13 +19,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def write_figures(result: Comparison, path: Path) -> list[Path]:
-    """Draw all figures of a case beside its results file ``path``, unless they are there; return their files."""
+def write_figures(result: Any, path: Path) -> list[Path]:
+    """Draw all figures of a case beside its results file ``path``, unless they are there; return their files.
+
+    Its own: of a sweep the curves over frequency, of a record the histories.
+    """
     files, mark = figure_files(path, result.case), stamp(path, result.case)
     if not all_current(files, mark):
+        from vibeam.figures.page import write_page
         from vibeam.figures.response_curve import write_frc
 
-        write_frc(result, *paths_of(path, result.case.figure), mark=mark)
+        own = paths_of(path, result.case.figure)
+        if result.case.record is not None:
+            write_page(partial(record_figure, result), own, mark=mark)
+        else:
+            write_frc(result, *own, mark=mark)
         write_shown(result, path, mark)
     return files
 
@@ -62,15 +71,6 @@ def _caption(case: Case, plan: ShowPlan) -> str:
     own = getattr(module_of(plan), "caption", None)
     usual = str(own(plan)) if own is not None else FIGURES[plan.kind].meaning
     return named_of(usual, quantity_of(case, plan.output).name)
-
-
-def handles_of(made: Figure) -> dict[str, Any]:
-    """Labelled curves of all panels, each label once."""
-    found: dict[str, Any] = {}
-    for axes in made.axes:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    return found
 
 
 def _size(plan: ShowPlan) -> tuple[float, float]:

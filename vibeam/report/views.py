@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from vibeam.maps.evaluate import GridResponse
     from vibeam.periodic.orbit import Orbit
     from vibeam.runs.result import Result
+    from vibeam.runs.transient.result import TransientResult
     from vibeam.studies.derive import DerivedTable
     from vibeam.studies.modes import ModeTable
     from vibeam.system.response import Branches
@@ -70,6 +71,13 @@ def _result(result: Result) -> StudySheet:
     from vibeam.report.run_report import run_report
 
     return replace(run_report(result), draw=lambda: frc(result))
+
+
+def _transient(result: TransientResult) -> StudySheet:
+    from vibeam.report.record_figure import record_figure
+    from vibeam.report.transient import transient_report
+
+    return replace(transient_report(result), draw=lambda: record_figure(result))
 
 
 def _response(response: FrequencyResponse | Branches) -> StudySheet:
@@ -180,7 +188,7 @@ def _small(across: str, upward: str) -> tuple[Figure, Any]:
 SHEETS: dict[str, Callable[[Any], StudySheet] | str] = {
     "Case": _case, "Result": _result, "FrequencyResponse": _response, "Branches": _response, "ModeTable": _modes,
     "DerivedTable": _derived, "Orbit": _orbit, "MapResult": _map, "GridResponse": _grid,
-    "TransientResult": "vibeam.report.transient:transient_report",
+    "TransientResult": _transient,
     **{f"{name}Study": f"vibeam.report.{name.lower()}:sheet" for name in ("Fit", "Uncertainty")},
     "ReductionStudy": "vibeam.report.reductions:sheet", "ModesNeeded": "vibeam.report.modes_needed:sheet",
     "Stability": _map, "FidelityMap": _map, "Verdict": "vibeam.report.verdict:sheet",

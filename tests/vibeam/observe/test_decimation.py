@@ -4,53 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from observed import SIZE, rectified_sine, resting, settled
 
 import vibeam
 
 observe = vibeam.observe
-
-
-def test_a_damped_oscillation_reaches_its_extremes_in_their_bins() -> None:
-    """A start at rest: extremes ± e^{−ζωt} at multiples of π/ω_d, in closed form; 5e-7 is what TURN's line states."""
-    omega, zeta = 7.0, 0.03
-    system = vibeam.ImpactSystem.from_modes(omega, zeta, 1.0, 0.0, gap=9.0)
-    path = vibeam.simulate(system, vibeam.Drive(1.0, 0.0), 20.0, vibeam.State(np.array([1.0]), np.array([0.0])))
-    found = observe.history_of_motion(path, "contact", bins=40)
-    damped = omega * np.sqrt(1 - zeta**2)
-    turns = np.arange(0.0, 20.0, np.pi / damped)
-    values = np.exp(-zeta * omega * turns) * np.where(np.arange(len(turns)) % 2, -1.0, 1.0)
-    at = np.minimum(np.searchsorted(found.edges, turns, side="right") - 1, 39)
-    edges = path.at(found.edges)
-    for side, own in ((found.greatest, np.fmax), (found.least, np.fmin)):
-        known = own(edges[:-1], edges[1:])
-        own.at(known, at, values)
-        np.testing.assert_allclose(side, known, atol=5e-7, rtol=0)
-    assert found.peak == 1.0
-
-
-def test_every_impact_is_seen_from_both_sides() -> None:
-    """A rectified sine reaches 0 and −SIZE; its velocity jumps between ± SIZE·OMEGA, whatever the bins."""
-    path = rectified_sine(periods=16)
-    for bins in (1, 7, 1000, 2**15):
-        found = observe.history_of_motion(path, "sensor", bins=bins)
-        hit = np.searchsorted(found.edges, path.impact_times, side="right") - 1
-        np.testing.assert_allclose(found.greatest[np.minimum(hit, bins - 1)], 0.0, atol=1e-15)
-        assert np.min(found.least) == pytest.approx(-SIZE, rel=1e-9)
-        assert len(found) == bins
-
-
-@pytest.mark.parametrize("path", [settled("beam", 15.3, 40.0)[1], resting(20)], ids=["beam", "rests"])
-def test_dense_samples_lie_within_their_bins_and_reach_their_ends(path: vibeam.Trajectory) -> None:
-    """2 million samples against 500 bins: none outside, and the bins no wider than they by more than their spacing."""
-    found = observe.history_of_motion(path, "contact", bins=500)
-    times = np.linspace(path.t_start, path.t_end, 500 * 4000 + 1)
-    values = path.at(times, "contact")
-    blocks = values[:-1].reshape(500, 4000)
-    size = np.ptp(values)
-    above, below = found.greatest - blocks.max(axis=1), blocks.min(axis=1) - found.least
-    assert min(above.min(), below.min()) > -1e-6 * size
-    assert max(above.max(), below.max()) < 2e-4 * size
 
 
 def test_a_zoom_reads_the_extremes_of_the_whole() -> None:

@@ -81,16 +81,14 @@ def _runnable(path: Path, settings: list[str] | None, fidelities: Sequence[str] 
 def _swept(case: Case, path: Path, fresh: bool, within: float | None) -> tuple[StudySheet, list[Path]]:
     """Report of the run of a case, and the files written."""
     result = run_case(case, path, fresh=fresh, compare=True)
-    if case.record is not None:
-        from vibeam.report.figures import write_shown
-        from vibeam.report.transient import transient_report
-
-        transient: Any = result
-        return transient_report(transient, within), [path, *write_shown(transient, path)]
     from vibeam.report.figures import write_figures
-    from vibeam.report.run_report import run_report
 
-    return run_report(result, within), [path, *write_figures(result, path)]
+    if case.record is not None:
+        from vibeam.report.transient import transient_report as report
+    else:
+        from vibeam.report.run_report import run_report as report  # type: ignore[assignment]
+    made: Any = result
+    return report(made, within), [path, *write_figures(made, path)]
 
 
 def _run_several(

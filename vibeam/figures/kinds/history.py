@@ -30,6 +30,11 @@ def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     return motion_columns(case, name, frequency, plan, plan.periods or PERIODS)
 
 
+def caption(plan: ShowPlan) -> str:
+    """Caption of the figure."""
+    return "displacement and velocity over time" if plan.frequency else "histories: all of the record, and a part"
+
+
 def size(plan: ShowPlan) -> tuple[float, float]:
     """One panel for each frequency, of a record two for each signal."""
     panels = len(plan.frequency)

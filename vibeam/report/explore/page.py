@@ -23,10 +23,15 @@ def live_part(case: Case, units: DisplayUnits | None = None) -> LivePart:
 
 
 def results_page(stored: StoredResult) -> str:
-    """Page of a results file with its engine, in the units of its curves; errors as ``page`` and ``payload``."""
+    """Page of a results file with its engine, in the units of its curves; errors as ``page`` and ``payload``.
+
+    Of a record case without an engine: its flights are of a sine.
+    """
     from vibeam.figures.units import units_for
     from vibeam.report.page.page import page
 
+    if stored.result.case.record is not None:
+        return page(stored)
     return page(stored, live_part(stored.result.case, units_for(stored.result)))
 
 

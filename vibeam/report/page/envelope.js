@@ -48,7 +48,7 @@ export function envelope(pen, at, history, span, colour) {
   for (const [x, y] of below.reverse()) pen.lineTo(x, y);
   pen.closePath();
   pen.setLineDash([]);
-  [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [`${colour.trim()}55`, colour, at.ratio];
+  [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [`${colour.trim()}${step > 1 ? "55" : "cc"}`, colour, at.ratio];
   pen.fill();
   pen.stroke();
 }

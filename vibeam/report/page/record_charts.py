@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
+from itertools import cycle
 from typing import TYPE_CHECKING, Any
 from zlib import compress
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from vibeam.observe.decimation import History
     from vibeam.runs.transient.result import TransientResult
 
-HISTORIES_BYTES, IMPACTS_BYTES = 780_000, 160_000  # of all histories on the page, of all impacts
+HISTORIES_BYTES, IMPACTS_BYTES = 620_000, 160_000  # of all histories on the page, of all impacts
 IMPACT_BYTES = 8.0  # as text
 FEWEST = 1024  # bins of a history
 WIDE = 2**32 - 1  # steps of an array's range
@@ -42,7 +43,7 @@ def record_data(result: TransientResult) -> dict[str, Any]:
         "span": [0.0, plan_of(case).duration],
         "fidelities": [{"name": name, "label": name_of(case, name), **look_on_page(looks[name])} for name in names],
         "signals": list(_signals(result, histories)),
-        "histories": _stored(histories),
+        "histories": _stored(result, histories),
         "impacts": [_impacts(name, *met, IMPACTS_BYTES / max(len(names), 1)) for name, met in impacts.items()],
         "contact_speed": {"unit": unit, "factor": factor},
         "marks": list(_marks(result, impacts)),
@@ -58,14 +59,19 @@ def _histories(result: TransientResult) -> Iterator[tuple[str, str, History]]:
         yield from ((signal, name, own[signal]) for name in result if signal in (own := result[name].history))
 
 
-def _stored(histories: Sequence[tuple[str, str, History]]) -> list[dict[str, Any]]:
-    """Histories with as many bins as the page has room for: those that they have over a power of two."""
-    bins = max((len(each) for _, _, each in histories), default=FEWEST)
-    while True:
-        made = [_history(*each, bins) for each in histories]
-        if bins <= FEWEST or sum(len(each["data"]) for each in made) <= HISTORIES_BYTES:
+def _stored(result: TransientResult, histories: Sequence[tuple[str, str, History]]) -> list[dict[str, Any]]:
+    """Histories with as many bins as the page has room for, accelerations and then velocities the first with fewer."""
+    orders = {name: each.order for name, each in signals_of_all(result, list(result)).items()}
+    bins = dict.fromkeys(range(-1, 3), max((len(each) for _, _, each in histories), default=FEWEST))
+    made = [_history(*each, bins[0]) for each in histories]
+    for order in cycle((2, 1, 0, -1)):
+        if sum(len(each["data"]) for each in made) <= HISTORIES_BYTES or max(bins.values()) <= FEWEST:
             return made
-        bins //= 2
+        bins[order] //= 2
+        for place, each in enumerate(histories):
+            if orders.get(each[0], 0) == order:
+                made[place] = _history(*each, bins[order])
+    return made
 
 
 def _history(signal: str, fidelity: str, history: History, bins: int) -> dict[str, Any]:

@@ -3,42 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from vibeam.figures.record import kept_place, plan_of
-from vibeam.figures.record_history import SIZE, draw_histories
+from vibeam.figures.record import drawn_motion
 from vibeam.report.page.energies import energy_bars
-from vibeam.report.page.page import PAGE_BYTES, standing
 from vibeam.report.page.parts import Picture, as_json, picture, rendered
 from vibeam.report.page.record_charts import record_data
+from vibeam.report.page.standing import PAGE_BYTES, standing
+from vibeam.report.record_figure import record_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibeam.report.output import StudySheet
+    from vibeam.runs.stored_result import StoredResult
+    from vibeam.runs.systems import Overview
     from vibeam.runs.transient.result import TransientResult
 
 VIEWS = ("numbers", "chart", "envelope", "record", "zoom", "timeline", "families")
 
 
-def record_page(
-    result: TransientResult, verdict: StudySheet, provenance: Mapping[str, str], left_out: Sequence[str] = ()
-) -> str:
-    """The page as HTML, ``verdict`` above; CaseError where a model of the case cannot be built any more."""
-    history = picture("history", "Histories of all fidelities over time", lambda: history_figure(result))
+def record_page(stored: StoredResult) -> str:
+    """The page as HTML; CaseError where a model of the case cannot be built any more."""
+    from vibeam.report.transient import transient_report
+
+    result: Any = stored.result
+    history = picture("history", "Histories of all fidelities over time", lambda: record_figure(result))
+    velocities = _velocities(result)
     data = record_data(result)
     text = as_json(data)
+    room = PAGE_BYTES - len(text) - len(history.data) - len(velocities.data)
     modes = max((each.modes for each in result.values()), default=0)
-    values = standing(result, modes, provenance, left_out, PAGE_BYTES - len(text) - len(history.data))
     return rendered(
         "record.html",
         ("state", "saving", *VIEWS, "start"),
-        **values,
-        missing=result.missing,
-        verdict=verdict,
+        **standing(result, modes, _overview(result), stored.provenance, stored.left_out, room),
+        missing=stored.missing,
+        verdict=transient_report(result),
         response=history,
-        velocities=_velocities(result),
-        drawn_motion=_drawn_motion(result),
+        velocities=velocities,
+        drawn_motion=drawn_motion(result),
         bins=_bins(data["histories"]),
         energies=energy_bars(result),
         factor=result.over if len(result.factors) > 1 else "",
@@ -46,16 +49,16 @@ def record_page(
     )
 
 
-def history_figure(result: TransientResult) -> Figure:
-    """Figure of the histories of all fidelities, with the title of the case."""
-    from vibeam.figures.page import blank_page, legend, titled
-    from vibeam.report.figures import handles_of
+def _overview(result: TransientResult) -> Overview | None:
+    """Rig and load in a sentence; None where a file of the load is not there any more."""
+    from vibeam.exchange.faults import CaseError
+    from vibeam.runs.transient.motions import MotionMaker
+    from vibeam.runs.transient.overview import overview_of_record
 
-    made = blank_page(SIZE, result.case.figure)
-    draw_histories(made, result, list(result), plan_of(result.case).outputs[0])
-    titled(made, result.case.figure, result.case.title, _drawn_motion(result))
-    legend(made, handles_of(made))
-    return made
+    try:
+        return overview_of_record({name: MotionMaker(result.case, name) for name in result}, result.total)
+    except CaseError:
+        return None
 
 
 def _velocities(result: TransientResult) -> Picture:
@@ -71,16 +74,6 @@ def _velocities(result: TransientResult) -> Picture:
         return made
 
     return picture("impact velocities", "Impacts a second that are harder than a velocity", make)
-
-
-def _drawn_motion(result: TransientResult) -> str:
-    """Sentence on the motion that is drawn of several; empty of one alone."""
-    parts = []
-    if len(result.factors) > 1:
-        parts.append(f"{result.over} {result.factors[kept_place(result)]:g}")
-    if len(result.seeds) > 1:
-        parts.append(f"seed {result.seeds[0]}")
-    return f"Drawn: the motions at {', '.join(parts)}." if parts else ""
 
 
 def _bins(histories: Sequence[Mapping[str, object]]) -> str:
