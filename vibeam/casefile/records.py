@@ -46,7 +46,7 @@ def record_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
             yield ("sweep",), "the table is missing: add [sweep], or [record] for an input over time"
         if case.start is not None:
             yield ("start",), "is of a [record]; a sweep goes on from point to point: take it away"
-        yield from _of_record(case.drive)
+        yield from _of_record(case)
         return
     if case.sweep is not None:
         yield ("record",), "and [sweep] do not go together: a case has one of the two"
@@ -76,10 +76,13 @@ def _read(entry: Entry | None, value: Any, case: Any) -> float | None:
         return None
 
 
-def _of_record(drive: SimpleNamespace) -> Iterator[Complaint]:
-    """Complaints about the keys of an input in a case that sweeps a sine."""
+def _of_record(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about the keys of an input, and figures of one, in a case that sweeps a sine."""
+    for name, show in case.show.items():
+        if show.kind is not None and not FIGURES[show.kind].sweep:
+            yield ("show", name, "kind"), f'"{show.kind}" is of a [record], and this case sweeps: name another'
     for name in keys_of(InputPlan):
-        if getattr(drive, name, None) is not None:
+        if getattr(case.drive, name, None) is not None:
             yield ("drive", name), "is of an input over time: write [record] in place of [sweep], or take it out"
 
 
@@ -179,6 +182,11 @@ def _of_sweeps(case: SimpleNamespace) -> Iterator[Complaint]:
         if show.kind is not None and not FIGURES[show.kind].record:
             kinds = ", ".join(f'"{each}"' for each in FIGURES if FIGURES[each].record) or "none yet"
             yield ("show", name, "kind"), f'"{show.kind}" is of a [sweep]; of a [record]: {kinds}'
+        elif show.kind == "history" and show.output not in (None, *(case.record.outputs or ())):
+            yield (
+                ("show", name, "output"),
+                f"is not kept: name {as_shown_in_message(show.output)} in record.outputs too",
+            )
 
 
 def _is_usual(asked: Any, usual: Any) -> bool:

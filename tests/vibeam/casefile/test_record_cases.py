@@ -272,6 +272,8 @@ def test_one_mode_in_its_own_units() -> None:
         ({"drive": PULSE, "cost": {"budget": "3 s"}}, "cost: is of a [sweep]: take it away; vibeam run says the CPU time of every fidelity"),
         ({"drive": PULSE, "measurement": {"sampling": "1 kHz"}}, "measurement: is of the figures of a [sweep]: take it away; record.rate samples histories"),
         ({"drive": PULSE, "show": {"a": {"kind": "portrait", "frequency": "15 Hz"}}}, 'show.a.kind: "portrait" is of a [sweep]; of a [record]: '),
+        ({"drive": PULSE, "show": {"a": {"kind": "history", "output": "tip"}}}, "show.a.output: is not kept: name 'tip' in record.outputs too"),
+        ({"drive": PULSE, "show": {"a": {"kind": "history", "frequency": "15 Hz"}}}, 'show.a.frequency: kind = "history" has no use for it'),
         ({"drive": PULSE, "start": {}}, 'start: says nothing: write displacement = "2 mm", velocity, force or base_velocity; or take it away'),
         ({"drive": PULSE, "start": {"displacement": "1 mm", "force": "1 N"}}, "start.force: goes without displacement: keep one of the two"),
         ({"drive": PULSE, "fidelity": {"a": {"reduction": "static_mode", "solver": "averaging"}}}, 'fidelity.a.solver: "averaging" knows sines alone: write "flight" or "direct" or "moreau"'),
@@ -293,6 +295,8 @@ def test_a_sweep_says_which_keys_are_of_a_record() -> None:
         "--set drive.shape: is of an input over time: write [record] in place of [sweep], or take it out",
         "--set start: is of a [record]; a sweep goes on from point to point: take it away",
     ]
+    with pytest.raises(vibeam.CaseError, match='"impact_velocities" is of a .record., and this case sweeps'):
+        vibeam.load("cases/dtu_neutral.toml", {"show": {"a": {"kind": "impact_velocities"}}})
     with pytest.raises(vibeam.CaseError, match=r"sweep: the table is missing: add \[sweep\], or \[record\] for an"):
         vibeam.load("cases/dtu_neutral.toml", {"sweep": None})
 
