@@ -43,7 +43,7 @@ SHAPES = {
 }
 #: keys by which an input is said, and those that go with each
 WAYS = {
-    "file": ("column", "time", "channel", "unit", "remove", "scale", "rate", "interpolation", "quantity"),
+    "file": ("column", "time", "unit", "remove", "scale", "rate", "interpolation", "quantity"),
     "shape": ("duration", "rise", "fall", "cycles", "window", "beats", "pause", "delay"),
     "density": ("band", "seed", "rate", "interpolation", "quantity"),
 }
@@ -51,7 +51,7 @@ QUANTITIES = ("acceleration", "velocity", "displacement", "force", "moment")
 INTERPOLATIONS = ("linear", "cubic")
 REMOVED = ("mean", "velocity", "displacement")
 WINDOWS = ("rectangular", "hann", "hamming", "blackman")
-OF_FILE = ("column", "time", "channel", "quantity", "unit", "rate", "interpolation", "remove", "scale")
+OF_FILE = ("column", "time", "quantity", "unit", "rate", "interpolation", "remove", "scale")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,10 +67,11 @@ class InputPlan:
         "shock.csv", None,
     )  # fmt: skip
     column: Any = declare.text(
-        "head of the file's column, or its number from 1; variable, dataset; absent = the only one", "a [g]", None
+        "head of the file's column, or its number from 1; variable, dataset, channel; absent = the only one",
+        "a [g]",
+        None,
     )
     time: Any = declare.text("the same of the file's times; absent = time or t, or drive.rate", "t [ms]", None)
-    channel: int | None = declare.count(1, 10_000, "of a WAV file, from 1; absent = the only one", 1, None)
     quantity: str | None = declare.word(
         QUANTITIES, "what a file, or a density, is of: a motion of the base, or a load; absent = acceleration, or "
         "force where a force drives", "acceleration", None,
@@ -164,7 +165,9 @@ class InputPlan:
 
 @lru_cache(maxsize=4)
 def _record_of(plan: InputPlan, state: State) -> Record:
-    from vibeam.exchange.time_series import record_of_file
+    from vibeam.exchange.time_series import WAVES, record_of_file
 
     said: dict[str, Any] = {name: each for name in OF_FILE if (each := getattr(plan, name)) is not None}
+    if "column" in said and Path(plan.file or "").suffix.lower() in WAVES:
+        said["channel"] = said.pop("column")
     return record_of_file(plan.file or "", quote=plan.quote, **said)

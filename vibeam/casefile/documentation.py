@@ -195,9 +195,16 @@ def case_schema() -> dict[str, Any]:
     tables = _plain(declared["$defs"])
     for model in models:
         _allow_unnamed(tables[model.__name__]["properties"])
+        _allow_records(tables[model.__name__])
     for keys in (table.get("properties", {}) for table in tables.values()):
         keys |= {"fidelity": keys["fidelities"]} if "fidelities" in keys else {}
     return {"$schema": DIALECT, "title": TITLE, "anyOf": kinds, "$defs": tables}
+
+
+def _allow_records(case: dict[str, Any]) -> None:
+    """Require a sweep and what drives it, or a record."""
+    case["required"].remove("drive")
+    case["anyOf"] = [{"required": ["sweep", "drive"]}, {"required": ["record"]}]
 
 
 def _allow_unnamed(keys: dict[str, Any]) -> None:

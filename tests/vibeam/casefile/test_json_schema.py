@@ -84,3 +84,11 @@ def test_one_of_a_list_fits_it_alone_where_a_case_may_have_it_so() -> None:
     for table, key, value in (("figure", "format", "png"), ("verdict", "only", "modes")):
         for given in (value, [value]):
             VALIDATOR.validate(case() | {table: {key: given}})
+
+
+def test_a_case_has_a_sweep_and_its_drive_or_a_record() -> None:
+    whole = case()
+    free = {name: each for name, each in whole.items() if name not in ("sweep", "drive", "reference", "expect")}
+    VALIDATOR.validate(free | {"record": {"duration": "1 s"}, "start": {"displacement": "-1 mm"}})
+    for wrong in (free, free | {"sweep": whole["sweep"]}, free | {"drive": whole["drive"]}):
+        assert not VALIDATOR.is_valid(wrong)

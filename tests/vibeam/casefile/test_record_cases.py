@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import wavfile
 
 import vibeam
 from vibeam.case.input_remarks import input_remarks, remarks_on
@@ -122,6 +123,13 @@ def test_a_file_is_read_in_its_unit_and_says_how_long_it_is(tmp_path: Path) -> N
     (tmp_path / "shock.csv").write_text("t [s],a [g]\n" + "".join(f"{i / 1000},{i % 5}\n" for i in range(101)))
     other = vibeam.load(tmp_path / "own.toml")
     assert (other.key != measured.key, other.own["one"] != measured.own["one"]) == (True, True)
+
+
+def test_a_column_of_a_wave_file_is_a_channel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    wavfile.write("two.wav", 1000, np.array([[0.0, 1.0], [0.25, 3.0], [0.5, 2.0]], dtype=np.float32))
+    made = case({"file": "two.wav", "column": 2, "scale": 2.0})
+    assert made.input("one").at(0.001) == pytest.approx(6.0)
 
 
 def test_the_keys_of_a_fidelity_know_the_input_and_neither_values_nor_seeds() -> None:
@@ -295,7 +303,7 @@ def test_a_sweep_says_which_keys_are_of_a_record() -> None:
         "--set drive.shape: is of an input over time: write [record] in place of [sweep], or take it out",
         "--set start: is of a [record]; a sweep goes on from point to point: take it away",
     ]
-    with pytest.raises(vibeam.CaseError, match='"impact_velocities" is of a .record., and this case sweeps'):
+    with pytest.raises(vibeam.CaseError, match=r"is of a \[record\], and this case sweeps: name another"):
         vibeam.load("cases/dtu_neutral.toml", {"show": {"a": {"kind": "impact_velocities"}}})
     with pytest.raises(vibeam.CaseError, match=r"sweep: the table is missing: add \[sweep\], or \[record\] for an"):
         vibeam.load("cases/dtu_neutral.toml", {"sweep": None})
