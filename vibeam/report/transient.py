@@ -158,19 +158,25 @@ def impacts(result: TransientResult) -> ReportTable:
     """Table of impacts: rate, mean velocity and quantiles with their errors, of one realisation as of a series."""
     heads = ("first|", "rate (1/s)|", "mean (m/s)|", *(f"{percent(each)} (m/s)|" for each in SHARES), "n|", "worth|")
     table = _table(result, "Impacts", *heads)
-    table.caption = "n impacts in all, whose mean velocity is worth so many independent ones"
+    if result.seeds:
+        table.caption = "n impacts in all, whose mean velocity is worth so many independent ones"
     for name, own in result.items():
         for at, head in _values(result, name):
-            rate, speed, quantiles = impact_statistics(own, at)
+            rate, speed, quantiles = impact_statistics(own, at, bool(result.seeds))
             first = mean_of(own.of("first_impact")[at]).mean
-            many, worth = int(own.impacts[at].sum()), f"{speed.effective:.4g}" if isfinite(speed.effective) else "–"
+            known = result.seeds and isfinite(speed.effective)
+            many, worth = int(own.impacts[at].sum()), f"{speed.effective:.4g}" if known else ""
             cells = [mean_text(each) for each in (rate, speed, *quantiles)]
             table.add_row(*head, time_text(first), *cells, str(many), worth)
     return table
 
 
-def impact_statistics(own: Transient, at: int) -> tuple[SampleMean, SampleMean, list[SampleMean]]:
-    """Rate, 1/s, mean velocity and quantiles, m/s, of the impacts at one value: over seeds, else within the motion."""
+def impact_statistics(own: Transient, at: int, random: bool) -> tuple[SampleMean, SampleMean, list[SampleMean]]:
+    """Rate, 1/s, mean velocity and quantiles, m/s, of the impacts at one value.
+
+    Their errors are those over seeds; of one realisation of a random input those of a correlated series; of a load that
+    is not random there are none.
+    """
     speeds = [each for each, done in zip(own.impact_velocities[at], own.complete[at], strict=True) if done]
     quantiles = [mean_of([_quantile(each, share) for each in speeds]) for share in SHARES]
     if len(speeds) > 1:
@@ -178,6 +184,8 @@ def impact_statistics(own: Transient, at: int) -> tuple[SampleMean, SampleMean, 
         worth = float(np.nansum([each.effective for each in within]))
         mean = mean_of([each.mean for each in within])
         return mean_of(own.of("impact_rate")[at]), SampleMean(mean.mean, mean.error, mean.n, worth), quantiles
+    if not random:
+        return mean_of(own.of("impact_rate")[at]), mean_of(own.of("impact_velocity")[at]), quantiles
     times = own.impact_times[at][0]
     return windowed_rate(times, 0.0, own.duration), mean_of_series(speeds[0] if speeds else []), quantiles
 

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 USUAL = 0.05  # accuracy where none is asked for
 NAMED = 4  # quantities named of what a fidelity misses
 ENSEMBLE = 4  # realisations from which on statistics are compared where single motions part
+TOLD = ("peak", "hardest_impact", "impacts", "lost_at_impacts", "energy_left")  # in the sentence
 NEAR = 2.0  # ratio of horizons up to which the finest itself parts as early
 CALLED = {
     "hardest_impact": "hardest impact", "impact_velocity": "mean impact velocity", "impacts": "number of impacts",
@@ -125,8 +126,7 @@ def _group(result: TransientResult, found: Sequence[FidelityAnswer], top: str, a
         first = enough[0]
         said = f"{begun(first.name)} is within {within} of {top}, the finest, {judged}"
         said += f" ({_several(first.principal)})" if first.principal else ""
-        beside = [each for each in first.worst if not each.is_within(accuracy) and each not in first.principal]
-        beside.sort(key=lambda each: -abs(each.mean))
+        beside = [each for each in _beside(first, accuracy) if each not in first.principal]
         said += f", but not in {_several(beside[: NAMED - 1])}" if beside else ""
     else:
         said = f"No other fidelity is within {within} of {top}, the finest, {judged}"
@@ -135,12 +135,18 @@ def _group(result: TransientResult, found: Sequence[FidelityAnswer], top: str, a
 
 def misses(of: FidelityAnswer, accuracy: float) -> str:
     """Clause on what a fidelity misses: the largest differences first; whether because motions part by chaos."""
-    beyond = sorted((each for each in of.worst if not each.is_within(accuracy)), key=lambda each: -abs(each.mean))
+    beyond = _beside(of, accuracy)
     principal = [each for each in of.principal if not each.is_within(accuracy)]
     named = [*principal, *(each for each in beyond if each not in principal)][:NAMED]
     return (
         f"{of.name} misses {_several(named)}" if named else f"{of.name} is not compared: no motion of both is complete"
     )
+
+
+def _beside(of: FidelityAnswer, accuracy: float) -> list[PairedDifference]:
+    """Differences beyond the accuracy that are told, the largest first; the mean of many light impacts says little."""
+    found = [each for each in of.worst if not each.is_within(accuracy) and each.quantity in TOLD]
+    return sorted(found, key=lambda each: -abs(each.mean))
 
 
 def _several(differences: Sequence[PairedDifference]) -> str:
@@ -168,17 +174,17 @@ def _horizons(result: TransientResult, found: Sequence[FidelityAnswer], top: str
     own = own[np.isfinite(own)]
     if not len(own):
         return f"{said}."
-    least = float(own.min())
+    least, self_said = float(own.min()), f"{top} itself, under a load larger by 1e-6"
     if not least < result[top].duration:
-        return (
-            f"{said}; {top} itself agrees to the end with its motion under a load larger by 1e-6: the models are off."
-        )
+        return f"{said}; {self_said}, agrees to the end: the models are off."
     chaotic = [each.name for each in apart if each.chaotic]
     off = [each.name for each in apart if not each.chaotic]
-    parted = f"{said}; {top} itself, under a load larger by 1e-6, until {time_text(least)}"
-    kinds = [f"{listed(chaotic)} part{'s' * (len(chaotic) == 1)} by chaos"] * bool(chaotic)
-    kinds += [f"{listed(off)} {'is' if len(off) == 1 else 'are'} off before that"] * bool(off)
-    return f"{parted}: {', '.join(kinds)}."
+    kinds = []
+    if chaotic:
+        kinds.append(f"{listed(chaotic)} part{'s' * (len(chaotic) == 1)} by chaos")
+    if off:
+        kinds.append(f"{listed(off)} {'is' if len(off) == 1 else 'are'} off before that")
+    return f"{said}; {self_said}, until {time_text(least)}: {', '.join(kinds)}."
 
 
 def time_text(value: float) -> str:

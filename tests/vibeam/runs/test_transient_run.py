@@ -210,3 +210,24 @@ def test_the_command_prints_the_answer_first_and_json(tmp_path: Path, capsys: py
     assert data["answer"]
     assert data["over"] == "level"
     assert len(data["fidelities"]) == 2
+
+
+def test_a_free_decay_has_a_twin_of_its_own() -> None:
+    """No load to disturb: the start is, so that the twin's motion is another one, though it agrees to the end."""
+    tables = {
+        "units": "SI", "sdof": TABLES["sdof"], "stop": TABLES["stop"], "record": {"duration": 4.0},
+        "start": {"displacement": -0.03}, "fidelity": {"exact": {}, "steps": {"solver": "moreau"}},
+    }  # fmt: skip
+    found = run(vibeam.Case.of(tables))
+    (twin,) = found.twins["exact"].values()
+    own = found["exact"].impact_times[0][0]
+    assert 0 < np.max(np.abs(twin["impact_times"] - own)) < 1e-4
+    assert found.comparison["steps"].own_horizon.tolist() == [4.0]
+    assert found["exact"].start[0, 0, 0] > 10 * found["exact"].left[0, 0, 0] > 0
+
+
+def test_the_overview_says_the_largest_load() -> None:
+    told: list[Any] = []
+    run(case(realisations=1), before=told.append)
+    largest = max(case().input("events", 4, level=value).peak for value in (1.0, 2.0))
+    assert f"base acceleration up to {largest:.4g} m/s²" in str(told[0])

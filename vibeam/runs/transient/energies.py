@@ -28,7 +28,7 @@ NODES = (2, 3, 5, 8)  # Gauss nodes of an interval
 TURNS = np.array(
     [0.5, 1.5, 3.0, 6.0]
 )  # angle that its fastest live exponential may turn there: 1e-3 of its part is missed
-DEAD = 40.0  # decay after which an exponential is dead; wide, since modes that are held have another damping
+DEAD = 12.0  # decay after which an exponential counts no more: 4e-11 of the energy that it was born with
 BLOCK = 1 << 17  # nodes at once: a motion is made anew for each block
 
 

@@ -14,6 +14,7 @@ from vibeam.observe.decimation import BINS, MOST_BINS, History
 from vibeam.runs.transient.reading import Reading, blank_reading, reading_of
 from vibeam.runs.transient.signals import TransientSignal, signals_of, with_signals
 from vibeam.solvers import SOLVERS, solver
+from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -22,12 +23,11 @@ if TYPE_CHECKING:
     from vibeam.observe.motion import Path
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.record import Record
-    from vibeam.system.state import State
 
 SCALED = ("level", "speed")  # factors of the record itself
 READ_AS = 1  # raised where readings mean something else: motions of older files are run anew
 WARM_UP = 1e-3  # share of a motion that is flown before
-NUDGE = 1e-6  # by which the load of a twin is larger
+NUDGE = 1e-6  # by which the load of a twin is larger, or the start of a free one smaller
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class MotionMaker:
     def made(self, motion: Realisation) -> Reading:
         """Reading of a motion."""
         record = self.load(motion.value, motion.seed, 1 + NUDGE if motion.twin else 1.0)
-        path, seconds = self.path(motion.value, record)
+        path, seconds = self.path(motion.value, record, nudged=motion.twin and not record.peak)
         if not path.t_end > path.t_start:
             return blank_reading(path)
         rate = plan_of(self.case).rate
@@ -117,10 +117,17 @@ class MotionMaker:
         """Fly the first thousandth of a motion, unmeasured: loading and compiling are no part of a motion's cost."""
         self.path(0, self.load(0, 0), WARM_UP * self.duration)
 
-    def path(self, value: int, record: Record, until: float | None = None) -> tuple[Path, float]:
-        """Motion under a load at one of the values, and its CPU time, s; ``until``: its end, None: the record's."""
+    def path(
+        self, value: int, record: Record, until: float | None = None, nudged: bool = False
+    ) -> tuple[Path, float]:  # fmt: skip
+        """Motion under a load at one of the values, and its CPU time, s; ``until``: its end, None: the record's.
+
+        ``nudged``: its start is larger by 1e-6, of a free motion.
+        """
         system, plan, fidelity = self.system(value)[0], plan_of(self.case), self.fidelity
         start, end = self._start(value), self.duration if until is None else until
+        if nudged:
+            start = State((1 - NUDGE) * start.displacement, (1 - NUDGE) * start.velocity, start.resting)
         begun = time.thread_time()
         if SOLVERS[fidelity.solver].motion == "exact":
             from vibeam.flight.trajectory import simulate

@@ -6,12 +6,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from vibeam.case.input_remarks import remarks_on
 from vibeam.runs.systems import Overview, properties_of
+from vibeam.runs.transient.motions import plan_of
 from vibeam.system.number_text import ACCELERATIONS, TIMES, prefixed
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
+    from vibeam.case.case import Case
     from vibeam.runs.transient.motions import MotionMaker
     from vibeam.system.record import Record
 
@@ -54,10 +58,16 @@ def overview_of_record(makers: Mapping[str, MotionMaker], motions: int) -> Recor
     maker = makers[name]
     system = maker.system(0)[0]
     scene, properties = maker.case.scene_of(name), properties_of(maker.case, name, system)
-    load = maker.load(0, 0)
+    load = maker.load(largest_level(maker.case), 0)
     plain = scene.natural_unit is not None
     remarks = tuple(remarks_on(load, system, maker.duration))
     return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions, remarks)
+
+
+def largest_level(case: Case) -> int:
+    """Number of the value whose load is the largest: the first where another key than the level is varied."""
+    plan = plan_of(case)
+    return int(np.argmax(np.abs(plan.values))) if plan.over == "level" else 0
 
 
 def _time(value: float) -> str:
