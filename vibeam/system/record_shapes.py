@@ -20,6 +20,7 @@ from vibeam_models.arrays import Array
 NODES = np.array([0.0, 0.5 - 0.5 * np.tan(np.pi / 8), 0.5 + 0.5 * np.tan(np.pi / 8), 1.0])
 BOUND = 2238.0
 MOST_PIECES = 20_000_000
+LEVELS = 1001  # frequencies at which the largest peak of a chirp is looked for
 #: windows over 0 … 1 as sums of a_k cos 2πkx
 WINDOWS = {
     "rectangular": (1.0,),
@@ -94,10 +95,13 @@ class ShapedRecords(pieces.MadeOfPieces):
 
     @classmethod
     def chirp(
-        cls, peak: float, first: float, last: float, duration: float, *,
+        cls, peak: float | Callable[[Array], Array], first: float, last: float, duration: float, *,
         quantity: str = "acceleration", start: float = 0.0, error: float = 1e-9,
     ) -> Self:  # fmt: skip
-        """Sine whose frequency goes from ``first`` to ``last`` (Hz) in a straight line over ``duration`` seconds."""
+        """Sine whose frequency goes from ``first`` to ``last`` (Hz) in a straight line over ``duration`` seconds.
+
+        ``peak``: a number, or a function of frequencies (Hz); one that is smooth over a period keeps the bound.
+        """
         faults: list[str] = []
         low, high = (
             number(name, each, faults, least=0.0, most=1e12) for name, each in (("first", first), ("last", last))
@@ -106,9 +110,19 @@ class ShapedRecords(pieces.MadeOfPieces):
         bend = np.pi * (high - low) / duration
         top = 2 * np.pi * max(low, high)
         fastest = (top**4 + 12 * top**2 * abs(bend) + 12 * bend**2) ** 0.25  # |d⁴ sin φ/dt⁴|, φ'' = 2 bend
+
+        def swept(t: Array) -> Array:
+            return np.sin((2 * np.pi * low + bend * t) * t)
+
+        if not callable(peak):
+            return cls._fitted(peak, duration, fastest, swept, quantity, start, error, faults)
+        refuse("record", faults)
+        level, most = peak, float(np.max(np.abs(peak(np.linspace(low, high, LEVELS)))))
+        share = most or 1.0
         return cls._fitted(
-            peak, duration, fastest, lambda t: np.sin((2 * np.pi * low + bend * t) * t), quantity, start, error, faults
-        )
+            most, duration, fastest, lambda t: level(low + bend / np.pi * t) / share * swept(t), quantity, start,
+            error, faults,
+        )  # fmt: skip
 
     @classmethod
     def tone_burst(

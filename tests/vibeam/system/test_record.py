@@ -133,6 +133,13 @@ def test_a_bound_is_not_far_from_what_it_bounds() -> None:
     assert 3e-7 < np.abs(record.at(t) - np.sin(np.pi * t)).max() < 1e-6
 
 
+def test_a_chirp_may_have_a_peak_that_goes_with_its_frequency() -> None:
+    record = Record.chirp(lambda f: -0.01 * f**2, 15.0, 10.0, 4.0)
+    t = np.linspace(0, 4, 100_003)
+    f = 15 - 1.25 * t
+    assert np.abs(record.at(t) + 0.01 * f**2 * np.sin(2 * np.pi * (15 * t - 0.625 * t**2))).max() < 2.25e-9
+
+
 def test_beats_follow_each_other() -> None:
     beats = Record.sine_beat(2.0, 10.0, 5, beats=3, pause=0.25, start=1.0)
     one = Record.sine_beat(2.0, 10.0, 5)

@@ -1,18 +1,17 @@
 """Figure kind ``chirp``: a swept-sine test beside the sweep's settled points.
 
 The drive frequency runs over the sweep's range at a constant rate, from the motion settled at its begin; "both" goes up
-and then down from where it came. An amplitude is ½(max − min) over ``periods`` drive periods. How far the pieces leave
-the chirp is in ``vibeam.solvers.chirp``.
+and then down from where it came. It is Ω²B sin φ, φ̇ = Ω = Ω₀ + αt, with the Ω²B that settled points have there, as a
+record (``Record.chirp``) to 10⁻⁶ of the largest. An amplitude is ½(max − min) over ``periods`` drive periods.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.case.plans import ShowPlan
@@ -21,10 +20,12 @@ from vibeam.figures.response import draw_branch
 from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, amplitude_of, units_for
-from vibeam.solvers.chirp import Chirp, linear_chirp, swept
+from vibeam.flight.extremes import extremes
+from vibeam.flight.trajectory import simulate
+from vibeam.solvers import SOLVERS, solver
 from vibeam.system.number_text import percent
-from vibeam.system.response import Ended, FrequencyResponse
-from vibeam_models.arrays import Array
+from vibeam.system.record import Record
+from vibeam_models.arrays import Array, Index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
 
 
 SWEPT = {"up": 0.9, "down": 0.5}  # opacity of the line of a chirp
+ERROR = 1e-6  # of the largest acceleration, by which cubic pieces may leave a chirp
+WHOLE = 1e-9  # share of a period by which the last one may be cut off and still be there
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -51,41 +54,63 @@ def _flown(case: Case, name: str, plan: ShowPlan) -> Iterator[Columns]:
     system, state = case.system(name), None
     if plan.output not in ("contact", *system.outputs, *system.derivatives):
         raise ValueError(f"there is no {plan.output} in this model")
-    law = _Law(case, name)
-    for chirp in _legs(plan):
-        response, state = swept(
-            system, chirp, law, settle=plan.settle, solver_name=fidelity.solver, output=plan.output, state=state,
-            options=fidelity.options,
-        )  # fmt: skip
-        broken = np.flatnonzero(response.ended != Ended.COMPLETE.code)
-        if len(broken):
-            ended = Ended.of_code(int(response.ended[broken[0]])).value
-            raise ValueError(f"at {response.frequency[broken[0]]:.5g} Hz: {ended}")
-        yield _columns(chirp, law, response, plan.periods or 1)
+    options: dict[str, Any] = dict(fidelity.options)
+    made = solver(fidelity.solver, system, 2 * np.pi * min(plan.frequency), **options)
+
+    def acceleration(frequency: Array) -> Array:
+        omega = 2 * np.pi * frequency
+        return np.asarray(-(omega**2) * case.amplitude_of(name, omega))
+
+    for leg in _legs(plan):
+        if state is None:
+            first = leg.omega[:1]
+            amplitude = float(np.ravel(case.amplitude_of(name, first))[0])
+            _, state = made.steady(first, amplitude, None, max(plan.settle - 1, 0), 1, plan.output)
+        low, high = (leg.omega[[0, -1]] / (2 * np.pi)).tolist()
+        record = Record.chirp(acceleration, low, high, float(leg.times[-1]), error=ERROR)
+        if SOLVERS[fidelity.solver].motion == "exact":
+            path: Any = simulate(system, record, record.end, state)
+            found = extremes(path, (plan.output,), leg.times)
+            least, greatest = found.least[0], found.greatest[0]
+        else:
+            path = made.record_motion(record, state, 0.0, record.end)
+            least, greatest = path.extremes_between(leg.times, plan.output)
+        if path.t_end < record.end:
+            raise ValueError(f"at {np.interp(path.t_end, leg.times, leg.omega) / (2 * np.pi):.5g} Hz: it ended early")
+        state = path.state
+        impacts = np.histogram(path.impact_times, leg.times)[0]
+        yield _columns(leg, least, greatest, impacts, plan.periods or 1)
 
 
 @dataclass(frozen=True)
-class _Law:
-    """Drive amplitude of a fidelity over frequency."""
+class ChirpLeg:
+    """Begins and ends of the drive periods of a linear chirp, ``times`` (n + 1,) s, and the frequency then, rad/s."""
 
-    case: Case
-    name: str
+    omega: Array
+    times: Array
 
-    def __call__(self, omega: Array) -> ArrayLike:
-        return self.case.amplitude_of(self.name, omega)
+    @classmethod
+    def of(cls, first: float, last: float, rate: float) -> ChirpLeg:
+        """As many whole drive periods as there are from ``first`` to ``last`` rad/s at ``rate`` rad/s²."""
+        turns = abs(last**2 - first**2) / (4 * np.pi * rate)
+        if int(turns + WHOLE) < 1:
+            raise ValueError(
+                f"chirp: {turns:.3g} drive periods, at least 1 makes one: lower the rate, or sweep further"
+            )
+        signed = rate if last > first else -rate
+        omega = np.sqrt(np.maximum(first**2 + 4 * np.pi * signed * np.arange(int(turns + WHOLE) + 1), 0.0))
+        return cls(omega, (omega - first) / signed)
 
 
-def _legs(plan: ShowPlan) -> Iterator[Chirp]:
+def _legs(plan: ShowPlan) -> Iterator[ChirpLeg]:
     """Chirps of the plan's directions; the way down begins where that up ends."""
     low, high = (2 * np.pi * edge(plan.frequency) for edge in (min, max))
-    rate = 2 * np.pi * plan.own["rate"]
     if low == high:
         raise ValueError("a chirp needs a range of frequencies, there is one")
     for direction in _directions(plan):
-        ends = (low, high) if direction == "up" else (high, low)
-        chirp = linear_chirp(*ends, rate)
-        yield chirp
-        high = float(chirp.edges[-1])
+        leg = ChirpLeg.of(*((low, high) if direction == "up" else (high, low)), 2 * np.pi * plan.own["rate"])
+        yield leg
+        high = float(leg.omega[-1])
 
 
 def _directions(plan: ShowPlan) -> tuple[str, ...]:
@@ -94,27 +119,23 @@ def _directions(plan: ShowPlan) -> tuple[str, ...]:
     return ("up", "down") if asked in (None, "both") else (asked,)
 
 
-def _columns(chirp: Chirp, law: _Law, response: FrequencyResponse, periods: int) -> Columns:
-    """Extremes over ``periods`` pieces each, the last incomplete ones left out."""
-    count = len(response) // periods
+def _columns(leg: ChirpLeg, least: Array, greatest: Array, impacts: Index, periods: int) -> Columns:
+    """Extremes over ``periods`` drive periods each, the last incomplete ones left out."""
+    count = len(least) // periods
     if not count:
-        raise ValueError(f"the chirp lasts {len(response)} drive periods, fewer than the {periods} of one amplitude")
-    rows = [each[: count * periods].reshape(count, periods) for each in (
-        response.frequency, response.maximum, response.minimum, response.impacts_per_period, chirp.phase_error,
-        chirp.size_error(law),
-    )]  # fmt: skip
+        raise ValueError(f"the chirp lasts {len(least)} drive periods, fewer than the {periods} of one amplitude")
+    middle = (leg.omega[1:] + leg.omega[:-1]) / (4 * np.pi)
+    rows = [each[: count * periods].reshape(count, periods) for each in (middle, greatest, least, impacts)]
     frequency, highest, lowest = rows[0].mean(1), rows[1].max(1), rows[2].min(1)
     amplitude = (highest - lowest) / 2
     top = [int(np.argmax(amplitude))]
     return {
-        "time": Column(chirp.times[: count * periods : periods], "s", "begin of the drive periods read"),
+        "time": Column(leg.times[: count * periods : periods], "s", "begin of the drive periods read"),
         "frequency": Column(frequency, "Hz", "drive frequency, their mean"),
         "amplitude": Column(amplitude, "q", "½(max − min) of the output over them, swept, not settled"),
         "maximum": Column(highest, "q", "max of the output"),
         "minimum": Column(lowest, "q", "min of the output"),
         "impacts": Column(rows[3].mean(1), "1", "impacts a drive period"),
-        "phase_error": Column(rows[4].max(1), "1", "rad, by which the pieces leave the phase of the chirp at most"),
-        "size_error": Column(rows[5].max(1), "1", "share by which they leave its acceleration amplitude at most"),
         "swept_peak": Column(amplitude[top], "q", "largest amplitude"),
         "swept_peak_frequency": Column(frequency[top], "Hz", "drive frequency of the largest amplitude"),
     }

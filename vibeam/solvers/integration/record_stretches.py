@@ -13,7 +13,7 @@ from vibeam_models.arrays import Array, Flags
 
 MOST = 1000  # corners at which an integrator starts anew; where there are more, its steps are short in their place
 JUMP = 1e-9  # share of the peak by which values differ on both sides of a knot
-CORNER = 1e-6  # the same of slopes, times the shorter piece
+CORNER = 1e-5  # the same of slopes, times the shorter piece
 FREE = 4.0  # pieces that a step may be long where there are no corners inside
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -109,6 +110,17 @@ class SampledMotion:
     def velocity_at(self, t: ArrayLike, output: str = "contact") -> Array:
         """Rate of an output at times t, m/s; at an impact its value just after."""
         return np.asarray(self.modes_at(t)[..., 1, :] @ self.system.output(output))
+
+    def extremes_between(self, edges: Array, output: str) -> tuple[Array, Array]:
+        """Least and greatest value of an output that is a displacement, (b,) each, between ``edges`` (b + 1,), s."""
+        times = np.concatenate([self.times, edges])
+        order = np.argsort(times, kind="stable")
+        values = np.concatenate([self.displacement(output), self.at(edges, output)])[order]
+        rates = np.concatenate([self.velocity(output), self.velocity_at(edges, output)])[order]
+        times, places = times[order], np.searchsorted(times[order], edges, side="right") - 1
+        bins = [slice(low, high + 1) for low, high in pairwise(places.tolist())]
+        found = [extremes(times[each], values[each], rates[each]) for each in bins]
+        return np.array([low for low, _ in found]), np.array([high for _, high in found])
 
     def _acceleration(self, t: Array, derivative: TimeDerivative) -> Array:
         """Acceleration by the equations of motion: in flight, or held on the stop by the contact force."""
