@@ -207,3 +207,17 @@ def test_a_push_by_a_first_jump_of_the_load_is_proved_from_its_start() -> None:
     assert path.certificate is not None
     assert path.certificate.complete
     assert path.contacts[0, 2] > 0
+
+
+@pytest.mark.parametrize("name", ["hard", "both sides", "several"])
+def test_accumulations_under_a_record_are_bounded(name: str) -> None:
+    """What each still takes lies between its bounds, which are as near as the doubt in its last velocity lets them."""
+    record = vibeam.Record.random(1.0, 3.0, seed=5, rate=2e3, band=(1.0, 8.0))
+    path = vibeam.simulate(replace(SYSTEMS[name], restitution=0.4), record, 3.0, certify=True)
+    assert path.certificate is not None
+    tails = path.certificate.tails
+    bounded = tails[np.isfinite(tails[:, 2])]
+    left = path.segments.trace[bounded[:, 0].astype(int), layout.LEFT]
+    assert len(bounded) == len(tails) >= 8
+    assert np.all(bounded[:, 2] - bounded[:, 1] <= 1e-3 * left)
+    assert np.all((bounded[:, 1] <= left) & (left <= bounded[:, 2]))

@@ -18,7 +18,7 @@ are larger than those that follow. u₀ and a are known as well as doubles can t
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,6 +29,9 @@ from vibeam.flight.proof.errors import endless, responses
 from vibeam.flight.proof.watched import WatchedMotion
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Index
+
+if TYPE_CHECKING:
+    from vibeam_models.laws.mechanics import StopLaw
 
 ROOM = 2.0  # times the first estimate: what T and P are assumed to be at most
 MARGIN = 1e-9  # for the rounding of all this
@@ -75,17 +78,21 @@ def tails_of(motion: WatchedMotion) -> Array:
 def _bounds(motion: WatchedMotion, side: int, which: Index) -> tuple[Array, Array]:
     system, drive, start = motion.system, motion.drive, _after_impact(motion, side, which)
     push = float(np.linalg.norm(system.load)) * drive.omega**5 * abs(drive.amplitude)
-    return bounds_of(system, start, np.full(len(which), push))
+    return bounds_of(system, (system.contact_law, system.contact), start, np.full(len(which), push))
 
 
-def bounds_of(system: ImpactSystem, start: TailStart, push: Array) -> tuple[Array, Array]:
-    """Least and most time (k,) that accumulations still take; ``push``: |load u'''| at most meanwhile, (k,)."""
-    law, mobility = system.contact_law, system.mobility
+def bounds_of(system: ImpactSystem, stop: tuple[StopLaw, Array], start: TailStart, push: Array) -> tuple[Array, Array]:
+    """Least and most time (k,) that accumulations at a ``stop``, law and row (n,), still take.
+
+    ``push``: |load u'''| at most meanwhile, (k,).
+    """
+    law, row = stop
+    mobility = float(row @ row)
     with np.errstate(all="ignore"):
         share = law.accumulation_loss(start.speed)
         time = ROOM * 2 * start.speed / (start.pull * share)
         change = ROOM * 2 * start.speed / share  # S P
-        kept = _range(system, start, time, change / np.sqrt(mobility), push)
+        kept = _range(system, row, start, time, (change / np.sqrt(mobility), push))
         least, most, changed = law.accumulation(start.speed, kept.least, kept.most, kept.jerk)
         sure = (kept.least > 0) & (share > 0) & (most < time) & (changed < change)
         sure &= (least > 0) & (start.doubt < DOUBTFUL)
@@ -113,11 +120,11 @@ def _after_impact(motion: WatchedMotion, side: int, which: Index) -> TailStart:
     return TailStart(speed, -second, np.abs(third), norm, doubt)
 
 
-def _range(system: ImpactSystem, start: TailStart, time: Array, pushed: Array, push: Array) -> TailRange:
-    """``pushed``: P √S, the most by which impulses may move the modes."""
-    size, damper = float(np.linalg.norm(system.contact)), damper_of(system)
+def _range(system: ImpactSystem, row: Array, start: TailStart, time: Array, moved: tuple[Array, Array]) -> TailRange:
+    """``moved``: P √S, the most by which impulses may move the modes, and the load's third derivative."""
+    (pushed, push), size, damper = moved, float(np.linalg.norm(row)), damper_of(system)
     fourth = size * (start.fourth + time * push)
-    braked, bent = float(np.linalg.norm(damper @ system.contact)), float(np.linalg.norm(system.omega * system.contact))
+    braked, bent = float(np.linalg.norm(damper @ row)), float(np.linalg.norm(system.omega * row))
     sway = np.hypot(braked, bent) * pushed
     rate = float(np.max(system.omega)) + float(np.sum(np.abs(damper)))
     shift = start.jerk * time + fourth * time**2 / 2 + sway

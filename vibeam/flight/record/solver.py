@@ -11,7 +11,7 @@ import numpy as np
 
 from vibeam.flight.contacts.sets import FIRST, ContactSets
 from vibeam.flight.contacts.solver import ContactsSolver
-from vibeam.flight.event_driven import ROWS, Segments
+from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts import course as load_layout
 from vibeam.flight.kernels.contacts import layout as contact_layout
@@ -26,7 +26,7 @@ from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
 SEGMENTS = 8  # of the longest, for whose intervals there is room
-MOST_ROWS = 65536
+FIRST_ROWS, MOST_ROWS = 4096, 65536  # segments between two visits to Python
 NO_INTERVALS = np.zeros((0, layout.PIECE_COLUMNS))
 
 
@@ -112,7 +112,7 @@ class RecordSolver(ContactsSolver):
 
     def _flown_loaded(self, pose: Array, status: Array, span: float, limit: int) -> tuple[int, Segments, Any, Array]:
         """Carry ``pose`` and ``status`` on by ``span``: outcome, segments, counts, intervals."""
-        rows, done, kept, known = ROWS, 0.0, list[Segments](), [np.zeros((0, layout.PIECE_COLUMNS))]
+        rows, done, kept, known = FIRST_ROWS, 0.0, list[Segments](), [np.zeros((0, layout.PIECE_COLUMNS))]
         counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
         outcome, traced = layout.FULL, 0
         while outcome == layout.FULL:
