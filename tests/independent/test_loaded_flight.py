@@ -15,7 +15,6 @@ STORED = json.loads(Path(__file__).with_name("loaded.json").read_text(encoding="
 NAMES = [f"{k} {entry['kind']}, {len(entry['omega'])}" for k, entry in enumerate(STORED)]
 NEAR = 2e-13  # round-off of times over the duration, speeds over the fastest, states over the largest
 ACCUMULATION = "what is left of the accumulation of impacts has no bound"
-LATER = (23, 34, 69, 70, 89, 103, 118, 177)  # whose extremes are not held yet
 WEAK = 1e-3  # of the fastest impact: weaker ones of an accumulation are not stored
 
 
@@ -82,7 +81,8 @@ def test_impacts_rests_and_the_state_at_the_end(entry):
     for found, name in ((path.state.displacement, "displacement"), (path.state.velocity, "velocity")):
         truth = np.array([float(value) for value in entry["end"][name]])
         assert np.abs(found - truth).max() <= 10 * bound * size(entry, path, name)
-    assert {span.reason for span in path.certificate.unproved} <= {ACCUMULATION}
+    reasons = {span.reason for span in path.certificate.unproved}
+    assert reasons <= ({ACCUMULATION} if entry["kind"] == "several" else set())
 
 
 def size(entry, path, name):
@@ -99,7 +99,7 @@ def test_the_ends_of_contacts_with_linear_stops(entry):
     assert np.abs(contacts[: len(ends), :2].sum(axis=1) - ends).max(initial=0.0) <= 10 * bound * entry["t_end"]
 
 
-@pytest.mark.parametrize("entry", [entry for k, entry in enumerate(STORED) if k not in LATER])
+@pytest.mark.parametrize("entry", STORED, ids=NAMES)
 def test_extremes_of_the_contact(entry):
     path = path_of(entry)
     found = vibeam.extremes(path, ["contact"])
