@@ -22,6 +22,7 @@ OF_SI: Mapping[str, Steps] = {
     "m": LENGTHS, "m s-1": SPEEDS, "m s-2": ACCELERATIONS, "N": FORCES, "rad": ANGLES, "rad s-1": TURNING,
     "1": STRAINS, "J": ENERGIES,
 }  # fmt: skip
+COLUMNS = 400  # of a panel over time
 INPUTS = {"force": ("force", "N"), "moment": ("moment", "N m")}
 
 

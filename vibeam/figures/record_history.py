@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.record import input_of, kept_place, label_of, plan_of, signals_of_all, unit_of_signal
+from vibeam.figures.record import COLUMNS, input_of, kept_place, label_of, plan_of, signals_of_all, unit_of_signal
 from vibeam.figures.style import Look, looks_of, name_of
+from vibeam.figures.units import with_unit
 from vibeam.observe.decimation import hardest_impacts
 from vibeam_models.arrays import Array
 
@@ -22,21 +23,29 @@ if TYPE_CHECKING:
 
 Span = tuple[float, float]
 SIZE = (8.4, 6.0)
-COLUMNS = 200  # of a panel
+ROW, REST = 1.25, 1.1  # height of a row and of title, legend and axis beside all rows, inches
 CLOSE, MET = 1 / 40, 4  # share of the record around its largest value, and impacts to either side, that are shown
 INK = "0.2"
 
 
 def draw_histories(
-    figure: Figure, result: RecordResult, names: Sequence[str], output: str, window: Span | None = None
-) -> None:
+    figure: Figure, result: RecordResult, names: Sequence[str], output: str, window: Span | None = None,
+    columns: int = COLUMNS,
+) -> None:  # fmt: skip
     """Draw the motion whose histories are kept, a row a signal of ``output``: the whole record, and a part of it.
 
-    ``window``: begin and end of the part, s; None: around the largest value.
+    ``window``: begin and end of the part, s; None: around the largest value. ``columns``: least and greatest values of
+    a panel, at most.
     """
     signals = {key: each for key, each in signals_of_all(result, names).items() if each.output in (output, "contact")}
     own = [each for each in signals.values() if each.order < 0 or (each.output == output and each.order < 2)]
-    rows = [None, *(each for each in own if each.order >= 0), "impacts", *(each for each in own if each.order < 0)]
+    driven = any(each.peak > 0 for each in result.input.values())
+    rows = [
+        *[None] * driven,
+        *(each for each in own if each.order >= 0),
+        "impacts",
+        *(each for each in own if each.order < 0),
+    ]
     spans = list(_spans(result, names, own))
     if window is not None:
         spans[1:] = [window]
@@ -45,15 +54,13 @@ def draw_histories(
     for row, signal in zip(grid, rows, strict=True):
         for axes, span in zip(row, spans, strict=True):
             if signal == "impacts":
-                _impacts(axes, result, looks, span)
+                _impacts(axes, result, looks, span, columns)
             else:
-                _signal(axes, result, looks, signal, span)
+                _signal(axes, result, looks, signal, span, columns)
     for axes, span in zip(grid[-1], spans, strict=True):
         axes.set_xlim(*span)
         labelled(axes, "time", "s" if result.case.scene.natural_unit is None else "", across=True)
-    for axes in grid[:, 1:].flat:
-        axes.set_ylabel("")
-    figure.align_ylabels(grid[:, 0])
+    figure.set_figheight((ROW * len(rows) + REST) * figure.get_figwidth() / SIZE[0])
 
 
 def _spans(result: RecordResult, names: Sequence[str], signals: Sequence[Any]) -> Iterator[Span]:
@@ -81,7 +88,7 @@ def _impacts_of(result: RecordResult, name: str) -> tuple[Array, Array]:
     return own.impact_times[place][0], own.impact_velocities[place][0]
 
 
-def _signal(axes: Axes, result: RecordResult, looks: dict[str, Look], signal: Any, span: Span) -> None:
+def _signal(axes: Axes, result: RecordResult, looks: dict[str, Look], signal: Any, span: Span, columns: int) -> None:
     """Draw a signal of all fidelities in one panel; None: the input."""
     case = result.case
     if signal is None:
@@ -93,23 +100,22 @@ def _signal(axes: Axes, result: RecordResult, looks: dict[str, Look], signal: An
         label, unit = label_of(signal), signal.unit
     shown, factor = unit_of_signal(case, unit, max((each.peak for each, _, _ in histories), default=0.0))
     for history, colour, name in histories:
-        _envelope(axes, history, span, factor, colour, name)
+        _envelope(axes, history.within(*span, most=columns), factor, colour, name)
     if is_empty(axes):
         say(axes, "no history kept")
-    labelled(axes, label.replace(" of ", "\nof "), shown)
+    _named(axes, label, shown)
 
 
-def _envelope(axes: Axes, history: History, span: Span, factor: float, colour: str, label: str) -> None:
-    seen = history.within(*span, most=COLUMNS)
+def _envelope(axes: Axes, seen: History, factor: float, colour: str, label: str) -> None:
     axes.fill_between(
         seen.time, seen.least * factor, seen.greatest * factor, facecolor=colour, edgecolor=colour, linewidth=0.6,
         alpha=0.6, label=label or None,
     )  # fmt: skip
 
 
-def _impacts(axes: Axes, result: RecordResult, looks: dict[str, Look], span: Span) -> None:
+def _impacts(axes: Axes, result: RecordResult, looks: dict[str, Look], span: Span, columns: int) -> None:
     """Draw the hardest impact of each column of the panel as a line from 0 to its velocity."""
-    edges, met = np.linspace(*span, COLUMNS // 2 + 1), []
+    edges, met = np.linspace(*span, columns // 2 + 1), []
     for name, look in looks.items():
         times, speeds = _impacts_of(result, name)
         inside = (times >= span[0]) & (times <= span[1])
@@ -122,4 +128,10 @@ def _impacts(axes: Axes, result: RecordResult, looks: dict[str, Look], span: Spa
             axes.plot(times, speeds * factor, ".", color=look.colour, markersize=3)
     if not largest:
         say(axes, "no impact")
-    labelled(axes, "velocity\nbefore impact", unit)
+    _named(axes, "velocity before impact", unit)
+
+
+def _named(axes: Axes, what: str, unit: str) -> None:
+    """Name of a row and its unit, above its first panel."""
+    if axes.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+        axes.set_title(with_unit(what, unit), loc="left", fontsize=7.5)

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from vibeam.figures.record import RecordResult, drawn_motion, plan_of
+from vibeam.figures.record import COLUMNS, RecordResult, drawn_motion, plan_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def record_figure(result: RecordResult) -> Figure:
-    """Figure of the histories of all fidelities of a record case."""
+def record_figure(result: RecordResult, columns: int = COLUMNS) -> Figure:
+    """Figure of the histories of all fidelities of a record case, with at most so many ``columns`` a panel."""
     from vibeam.figures.page import blank_page, legend, titled
     from vibeam.figures.record_history import SIZE, draw_histories
 
     case = result.case
     made = blank_page(SIZE, case.figure)
-    draw_histories(made, result, list(result), plan_of(case).outputs[0])
+    draw_histories(made, result, list(result), plan_of(case).outputs[0], columns=columns)
     titled(made, case.figure, case.title, drawn_motion(result))
     legend(made, handles_of(made))
     return made

@@ -89,8 +89,9 @@ def draw(figure: Figure, result: RecordResult, plan: ShowPlan, shown: tuple[Shee
         mesh = axes.pcolormesh(sheet["time"], sheet["frequency"], level, shading="nearest", **keys)
         hits = sheet["impact_time"][: COLUMNS * (len(sheet["impact_time"]) <= COLUMNS)]
         axes.plot(hits, 0 * hits, "|", color="0.2", markersize=4, clip_on=False)
-        figure.colorbar(mesh, ax=axes, label="dB below the largest")
     labelled(grid[-1], "time", "s", across=True)
+    if known and top > 0:
+        figure.colorbar(mesh, ax=grid.tolist(), label="dB below the largest")
 
 
 def caption(plan: ShowPlan) -> str:

@@ -28,9 +28,17 @@ function scale(label, log, size) {
   return { ...axis(label), size, splits, values: (_, splits) => splits.map((each) => short(10 ** each, 2)) };
 }
 
+// A curve of steps, each up to its x, as one of lines.
+/** @type {(own: BandCurve) => BandCurve} */
+function stepped(own) {
+  /** @type {(values: Numbers) => Numbers} */
+  const twice = (values) => values.flatMap((each) => [each, each]);
+  return { ...own, x: [0, ...twice(own.x).slice(0, -1)], y: twice(own.y), low: twice(own.low), high: twice(own.high) };
+}
+
 /** @type {(own: FamilyChart, curves: BandCurve[]) => Draw} */
 const painter = ({ logs }, curves) => (pen, at) => {
-  for (const each of curves) {
+  for (const each of curves.map((own) => (own.steps ? stepped(own) : own))) {
     const { colour, dash } = lookOf(each.fidelity), xs = all(each.x, logs.x).map(Number), floor = at.scales.y.min;
     const lows = all(each.low, logs.y).map((low, index) => low ?? (each.low[index] === null ? null : floor)), highs = all(each.high, logs.y);
     const inner = xs.map((_, index) => index).filter((index) => lows[index] !== null && highs[index] !== null);

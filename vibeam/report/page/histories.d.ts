@@ -10,8 +10,8 @@ export type StoredHistory = {
 export type History = { begin: number; width: number; least: Float64Array; greatest: Float64Array };
 export type StoredImpacts = { fidelity: string; time: Packed; velocity: Packed };
 export type Impacts = { time: number[]; velocity: number[] };
-/** A curve with the band that holds its uncertainty; over an own x. */
-export type BandCurve = { fidelity: string; x: Numbers; y: Numbers; low: Numbers; high: Numbers; marks: boolean };
+/** A curve, in ``steps`` up to each x, with the band that holds its uncertainty; over an own x. */
+export type BandCurve = { fidelity: string; x: Numbers; y: Numbers; low: Numbers; high: Numbers; marks: boolean; steps: boolean };
 export type FamilyChart = {
   label: string; across: string; up: string; logs: { x: boolean; y: boolean }; note: string; curves: BandCurve[];
 };

@@ -54,7 +54,8 @@ def record_data(result: TransientResult) -> dict[str, Any]:
 def _histories(result: TransientResult) -> Iterator[tuple[str, str, History]]:
     """Signal, fidelity (empty: of all) and history of all that the result keeps."""
     for history in list(result.input.values())[:1]:
-        yield "input", "", history
+        if history.peak > 0:
+            yield "input", "", history
     for signal in signals_of_all(result, list(result)):
         yield from ((signal, name, own[signal]) for name in result if signal in (own := result[name].history))
 
@@ -145,10 +146,15 @@ def _families(result: TransientResult) -> dict[str, list[dict[str, Any]]]:
     }
 
 
-def _curve(fidelity: str, x: Array, y: Array, error: Array, marks: bool = False) -> dict[str, Any]:
+def _curve(fidelity: str, x: Array, y: Array, error: Array, marks: bool = False, steps: bool = False) -> dict[str, Any]:
     """Curve with the band of two standard errors."""
     values = {"x": x, "y": y, "low": y - ERRORS * error, "high": y + ERRORS * error}
-    return {"fidelity": fidelity, "marks": marks, **{key: rounded(each, 5) for key, each in values.items()}}
+    return {
+        "fidelity": fidelity,
+        "marks": marks,
+        "steps": steps,
+        **{key: rounded(each, 5) for key, each in values.items()},
+    }
 
 
 def _chart(label: str, across: str, up: str, logs: tuple[bool, bool], note: str, curves: Any) -> dict[str, Any]:
@@ -175,7 +181,9 @@ def _velocities(result: TransientResult) -> Iterator[dict[str, Any]]:
     shown = kept_place(result)
     for place in sorted(range(len(result.factors)), key=lambda each: each != shown):
         found = {name: exceedance(result, name, place) for name in result}
-        curves = [_curve(name, each.velocity * factor, each.rate, each.error) for name, each in found.items()]
+        curves = [
+            _curve(name, each.velocity * factor, each.rate, each.error, steps=True) for name, each in found.items()
+        ]
         label = f"at {result.over} {result.factors[place]:g}"
         chart = _chart(
             label,

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vibeam.runs.systems import Overview
     from vibeam.runs.transient.result import TransientResult
 
+STILL = 160  # columns of a panel of the still picture
 VIEWS = ("numbers", "chart", "envelope", "record", "zoom", "timeline", "families")
 
 
@@ -27,7 +28,7 @@ def record_page(stored: StoredResult) -> str:
     from vibeam.report.transient import transient_report
 
     result: Any = stored.result
-    history = picture("history", "Histories of all fidelities over time", lambda: record_figure(result))
+    history = picture("history", "Histories of all fidelities over time", lambda: record_figure(result, STILL))
     velocities = _velocities(result)
     data = record_data(result)
     text = as_json(data)

@@ -54,13 +54,14 @@ def standing(
 def _checks(result: Result, left_out: Sequence[str]) -> StudySheet:
     """References, regression values and measured numbers of the case, where each fidelity was run by itself."""
     from vibeam.exchange.faults import CaseError
-    from vibeam.figures.units import units_of
+    from vibeam.figures.units import METRIC, units_of
     from vibeam.studies.regression.check import check, compare_measured
 
     case = result.case
     lost = [f"{name}: no such file beside the results: name the case with --case to check it" for name in left_out]
     try:
-        found = check_report(check(case, result), compare_measured(case, result), units_of(case))
+        units = METRIC if case.swept is None else units_of(case)
+        found = check_report(check(case, result), compare_measured(case, result), units)
     except CaseError as fault:
         return StudySheet(f"Not checked: {fault}", notes=lost)
     return replace(found, notes=[*lost, *found.notes])
