@@ -229,6 +229,8 @@ UNCERTAIN = ("--set", 'uncertain."stop.restitution"="± 0.05"')
     ("words", "code", "said"),
     [
         (("map", "--over", "level", "--points", "3", "--quantity", "impacts"), 0, "Impacts over level: one up to"),
+        (("map", "--over", "level", "--fidelity", "two"), 2, "--fidelity: no fidelity 'two'; known here: one"),
+        (("map", "--over", "stop.gapp", "--from", "0", "--to", "1"), 2, "--over: 'stop.gapp' is no key of the case"),
         (("map", "--picture", "stability"), 2, "--picture: is of a map of a [sweep]"),
         (("verdict",), 0, "Not answered: the solvers' errors are of steady motions"),
         (("verdict", "--only", "map"), 2, "fewer than two fidelities of one rig"),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
+from vibeam.exchange.faults import suggest
 from vibeam.runs.transient.motions import SCALED
 from vibeam.studies.record.ensembles import AskedNumber, Told, asked_number, ensembles
 from vibeam_models.arrays import Array, ValueRecord
@@ -71,6 +72,8 @@ def record_map(
     """
     number = asked_number(case, quantity)
     names = list(fidelities or case.fidelities)
+    if unknown := [name for name in names if name not in case.fidelities]:
+        raise ValueError(f"--fidelity: no fidelity {unknown[0]!r}; {suggest(unknown[0], case.fidelities)}")
     made = tuple(RecordAxis(key, tuple(map(float, each)), _unit(case, key)) for key, each in axes.items())
     cases = [case.with_keys(_settings(dict(zip(axes, point, strict=True)))) for point in product(*axes.values())]
     found = ensembles([(each, name) for name in names for each in cases], [number], told)
@@ -107,6 +110,11 @@ def axes_asked(
     ends = [_ends(flag, given, len(keys)) for flag, given in (("--from", low), ("--to", high))]
     counts = list(points or USUAL[len(keys) - 1 :][:1])
     counts = counts * len(keys) if len(counts) == 1 else counts
+    for key in keys:
+        try:
+            _unit(case, key)
+        except ValueError as fault:
+            raise ValueError(f"--over: {fault}") from None
     if len(counts) != len(keys):
         raise ValueError(f"--points: {len(counts)} numbers for {len(keys)} keys")
     return {
