@@ -78,6 +78,8 @@ def figure(found: RecordMap) -> Figure:
     else:
         _planes(made, found, factor, label)
     seeds = f", mean of {counted(found.realisations, 'realisation')}" if found.realisations > 1 else ""
+    if seeds and len(found.axes) == 1:
+        seeds += " with two standard errors"
     titled(made, found.case.figure, found.case.title, f"{found.number}{seeds}")
     legend(made, {})
     return made

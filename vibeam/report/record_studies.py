@@ -13,13 +13,14 @@ from vibeam.report.output import StudySheet
 from vibeam.report.tables import blank
 from vibeam.runs.comparison.differences import listed
 from vibeam.studies.record.ensembles import OF_IMPACTS, plan_of_record
+from vibeam.studies.record.readings import AskedNumber
 from vibeam.system.number_text import begun, modes_in_words, percent, signed, with_unit
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.studies.influence.recorded_effects import EffectsVariant, RecordEffects
-    from vibeam.studies.record.ensembles import AskedNumber, NumberChange
+    from vibeam.studies.record.ensembles import NumberChange
     from vibeam.studies.record.fidelities import RecordFidelities
     from vibeam.studies.record.modes import RecordModes
     from vibeam.studies.uncertainty.recorded_inputs import RecordUncertainty
@@ -179,6 +180,9 @@ def of_uncertainty(study: RecordUncertainty) -> StudySheet:
     same = f"each on the same {counted(study.realisations, 'realisation')}"
     cost = f"{1e3 * study.seconds:.3g} ms of CPU time a sample"
     notes = [f"{study.samples} samples of {study.fidelity}, {same}, {cost}", _cheaper(study)]
+    if isfinite(shares[top]):
+        within = " … ".join(percent(float(each[top, 0])) for each in (first.indices.low, first.indices.high))
+        notes.append(f"the share of {keys[top]} lies in {within} (95 %): --samples narrows it")
     if study.failed:
         notes.append(f"{study.failed} samples did not run to the record's end, and are left out")
     data = {"rows": study.rows, "samples": study.samples, "seed": study.seed, "cheaper": study.cheaper}

@@ -16,10 +16,11 @@ import vibeam
 from vibeam.cli.main import app
 from vibeam.runs.transient.run import run_record
 from vibeam.studies.influence.recorded_effects import record_effects
-from vibeam.studies.record.ensembles import AskedNumber, asked_number, changes, ensembles, usual_numbers
+from vibeam.studies.record.ensembles import KNOWN, asked_number, changes, ensembles, usual_numbers
 from vibeam.studies.record.fidelities import judged
 from vibeam.studies.record.modes import RecordModes, record_modes
 from vibeam.studies.record.plane import axes_asked, record_map
+from vibeam.studies.record.readings import AskedNumber, suits
 from vibeam.studies.uncertainty.recorded_inputs import cheaper_mean
 from vibeam.studies.uncertainty.samples import inputs_of
 from vibeam.studies.uncertainty.statistics import saltelli
@@ -123,6 +124,22 @@ def test_a_variant_on_the_same_realisations_as_itself_changes_nothing() -> None:
     one, same = ensembles([(case, "one"), (case, "one")], usual_numbers(case))
     for each in changes(one, same):
         assert (each.change, each.error) == (0.0, 0.0)
+
+
+def test_a_few_numbers_are_those_that_a_run_reads() -> None:
+    """To the last digits: a run reads extremes in 512 bins, which flies to the bins' edges."""
+    case = noisy(**{"record.outputs": ["sensor", "contact"]})
+    asked = [asked_number(case, each) for each in KNOWN if each not in ("mean", "rms")]
+    asked += [asked_number(case, f"{each} of contact_velocity") for each in ("peak", "least", "peak_time")]
+    assert suits(asked)
+    assert not suits([asked_number(case, "rms")])
+    [few] = ensembles([(case, "two")], asked)
+    run = run_record(case, None, lambda *each: None, False, lambda line: None)["two"]
+    for each in asked:
+        whole = run.of(each.quantity, each.signal or None)
+        assert few.of(each) == pytest.approx(whole, rel=1e-9, abs=1e-18), each
+    [sampled] = ensembles([(case, "two")], [asked_number(case, "rms")])
+    assert sampled.of(asked_number(case, "rms")).tolist() == run.of("rms").tolist()
 
 
 def test_the_cheapest_within_is_named_at_each_value() -> None:

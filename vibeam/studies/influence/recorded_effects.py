@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from vibeam.studies.influence.subsets import smallest, subsets_of_record
 from vibeam.studies.record.ensembles import (
-    AskedNumber,
     Ensemble,
     NumberChange,
     Told,
@@ -21,6 +20,7 @@ from vibeam.studies.record.ensembles import (
     usual_numbers,
     worst,
 )
+from vibeam.studies.record.readings import AskedNumber
 from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:

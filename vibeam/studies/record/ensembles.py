@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from threading import Event, Lock
+from time import thread_time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,8 @@ from vibeam.runs.parallel import run_parallel
 from vibeam.runs.transient.motions import MotionMaker, Realisation, motions_of
 from vibeam.runs.transient.statistics import SampleMean, mean_of, paired
 from vibeam.runs.transient.transient import assembled
+from vibeam.solvers import SOLVERS
+from vibeam.studies.record.readings import AskedNumber, few_numbers, suits
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
@@ -31,18 +34,6 @@ Told = Callable[[int, int], None]
 PEAK = "peak"  # quantity by which a model is judged: the others hang on each single impact
 OF_IMPACTS = ("impacts", "hardest_impact", "lost_at_impacts")
 KNOWN = tuple(name for name, each in QUANTITIES.items() if each.of != "pair")
-
-
-@dataclass(frozen=True)
-class AskedNumber:
-    """Number of a motion: a quantity, and the ``signal`` that it is of (empty: of none)."""
-
-    quantity: str
-    signal: str = ""
-
-    def __str__(self) -> str:
-        words = self.quantity.replace("_", " ")
-        return f"{words} of {self.signal}" if self.signal else words
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -156,8 +147,12 @@ def _require_signals(maker: MotionMaker, asked: Sequence[AskedNumber]) -> None:
 
 def _numbers(maker: MotionMaker, motion: Realisation, asked: Sequence[AskedNumber]) -> list[float]:
     """Numbers of one motion, and its CPU time at the end."""
-    reading = maker.made(replace(motion, shown=False))
     duration = float(plan_of_record(maker.case).duration)
+    if SOLVERS[maker.case.fidelities[maker.name].solver].motion == "exact" and suits(asked):
+        begun, record = thread_time(), maker.load(motion.value, motion.seed)
+        path, _ = maker.path(motion.value, record)
+        return [*few_numbers(path, record, asked, duration), thread_time() - begun]
+    reading = maker.made(replace(motion, shown=False))
     one = assembled(maker.name, duration, maker.system(motion.value)[1], [[reading]])
     found = [float(one.of(each.quantity, each.signal or None)[0, 0]) for each in asked]
     return [*found, float(one.cpu_seconds[0, 0] + one.reading_seconds[0, 0])]

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.studies.record.ensembles import (
-    AskedNumber,
     Ensemble,
     Told,
     alone,
@@ -22,6 +21,7 @@ from vibeam.studies.record.ensembles import (
     plan_of_record,
     usual_numbers,
 )
+from vibeam.studies.record.readings import AskedNumber
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, Allocation, MeanEstimate, Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import inputs_of
 from vibeam.studies.uncertainty.statistics import Distribution, Indices, indices, saltelli
