@@ -165,9 +165,7 @@ class InputPlan:
 
 @lru_cache(maxsize=4)
 def _record_of(plan: InputPlan, state: State) -> Record:
-    from vibeam.exchange.time_series import WAVES, record_of_file
+    from vibeam.exchange.time_series import record_of_file
 
     said: dict[str, Any] = {name: each for name in OF_FILE if (each := getattr(plan, name)) is not None}
-    if "column" in said and Path(plan.file or "").suffix.lower() in WAVES:
-        said["channel"] = said.pop("column")
     return record_of_file(plan.file or "", quote=plan.quote, **said)

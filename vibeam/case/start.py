@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.system.record_samples import GRAVITY
 from vibeam.system.state import State
 
 if TYPE_CHECKING:
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.arrays import Array
 
-GRAVITY = 9.80665  # m/s², standard
 BEYOND = 1e-12  # share of the deflection at a stop by which it may be beyond it, rounded
 
 

@@ -45,7 +45,6 @@ def record_of_file(
     *,
     column: str | int | None = None,
     time: str | int | None = None,
-    channel: int | None = None,
     quantity: str = "acceleration",
     unit: str | None = None,
     rate: float | None = None,
@@ -57,11 +56,12 @@ def record_of_file(
     """Record of a file, by its ending: text (CSV and tables of instruments), .wav, .mat, .h5, universal files.
 
     - ``column``: head of the samples, or number from 1 (text); variable or dataset, ``"name:2"`` for its second column
-      (.mat, .h5); number of the data set 58 (universal files). None: a usual head of the ``quantity``, or the only one.
+      (.mat, .h5); number of the data set 58 (universal files) or of the channel (.wav). None: a usual head of the
+      ``quantity``, or the only one.
     - ``time``: the same of the times; None: ``"time"`` or ``"t"``. ``rate`` (Hz): samples per second, in its place.
-    - ``channel``: of a WAV file, from 1. Of one of whole numbers ``scale`` must say the value of the full scale.
     - ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``. ``unit`` goes before the one that the file
-      says (``g`` is 9.80665 m/s²); without any: SI. ``scale``: factor on top of it.
+      says (``g`` is 9.80665 m/s²); without any: SI. ``scale``: factor on top of it; of a WAV file of whole numbers the
+      value of its full scale, which must be said.
 
     CaseError names file, line or row, and cure of every fault. ``quote``: whether messages may quote the file.
 
@@ -76,7 +76,7 @@ def record_of_file(
         raise CaseError([fault_in(path, None, fault)])
     try:
         _require_keys(quantity, column, time, unit, scale)
-        found, own = _columns(path, _Asked(column, time, channel, quantity, rate, scale))
+        found, own = _columns(path, _Asked(column, time, quantity, rate, scale))
         value = _in_si(found.columns["value"], UNITS[quantity], unit, "unit") * (1.0 if scale is None else scale)
         times = _in_si(found.columns["frequency"], "s", None, "rate") if own is None else None
     except FormatError as wrong:
@@ -110,7 +110,6 @@ class _Asked(NamedTuple):
 
     column: str | int | None
     time: str | int | None
-    channel: int | None
     quantity: str
     rate: float | None
     scale: float | None
@@ -119,10 +118,8 @@ class _Asked(NamedTuple):
 def _columns(path: Path, asked: _Asked) -> tuple[Columns, float | None]:
     """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, or the rate in its place."""
     if path.suffix.lower() in WAVES:
-        found, own = _read_wav(path, asked.channel, asked.scale is not None)
+        found, own = _read_wav(path, asked.column, asked.scale is not None)
         return found, own if asked.rate is None else asked.rate
-    if asked.channel is not None:
-        raise FormatError("channel goes with a WAV file: say the column of this one")
     wanted = {
         "frequency": WantedColumn(TIMES if asked.time is None else (asked.time,), needed=asked.rate is None),
         "value": WantedColumn(HEADS[asked.quantity] if asked.column is None else (asked.column,)),
@@ -157,7 +154,7 @@ def _require_sound(path: Path, found: Columns, value: Array, times: Array | None
         raise CaseError([fault_in(path, None, each) for each in faults])
 
 
-def _read_wav(path: Path, channel: int | None, scaled: bool) -> tuple[Columns, float]:
+def _read_wav(path: Path, column: str | int | None, scaled: bool) -> tuple[Columns, float]:
     """One channel of a WAV file, as shares of the full scale where it is of whole numbers, and its rate, Hz."""
     from scipy.io import wavfile
 
@@ -169,18 +166,18 @@ def _read_wav(path: Path, channel: int | None, scaled: bool) -> tuple[Columns, f
         raise FormatError(f"is no WAV file that can be read: {reason(error)}") from None
     table = data.reshape(len(data), -1)
     channels = table.shape[1]
-    if channel is None and channels > 1:
-        raise FormatError(f"has {channels} channels: say which, channel = 1 … {channels}")
-    if channel is not None and not 1 <= channel <= channels:
-        raise FormatError(
-            f"has no channel {channel}: there {'is 1' if channels == 1 else f'are {channels}'}, from 1 on"
-        )
-    values = table[:, (channel or 1) - 1]
+    if column is None and channels > 1:
+        raise FormatError(f"has {channels} channels: say which, column = 1 … {channels}")
+    channel = 1 if column is None else column
+    if not isinstance(channel, int) or channel > channels:
+        there = "is 1" if channels == 1 else f"are {channels}"
+        raise FormatError(f"has no channel {channel}: there {there}, from 1 on")
+    values = table[:, channel - 1]
     if data.dtype.kind in "iu":
         if not scaled:
             raise FormatError("holds shares of its full scale: say scale, the value of the full scale")
         values = (values - (128.0 if data.dtype.kind == "u" else 0.0)) / 2.0 ** (8 * data.dtype.itemsize - 1)
-    columns = {"value": CurveColumn(f"channel {channel or 1}", "", np.asarray(values, dtype=float))}
+    columns = {"value": CurveColumn(f"channel {channel}", "", np.asarray(values, dtype=float))}
     return Columns(columns, range(1, len(values) + 1)), float(own)
 
 

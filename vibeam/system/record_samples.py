@@ -12,7 +12,7 @@ from vibeam.system import record_pieces as pieces
 from vibeam_models.arguments import counted, number, real_array, refuse, shown, word
 from vibeam_models.arrays import Array, Index
 
-GRAVITY = 9.80665
+GRAVITY = 9.80665  # m/s² of a unit g of acceleration
 MOST = 1e6 * GRAVITY  # m/s²: pyrotechnic devices make 10⁴ to 10⁵ g at their own metal
 LISTED = 3  # indices named in a message
 GAP = 1.5  # length of a step, in median steps, from which on a sample is missing

@@ -81,7 +81,7 @@ def wav_bytes(path: Path, width: int) -> None:
 @pytest.mark.parametrize("width", [1, 2, 3, 4])
 def test_whole_numbers_of_a_wav_file_are_shares_of_the_scale(tmp_path: Path, width: int) -> None:
     wav_bytes(tmp_path / "a.wav", width)
-    record = read(tmp_path / "a.wav", channel=2, scale=2 * 30.0, unit="m/s^2")
+    record = read(tmp_path / "a.wav", column=2, scale=2 * 30.0, unit="m/s^2")
     assert record.spacing == pytest.approx(1 / RATE, rel=1e-12)
     assert record.at(record.times) == pytest.approx(30 * VALUES, abs=30 * 2.1 * 2.0 ** (1 - 8 * width))
 
@@ -147,7 +147,6 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     (SHORT, {"unit": "mm"}, "a.csv: column 'acc': the unit 'mm' is not one of m/s^2; say it: unit = \"…\""),
     (SHORT, {"unit": "g", "scale": 1e6}, "a.csv: an acceleration of 2e+06 g, more than 10⁶ g"),
     (SHORT, {"column": 0, "unit": 3, "scale": "x"}, "column: 0 must be a head, or a number from 1; unit: 3 must be"),
-    (SHORT, {"channel": 1}, "a.csv: channel goes with a WAV file: say the column of this one"),
     (SHORT, {"quantity": "strain"}, "a.csv: quantity: 'strain' must be one of acceleration, force, moment"),
     (LOST, {}, "of one, by digits that were lost: say rate = 51181.1 Hz, or what it was before"),
     ("", {}, "a.csv: is empty"),
@@ -172,9 +171,9 @@ def test_all_faults_of_a_file_are_said_at_once(tmp_path: Path) -> None:
 def test_wav_files_that_are_none_are_refused(tmp_path: Path) -> None:
     wav_bytes(tmp_path / "a.wav", 2)
     for form, message in (
-        ({"scale": 1.0}, "has 2 channels: say which, channel = 1 … 2"),
-        ({"channel": 3, "scale": 1.0}, "has no channel 3: there are 2, from 1 on"),
-        ({"channel": 1}, "holds shares of its full scale: say scale, the value of the full scale"),
+        ({"scale": 1.0}, "has 2 channels: say which, column = 1 … 2"),
+        ({"column": 3, "scale": 1.0}, "has no channel 3: there are 2, from 1 on"),
+        ({"column": 1}, "holds shares of its full scale: say scale, the value of the full scale"),
     ):
         with pytest.raises(vibeam.CaseError, match=message):
             read(tmp_path / "a.wav", **form)

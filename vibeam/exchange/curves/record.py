@@ -12,6 +12,7 @@ import numpy as np
 
 from vibeam.exchange.faults import suggest
 from vibeam.exchange.units import unit_size
+from vibeam.system.record_samples import GRAVITY
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -112,7 +113,6 @@ def given(number: float) -> float | None:
     return number if isfinite(number) else None
 
 
-GRAVITY = 9.80665  # m/s² of a unit g of acceleration
 ROLES = ("frequency", "direction", "period", "uncertainty")  # columns besides that of the quantity
 
 
