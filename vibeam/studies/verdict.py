@@ -144,14 +144,17 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
 def _under_record(name: str, case: Case, plan: VerdictPlan, progress: Progress | bool | None) -> Any:
     """Record of a stage of a case under a record; ValueError for the stage that it has not."""
     from vibeam.studies.influence.recorded_effects import record_effects
+    from vibeam.studies.record.ensembles import require_usual
     from vibeam.studies.record.fidelities import record_fidelities
     from vibeam.studies.record.modes import record_modes
 
+    require_usual("verdict", plan, "over", "points", "budget")
     if name == "solvers":
         raise ValueError("the solvers' errors are of steady motions; vibeam run says the CPU time of every fidelity")
-    study = {"modes": record_modes, "effects": record_effects, "map": record_fidelities}[name]
+    study: Any = {"modes": record_modes, "effects": record_effects, "map": record_fidelities}[name]
+    allowed = case.influence.tolerance if name == "effects" else plan.accuracy
     with telling(progress, name) as told:
-        return study(case, plan.accuracy, told=told)  # type: ignore[operator]
+        return study(case, allowed, told=told)
 
 
 def plan_of_modes(case: Case, plan: VerdictPlan) -> ModesNeededPlan:

@@ -17,6 +17,7 @@ from vibeam.studies.record.ensembles import (
     ensembles,
     plain_finest,
     reason_of,
+    require_usual,
     usual_numbers,
     worst,
 )
@@ -75,6 +76,8 @@ def record_effects(case: Case, tolerance: float, told: Told | None = None) -> Re
 
     ValueError where the case names no effect, or has no rig that could have one.
     """
+    of_sweeps = ("quantities", "frequency", "frequency_tolerance", "restitution_tolerance", "points", "settle", "hold")
+    require_usual("influence", case.influence, *of_sweeps, "repeats")
     name = plain_finest(case, case.influence.fidelity)
     sets = subsets_of_record(alone(case, name), name)
     return _EffectMotions(case, sets, tolerance, told).study()

@@ -129,8 +129,11 @@ def limit(case: Case, /, plan: ModesNeededPlan | None = None, **settings: Any) -
     """
     asked, scene = plan_asked(case, plan, settings), case.scene
     if case.record is not None:
+        from vibeam.studies.record.ensembles import require_usual
         from vibeam.studies.record.modes import record_modes
 
+        of_sweeps = ("bases", "most", "band", "contact_time", "modes", "frequency", "speed")
+        require_usual("modes_needed", asked, *of_sweeps)
         return record_modes(case, asked.accuracy)
     if scene.given_mode is not None or not isinstance(scene, RigScene):
         raise ValueError("a single degree of freedom given directly has no more modes")

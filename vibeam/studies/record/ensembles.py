@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from threading import Event, Lock
 from time import thread_time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -190,6 +190,13 @@ def reason_of(refusal: ValueError) -> str:
     if isinstance(refusal, CaseError):
         return "; ".join(f"{fault.key}: {fault.message}" for fault in refusal.faults)
     return str(refusal)
+
+
+def require_usual(table: str, plan: Any, *names: str) -> None:
+    """ValueError where a plan says keys that are of a sweep: they would not count."""
+    usual = type(plan)()
+    if said := [name for name in names if getattr(plan, name) != getattr(usual, name)]:
+        raise ValueError(f"{', '.join(f'{table}.{name}' for name in said)}: of a [sweep]: take it away beside [record]")
 
 
 def plain_finest(case: Case, named: str | None = None) -> str:
