@@ -192,6 +192,12 @@ class Case(Viewed):
             said = f"of fidelity {name}, {str(error).removeprefix('start: ')}"
             raise CaseError([self.fault("start", message=said)]) from None
 
+    def _require_sine(self) -> None:
+        """CaseError of a record case, whose input has no one amplitude."""
+        if self.record is not None:
+            said = "has an input over time and no amplitude at a frequency: case.input(fidelity) is its record"
+            raise CaseError([self.fault("record", message=said)])
+
     @property
     def base_amplitude(self) -> float:
         """Amplitude of the base motion in m (of a SdofScene: in its own unit).
@@ -200,12 +206,14 @@ class Case(Viewed):
         """
         from vibeam_models.base_motion import base_amplitude
 
+        self._require_sine()
         return base_amplitude(self.scene)
 
     def amplitude(self, omega: NDArray[np.float64]) -> float | NDArray[np.float64]:
         """Drive amplitude for a sweep over ``omega`` (rad/s): one for all, or one each where it depends on that."""
         from vibeam_models.base_motion import drive_amplitude
 
+        self._require_sine()
         return drive_amplitude(self.scene, omega)
 
     def scene_of(self, name: str) -> AnyScene:
@@ -222,6 +230,7 @@ class Case(Viewed):
         """Drive amplitude of one fidelity; without ``omega`` its ``base_amplitude``. Errors as in ``scene_of``."""
         from vibeam_models.base_motion import base_amplitude, drive_amplitude
 
+        self._require_sine()
         scene = self.scene_of(name)
         return base_amplitude(scene) if omega is None else drive_amplitude(scene, omega)
 

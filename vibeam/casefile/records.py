@@ -12,6 +12,7 @@ from vibeam.case.input_plan import InputPlan
 from vibeam.case.plans import RecordPlan, StartPlan
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fidelity_changes import entry_at
+from vibeam.casefile.field_tables import flat
 from vibeam.casefile.fields import Entry, Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import ANY, POSITIVE, with_unit
@@ -138,6 +139,9 @@ def _over(case: SimpleNamespace) -> Iterator[Complaint]:
     record = case.record
     if record.over is None or record.values is None:
         return
+    for name, fidelity in case.fidelity.items():
+        if record.over in dict(flat(fidelity.set or {})):
+            yield ("fidelity", name, "set"), f"keeps {record.over} at one value, and record.over varies it: take it out"
     entry, fault = varied(case, KINDS[case.kind].declaration())
     if fault:
         yield ("record", "over"), fault.replace("a fidelity changes", "record.over may be")

@@ -173,6 +173,9 @@ def test_varied_keys_are_read_in_their_unit() -> None:
 def test_nothing_that_needs_a_sweep_runs_without_a_word() -> None:
     with pytest.raises(vibeam.CaseError, match=r"record: takes the place of \[sweep\]"):
         _ = case(PULSE).sweep
+    for asked in (lambda: case(PULSE).base_amplitude, lambda: case(PULSE).amplitude_of("one")):
+        with pytest.raises(vibeam.CaseError, match="record: has an input over time and no amplitude"):
+            asked()
     swept = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3})
     with pytest.raises(vibeam.CaseError, match=r"dtu_neutral.toml:\d+: drive: is a sine"):
         swept.input("sdof")
@@ -275,6 +278,7 @@ def test_one_mode_in_its_own_units() -> None:
         ({"drive": PULSE, "record": {"duration": "1 s", "realisations": 4}}, "record.realisations: of a random input alone: write drive.density, or take it away"),
         ({"drive": PULSE, "record": {"duration": "1 s", "over": "stop.gapp", "values": [1]}}, "record.over: unknown key 'stop.gapp'; did you mean 'gap'?; or level, speed"),
         ({"drive": PULSE, "record": {"duration": "1 s", "over": "stop.gap", "values": ["1 kg"]}}, "record.values.0: stop.gap: '1 kg' is a mass, not a length"),
+        ({"drive": PULSE, "record": {"duration": "1 s", "over": "stop.gap", "values": ["1 mm"]}, "fidelity": {"a": {"reduction": "static_mode", "set": {"stop.gap": "1 mm"}}}}, "fidelity.a.set: keeps stop.gap at one value, and record.over varies it: take it out"),
         ({"drive": PULSE, "record": {"duration": "1 s", "outputs": "sensr"}}, "record.outputs: 'sensr' is not one of \"sensor\" | \"contact\" | \"tip\" | \"platform\"; did you mean 'sensor'?"),
         ({"drive": PULSE, "sweep": {"frequency": ["15 Hz"]}}, "record: and [sweep] do not go together: a case has one of the two"),
         ({"drive": PULSE, "cost": {"budget": "3 s"}}, "cost: is of a [sweep]: take it away; vibeam run says the CPU time of every fidelity"),
