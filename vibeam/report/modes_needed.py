@@ -36,7 +36,7 @@ HINT = (
 
 def first_answer(case: Case, plan: ModesNeededPlan | None = None) -> str:
     """Answer before anything is flown: numbers, what will be flown, or why none can be told; ValueError of a plan."""
-    asked = plan_asked(case, plan, {})
+    _, asked = case.sweep, plan_asked(case, plan, {})
     try:
         problem = ReductionProblem.of(case, asked)
     except ValueError as refusal:

@@ -81,7 +81,8 @@ def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], 
     if not (case.references or case.expectations or case.measured):
         from vibeam.runs.systems import require_runnable
 
-        require_runnable(case)
+        if case.record is None:
+            require_runnable(case)
         return check_report([], [])
     from vibeam.case.held import held_of
     from vibeam.figures.units import units_of
@@ -119,6 +120,7 @@ def _recorded(case: Case, out: str | None, force: bool) -> tuple[StudySheet, lis
     from vibeam.exchange.whole_files import write_whole
     from vibeam.report.checks import record, record_report
 
+    _ = case.sweep  # curves over frequency: a record case has none
     place = case.path.parent / "references" if out is None else Path(out)
     files = {name: place / f"{case.path.stem}_{name}.csv" for name in case.fidelities}
     there = [str(file) for file in files.values() if file.exists()]

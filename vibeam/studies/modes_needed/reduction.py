@@ -120,6 +120,7 @@ class ReductionProblem:
     @classmethod
     def of(cls, case: Case, plan: ModesNeededPlan) -> ReductionProblem:
         """Problem of a case; ValueError for one without a structure, or an impossible plan."""
+        _ = case.sweep  # of a record case vibeam verdict counts the modes
         if case.scene.given_mode is not None:
             raise ValueError(f"nothing to reduce: {case.scene.no_beam}")
         structure, notes = _reference(structure_of(case.scene))
