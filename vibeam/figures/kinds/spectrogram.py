@@ -87,8 +87,8 @@ def draw(figure: Figure, result: RecordResult, plan: ShowPlan, shown: tuple[Shee
         level = 10 * np.log10(np.maximum(sheet["density"] / top, 1e-30)).reshape(len(sheet["frequency"]), -1)
         keys = {"vmin": -DECIBELS, "vmax": 0.0, "cmap": "magma", "rasterized": True}
         mesh = axes.pcolormesh(sheet["time"], sheet["frequency"], level, shading="nearest", **keys)
-        hits = sheet["impact_time"][: COLUMNS * (len(sheet["impact_time"]) <= COLUMNS)]
-        axes.plot(hits, 0 * hits, "|", color="0.2", markersize=4, clip_on=False)
+        if 0 < len(hits := sheet["impact_time"]) <= COLUMNS:
+            axes.plot(hits, 0 * hits, "|", color="0.2", markersize=4, clip_on=False)
     labelled(grid[-1], "time", "s", across=True)
     if known and top > 0:
         figure.colorbar(mesh, ax=grid.tolist(), label="dB below the largest")

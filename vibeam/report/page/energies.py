@@ -51,7 +51,8 @@ def energy_bars(result: TransientResult) -> Picture | None:
         parts += [_box(x, low, 12, 12, colour, words), _text(x + 18, low + 11, words)]
     said = f"Energies, means over the motions of each fidelity: {', '.join(words for _, words, _ in SHARES)}"
     drawn = f'<svg class="scene" viewBox="0 0 {WIDTH} {low + 22}" role="img" aria-label="{said}">{"".join(parts)}</svg>'
-    return Picture("Energies", f"{said}.", drawn, as_csv(("fidelity", "part", with_unit("energy", unit)), rows))
+    numbers = as_csv(("fidelity", "part", with_unit("energy", unit)), rows)
+    return Picture("Energies of each fidelity", f"{said}.", drawn, numbers)
 
 
 def _text(x: float, y: float, text: str, kind: str = "small") -> str:
