@@ -58,7 +58,8 @@ def record_of_file(
     - ``column``: head of the samples, or number from 1 (text); variable or dataset, ``"name:2"`` for its second column
       (.mat, .h5); number of the data set 58 (universal files) or of the channel (.wav). None: a usual head of the
       ``quantity``, or the only one.
-    - ``time``: the same of the times; None: ``"time"`` or ``"t"``. ``rate`` (Hz): samples per second, in its place.
+    - ``time``: the same of the times; None: ``"time"`` or ``"t"``. ``rate`` (Hz): samples per second, in its place,
+      also of universal files, which write the time between two samples with six digits alone.
     - ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``. ``unit`` goes before the one that the file
       says (``g`` is 9.80665 m/s²); without any: SI. ``scale``: factor on top of it; of a WAV file of whole numbers the
       value of its full scale, which must be said.
