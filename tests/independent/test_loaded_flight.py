@@ -108,19 +108,38 @@ def test_extremes_of_the_contact(entry):
     assert [found.least[0, 0], found.greatest[0, 0]] == pytest.approx([least, greatest], abs=bound)
 
 
+def quadrature(path, knots, end):
+    """Times (m, 20) and weights of Gauss' points on stretches without a knot or an event, at most end/400 long."""
+    events = [*path.impact_times, *path.contacts[:, :2].sum(axis=1), *path.rests.ravel()]
+    cuts = np.unique(np.concatenate([knots, events, np.linspace(0.0, end, 401)]))
+    cuts = cuts[cuts <= end]
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    half = np.diff(cuts)[:, None] / 2
+    return cuts[:-1, None] + half * (1 + nodes), half * weights
+
+
 @pytest.mark.parametrize("entry", STORED[::7], ids=NAMES[::7])
 def test_the_work_of_the_load_by_quadrature_along_the_motion(entry):
-    """Gauss' 20 points on every stretch without a knot or an event: ∫ u load·η' dt."""
+    """∫ u load·η' dt, against the second program's integral of products of series."""
     path, record = path_of(entry), vibeam.Record(entry["knots"], entry["pieces"], "force")
-    events = [float(event[2]) for event in entry["events"]]
-    events = [*events, *path.impact_times, *path.contacts[:, :2].sum(axis=1), *path.rests.ravel()]
-    cuts = np.unique(np.concatenate([entry["knots"], events, [0.0, entry["t_end"]]]))
-    fine = np.linspace(0.0, entry["t_end"], 400)  # as fast modes turn many times in a piece
-    cuts = np.unique(np.concatenate([cuts[cuts <= entry["t_end"]], fine]))
-    nodes, weights = np.polynomial.legendre.leggauss(20)
-    begin, half = cuts[:-1, None], np.diff(cuts)[:, None] / 2
-    t = begin + half * (1 + nodes)
-    power = record.at(t) * (path.modes_at(t)[..., 1, :] @ np.array(entry["load"]))
-    work = float(np.sum(half * weights * power))
-    scale = float(np.sum(half * weights * np.abs(power)))
-    assert work == pytest.approx(float(entry["work"]), abs=1e-10 * (1 + entry["growth"]) * scale)
+    t, weights = quadrature(path, entry["knots"], entry["t_end"])
+    power = weights * record.at(t) * (path.modes_at(t)[..., 1, :] @ np.array(entry["load"]))
+    assert power.sum() == pytest.approx(float(entry["work"]), abs=1e-10 * (1 + entry["growth"]) * np.abs(power).sum())
+
+
+@pytest.mark.parametrize("peak", [-30.0, 30.0])
+def test_energy_balances_with_the_work_of_the_base(peak):
+    """Three modes on a base that jerks by a half-sine: ½η'² + ½ω²η² is the base's work less damping and impacts."""
+    omega, zeta = np.array([47.7, 299.0, 840.0]), np.array([0.017, 0.01, 0.01])
+    contact, load = np.array([1.9, -1.8, 1.7]), np.array([1.5, 0.8, 0.5])
+    system = vibeam.ImpactSystem.from_modes(omega, zeta, contact, load, gap=5e-4, restitution=0.7)
+    record = vibeam.Record.half_sine(peak, 0.011)
+    path = vibeam.simulate(system, record, 0.4, vibeam.State(np.zeros(3), np.zeros(3)))
+    assert len(path.impact_times) > 5
+    t, weights = quadrature(path, record.times, 0.4)
+    rates = path.modes_at(t)[..., 1, :]
+    work = float(np.sum(weights * -record.at(t) * (rates @ load)))
+    lost = float(np.sum(weights * (rates**2 @ (2 * zeta * omega))))
+    lost += float(np.sum((1 - 0.7**2) * path.impact_velocities**2) / (2 * contact @ contact))
+    left = 0.5 * float(np.sum(path.state.velocity**2 + (omega * path.state.displacement) ** 2))
+    assert left == pytest.approx(work - lost, abs=1e-12 * work)
