@@ -10,10 +10,11 @@ import numpy as np
 
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
-from vibeam.report.transient_answer import ENSEMBLE, USUAL, answers, difference_text, time_text, transient_answer
+from vibeam.report.transient_answer import DUST, ENSEMBLE, USUAL, answers, difference_text, time_text, transient_answer
 from vibeam.runs.comparison.differences import listed
+from vibeam.runs.transient.motions import SCALED
 from vibeam.runs.transient.statistics import SampleMean, mean_of, mean_of_series, windowed_rate
-from vibeam.system.number_text import ACCELERATIONS, LENGTHS, SPEEDS, STRAINS, percent, prefixed
+from vibeam.system.number_text import ACCELERATIONS, LENGTHS, SPEEDS, STRAINS, percent, prefixed, with_unit
 from vibeam.system.response import Ended
 from vibeam_models.arguments import counted
 
@@ -35,7 +36,7 @@ def transient_report(result: TransientResult, accuracy: float | None = None) -> 
         transient_answer(result, accuracy or USUAL),
         tables[:1],
         list(remarks(result)),
-        list(_details(result)),
+        list(_details()),
         [*tables[1:], impacts(result), *modal_energies(result), cost(result)],
         _data(result),
         rows=[row for part in result.columns()[0] for row in _rows(part)],
@@ -45,8 +46,9 @@ def transient_report(result: TransientResult, accuracy: float | None = None) -> 
 def fidelities(result: TransientResult) -> ReportTable:
     """Table of every fidelity at every value: peak of the first signal, impacts, energy, each beside the finest's."""
     first = next(iter(result.values())).signals[0]
-    unit, factor = _unit(first.unit, max(float(np.nanmax(each.peak[..., 0], initial=0.0)) for each in result.values()))
-    table = _table(result, "Fidelities", "modes|", f"peak {first.name} ({unit})|", "off|")
+    largest = max(float(np.nanmax(each.peak[..., 0], initial=0.0)) for each in result.values())
+    unit, factor = _unit(result, first.unit, largest)
+    table = _table(result, "Fidelities", "modes|", f"peak {first.name}{f' ({unit})' * bool(unit)}|", "off|")
     table.add("impacts|", "off|", "hardest (m/s)|", "off|", "agrees until|", "CPU ratio|")
     cheapest = min(float(np.nansum(each.cpu_seconds)) for each in result.values()) or float("nan")
     for name, own in result.items():
@@ -79,7 +81,7 @@ def mean_text(found: SampleMean) -> str:
     """Mean to four digits with its standard error; a dash where there is none."""
     if not isfinite(found.mean):
         return "–"
-    error = f" ± {found.error:.2g}" if isfinite(found.error) and found.error > 0 else ""
+    error = f" ± {found.error:.2g}" if found.error > DUST * abs(found.mean) else ""
     return f"{found.mean:.4g}{error}"
 
 
@@ -104,7 +106,7 @@ def peaks(result: TransientResult) -> ReportTable:
         of = result.comparison.get(name)
         for at, head in _values(result, name):
             for number, signal in enumerate(own.signals):
-                unit, factor = _unit(signal.unit, float(np.nanmax(own.peak[at, :, number], initial=0.0)))
+                unit, factor = _unit(result, signal.unit, float(np.nanmax(own.peak[at, :, number], initial=0.0)))
                 read = [mean_of(own.of(each, signal.name)[at] * factor) for each in ("peak", "rms")]
                 when = time_text(mean_of(own.of("peak_time", signal.name)[at]).mean)
                 peak, rms = (f"{mean_text(each)} {unit}".strip() for each in read)
@@ -151,7 +153,7 @@ def modal_energies(result: TransientResult) -> Iterator[ReportTable]:
 
 
 def _at_last(result: TransientResult) -> str:
-    return f"; at {result.over} = {result.factors[-1]:.4g}" if len(result.factors) > 1 else ""
+    return f"; at {result.over} = {factor_text(result, result.factors[-1])}" if len(result.factors) > 1 else ""
 
 
 def impacts(result: TransientResult) -> ReportTable:
@@ -228,18 +230,22 @@ def remarks(result: TransientResult) -> Iterator[str]:
         yield "one realisation of a random input: peaks have no sampling error: give record.realisations"
 
 
-def _details(result: TransientResult) -> Iterator[str]:
+def _details() -> Iterator[str]:
     yield "acceleration: of flight, contact and rest; the impulses of a rigid stop are no part of it"
     yield "work of the load: on the motion relative to the base"
-    if result.over in ("level", "speed"):
-        return
-    yield f"{result.over} in SI units"
+
+
+def factor_text(result: TransientResult, value: float) -> str:
+    """Value of the factor with its unit, where it is a key that has one."""
+    if result.over in SCALED:
+        return f"{value:.4g}"
+    return with_unit(value, result.case.keys.unit(result.over))
 
 
 def _values(result: TransientResult, name: str) -> Iterator[tuple[int, tuple[str, ...]]]:
     """Index of every value, and the first cells of its row."""
     for at, value in enumerate(result.factors):
-        yield at, (name, f"{value:.4g}") if len(result.factors) > 1 else (name,)
+        yield at, (name, factor_text(result, value)) if len(result.factors) > 1 else (name,)
 
 
 def _table(result: TransientResult, title: str, *names: str) -> ReportTable:
@@ -247,10 +253,11 @@ def _table(result: TransientResult, title: str, *names: str) -> ReportTable:
     return blank(title, "fidelity", *[f"{result.over}|"] * varied, *names, heads=1 + varied)
 
 
-def _unit(unit: str, largest: float) -> tuple[str, float]:
+def _unit(result: TransientResult, unit: str, largest: float) -> tuple[str, float]:
     """Unit for display and its factor."""
     if unit == "1":
-        return prefixed(STRAINS, largest) if 0 < largest < 0.1 else ("", 1.0)
+        strain = result.case.scene.natural_unit is None and largest > 0
+        return prefixed(STRAINS, largest) if strain else ("", 1.0)
     return prefixed(STEPS[unit], largest, 0) if unit in STEPS else (unit, 1.0)
 
 

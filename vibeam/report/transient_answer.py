@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, log
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,8 +25,11 @@ if TYPE_CHECKING:
 USUAL = 0.05  # accuracy where none is asked for
 NAMED = 4  # quantities named of what a fidelity misses
 ENSEMBLE = 4  # realisations from which on statistics are compared where single motions part
+BEFORE = "peak_before"  # peak before the horizon
+DUST = 1e-9  # share below which a standard error is round-off
 TOLD = ("peak", "hardest_impact", "impacts", "lost_at_impacts", "energy_left")  # in the sentence
-NEAR = 2.0  # ratio of horizons up to which the finest itself parts as early
+#: share of the finest's own horizon after which a model off by 1 % parts, where differences grow from 1e-6 to 5 % in it
+SMALL_ERROR = log(0.05 / 0.01) / log(0.05 / 1e-6)
 CALLED = {
     "hardest_impact": "hardest impact", "impact_velocity": "mean impact velocity", "impacts": "number of impacts",
     "lost_at_impacts": "energy lost to the stop", "lost_by_damping": "energy lost by damping",
@@ -38,7 +41,8 @@ CALLED = {
 class FidelityAnswer:
     """Judgement of one fidelity: the ``worst`` of each quantity over the values, those that are ``principal`` first.
 
-    ``chaotic``: single motions part as early as the finest from itself; ``until``: share of the time until they part.
+    ``chaotic``: single motions part no earlier than impacts make them; ``until``: share of the time until those of the
+    first seed part, at the worst value.
     """
 
     name: str
@@ -70,15 +74,16 @@ def _judged(result: TransientResult, of: TransientComparison) -> FidelityAnswer:
     principal = [worst[key] for key in worst if key[1] in plain or key[0] == "hardest_impact"]
     if chaotic and of.horizon.shape[1] < ENSEMBLE:
         principal = list(_before(of, finest, plain))
-    until = float(np.nanmin(of.horizon / of.duration)) if np.isfinite(of.horizon).any() else float("nan")
+    first = of.horizon[:, 0] / of.duration
+    until = float(np.nanmin(first)) if np.isfinite(first).any() else float("nan")
     return FidelityAnswer(of.fidelity, tuple(worst.values()), tuple(principal), chaotic, until)
 
 
 def is_chaotic(of: TransientComparison) -> bool:
-    """Test whether motions part no earlier than the finest from itself, by the factor ``NEAR``, and that does part."""
+    """Test whether the finest parts from itself, and the motions no earlier than those of a model off by 1 % would."""
     own, first = of.own_horizon, of.horizon[:, 0]
     known = np.isfinite(own) & np.isfinite(first) & (first < of.duration)
-    return bool(known.any() and np.all((own < of.duration)[known] & (first * NEAR * 2 >= own)[known]))
+    return bool(known.any() and np.all((own < of.duration)[known] & (first >= SMALL_ERROR * own)[known]))
 
 
 def _before(of: TransientComparison, finest: Transient, plain: set[str]) -> Iterator[PairedDifference]:
@@ -88,7 +93,7 @@ def _before(of: TransientComparison, finest: Transient, plain: set[str]) -> Iter
         known = known[np.isfinite(known)]
         if signal.name in plain and len(known):
             yield PairedDifference(
-                "peak", signal.name, 0, float(known[np.abs(known).argmax()]), float("nan"), len(known)
+                BEFORE, signal.name, 0, float(known[np.abs(known).argmax()]), float("nan"), len(known)
             )
 
 
@@ -137,6 +142,8 @@ def misses(of: FidelityAnswer, accuracy: float) -> str:
     """Clause on what a fidelity misses: the largest differences first; whether because motions part by chaos."""
     beyond = _beside(of, accuracy)
     principal = [each for each in of.principal if not each.is_within(accuracy)]
+    if any(each.quantity == BEFORE for each in of.principal):
+        beyond = []  # of single motions that part
     named = [*principal, *(each for each in beyond if each not in principal)][:NAMED]
     return (
         f"{of.name} misses {_several(named)}" if named else f"{of.name} is not compared: no motion of both is complete"
@@ -155,12 +162,13 @@ def _several(differences: Sequence[PairedDifference]) -> str:
 
 def called(each: PairedDifference) -> str:
     """Quantity of a difference in words."""
-    return CALLED.get(each.quantity) or f"peak {each.signal}"
+    until = " until they part" if each.quantity == BEFORE else ""
+    return CALLED.get(each.quantity) or f"peak {each.signal}{until}"
 
 
 def difference_text(each: PairedDifference) -> str:
     """Share with its sign, and its standard error where it is known."""
-    return signed(each.mean) + (f" ± {percent(each.error)}" if isfinite(each.error) and each.error > 0 else "")
+    return signed(each.mean) + (f" ± {percent(each.error)}" if isfinite(each.error) and each.error > DUST else "")
 
 
 def _horizons(result: TransientResult, found: Sequence[FidelityAnswer], top: str) -> str:
@@ -169,7 +177,8 @@ def _horizons(result: TransientResult, found: Sequence[FidelityAnswer], top: str
     if not apart:
         return ""
     several = [f"{each.name} until {time_text(each.until * result[top].duration)}" for each in apart]
-    said = f" Impacts pair with {top}'s: {listed(several)} of {time_text(result[top].duration)}"
+    of = "of the first realisation " if len(result.seeds) > 1 else ""
+    said = f" Impacts {of}pair with {top}'s: {listed(several)} of {time_text(result[top].duration)}"
     own = result.comparison[apart[0].name].own_horizon
     own = own[np.isfinite(own)]
     if not len(own):

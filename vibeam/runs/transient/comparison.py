@@ -11,13 +11,14 @@ import numpy as np
 
 from vibeam.runs.transient.horizon import ImpactTrain, agreement
 from vibeam.runs.transient.statistics import paired
+from vibeam.runs.transient.transient import ENERGIES, Transient
 from vibeam_models.arrays import Array, Flags, Index, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.runs.transient.reading import Reading
-    from vibeam.runs.transient.transient import Transient
 
 TOLERANCE = 0.05  # of the finest fidelity's first natural period, within which impacts pair
+SMALLEST = 1e-3  # share of the energy put in below which an energy is not compared
 COMPARED = ("hardest_impact", "impact_velocity", "impacts", "lost_at_impacts", "lost_by_damping", "energy_left")
 
 
@@ -137,6 +138,12 @@ def _outline_peak(of: Transient, place: tuple[int, int], signal: int, bins: int)
     return float(np.max(np.maximum(-least, greatest)))
 
 
+def _negligible(finest: Transient, energy: Array, at: int) -> bool:
+    """Test whether an energy at one value is next to none of what was put in, so that its differences are dust."""
+    put = np.nanmean(np.sum(finest.start[at] + np.abs(finest.work[at]), axis=-1))
+    return not abs(float(np.nanmean(energy[at]))) > SMALLEST * put
+
+
 def _differences(own: Transient, finest: Transient) -> Iterator[PairedDifference]:
     shared = [each.name for each in finest.signals if each in own.signals]
     asked = [*((quantity, name) for name in shared for quantity in ("peak", "rms")), *((each, "") for each in COMPARED)]
@@ -144,5 +151,5 @@ def _differences(own: Transient, finest: Transient) -> Iterator[PairedDifference
         ours, theirs = (each.of(quantity, signal or None) for each in (own, finest))
         for at in range(len(ours)):
             found = paired(ours[at], theirs[at])
-            if found.n:
+            if found.n and not (quantity in ENERGIES and _negligible(finest, theirs, at)):
                 yield PairedDifference(quantity, signal, at, found.mean, found.error, found.n)
