@@ -397,3 +397,65 @@ def test_what_others_call_it_leads_to_the_key() -> None:
         "unknown key; did you mean 'duration'?",
         "unknown key; did you mean 'velocity'?",
     ]
+
+
+MODES = {"frequency": ["5 Hz", "12 Hz"], "damping_ratio": 0.01, "contact": [0.7, 0.5], "sensor": [0.4, -0.6]}
+
+
+def given(row, drive, **more):
+    return vibeam.Case.of(
+        {
+            "modes": MODES | row,
+            "stop": {"gap": "1 mm", "restitution": 0.6},
+            "drive": drive,
+            "record": {"duration": "1 s"},
+            "fidelity": {"one": {"reduction": "modal", "modes": 1}, "all": {"reduction": "full"}},
+            **more,
+        }
+    )
+
+
+def test_a_given_structure_is_driven_where_its_table_says() -> None:
+    moved, pushed = given({"base": [1.8, -0.5]}, PULSE), given({"force": [0.7, 0.5]}, PULSE_OF_FORCE)
+    assert (moved.input("all").quantity, pushed.input("all").quantity) == ("acceleration", "force")
+    assert moved.system("all").load == pytest.approx([1.8, -0.5], rel=1e-12)
+    assert pushed.system("all").load == pytest.approx([0.7, 0.5], rel=1e-12)
+    assert parse(pushed.text) == pushed
+    noise = given({"force": [0.7, 0.5]}, {"density": "1 N^2/Hz", "band": ["1 Hz", "50 Hz"], "seed": 1})
+    assert noise.input("one").quantity == "force"
+
+
+PULSE_OF_FORCE = {"shape": "half_sine", "force": "-20 N", "duration": "11 ms"}
+
+
+@pytest.mark.parametrize(
+    ("row", "drive", "message"),
+    [
+        (
+            {"base": [1, 1]},
+            PULSE_OF_FORCE,
+            "drive.force: acts where modes.force says: write acceleration, or modes.force",
+        ),
+        ({"force": [1, 1]}, PULSE, "drive.acceleration: modes.force says a force drives it: write force"),
+        ({"base": [1, 1]}, PULSE | {"moment": "1 N m"}, "drive.moment: unknown key"),
+    ],
+)
+def test_a_given_structure_takes_the_load_that_it_has_a_row_for(row: dict, drive: dict, message: str) -> None:
+    with pytest.raises(vibeam.CaseError) as caught:
+        given(row, drive)
+    assert str(caught.value).removeprefix("case.toml: ").startswith(message)
+
+
+def test_a_dropped_structure_needs_a_base() -> None:
+    start = {"base_velocity": "1 m/s"}
+    assert given({"base": [1.8, -0.5]}, {}, start=start).start("all").velocity == pytest.approx([1.8, -0.5])
+    with pytest.raises(vibeam.CaseError, match=r"start\.base_velocity: stops the base of a rig, and a force"):
+        given({"force": [1, 1]}, {}, start=start)
+
+
+def test_a_given_structure_says_what_a_base_moves() -> None:
+    for drive, start in ((PULSE, {}), ({}, {"start": {"displacement": "-1 mm"}})):
+        with pytest.raises(vibeam.CaseError, match=r"modes\.base: missing \(what a motion of the base moves"):
+            given({}, drive, **start)
+    with pytest.raises(vibeam.CaseError, match=r"platform: moves a base: write modes\.base in place of modes\.force"):
+        given({"force": [1, 1], "moving_mass": "9 kg"}, PULSE_OF_FORCE, platform=PLATFORM)

@@ -156,6 +156,7 @@ def input_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         return
     yield from _foreign(drive, said[0] if said else None)
     yield from _platform(case)
+    yield from _row(case)
     if not said:
         if not _moves(case.start) and not any(getattr(drive, name, None) is not None for name in keys_of(Base)):
             yield ("drive",), "nothing moves the rig: write file, shape or density here, or add [start]"
@@ -276,6 +277,18 @@ def _kind(case: SimpleNamespace) -> Iterator[Complaint]:
         yield path, f'{_article(of)} acts on the beam: write at = "120 mm"'
     elif of not in LOADS and drive.at is not None:
         yield ("drive", "at"), 'is where a force or a moment acts: write force, or quantity = "force", or take at away'
+
+
+def _row(case: SimpleNamespace) -> Iterator[Complaint]:
+    """A complaint about a given structure without the row that an input, or what is dropped, acts by."""
+    table = getattr(case, case.kind) if case.kind in ("matrices", "modes") else None
+    if table is None or table.base is not None or (table.force is not None and case.platform is None):
+        return
+    if table.force is not None:
+        yield ("platform",), f"moves a base: write {case.kind}.base in place of {case.kind}.force"
+    else:
+        said = "missing (what a motion of the base moves, even where nothing drives): write base, or "
+        yield (case.kind, "base"), f"{said}{case.kind}.force"
 
 
 def _platform(case: SimpleNamespace) -> Iterator[Complaint]:
