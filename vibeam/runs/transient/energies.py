@@ -24,10 +24,11 @@ if TYPE_CHECKING:
     from vibeam.observe.motion import Path
     from vibeam.system.impact_system import ImpactSystem
 
-NODES = (2, 3, 5)  # Gauss nodes of an interval
-#: angle that the fastest live exponential of an interval may turn there; damping is then known to 1e-4
+NODES, FINE = (2, 4, 6), (5, 8, 12)  # Gauss nodes of an interval; of a motion that has few intervals
+MANY = 20_000  # intervals from which on nodes are spared
+#: angle that the fastest live exponential of an interval may turn there; damping is then known to 1e-5, finely to 1e-8
 TURNS = np.array([1.0, 2.5, 6.0])
-DEAD = 7.0  # decay after which an exponential counts no more: 1e-6 of the energy that it was born with
+DEAD = 10.0  # decay after which an exponential counts no more: 2e-9 of the energy that it was born with
 LIGHT = 1e-3  # share of the hardest impact below which one excites no mode that counts
 BLOCK = 1 << 17  # nodes at once: a motion is made anew for each block
 
@@ -104,16 +105,15 @@ def _nodes(path: Path, record: Any) -> Iterator[tuple[Array, Array]]:
     turn = np.where(_pushing(path, edges), TURNS[-1], width * _live_rate(path.system, since))
     parts = np.maximum(1, np.ceil(turn / TURNS[-1])).astype(int)
     kinds = np.minimum(np.searchsorted(TURNS, turn), len(TURNS) - 1)
-    found = [_rule(nodes, edges[:-1][at], width[at], parts[at]) for nodes, at in _of_kind(kinds)]
+    rules = FINE if parts.sum() < MANY else NODES
+    found = [
+        _rule(nodes, edges[:-1][kinds == at], width[kinds == at], parts[kinds == at]) for at, nodes in enumerate(rules)
+    ]
     times, weights = (np.concatenate(each) for each in zip(*found, strict=True))
     order = np.argsort(times)
     times, weights = np.clip(times[order], path.t_start, path.t_end), weights[order]
     for begin in range(0, len(times), BLOCK):
         yield times[begin : begin + BLOCK], weights[begin : begin + BLOCK]
-
-
-def _of_kind(kinds: Array) -> Iterator[tuple[int, Flags]]:
-    return ((nodes, kinds == kind) for kind, nodes in enumerate(NODES))
 
 
 def _rule(nodes: int, low: Array, width: Array, parts: Index) -> tuple[Array, Array]:
