@@ -183,7 +183,7 @@ def _horizons(result: TransientResult, found: Sequence[FidelityAnswer], top: str
     own = own[np.isfinite(own)]
     if not len(own):
         return f"{said}."
-    least, self_said = float(own.min()), f"{top} itself, under a load larger by 1e-6"
+    least, self_said = float(own.min()), f"{top} itself, {_nudged(result)}"
     if not least < result[top].duration:
         return f"{said}; {self_said}, agrees to the end: the models are off."
     chaotic = [each.name for each in apart if each.chaotic]
@@ -194,6 +194,12 @@ def _horizons(result: TransientResult, found: Sequence[FidelityAnswer], top: str
     if off:
         kinds.append(f"{listed(off)} {'is' if len(off) == 1 else 'are'} off before that")
     return f"{said}; {self_said}, until {time_text(least)}: {', '.join(kinds)}."
+
+
+def _nudged(result: TransientResult) -> str:
+    """Difference of the finest's twin, in words."""
+    driven = not result.input or any(each.peak for each in result.input.values())
+    return "under a load larger by 1e-6" if driven else "from a start smaller by 1e-6"
 
 
 def time_text(value: float) -> str:

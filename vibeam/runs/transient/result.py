@@ -19,6 +19,8 @@ from vibeam.runs.transient.transient import Transient
 from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
 
 if TYPE_CHECKING:
+    from xarray import Dataset
+
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
     from vibeam.observe.decimation import History
@@ -139,6 +141,13 @@ class TransientResult(Mapping[str, Transient], LabelledData):
     def _parts(self) -> Sequence[LabelledPart]:
         axes = {self.over: np.array(self.factors), "seed": np.array(self.seeds or (0,))}
         return [LabelledPart({"fidelity": name}, axes, _columns(each)) for name, each in self.items()]
+
+    def to_xarray(self) -> Dataset:
+        """Data set over fidelity, value and seed: the numbers of all motions, each with its unit; needs xarray."""
+        made, (_, units) = super().to_xarray(), self.columns()
+        for name, unit in units.items():
+            made[name].attrs["units"] = unit
+        return made
 
     def columns(self) -> tuple[list[dict[str, Any]], dict[str, str]]:
         """Columns of ``to_dataframe`` of each fidelity, and the units of those that have one."""
