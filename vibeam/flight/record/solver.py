@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from copy import copy
 from threading import local
 from typing import Any
 
@@ -58,8 +57,8 @@ class RecordSolver(ContactsSolver):
 
     def sibling(self, record: Record, start: float, end: float) -> RecordSolver:
         """The solver of the same system under another record of about the same span; both use the same sets."""
-        found = copy(self)
-        found.course = RecordCourse.of(record, start, end)
+        found: RecordSolver = object.__new__(type(self))  # no copy, which would leave the sets behind
+        vars(found).update(vars(self), course=RecordCourse.of(record, start, end))
         return found
 
     @property
@@ -116,6 +115,9 @@ class RecordSolver(ContactsSolver):
         counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
         outcome, traced = layout.FULL, 0
         while outcome == layout.FULL:
+            if done >= span:
+                outcome = layout.COMPLETE
+                break
             trace, poses = np.zeros((rows, self._trace_columns)), np.zeros((rows, 2, self.system.size))
             counts[layout.SEGMENTS] = 0
             outcome, step = self._move(
@@ -126,10 +128,10 @@ class RecordSolver(ContactsSolver):
             count = int(counts[layout.SEGMENTS])
             kept.append(Segments(trace[:count].copy(), poses[:count].copy(), np.inf))
             done, traced, rows = done + step, traced + count, min(2 * rows, MOST_ROWS)
+        if not any(len(part.trace) for part in kept):
+            kept = [self._instant(0.0, pose, status, np.inf)]
+            kept[0].trace[0, contact_layout.PIECE_AT] = status[contact_layout.PIECE]
         segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), np.inf)
-        if not len(segments.trace):
-            segments = self._instant(0.0, pose, status, np.inf)
-            segments.trace[0, contact_layout.PIECE_AT] = status[contact_layout.PIECE]
         return outcome, segments, counts, np.concatenate(known)
 
     def _intervals(self, traced: int) -> Array:

@@ -14,11 +14,13 @@ from vibeam_models.arrays import Array
 Y, RATE, SECOND, THIRD, FOURTH, FIFTH, TRIAL, TRIAL_RATE, GROWTH = range(0, 18, 2)
 FLOW_ROWS = 18
 
-# steps (S, GRADES, STEP_ROWS, n): over a piece's length h, half of it, … (τ = h/2^grade): τφ₁(Aτ) as a matrix, and what
-# u', u'', u''' add: τ²φ₂l, τ³φ₃l, τ⁴φ₄l; the last one is of any length
+# steps (S, BANKS · GRADES + 1, STEP_ROWS, n): of some lengths h of pieces, over h, half of it, … (τ = h/2^grade):
+# τφ₁(Aτ) as a matrix, and what u', u'', u''' add: τ²φ₂l, τ³φ₃l, τ⁴φ₄l; the last one is of any length
 STEP11, STEP12, STEP21, STEP22, FIRST_LOAD, SECOND_LOAD, THIRD_LOAD = 0, 1, 2, 3, 4, 6, 8
 STEP_ROWS = 10
-GRADES = 12
+GRADES, BANKS = 12, 4
+BANK = GRADES + 1  # numbers of a length: itself, and whether each grade was made
+ANY, NEXT = BANKS * BANK, BANKS * BANK + 1  # then the length of the last step, and the bank that is given up next
 
 # phi (PHI_ROWS, n): p and q of φ_j(Aτ) = p + qA, j = 0 … 4, two rows each
 PHI_ROWS = 10
@@ -48,8 +50,8 @@ class Course(NamedTuple):
     numbers: Array
     flow: Array
     phi: Array
-    steps: Array  # (S, GRADES + 1, STEP_ROWS, n)
-    grades: Array  # (S, GRADES + 2): the piece's length h; of every grade whether it was made; the last one's length
+    steps: Array  # (S, BANKS · GRADES + 1, STEP_ROWS, n)
+    grades: Array  # (S, NEXT + 1)
     watch: Array
     intervals: Array  # (m, PIECE_COLUMNS) of a certificate
 
@@ -62,7 +64,7 @@ def course_of(pieces: Array, lengths: Array, peaks: Array, sets: int, modes: int
     numbers[LOADED] = float(loaded)
     return Course(
         pieces, lengths, peaks, numbers, np.zeros((FLOW_ROWS, n)), np.zeros((PHI_ROWS, n)),
-        np.zeros((s, GRADES + 1, STEP_ROWS, n)), np.zeros((s, GRADES + 2)), np.zeros((WATCH_ROWS, 2 * k)),
+        np.zeros((s, BANKS * GRADES + 1, STEP_ROWS, n)), np.zeros((s, NEXT + 1)), np.zeros((WATCH_ROWS, 2 * k)),
         np.zeros((0, layout.PIECE_COLUMNS)),
     )  # fmt: skip
 

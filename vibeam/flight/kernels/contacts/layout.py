@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from vibeam.flight.kernels.contacts.course import Course
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam_models.arrays import Array, Index
+
+if TYPE_CHECKING:
+    from vibeam.flight.kernels.contacts.course import Course
 
 # status: the regimes' rows, then the contacts held, and those that a yielding stop pushes, sums of 2^contact; the set
 # that is wanted, its key + 1; the phase; of an instant with impulses: contacts touched, those pressed by a force, the

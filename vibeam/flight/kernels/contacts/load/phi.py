@@ -112,19 +112,32 @@ def fill_step(regime: Regime, course: Course, tau: float, step: Array) -> None:
 def step_over(regime: Regime, course: Course, slot: int, length: float, h: float) -> int:
     """The place in course.steps[slot] of the step over h, a part of a piece of that length; made where it is not."""
     grades, grade, reach = course.grades[slot], 0, h
-    if grades[0] != length:
-        for i in range(row.GRADES + 2):
-            grades[i] = 0.0
-        grades[0], grades[row.GRADES + 1] = length, NOTHING
+    bank = bank_of(grades, length)
     while reach < length and grade < row.GRADES:
         reach *= 2.0
         grade += 1
     if reach != length or grade >= row.GRADES:
-        if grades[row.GRADES + 1] != h:
-            fill_step(regime, course, h, course.steps[slot, row.GRADES])
-            grades[row.GRADES + 1] = h
-        return row.GRADES
-    if grades[grade + 1] == 0.0:
-        fill_step(regime, course, h, course.steps[slot, grade])
-        grades[grade + 1] = 1.0
-    return grade
+        if grades[row.ANY] != h:
+            fill_step(regime, course, h, course.steps[slot, row.BANKS * row.GRADES])
+            grades[row.ANY] = h
+        return row.BANKS * row.GRADES
+    place = bank * row.GRADES + grade
+    if grades[bank * row.BANK + 1 + grade] == 0.0:
+        fill_step(regime, course, h, course.steps[slot, place])
+        grades[bank * row.BANK + 1 + grade] = 1.0
+    return place
+
+
+@kernel
+def bank_of(grades: Array, length: float) -> int:
+    """The bank of steps of pieces of that length; the oldest where there is none yet."""
+    for bank in range(row.BANKS):
+        if grades[bank * row.BANK] == length:
+            return bank
+    bank = int(grades[row.NEXT])
+    for i in range(row.BANK):
+        grades[bank * row.BANK + i] = 0.0
+    grades[bank * row.BANK], grades[row.NEXT] = length, (bank + 1) % row.BANKS
+    if grades[row.ANY] == 0.0:
+        grades[row.ANY] = NOTHING
+    return bank
