@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from vibeam_models.arguments import count, floats, refuse
 from vibeam_models.arrays import Array, Index, ValueRecord
 
-BINS = 2**15
+BINS = 2**16
 MOST_BINS = 2**24
 
 

@@ -194,3 +194,17 @@ def test_what_cannot_take_a_record_case_says_so_in_one_sentence(tmp_path):
     with pytest.raises(vibeam.CaseError, match=r"record: takes the place of \[sweep\]") as fault:
         vibeam.explore(case)
     assert len(str(fault.value).splitlines()) == 1
+
+
+def test_around_the_marks_histories_have_their_own_bins(results, monkeypatch):
+    """Where the page has room for few bins in all, the parts around the marks keep those of the results."""
+    from vibeam.report.page import record_charts
+
+    monkeypatch.setattr(record_charts, "HISTORIES_BYTES", 20_000)
+    made = record_data(results.result)
+    own = [each for each in made["histories"] if (each["signal"], each["fidelity"]) == ("sensor", "beam")]
+    whole, *close = own
+    assert whole["bins"] == 1024
+    assert [each["width"] < whole["width"] / 2 for each in close] == [True] * len(made["marks"])
+    for each, mark in zip(close, made["marks"], strict=True):
+        assert each["begin"] <= mark["begin"] < mark["end"] <= each["begin"] + each["width"] * each["bins"] + 1e-12

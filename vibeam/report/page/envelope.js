@@ -2,7 +2,7 @@
 /** @import { Frame, Pen } from "./types.d.ts" */
 /** @import { History, Impacts, StoredHistory } from "./histories.d.ts" */
 
-const FINE = 2;  // columns a pixel
+const FINE = 1;  // columns a pixel, at least
 const STEPS = 6;  // px of a bin from which on it is drawn as wide as it is
 
 /** A history of its planes of bytes. @type {(stored: StoredHistory, planes: ArrayBuffer) => History} */
@@ -22,6 +22,14 @@ export function unfolded({ begin, width, bins, low, step }, planes) {
 export function binsOf({ begin, width, least }, [low, high]) {
   const from = Math.floor((low - begin) / width), to = Math.ceil((high - begin) / width);
   return [Math.min(Math.max(from, 0), least.length), Math.min(Math.max(to, 0), least.length)];
+}
+
+/** Least and greatest value of the bins that meet a span; none without any. @type {(history: History, span: [number, number]) => number[]} */
+export function reachOf(history, span) {
+  const [from, to] = binsOf(history, span), { least, greatest } = history;
+  let low = Infinity, high = -Infinity;
+  for (let bin = from; bin < to; bin += 1) { if (least[bin] < low) low = least[bin]; if (greatest[bin] > high) high = greatest[bin]; }
+  return from < to ? [low, high] : [];
 }
 
 /** Area between the least and the greatest values in the window, a line where it is thin. @type {(pen: Pen, at: Frame, history: History, span: [number, number], colour: string) => void} */

@@ -6,16 +6,26 @@ import { unfolded } from "./envelope.js";
 
 /** @type {RecordData} */
 export const data = JSON.parse(byId("data").textContent);
-/** Histories by signal and fidelity, once they are inflated. @type {Map<string, History>} */
+/** Histories by signal and fidelity, once they are inflated: of all of the record, and of parts. @type {Map<string, History[]>} */
 const histories = new Map();
 Promise.all(data.histories.map(async (each) => {
-  histories.set(`${each.signal}\n${each.fidelity}`, unfolded(each, await inflated(each.data)));
-})).then(() => tell("histories"));
+  return { key: `${each.signal}\n${each.fidelity}`, history: unfolded(each, await inflated(each.data)) };
+})).then((all) => {
+  for (const { key, history } of all) histories.set(key, [...(histories.get(key) ?? []), history]);
+  for (const several of histories.values()) several.sort((a, b) => a.width - b.width);
+  tell("histories");
+});
 /** @type {Map<string, Impacts>} */
 const impacts = new Map(data.impacts.map((each) => [each.fidelity, { time: unpacked(each.time), velocity: unpacked(each.velocity) }]));
 
-/** History of a signal in a fidelity, of all where it has none of its own. @type {(signal: string, fidelity: string) => History | undefined} */
-export const historyOf = (signal, fidelity) => histories.get(`${signal}\n${fidelity}`);
+/** Finest history of a signal in a fidelity (empty: of all) that has a span, as far as there is a motion. @type {(signal: string, fidelity: string, span: [number, number]) => History | undefined} */
+export function historyOf(signal, fidelity, [begin, end]) {
+  const several = histories.get(`${signal}\n${fidelity}`) ?? [], whole = several[several.length - 1];
+  const from = Math.max(begin, whole?.begin), to = Math.min(end, endOf(whole));
+  return several.find((each) => from >= each.begin - 0.01 * each.width && to <= endOf(each) + 0.01 * each.width) ?? whole;
+}
+/** @type {(history: History | undefined) => number} */
+const endOf = (history) => (history ? history.begin + history.width * history.least.length : 0);
 /** @type {(fidelity: string) => Impacts} */
 export const impactsOf = (fidelity) => impacts.get(fidelity) ?? { time: [], velocity: [] };
 

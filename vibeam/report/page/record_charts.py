@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 HISTORIES_BYTES, IMPACTS_BYTES = 620_000, 160_000  # of all histories on the page, of all impacts
 IMPACT_BYTES = 8.0  # as text
-FEWEST = 1024  # bins of a history
+FEWEST, CLOSE = 1024, 1024  # bins of a history, of one around a mark at most
 WIDE = 2**32 - 1  # steps of an array's range
 WINDOW = 24  # impacts around a mark
 
@@ -38,15 +38,15 @@ def record_data(result: TransientResult) -> dict[str, Any]:
     impacts = {name: (result[name].impact_times[place][0], result[name].impact_velocities[place][0]) for name in names}
     hardest = max((float(np.max(speeds, initial=0.0)) for _, speeds in impacts.values()), default=0.0)
     unit, factor = unit_of_signal(case, "m s-1", hardest)
-    histories = list(_histories(result))
+    histories, marks = list(_histories(result)), list(_marks(result, impacts))
     return {
         "span": [0.0, plan_of(case).duration],
         "fidelities": [{"name": name, "label": name_of(case, name), **look_on_page(looks[name])} for name in names],
         "signals": list(_signals(result, histories)),
-        "histories": _stored(result, histories),
+        "histories": _stored(result, histories, marks),
         "impacts": [_impacts(name, *met, IMPACTS_BYTES / max(len(names), 1)) for name, met in impacts.items()],
         "contact_speed": {"unit": unit, "factor": factor},
-        "marks": list(_marks(result, impacts)),
+        "marks": marks,
         "families": {name: charts for name, charts in _families(result).items() if charts},
     }
 
@@ -60,25 +60,35 @@ def _histories(result: TransientResult) -> Iterator[tuple[str, str, History]]:
         yield from ((signal, name, own[signal]) for name in result if signal in (own := result[name].history))
 
 
-def _stored(result: TransientResult, histories: Sequence[tuple[str, str, History]]) -> list[dict[str, Any]]:
-    """Histories with as many bins as the page has room for, accelerations and then velocities the first with fewer."""
+def _stored(
+    result: TransientResult, histories: Sequence[tuple[str, str, History]], marks: Sequence[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Histories with as many bins as the page has room for, accelerations and then velocities the first with fewer.
+
+    Around the marks those that were merged are there in their own bins too.
+    """
     orders = {name: each.order for name, each in signals_of_all(result, list(result)).items()}
     bins = dict.fromkeys(range(-1, 3), max((len(each) for _, _, each in histories), default=FEWEST))
     made = [_history(*each, bins[0]) for each in histories]
     for order in cycle((2, 1, 0, -1)):
         if sum(len(each["data"]) for each in made) <= HISTORIES_BYTES or max(bins.values()) <= FEWEST:
-            return made
+            break
         bins[order] //= 2
         for place, each in enumerate(histories):
             if orders.get(each[0], 0) == order:
                 made[place] = _history(*each, bins[order])
-    return made
+    merged = [each for each, own in zip(histories, made, strict=True) if own["bins"] < len(each[2])]
+    return made + [_history(*each, CLOSE, (mark["begin"], mark["end"])) for mark in marks for each in merged]
 
 
-def _history(signal: str, fidelity: str, history: History, bins: int) -> dict[str, Any]:
-    begin, end, merged = float(history.edges[0]), float(history.edges[-1]), -(-len(history) // bins)
+def _history(
+    signal: str, fidelity: str, history: History, bins: int, span: tuple[float, float] | None = None
+) -> dict[str, Any]:
+    """A history in so many ``bins`` at most, of all of it or of those that meet a ``span``, s."""
+    begin, end = span or (float(history.edges[0]), float(history.edges[-1]))
     seen = history.within(begin, end, bins)
-    head = {"signal": signal, "fidelity": fidelity, "begin": begin, "width": (end - begin) / len(history) * merged}
+    width = float(seen.edges[1] - seen.edges[0])
+    head = {"signal": signal, "fidelity": fidelity, "begin": float(seen.edges[0]), "width": width}
     return head | enclosing(seen.least, seen.greatest)
 
 
@@ -133,7 +143,7 @@ def _marks(result: TransientResult, impacts: dict[str, Impacts]) -> Iterator[dic
 def _mark(label: str, at: float, impacts: Any, duration: float) -> dict[str, Any]:
     """A part of the record around ``at`` (s), as wide as it takes to have some impacts."""
     near = np.sort(np.abs(np.concatenate([times for times, _ in impacts]) - at))
-    half = min(max(float(near[WINDOW]) if len(near) > WINDOW else 0.0, duration / 200), duration / 8)
+    half = min(float(near[WINDOW]) if len(near) > WINDOW else duration / 40, duration / 8)
     return {"label": label, "begin": max(at - half, 0.0), "end": min(at + half, duration)}
 
 

@@ -77,6 +77,11 @@ def _velocities(result: TransientResult) -> Picture:
     return picture("impact velocities", "Impacts a second that are harder than a velocity", make)
 
 
-def _bins(histories: Sequence[Mapping[str, object]]) -> str:
-    widths = [float(str(each["width"])) for each in histories]
-    return f"each bin of {1e3 * max(widths):.3g} ms" if widths else "each bin"
+def _bins(histories: Sequence[Mapping[str, Any]]) -> str:
+    """Width of the bins of the histories on the page, of the first output, around the marks too."""
+    first = next((each["signal"] for each in histories if each["signal"] != "input"), "")
+    own = [float(each["width"]) for each in histories if each["signal"] == first]
+    if not own:
+        return "each bin"
+    close = f", around the marks of {1e3 * min(own):.3g} ms" if min(own) < 0.9 * max(own) else ""
+    return f"each bin of {1e3 * max(own):.3g} ms{close}"

@@ -3,7 +3,7 @@ import { address, byId, element, ink, on } from "./state.js";
 import { axis, chart, lines, svgOf } from "./chart.js";
 import { keptSpan, short, withUnit } from "./numbers.js";
 import { csv, offer } from "./saving.js";
-import { binsOf, envelope, hits } from "./envelope.js";
+import { binsOf, envelope, hits, reachOf } from "./envelope.js";
 import { data, historyOf, impactsOf, lookOf, shown } from "./record.js";
 import { hearKeys, hearTouch, inWords, look, seen } from "./zoom.js";
 /** @import { Cell, Chart, Draw, Plot } from "./types.d.ts" */
@@ -17,27 +17,27 @@ const asked = address.get("rows")?.split(",").filter((name) => ROWS.some((each) 
 const chosen = new Set(asked?.length ? asked : USUAL);
 
 /** Names of those of whom a signal has histories. @type {(signal: Signal) => string[]} */
-const ownersOf = (signal) => (historyOf(signal.name, "") ? [""] : shown().map((each) => each.name));
+const ownersOf = (signal) => (historyOf(signal.name, "", data.span) ? [""] : shown().map((each) => each.name));
 /** @type {(owner: string) => string} */
 const colourOf = (owner) => (owner ? lookOf(owner).colour : ink());
 
-/** @type {(signal: Signal, span: [number, number]) => Iterable<number>[]} */
+/** @type {(signal: Signal, span: [number, number]) => number[][]} */
 function extentOf(signal, span) {
-  if (signal === IMPACTS) return [[0, ...shown().flatMap(({ name }) => Array.from(hits(impactsOf(name), span, Infinity)[1]))]];
-  return ownersOf(signal).flatMap((owner) => {
-    const history = historyOf(signal.name, owner);
-    if (!history) return [];
-    const [from, to] = binsOf(history, span);
-    return [history.least.slice(from, to), history.greatest.slice(from, to)];
+  if (signal === IMPACTS) return [[0, ...shown().map(({ name }) => hardest(hits(impactsOf(name), span, 1)[1]))]];
+  return ownersOf(signal).map((owner) => {
+    const history = historyOf(signal.name, owner, span);
+    return history ? reachOf(history, span) : [];
   });
 }
+/** @type {(speeds: number[]) => number} */
+const hardest = (speeds) => speeds.reduce((a, b) => Math.max(a, b), 0);
 
 /** @type {(signal: Signal, span: () => [number, number]) => Draw} */
 const painter = (signal, span) => (pen, at) => {
   const scaled = { ...at, y: (/** @type {number} */ value) => at.y(value * signal.factor) };
   if (signal.name === IMPACTS.name) return shown().forEach(({ name }) => paintImpacts(pen, scaled, name, span()));
   for (const owner of ownersOf(signal)) {
-    const history = historyOf(signal.name, owner);
+    const history = historyOf(signal.name, owner, span());
     if (history) envelope(pen, scaled, history, span(), colourOf(owner));
   }
 };
@@ -78,8 +78,10 @@ function rowOf(signal, row, last) {
 
 /** Name and unit above the row. @type {(signal: Signal) => Draw} */
 const named = (signal) => (pen, at) => {
+  pen.save();
   [pen.fillStyle, pen.textAlign, pen.font] = [ink(), "left", `600 ${12 * at.ratio}px system-ui, sans-serif`];
   pen.fillText(withUnit(signal.label, signal.unit), at.left, at.top - 4 * at.ratio);
+  pen.restore();
 };
 
 /** A part that was dragged over becomes the window. @type {(plot: Plot) => void} */
@@ -105,7 +107,7 @@ function pointed(plot) {
 
 /** Value of a bin, or the two that it lies between. @type {(signal: Signal, owner: string, time: number) => string} */
 function valueAt(signal, owner, time) {
-  const history = historyOf(signal.name, owner);
+  const history = historyOf(signal.name, owner, seen());
   const at = history ? Math.floor((time - history.begin) / history.width) : -1;
   if (!history || !(at in history.least)) return "–";
   const [low, high] = [history.least[at], history.greatest[at]].map((each) => short(each * signal.factor));
@@ -158,10 +160,9 @@ function move() {
 function tellWindow() {
   const signal = data.signals.find((each) => each.name !== "input"), span = seen();
   const said = shown().map(({ name, label }) => {
-    const history = signal && historyOf(signal.name, name), [from, to] = history ? binsOf(history, span) : [0, 0];
-    const ends = history ? [Math.min(...history.least.slice(from, to)), Math.max(...history.greatest.slice(from, to))] : [];
-    const [times, speeds] = hits(impactsOf(name), span, Infinity), hardest = speeds.reduce((a, b) => Math.max(a, b), 0);
-    const met = times.length ? `${times.length} impacts, hardest ${short(hardest * IMPACTS.factor)} ${IMPACTS.unit}` : "no impact";
+    const history = signal && historyOf(signal.name, name, span), ends = history ? reachOf(history, span) : [];
+    const [times, speeds] = hits(impactsOf(name), span, Infinity);
+    const met = times.length ? `${times.length} impacts, hardest ${short(hardest(speeds) * IMPACTS.factor)} ${IMPACTS.unit}` : "no impact";
     return `${label}: ${signal?.label ?? ""} ${ends.map((each) => short(each * (signal?.factor ?? 1))).join(" … ")} ${signal?.unit ?? ""}, ${met}`;
   });
   byId("in-window").textContent = `${inWords()}. ${said.join("; ")}.`;
@@ -172,7 +173,7 @@ const historyRows = () => {
   const rows = [["signal", "fidelity", "from (s)", "to (s)", "least", "greatest", "unit"]];
   for (const signal of ROWS.filter((each) => chosen.has(each.name) && each !== IMPACTS)) {
     for (const owner of ownersOf(signal)) {
-      const history = historyOf(signal.name, owner), [from, to] = history ? binsOf(history, seen()) : [0, 0];
+      const history = historyOf(signal.name, owner, seen()), [from, to] = history ? binsOf(history, seen()) : [0, 0];
       for (let at = from; history && at < to; at += 1) {
         const begin = history.begin + at * history.width, { factor } = signal;
         rows.push([signal.label, lookOf(owner).label, begin, begin + history.width, history.least[at] * factor, history.greatest[at] * factor, signal.unit]);
