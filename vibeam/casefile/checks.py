@@ -27,7 +27,7 @@ from vibeam.casefile.number_keys import (
 )
 from vibeam.casefile.overrides import OverrideError, Places, name_map, override
 from vibeam.casefile.quantities import UNIT_SYSTEMS
-from vibeam.casefile.records import record_in_si
+from vibeam.casefile.records import record_in_si, varied_complaints
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.expectations import amount_checks, amounts_in_si, expectation_checks, measured_checks
 from vibeam.casefile.tables.figures import figure_checks, measurement_checks
@@ -68,7 +68,8 @@ def checked(
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
     own = {name: variant.declared for name, variant in changed.items()}
     if case is not None and not wrong + more:
-        more = list(value_complaints(case, partial(model_of, case, own, file)))
+        model = partial(model_of, case, own, file)
+        more = [*value_complaints(case, model), *varied_complaints(case, model)]
         more += absent_checks(case, own)
     faults += [place.fault(complaint) for complaint in wrong + more]
     if faults or case is None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from vibeam.case.input_plan import InputPlan
 from vibeam.case.plans import RecordPlan, StartPlan
@@ -20,11 +20,14 @@ from vibeam.casefile.tables.input import input_checks, way_of
 from vibeam.casefile.tables.outputs import quantity_named
 from vibeam.casefile.tables.table import plan_of
 from vibeam.casefile.validation import units_of
-from vibeam.exchange.faults import Complaint, as_shown_in_message
+from vibeam.exchange.faults import CaseError, Complaint, as_shown_in_message
 from vibeam.figures import FIGURES
 from vibeam.solvers import SOLVERS
 from vibeam_models.keys import keys_of
 from vibeam_reductions.declaration import REDUCTIONS
+
+if TYPE_CHECKING:
+    from vibeam.case.fidelity import Model
 
 T = TypeVar("T")
 NUMBERS = ("expect", "measured")
@@ -58,6 +61,26 @@ def record_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from _solvers(case)
     yield from _of_sweeps(case)
     yield from _numbers_at(case)
+
+
+def varied_complaints(declared: Any, model: Callable[[str], Model]) -> Iterator[Complaint]:
+    """Complaints of the rules between keys about the values of what a record varies, in the ``model`` of each fidelity.
+
+    ``declared``: the case, in which nothing is wrong.
+    """
+    if declared.record is None or declared.record.over in SCALES:
+        return
+    entry, key = varied(declared, type(declared))[0], declared.record.over
+    for place, value in enumerate(declared.record.values):
+        number = _read(entry, value, declared)
+        for name in declared.fidelity:
+            try:
+                model(name).at({key: number or 0.0}).checked()
+            except CaseError as error:
+                fault = error.faults[0]
+                said = f"{key} = {number:g} in fidelity {name}, {fault.key}: {fault.message}"
+                yield ("record", "values", place), said
+                break
 
 
 def _numbers_at(case: SimpleNamespace) -> Iterator[Complaint]:

@@ -279,6 +279,7 @@ def test_one_mode_in_its_own_units() -> None:
         ({"drive": PULSE, "record": {"duration": "1 s", "over": "stop.gapp", "values": [1]}}, "record.over: unknown key 'stop.gapp'; did you mean 'gap'?; or level, speed"),
         ({"drive": PULSE, "record": {"duration": "1 s", "over": "stop.gap", "values": ["1 kg"]}}, "record.values.0: stop.gap: '1 kg' is a mass, not a length"),
         ({"drive": PULSE, "record": {"duration": "1 s", "over": "stop.gap", "values": ["1 mm"]}, "fidelity": {"a": {"reduction": "static_mode", "set": {"stop.gap": "1 mm"}}}}, "fidelity.a.set: keeps stop.gap at one value, and record.over varies it: take it out"),
+        ({"drive": PULSE, "record": {"duration": "1 s", "over": "mass.position", "values": ["132 mm", "190 mm"]}}, "record.values.1: mass.position = 0.19 in fidelity one, mass.position: 0.19 m is beyond the tip: beam.length is 0.18 m"),
         ({"drive": PULSE, "record": {"duration": "1 s", "outputs": "sensr"}}, "record.outputs: 'sensr' is not one of \"sensor\" | \"contact\" | \"tip\" | \"platform\"; did you mean 'sensor'?"),
         ({"drive": PULSE, "sweep": {"frequency": ["15 Hz"]}}, "record: and [sweep] do not go together: a case has one of the two"),
         ({"drive": PULSE, "cost": {"budget": "3 s"}}, "cost: is of a [sweep]: take it away; vibeam run says the CPU time of every fidelity"),
