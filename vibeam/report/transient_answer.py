@@ -134,25 +134,28 @@ def _group(result: TransientResult, found: Sequence[FidelityAnswer], top: str, a
         beside = [each for each in _beside(first, accuracy) if each not in first.principal]
         said += f", but not in {_several(beside[: NAMED - 1])}" if beside else ""
     else:
-        said = f"No other fidelity is within {within} of {top}, the finest, {judged}"
+        said = f"No other fidelity is known to be within {within} of {top}, the finest, {judged}"
     return head + "; ".join([said, *missed]) + "." + _horizons(result, found, top)
 
 
 def misses(of: FidelityAnswer, accuracy: float) -> str:
-    """Clause on what a fidelity misses: the largest differences first; whether because motions part by chaos."""
-    beyond = _beside(of, accuracy)
+    """Clause on what a fidelity misses, the principal numbers first, and on what too few realisations leave open."""
     principal = [each for each in of.principal if not each.is_within(accuracy)]
-    if any(each.quantity == BEFORE for each in of.principal):
-        beyond = []  # of single motions that part
-    named = [*principal, *(each for each in beyond if each not in principal)][:NAMED]
-    return (
-        f"{of.name} misses {_several(named)}" if named else f"{of.name} is not compared: no motion of both is complete"
-    )
+    alone = any(each.quantity == BEFORE for each in of.principal)  # of single motions that part
+    beside = [] if alone else [each for each in _beside(of, accuracy) if each not in principal]
+    off = [*(each for each in principal if abs(each.mean) > accuracy), *beside][:NAMED]
+    unsure = [each for each in principal if abs(each.mean) <= accuracy]
+    open_ = f"{_several(unsure)} {'is' if len(unsure) == 1 else 'are'} not known well enough, by too few realisations"
+    if not (off or unsure):
+        return f"{of.name} is not compared: no motion of both is complete"
+    if not off:
+        return f"of {of.name} {open_}"
+    return f"{of.name} misses {_several(off)}" + f"; of it {open_}" * bool(unsure)
 
 
 def _beside(of: FidelityAnswer, accuracy: float) -> list[PairedDifference]:
     """Differences beyond the accuracy that are told, the largest first; the mean of many light impacts says little."""
-    found = [each for each in of.worst if not each.is_within(accuracy) and each.quantity in TOLD]
+    found = [each for each in of.worst if abs(each.mean) > accuracy and each.quantity in TOLD]
     return sorted(found, key=lambda each: -abs(each.mean))
 
 

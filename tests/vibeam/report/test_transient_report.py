@@ -10,8 +10,8 @@ import pytest
 
 import vibeam
 from vibeam.report.transient import impact_statistics, transient_report
-from vibeam.report.transient_answer import answers, is_chaotic, transient_answer
-from vibeam.runs.transient.comparison import TransientComparison
+from vibeam.report.transient_answer import FidelityAnswer, answers, is_chaotic, misses, transient_answer
+from vibeam.runs.transient.comparison import PairedDifference, TransientComparison
 
 BLADE: dict[str, Any] = {
     "beam": {
@@ -97,3 +97,17 @@ def test_values_of_a_key_have_their_unit() -> None:
     data = found.to_xarray()
     assert data["sensor_acceleration_peak"].attrs["units"] == "m s-2"
     assert data["work"].attrs["units"] == "J"
+
+
+def test_what_too_few_realisations_leave_open_is_no_miss(blade: Any) -> None:
+    """4 % ± 3 % is neither within 5 % nor off by more: it is not known; 9 % ± 1 % is off."""
+    unsure = PairedDifference("peak", "sensor", 0, 0.04, 0.03, 9)
+    off = PairedDifference("hardest_impact", "", 0, 0.09, 0.01, 9)
+    some = FidelityAnswer("one", (unsure, off), (unsure, off), False, 1.0)
+    assert not some.is_within(0.05)
+    said = misses(some, 0.05)
+    assert said.startswith(
+        "one misses hardest impact +9 % ± 1 %; of it peak sensor +4 % ± 3 % is not known well enough"
+    )
+    open_ = FidelityAnswer("one", (unsure,), (unsure,), False, 1.0)
+    assert misses(open_, 0.05).startswith("of one peak sensor +4 % ± 3 % is not known")

@@ -173,7 +173,7 @@ def test_the_answer_names_what_suffices_and_what_is_missed(whole: TransientResul
     sheet = transient_report(whole)
     assert "is within 5 % of events, the finest" in sheet.answer or "steps misses" in sheet.answer
     tight = transient_report(whole, 1e-12)
-    assert tight.answer.startswith("No other fidelity is within 1e-10 % of events")
+    assert tight.answer.startswith("No other fidelity is known to be within 1e-10 % of events")
     assert "steps misses" in tight.answer
     assert [table.title for table in (*sheet.tables, *sheet.more)] == [
         "Fidelities", "Peaks", "Energies", "Impacts", "Energy by mode, events", "Cost",
