@@ -33,7 +33,8 @@ CALLED = {
     "pseudo_velocity": "largest pseudo-velocity",
     "displacement": "largest relative displacement",
 }
-BELOW, ABOVE, POINTS = 0.1, 100.0, 91  # natural frequencies where none are given, in the fidelity's lowest
+BELOW, ABOVE, POINTS = 0.1, {"equipment": 100.0, "device": 10.0}, 181  # where none are given, in the lowest
+FEW = 12  # points below which each is marked
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -70,8 +71,8 @@ def _of_device(case: Case, name: str, plan: ShowPlan) -> Columns:
 def _natural(omega: Array, plan: ShowPlan) -> Array:
     """Natural frequencies, Hz: the table's, or from a tenth of the fidelity's lowest on."""
     given = plan.own["natural"]
-    lowest = float(np.min(omega)) / (2 * np.pi)
-    return np.geomspace(BELOW * lowest, ABOVE * lowest, POINTS) if given is None else np.array(given, ndmin=1)
+    lowest, top = float(np.min(omega)) / (2 * np.pi), ABOVE["device" if _is_device(plan) else "equipment"]
+    return np.geomspace(BELOW * lowest, top * lowest, POINTS) if given is None else np.array(given, ndmin=1)
 
 
 def _columns(rates: Array, found: ShockSpectrum, prefix: str, whose: str) -> dict[str, Column]:
@@ -95,7 +96,8 @@ def draw(figure: Figure, result: RecordResult, plan: ShowPlan, shown: tuple[Shee
     _base(upper, known, measure, factor)
     for sheet in known:
         look, label = looks[sheet.fidelity], name_of(case, sheet.fidelity)
-        upper.plot(sheet["natural"], sheet[f"shock_{measure}"] * factor, label=label, **look.keys(1.0))
+        marked = {"marker": "o", "markersize": 3.0} if len(sheet["natural"]) < FEW else {}
+        upper.plot(sheet["natural"], sheet[f"shock_{measure}"] * factor, label=label, **(look.keys(1.0) | marked))
         if _is_device(plan):
             keys: dict[str, Any] = look.keys(0.9) | {"linestyle": ":", "label": f"{label}, without stop"}
             upper.plot(sheet["natural"], sheet[f"free_{measure}"] * factor, **keys)
