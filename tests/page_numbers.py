@@ -42,6 +42,7 @@ PAGES = (
     "cases/matrices/README.md",
     "cases/grazing/README.md",
     "cases/reductions/README.md",
+    "cases/inputs/README.md",
     "vibeam/studies/README.md",
 )
 

@@ -24,6 +24,8 @@ RINGING = {
     "ringing_velocity": "q/s",
     "counted_velocity": "q/s",
 }
+SHOCKED = {"acceleration": "m s-2", "pseudo_velocity": "m s-1", "displacement": "m"}
+SHOCK = {f"{whose}_{what}": unit for whose in ("shock", "base", "free") for what, unit in SHOCKED.items()}
 RESTITUTIONS = tuple(f"{how}_restitution" for how in ("true", "adjacent", "extremum", "extrapolated", "first_mode"))
 
 
@@ -217,6 +219,8 @@ FIGURES = Registry(
         "shock_spectrum",
         "largest responses of equipment at the output, or of the device with and without stop, over natural frequency",
         takes=("output",),
+        reads=SHOCK | {"shock_impacts": "1", "shock_impact_velocity": "c/s"},
+        entries="natural",
         exact=True,
         derivatives=True,
         record=True,
@@ -252,6 +256,8 @@ FIGURES = Registry(
         "response_spectrum",
         "power spectral densities under noise with intervals, their ratio to the last fidelity's, coherence",
         takes=("output",),
+        reads={"density_ratio": "1", "coherence": "1"},
+        entries="frequency",
         exact=True,
         derivatives=True,
         record=True,

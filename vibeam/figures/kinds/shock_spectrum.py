@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.plans import ShowPlan
+from vibeam.figures import SHOCKED
 from vibeam.figures.panels import is_empty, labelled, say
 from vibeam.figures.record import plan_of, record_motion, unit_of_signal
 from vibeam.figures.sheet import Column, Columns, Sheet, sheet_of
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.figures.record import RecordResult
 
-UNITS = {"acceleration": "m s-2", "pseudo_velocity": "m s-1", "displacement": "m"}
 CALLED = {
     "acceleration": "largest absolute acceleration",
     "pseudo_velocity": "largest pseudo-velocity",
@@ -76,7 +76,7 @@ def _natural(omega: Array, plan: ShowPlan) -> Array:
 
 
 def _columns(rates: Array, found: ShockSpectrum, prefix: str, whose: str) -> dict[str, Column]:
-    known = {f"{prefix}_{q}": Column(found.of(q), UNITS[q], f"{CALLED[q]} of the {whose}") for q in UNITS}
+    known = {f"{prefix}_{q}": Column(found.of(q), SHOCKED[q], f"{CALLED[q]} of the {whose}") for q in SHOCKED}
     return {"natural": Column(rates, "Hz", "natural frequency")} | known
 
 
@@ -92,7 +92,7 @@ def draw(figure: Figure, result: RecordResult, plan: ShowPlan, shown: tuple[Shee
     panels = figure.subplots(2 if _is_device(plan) else 1, 1, sharex=True, squeeze=False)[:, 0]
     upper, looks = panels[0], looks_of(case, plan.fidelities)
     top = max((float(np.max(each[f"shock_{measure}"], initial=0.0)) for each in known), default=0.0)
-    unit, factor = unit_of_signal(case, UNITS[measure], top)
+    unit, factor = unit_of_signal(case, SHOCKED[measure], top)
     _base(upper, known, measure, factor)
     for sheet in known:
         look, label = looks[sheet.fidelity], name_of(case, sheet.fidelity)
