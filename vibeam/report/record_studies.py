@@ -203,11 +203,11 @@ def _cheaper(study: RecordUncertainty) -> str:
         return f"no other fidelity makes the mean of the {number} cheaper"
     used = listed([f"{count} × {name}" for name, count in zip(found.chosen.names, found.counts, strict=True)])
     mean, error, alone = (
-        value_text(study.case, number, each) for each in (found.combined.mean, found.combined.error, found.alone.error)
+        value_text(study.case, number, each) for each in (found.several.mean, found.several.error, found.alone.error)
     )
     return (
-        f"mean of the {number} by {used}: {mean} ± {error} in {found.combined.seconds:.2g} s of CPU time, by "
-        f"{study.fidelity} alone ± {alone} in {found.alone.seconds:.2g} s: {found.gain:.2g} times cheaper"
+        f"mean of the {number} by {used}: {mean} ± {error} in {found.several.seconds:.2g} s of CPU time, by "
+        f"{study.fidelity} alone ± {alone} in {found.alone.seconds:.2g} s: {found.saving:.2g} times cheaper"
     )
 
 

@@ -202,10 +202,10 @@ def test_a_cheaper_fidelity_takes_the_mean_nearer() -> None:
     found = cheaper_mean(case, SimpleNamespace(at=at), "many", inputs, known, 1.0, 7)
     assert found.chosen.names == ("many", "few")
     assert found.correlations["few"] == pytest.approx(1 / np.sqrt(1.02), abs=0.005)  # var(x₂²/10) = 0.02
-    assert found.combined.seconds < found.alone.seconds
-    assert found.combined.error < 0.7 * found.alone.error
-    assert abs(found.combined.mean - 0.1) < 4 * found.combined.error
-    assert found.gain > 3
+    assert found.several.seconds < found.alone.seconds
+    assert found.several.error < 0.7 * found.alone.error
+    assert abs(found.several.mean - 0.1) < 4 * found.several.error
+    assert found.saving > 3
 
 
 def test_intervals_of_the_cheaper_mean_hold() -> None:
@@ -221,7 +221,7 @@ def test_intervals_of_the_cheaper_mean_hold() -> None:
     for seed in range(100):
         inputs = np.random.default_rng([seed, 9]).standard_normal((128, 2))
         found = cheaper_mean(case, SimpleNamespace(at=at), "many", inputs, at("many", inputs)[0][0], 1.0, seed)
-        held += found.combined.low <= 0.1 <= found.combined.high
+        held += found.several.low <= 0.1 <= found.several.high
     assert held >= 88
 
 

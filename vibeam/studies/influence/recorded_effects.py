@@ -113,6 +113,8 @@ class _EffectMotions:
     def study(self) -> RecordEffects:
         """The whole study."""
         effects = self.sets.effects
+        if self.told is not None:
+            self.told(0, 2 * len(effects) + 1)
         pairs: dict[str, tuple[EffectsVariant, EffectsVariant]] = {
             name: (self.variant([other for other in effects if other != name]), self.variant([name]))
             for name in effects

@@ -6,7 +6,7 @@ noise of the load. A number of a sample is its mean over the seeds, at the first
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,7 +22,7 @@ from vibeam.studies.record.ensembles import (
     usual_numbers,
 )
 from vibeam.studies.record.readings import AskedNumber
-from vibeam.studies.uncertainty.mean_of_peak import PILOT, Allocation, MeanEstimate, Pilot, allocation, estimate
+from vibeam.studies.uncertainty.mean_of_peak import PILOT, Allocation, MeanPeak, Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import inputs_of
 from vibeam.studies.uncertainty.statistics import Distribution, Indices, indices, saltelli
 from vibeam_models.arrays import Array, ValueRecord
@@ -40,27 +40,6 @@ class UncertainNumber:
     indices: Indices
 
 
-@dataclass(frozen=True)
-class CheaperMean:
-    """Mean of the first number by few motions of the finest and many of cheaper fidelities, beside the finest alone.
-
-    ``counts``: samples of each of the ``chosen``; ``correlations`` of the others with the finest; ``seconds``: CPU time
-    of a sample of each.
-    """
-
-    chosen: Allocation
-    counts: tuple[int, ...]
-    correlations: Mapping[str, float]
-    seconds: Mapping[str, float]
-    alone: MeanEstimate
-    combined: MeanEstimate
-
-    @property
-    def gain(self) -> float:
-        """Variance of the finest alone over that of the combined estimate, both for the same CPU time, as measured."""
-        return self.alone.error**2 * self.alone.seconds / (self.combined.error**2 * self.combined.seconds)
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordUncertainty(ValueRecord):
     """Uncertain inputs of a case under a record: ``rows`` of the finest ``fidelity``'s numbers, over its samples.
@@ -71,7 +50,7 @@ class RecordUncertainty(ValueRecord):
     case: Case
     fidelity: str
     rows: tuple[UncertainNumber, ...]
-    cheaper: CheaperMean | None
+    cheaper: MeanPeak | None
     samples: int
     seed: int
     failed: int
@@ -127,7 +106,7 @@ class _Samples:
 
 def cheaper_mean(
     case: Case, flown: _Samples, finest: str, inputs: Array, known: Array, seconds: float, seed: int
-) -> CheaperMean | None:
+) -> MeanPeak | None:
     """Mean of the first number by multi-fidelity Monte Carlo; None where no other fidelity saves any.
 
     ``known`` (m,): the finest's numbers at ``inputs`` (m, d), each of which cost ``seconds``.
@@ -154,7 +133,7 @@ def cheaper_mean(
     spent = sum(number * costs[name] for name, number in zip(chosen.names, counts, strict=True))
     alone_ = Allocation((finest,), (1.0,), (1.0,), 1.0)
     correlations = {name: pilot.correlation(name) for name in others}
-    return CheaperMean(
+    return MeanPeak(
         chosen, counts, correlations, costs, estimate(alone_, {finest: known}, seconds * count, seed),
         estimate(chosen, several, spent, seed),
     )  # fmt: skip
