@@ -117,20 +117,25 @@ def of_modes(study: RecordModes) -> StudySheet:
         last = study.rows[-1]
         answer = (
             f"No fewer than {modes_in_words(study.modes)} of {study.fidelity} are known to be within {within} of the "
-            f"peaks: {modes_in_words(last.modes)} are up to {percent(last.worst)} off."
+            f"peaks: {modes_in_words(last.modes)} are up to {percent(last.worst)} off"
         )
     else:
         [row] = [row for row in study.rows if row.modes == enough]
         answer = (
             f"{begun(modes_in_words(enough))} of {study.fidelity} suffice{'s' * (enough == 1)} for {within} of the "
-            f"peaks: {percent(row.worst)} off at most from {modes_in_words(study.modes)}."
+            f"peaks: {percent(row.worst)} off at most from {modes_in_words(study.modes)}"
         )
     others = ((name.replace("_", " "), study.enough(name)) for name in OF_IMPACTS)
     further = "; ".join(f"{name}: {count or f'more than {study.rows[-1].modes}'}" for name, count in others)
     notes = [f"modes for {within} of what hangs on each impact: {further}", FEW if study.realisations > 1 else ONE]
     rows = [_row(each, modes=row.modes) for row in study.rows for each in row.changes]
     data = {"fidelity": study.fidelity, "enough": enough, "modes": study.modes, "rows": study.rows}
+    answer += f"{_left_out(study.left_out)}."
     return StudySheet(answer, [table], notes, data=data, rows=rows, study="modes")
+
+
+def _left_out(seeds: int) -> str:
+    return f"; {counted(seeds, 'realisation')} left out over the budget" if seeds else ""
 
 
 def of_effects(study: RecordEffects) -> StudySheet:
@@ -145,11 +150,12 @@ def of_effects(study: RecordEffects) -> StudySheet:
         table.add_row(row.effect, "yes" if row.needed else "no", *cells, percent(row.alone.worst))
     kept, first = study.enough.kept, study.rows[0]
     some = f"{listed(kept)} suffice{'s' * (len(kept) == 1)}" if kept else "none of the effects is needed"
-    answer = f"For {percent(study.tolerance)} of the peaks {some}; without {first.effect} {_without(first.without)}."
+    answer = f"For {percent(study.tolerance)} of the peaks {some}; without {first.effect} {_without(first.without)}"
     tried = "all sets were tried" if study.exact else "sets were tried one effect at a time"
     notes = [f"{tried}, {study.models} models", FEW if study.reference.seconds.size > 1 else ONE]
     rows = [_row(each, effect=row.effect, needed=row.needed) for row in study.rows for each in row.without.changes]
     data = {"rows": study.rows, "enough": kept}
+    answer += f"{_left_out(study.left_out)}."
     return StudySheet(answer, [table], notes, data=data, rows=rows, study="effects")
 
 

@@ -148,13 +148,13 @@ def _under_record(name: str, case: Case, plan: VerdictPlan, progress: Progress |
     from vibeam.studies.record.fidelities import record_fidelities
     from vibeam.studies.record.modes import record_modes
 
-    require_usual("verdict", plan, "over", "points", "budget")
+    require_usual("verdict", plan, "over", "points")
     if name == "solvers":
         raise ValueError("the solvers' errors are of steady motions; vibeam run says the CPU time of every fidelity")
     study: Any = {"modes": record_modes, "effects": record_effects, "map": record_fidelities}[name]
     allowed = case.influence.tolerance if name == "effects" else plan.accuracy
     with telling(progress, name) as told:
-        return study(case, allowed, told=told)
+        return study(case, allowed, told=told, **({} if name == "map" else {"budget": plan.budget}))
 
 
 def plan_of_modes(case: Case, plan: VerdictPlan) -> ModesNeededPlan:

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.cli.main import app
+from vibeam.report.record_studies import of_effects, of_modes
 from vibeam.runs.transient.run import run_record
 from vibeam.studies.influence.recorded_effects import record_effects
 from vibeam.studies.record.ensembles import KNOWN, asked_number, changes, ensembles, usual_numbers
@@ -95,6 +96,20 @@ def test_modes_suffice_where_scipy_says_so() -> None:
     enough = next(count for count in (1, 2, 3) if max(off[count - 1 :]) <= off[0] / 2)
     assert found.enough() == enough > 1
     assert replace_accuracy(found, 1e-9).enough() is None
+
+
+def test_a_budget_leaves_realisations_out() -> None:
+    case = noisy()
+    whole, less = (record_modes(case, 0.1, budget=each) for each in (1e6, 1e-6))
+    assert (whole.realisations, whole.left_out) == (6, 0)  # two values, three seeds
+    assert (less.realisations, less.left_out) == (2, 2)
+    assert less.reference.of(AskedNumber("peak", "sensor")).tolist() == [
+        row[:1] for row in whole.reference.of(AskedNumber("peak", "sensor")).tolist()
+    ]
+    assert of_modes(less).answer.endswith("; 2 realisations left out over the budget.")
+    effects = record_effects(case, 0.1, budget=1e-6)
+    assert effects.left_out == 2
+    assert of_effects(effects).answer.endswith("; 2 realisations left out over the budget.")
 
 
 def replace_accuracy(found: RecordModes, accuracy: float) -> RecordModes:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
@@ -16,9 +16,11 @@ from vibeam.studies.record.ensembles import (
     changes,
     ensembles,
     plain_finest,
+    plan_of_record,
     reason_of,
     require_usual,
     usual_numbers,
+    within,
     worst,
 )
 from vibeam.studies.record.readings import AskedNumber
@@ -58,7 +60,8 @@ class RecordEffect:
 class RecordEffects(ValueRecord):
     """``rows`` of the effects of a ``fidelity``, the most influential first; ``enough``: the smallest sufficient set.
 
-    ``tolerance``: largest change allowed; ``exact``: all sets were tried; ``models``: how many were flown.
+    ``tolerance``: largest change allowed; ``exact``: all sets were tried; ``models``: how many were flown;
+    ``left_out``: of the case's seeds, over the budget.
     """
 
     case: Case
@@ -69,18 +72,22 @@ class RecordEffects(ValueRecord):
     reference: Ensemble
     exact: bool
     models: int
+    left_out: int = 0
 
 
-def record_effects(case: Case, tolerance: float, told: Told | None = None) -> RecordEffects:
+def record_effects(case: Case, tolerance: float, told: Told | None = None, budget: float = inf) -> RecordEffects:
     """Take each effect away, leave each alone, and find the smallest set within the ``tolerance``, a share.
 
-    ValueError where the case names no effect, or has no rig that could have one.
+    ``budget``: CPU seconds, about, by which realisations are left out. ValueError where the case names no effect, or
+    has no rig that could have one.
     """
     of_sweeps = ("quantities", "frequency", "frequency_tolerance", "restitution_tolerance", "points", "settle", "hold")
     require_usual("influence", case.influence, *of_sweeps, "repeats")
     name = plain_finest(case, case.influence.fidelity)
     sets = subsets_of_record(alone(case, name), name)
-    return _EffectMotions(case, sets, tolerance, told).study()
+    sets = replace(sets, whole=within(sets.whole, name, budget, 2 * len(sets.effects) + 1))
+    left_out = len(plan_of_record(case).seeds) - len(plan_of_record(sets.whole).seeds)
+    return replace(_EffectMotions(case, sets, tolerance, told).study(), left_out=left_out)
 
 
 class _EffectMotions:

@@ -192,6 +192,20 @@ def reason_of(refusal: ValueError) -> str:
     return str(refusal)
 
 
+def within(case: Case, fidelity: str, budget: float, weight: float) -> Case:
+    """The case with as many of its realisations, one at least, as take ``budget`` CPU seconds.
+
+    ``weight``: models that fly each of its values, in units of this one, whose first motion is timed.
+    """
+    plan = plan_of_record(case)
+    if len(plan.seeds) < 2 or not isfinite(budget):
+        return case
+    one = case.with_keys({"record.over": plan.over, "record.values": [plan.values[-1]], "record.realisations": 1})
+    [timed] = ensembles([(one, fidelity)], usual_numbers(one))
+    count = int(budget / (float(timed.seconds.sum()) * len(plan.values) * weight))
+    return case if count >= len(plan.seeds) else case.with_keys({"record.realisations": max(count, 1)})
+
+
 def require_usual(table: str, plan: Any, *names: str) -> None:
     """ValueError where a plan says keys that are of a sweep: they would not count."""
     usual = type(plan)()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 from typing import TYPE_CHECKING
 
 from vibeam.studies.record.ensembles import (
@@ -14,7 +15,9 @@ from vibeam.studies.record.ensembles import (
     changes,
     ensembles,
     plain_finest,
+    plan_of_record,
     usual_numbers,
+    within,
     worst,
 )
 from vibeam_models.arrays import ValueRecord
@@ -45,7 +48,8 @@ class ModesRow:
 class RecordModes(ValueRecord):
     """``rows`` of fewer modes of a ``fidelity``, ascending, against its ``reference`` with ``modes`` of them.
 
-    ``accuracy``: largest change allowed. ``realisations``: motions of each model.
+    ``accuracy``: largest change allowed. ``realisations``: motions of each model; ``left_out``: of the case's seeds,
+    over the budget.
     """
 
     case: Case
@@ -54,6 +58,7 @@ class RecordModes(ValueRecord):
     rows: tuple[ModesRow, ...]
     reference: Ensemble
     realisations: int
+    left_out: int = 0
 
     @property
     def modes(self) -> int:
@@ -70,11 +75,13 @@ class RecordModes(ValueRecord):
         return found
 
 
-def record_modes(case: Case, accuracy: float, fidelity: str | None = None, told: Told | None = None) -> RecordModes:
+def record_modes(
+    case: Case, accuracy: float, fidelity: str | None = None, told: Told | None = None, budget: float = inf
+) -> RecordModes:
     """Fly one fidelity with more and more modes through the case's record, up to twice its own.
 
-    ``fidelity``: None: the one with most modes that changes nothing of the rig. ValueError where its number of modes is
-    no key of it, or where it has one alone.
+    ``budget``: CPU seconds, about, by which realisations are left out. ``fidelity``: None: the one with most modes that
+    changes nothing of the rig. ValueError where its number of modes is no key of it, or where it has one alone.
     """
     name = plain_finest(case, fidelity)
     own = case.fidelities[name]
@@ -85,7 +92,10 @@ def record_modes(case: Case, accuracy: float, fidelity: str | None = None, told:
     numbers = [*(count for count in STEPS if count < top), top]
     if len(numbers) < 2:
         raise ValueError(f"fidelity {name}: its rig has {top} mode: there are no fewer to compare with")
-    variants = [(whole.with_keys({f"fidelity.{name}.modes": count}), name) for count in numbers]
+    finest = whole.with_keys({f"fidelity.{name}.modes": top})
+    chosen = within(finest, name, budget, sum(numbers) / top)
+    variants = [(chosen.with_keys({f"fidelity.{name}.modes": count}), name) for count in numbers]
     *fewer, reference = ensembles(variants, usual_numbers(whole), told)
     rows = tuple(ModesRow(each.modes, changes(reference, each), float(each.seconds.mean())) for each in fewer)
-    return RecordModes(case, name, accuracy, rows, reference, reference.seconds.size)
+    left_out = len(plan_of_record(case).seeds) - len(plan_of_record(chosen).seeds)
+    return RecordModes(case, name, accuracy, rows, reference, reference.seconds.size, left_out)
