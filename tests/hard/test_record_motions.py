@@ -111,7 +111,7 @@ def test_a_record_that_begins_in_contact(push: float, velocity: float) -> None:
         assert path.at(0.1) == pytest.approx(push * (1 - math.cos(0.1)) + velocity * math.sin(0.1), rel=1e-12)
 
 
-@pytest.mark.parametrize("span", [(0, 0), (1, 1), (2, 3), (5, 6), (0, 1e-300), (1e9, 1e9 + 1)])
+@pytest.mark.parametrize("span", [(0, 0), (1, 1), (2, 2), (2, 3), (5, 6), (0, 1e-300), (1e9, 1e9 + 1)])
 def test_spans_without_length_and_beyond_the_record(span: tuple[float, float]) -> None:
     """Of no length, from the last knot on, far behind it: the load is 0 there."""
     load, system = force([0, 1, 2], [[1.0, 0, 0, 0], [2.0, 0, 0, 0]]), mass(1.0, gap=0.5)

@@ -31,7 +31,7 @@ def one_mode(chunks, zeta=0.005, step=0.5, gap=-1.0):
     system = vibeam.ImpactSystem.from_modes(1.0, zeta, 1.0, 1.0, gap=gap, restitution=1.0)
 
     def noise(k):
-        knots, pieces = kicks(np.random.default_rng([2032, k]), CHUNK, step, (2 * gamma * step) ** 0.5, 1e-4 * step)
+        knots, pieces = kicks(np.random.default_rng([2032, k]), CHUNK, step, (2 * gamma * step) ** 0.5, 2.0**-14 * step)
         return vibeam.Record(knots, pieces, "force")
 
     def sample(path, times):
@@ -77,7 +77,7 @@ def test_modes_share_the_energy():
     )
 
     def noise(k):
-        knots, pieces = kicks(np.random.default_rng([2033, k]), CHUNK, step, (2 * gamma * step) ** 0.5, 1e-4 * step)
+        knots, pieces = kicks(np.random.default_rng([2033, k]), CHUNK, step, (2 * gamma * step) ** 0.5, 2.0**-14 * step)
         return vibeam.Record(knots, pieces, "force")
 
     found = batches(system, 20, noise, lambda path, times: np.mean(path.modes_at(times)[:, 1] ** 2, axis=0))
