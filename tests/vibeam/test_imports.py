@@ -135,6 +135,30 @@ def test_a_finished_run_builds_nothing(tmp_path: Path, monkeypatch: pytest.Monke
     assert loaded(check) == ["h5py"]
 
 
+SHOCK = """
+beam = { length = "120 mm", width = "12 mm", thickness = "1 mm", youngs_modulus = "200 GPa", density = "7850 kg/m^3", damping_ratio = 0.01 }
+stop = { position = "110 mm", gap = "0.1 mm", restitution = 0.7 }
+sensor = { position = "120 mm" }
+drive = { shape = "half_sine", acceleration = "30 m/s^2", duration = "11 ms" }
+record = { duration = "0.1 s" }
+[fidelity.few]
+reduction = "modal"
+modes = 2
+"""  # noqa: E501
+
+
+def test_a_finished_run_under_a_record_builds_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No system, no motion, no figure: of the heavy packages only the one that reads the file."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "shock.toml").write_text(SHOCK)
+    run = (
+        "import contextlib\nfrom vibeam.cli.main import main\n"
+        "sys.argv = ['vibeam', 'run', 'shock.toml']\nwith contextlib.suppress(SystemExit):\n    main()"
+    )
+    assert {"skfem", "matplotlib"} <= set(loaded(run))
+    assert loaded(run) == ["h5py"]
+
+
 def test_a_page_to_explore_draws_no_figure_and_reads_no_results(tmp_path: Path) -> None:
     words = ["vibeam", "explore", str(ROOT / "cases" / "dtu_neutral.toml"), "--out", str(tmp_path / "a.html")]
     code = f"from vibeam.cli.main import main\nsys.argv = {words!r}\ntry:\n    main()\nexcept SystemExit:\n    pass"
