@@ -33,12 +33,12 @@ class OutputExtremes:
     @property
     def peak(self) -> Array:
         """(o,) the largest size of each output over all bins."""
-        return np.asarray(np.maximum(self.greatest.max(axis=1), -self.least.min(axis=1)))
+        return np.asarray(np.maximum(np.nanmax(self.greatest, axis=1), -np.nanmin(self.least, axis=1)))
 
     @property
     def peak_time(self) -> Array:
         """(o,) when that is, s."""
-        high, low = self.greatest.argmax(axis=1), self.least.argmin(axis=1)
+        high, low = np.nanargmax(self.greatest, axis=1), np.nanargmin(self.least, axis=1)
         each = np.arange(len(self.outputs))
         above = self.greatest[each, high] >= -self.least[each, low]
         return np.asarray(np.where(above, self.greatest_time[each, high], self.least_time[each, low]))
@@ -47,9 +47,9 @@ class OutputExtremes:
 def extremes(path: Trajectory, outputs: Sequence[str], edges: ArrayLike | None = None) -> OutputExtremes:
     """Extremes of ``outputs`` of a motion under a record, in bins between the ``edges``, s (None: all of it).
 
-    To round-off; in a contact that is integrated to about 1e-6 of the value. At an impact a velocity counts before and
-    after it, the acceleration of the impulse does not. KeyError for an unknown name, ValueError for a motion under a
-    sine or for edges that do not ascend.
+    NaN in a bin that the motion does not reach. To round-off; in a contact that is integrated to about 1e-6 of the
+    value. At an impact a velocity counts before and after it, the acceleration of the impulse does not. KeyError for an
+    unknown name, ValueError for a motion under a sine or for edges that do not ascend.
 
     >>> import vibeam
     >>> free = vibeam.ImpactSystem.from_modes(1.0, 0.0, 1.0, 1.0, gap=9.0)  # 1 − cos t under a step
@@ -75,8 +75,12 @@ def extremes(path: Trajectory, outputs: Sequence[str], edges: ArrayLike | None =
         for slot in range(len(solver.sets)):
             signals[slot, place] = solver.sets.derivative(slot, np.array(row), order)
             signals[slot, place, -1] -= base if order == 2 else 0.0
-    found = np.empty((len(outputs), len(bins) - 1, 4))
+    before, beyond = int(bins[0] > path.t_start), int(bins[-1] < path.t_end)
+    edges = np.concatenate([[-np.inf] * before, bins, [np.inf] * beyond])  # what lies outside has bins of its own
+    found = np.empty((len(outputs), len(edges) - 1, 4))
     found[..., 0], found[..., 2], found[..., 1::2] = np.inf, -np.inf, np.nan
-    watch = OutputWatch(signals, np.ascontiguousarray(bins), rows, found, np.zeros((5, len(outputs))))
+    watch = OutputWatch(signals, edges, rows, found, np.zeros((5, len(outputs))))
     extremes_loaded(solver.sets.engine, path.segments.trace, np.ascontiguousarray(path.segments.poses), watch)
+    found[np.isinf(found)] = np.nan
+    found = found[:, before : before + len(bins) - 1]
     return OutputExtremes(tuple(outputs), bins, *(found[..., i] for i in range(4)))

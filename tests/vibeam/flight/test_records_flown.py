@@ -154,6 +154,17 @@ def test_extremes_are_those_of_dense_samples_and_a_little_more() -> None:
             assert path.at(found.greatest_time[i, j], name) == pytest.approx(found.greatest[i, j], abs=1e-3 * spread)
 
 
+def test_bins_see_no_more_than_their_time() -> None:
+    """Bins that begin later, end earlier or lie beyond the motion."""
+    path = vibeam.simulate(PLAIN, vibeam.Record.half_sine(30.0, 0.011), 0.08)
+    found = vibeam.extremes(path, ("contact",), [0.02, 0.03, 0.1, 0.2])
+    for j, times in enumerate((np.linspace(0.02, 0.03, 2001), np.linspace(0.03, 0.08, 2001))):
+        values = path.at(times)
+        assert found.least[0, j] == pytest.approx(values.min(), abs=1e-3 * np.ptp(values))
+        assert found.greatest[0, j] == pytest.approx(values.max(), abs=1e-3 * np.ptp(values))
+    assert np.isnan([found.least[0, 2], found.greatest[0, 2]]).all()
+
+
 def test_records_side_by_side_move_as_one_by_one() -> None:
     """To the bit, in threads of their own; the motions can be read off afterwards, in any order."""
     records = [vibeam.Record.random(1e-2, 0.1, seed=seed, rate=1e4, band=(10.0, 1000.0)) for seed in range(4)]
