@@ -208,3 +208,19 @@ def test_around_the_marks_histories_have_their_own_bins(results, monkeypatch):
     assert [each["width"] < whole["width"] / 2 for each in close] == [True] * len(made["marks"])
     for each, mark in zip(close, made["marks"], strict=True):
         assert each["begin"] <= mark["begin"] < mark["end"] <= each["begin"] + each["width"] * each["bins"] + 1e-12
+
+
+def test_the_page_of_a_run_that_was_stopped_says_what_is_missing(tmp_path):
+    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
+    told = []
+
+    def stop(*counts):
+        told.append(counts)
+        if len(told) > 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        vibeam.run(vibeam.load(tmp_path / "case.toml"), out=tmp_path / "case.h5", progress=stop)
+    found = stored(tmp_path / "case.h5")
+    assert 0 < found.missing < 8
+    assert f"{found.missing} of 8 motions were not run yet" in page(found)
