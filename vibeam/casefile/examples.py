@@ -26,6 +26,10 @@ PLACES = {
     "ball-in-cavity": "rigs/ball_in_cavity.toml",
     "frame": "matrices/frame.toml",
     "modes": "matrices/dtu_modes.toml",
+    "shock": "inputs/half_sine.toml",
+    "plucked": "inputs/plucked.toml",
+    "truck": "inputs/truck.toml",
+    "tube-noise": "inputs/tube_noise.toml",
 }  # example: its case file, from the folder of cases
 
 
