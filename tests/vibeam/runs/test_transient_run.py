@@ -231,3 +231,20 @@ def test_the_overview_says_the_largest_load() -> None:
     run(case(realisations=1), before=told.append)
     largest = max(case().input("events", 4, level=value).peak for value in (1.0, 2.0))
     assert f"base acceleration up to {largest:.4g} m/s²" in str(told[0])
+
+
+def test_motions_and_impacts_are_tables(tmp_path: Path, whole: TransientResult) -> None:
+    import csv
+
+    from vibeam.report.transient_tables import write_motions
+
+    motions_file, impacts_file = write_motions(whole, tmp_path / "own_motions.csv")
+    rows = list(csv.DictReader(motions_file.read_text(encoding="utf-8").splitlines()))
+    assert [(row["fidelity"], row["level"], row["seed"]) for row in rows[:3]] == [
+        ("events", "1.0", "4"), ("events", "1.0", "5"), ("events", "2.0", "4"),
+    ]  # fmt: skip
+    assert float(rows[1]["sensor_velocity_peak (1/s)"]) == whole["events"].peak[0, 1, 1]
+    struck = list(csv.DictReader(impacts_file.read_text(encoding="utf-8").splitlines()))
+    assert impacts_file.name == "own_impacts.csv"
+    assert len(struck) == sum(int(each.impacts.sum()) for each in whole.values())
+    assert float(struck[0]["time (s)"]) == whole["events"].impact_times[0][0][0]
