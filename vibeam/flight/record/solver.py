@@ -30,10 +30,12 @@ NO_INTERVALS = np.zeros((0, layout.PIECE_COLUMNS))
 
 
 class _Own(local):
-    """Sets of one thread, and the course that they are under."""
+    """Sets of one thread; the course of the solver that was last at work in it, and the one that the sets are under."""
 
     sets: ContactSets | None = None
+    solver: RecordSolver | None = None
     course: RecordCourse | None = None
+    under: RecordCourse | None = None
 
 
 class RecordSolver(ContactsSolver):
@@ -46,7 +48,7 @@ class RecordSolver(ContactsSolver):
     def __init__(self, system: ImpactSystem, record: Record, start: float, end: float, limit: int = 100_000) -> None:
         """``limit``: as of ``ContactsSolver``."""
         super().__init__(system, 0.0, end - start, limit)
-        self.course, self._under = RecordCourse.of(record, start, end), _Own()
+        self._known, self._under = (record, start, end), _Own()
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in super().__getstate__().items() if name != "_under"}
@@ -58,14 +60,22 @@ class RecordSolver(ContactsSolver):
     def sibling(self, record: Record, start: float, end: float) -> RecordSolver:
         """The solver of the same system under another record of about the same span; both use the same sets."""
         found: RecordSolver = object.__new__(type(self))  # no copy, which would leave the sets behind
-        vars(found).update(vars(self), course=RecordCourse.of(record, start, end))
+        vars(found).update(vars(self), _known=(record, start, end))
         return found
+
+    @property
+    def course(self) -> RecordCourse:
+        """The record's course; many motions of one batch hold none, but make it anew where they are read."""
+        own = self._under
+        if own.course is None or own.solver is not self:
+            own.solver, own.course = self, RecordCourse.of(*self._known)
+        return own.course
 
     @property
     def sets(self) -> ContactSets:
         """The calling thread's sets, under this record's course."""
         own, course = self._under, self.course
-        if own.sets is not None and own.course is course:
+        if own.sets is not None and own.under is course:
             return own.sets
         if own.sets is None:
             own.sets = ContactSets(self.contacts, self._slowest, self._top)
@@ -74,7 +84,7 @@ class RecordSolver(ContactsSolver):
             load = own.sets.engine.course._replace(
                 pieces=course.pieces, lengths=course.lengths, peaks=course.peaks, intervals=NO_INTERVALS
             )
-        own.sets.engine, own.course = own.sets.engine._replace(course=load), course
+        own.sets.engine, own.under = own.sets.engine._replace(course=load), course
         return own.sets
 
     def fly(
