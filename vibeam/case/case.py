@@ -56,7 +56,10 @@ class Keys(Protocol):
         ...
 
 
-OF_A_SWEEP = "takes the place of [sweep], and what is asked for goes over drive frequencies: vibeam run takes it"
+OF_A_SWEEP = (
+    "takes the place of [sweep], and what is asked for goes over drive frequencies: vibeam run, verdict, map and "
+    "uncertainty take it"
+)
 
 
 @dataclass(frozen=True, eq=False)
