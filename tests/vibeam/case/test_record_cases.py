@@ -12,8 +12,14 @@ import vibeam
 from vibeam.studies.regression.check import check_expectations
 from vibeam.system.response import Ended
 
+SLOW = ("truck",)  # 10 s of CPU time
 
-@pytest.mark.parametrize("file", RECORDS, ids=lambda file: file.stem)
+
+@pytest.mark.parametrize(
+    "file",
+    [pytest.param(file, marks=pytest.mark.slow) if file.stem in SLOW else file for file in RECORDS],
+    ids=lambda file: file.stem,
+)
 def test_a_record_case_holds_what_it_states(file: Path) -> None:
     case = vibeam.load(file)
     result = vibeam.run(case, show=False)
