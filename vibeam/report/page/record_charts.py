@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from vibeam.observe.decimation import History
     from vibeam.runs.transient.result import TransientResult
 
-HISTORIES_BYTES, IMPACTS_BYTES = 620_000, 160_000  # of all histories on the page, of all impacts
+HISTORIES_BYTES, IMPACTS_BYTES = 440_000, 120_000  # of all histories on the page, of all impacts
 IMPACT_BYTES = 8.0  # as text
-FEWEST, CLOSE = 1024, 1024  # bins of a history, of one around a mark at most
+FEWEST, CLOSE = 1024, 512  # bins of a history, of one around a mark at most
 WIDE = 2**32 - 1  # steps of an array's range
 WINDOW = 24  # impacts around a mark
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vibeam.runs.systems import Overview
     from vibeam.runs.transient.result import TransientResult
 
-STILL = 160  # columns of a panel of the still picture
+STILL = 110  # columns of a panel of the still picture
 VIEWS = ("numbers", "chart", "envelope", "record", "zoom", "timeline", "families")
 
 
