@@ -1,4 +1,8 @@
-"""Fidelity that suffices at each value of the factor that a record varies: the cheapest within the accuracy."""
+"""Fidelity that suffices at each value of the factor that a record varies: the cheapest within the accuracy.
+
+Cheapest is the one with the fewest modes, of several the one that took the least CPU time: that of one short motion is
+too uncertain to tell one mode from two.
+"""
 
 from __future__ import annotations
 
@@ -85,7 +89,7 @@ def judged(result: TransientResult, accuracy: float) -> RecordFidelities:
 def _verdict(result: TransientResult, at: int, names: list[str], finest: str, accuracy: float) -> ValueVerdict:
     rows = tuple(_row(result, at, name, result.comparison[name]) for name in names if name != finest)
     within = [row for row in rows if row.worst <= accuracy]
-    cheapest = min(within, key=lambda row: row.seconds).fidelity if within else finest
+    cheapest = min(within, key=lambda row: (result[row.fidelity].modes, row.seconds)).fidelity if within else finest
     return ValueVerdict(result.factors[at], cheapest, rows)
 
 
