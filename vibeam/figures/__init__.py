@@ -238,8 +238,8 @@ FIGURES = Registry(
                 words=("acceleration", "pseudo_velocity", "displacement"),
             ),
             "natural": Key(
-                "of shock_spectrum: natural frequencies, of a device the lowest one; absent = 181 from a tenth of the "
-                "fidelity's lowest to 100 times it, of a device 10 times",
+                "of shock_spectrum: natural frequencies, of a device the lowest one; absent = 30 a decade, a tenth "
+                "of the fidelity's lowest to 100 times it, of a device 10 times",
                 ["50 Hz", "100 Hz"],
                 "Hz",
                 above=0,

@@ -20,7 +20,7 @@ from vibeam.system.record import Record
 from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 
-WITHIN = 1e-7  # share of the largest acceleration by which the cubics may be off
+WITHIN = 1e-6  # share of the largest acceleration by which the cubics may be off
 TURN = 2.0  # angle through which the fastest mode turns in a piece at first
 HALVINGS = 12
 NODES = np.cos(np.pi * (2 * np.arange(4) + 1) / 8)[::-1] / 2 + 0.5  # of a piece as [0, 1]

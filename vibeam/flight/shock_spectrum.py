@@ -15,7 +15,7 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.record import Record
 from vibeam.system.response import Ended
 from vibeam.system.rows import TimeDerivative
-from vibeam_models.arguments import refuse, require
+from vibeam_models.arguments import refuse, require, shown
 from vibeam_models.arrays import Array
 
 AFTER = 2.0  # periods of its lowest mode that a device is followed after the shock
@@ -60,7 +60,8 @@ def shock_spectrum(
         if shock.quantity != "acceleration":
             faults.append(f"shock: a record of the base's acceleration is needed, this one is a {shock.quantity}")
     else:
-        require("shock", shock, Trajectory)
+        if not isinstance(shock, Trajectory):
+            raise ValueError(f"shock: must be a Record or a Trajectory, not {shown(shock)}")
         if device is not None:
             faults.append("device: goes with a record, not with a motion")
     faults += [] if device is None else _device_faults(device, damping)

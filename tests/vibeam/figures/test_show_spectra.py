@@ -77,6 +77,13 @@ def test_densities_ratios_and_coherence_are_those_of_the_functions() -> None:
     assert np.all(one["coherence"] <= 1.0)
 
 
+def test_lines_beyond_what_is_asked_are_said() -> None:
+    asked = {"kind": "response_spectrum", "up_to": "1 Hz", "resolution": "5 Hz"}
+    made = case(WHITE, {"duration": "1 s"}, density=asked)
+    faults = {each.fault for each in sheets(made, made.shows["density"])}
+    assert faults == {"up_to: 1 Hz is below the first line, 5 Hz: longer segments"}
+
+
 def test_linear_structure_in_noise_has_its_theoretical_density() -> None:
     """By hand, one mode and a stop out of reach: |row·load/(ω² − Ω² + 2iζωΩ)|² S, within the intervals at 94 of 100."""
     asked = {"kind": "response_spectrum", "up_to": "150 Hz", "resolution": "1 Hz"}

@@ -14,7 +14,7 @@ import numpy as np
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import is_empty, labelled, say
 from vibeam.figures.record import plan_of, record_motion
-from vibeam.figures.sheet import Column, Columns, Sheet, sheet_of
+from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet, sheet_of
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.observe.response_spectrum import response_spectrum, spectrum_ratio, transfer_function
 from vibeam_models.arrays import Array
@@ -46,6 +46,8 @@ def _columns(case: Case, name: str, plan: ShowPlan) -> Columns:
     ratio = spectrum_ratio(values, last, rate, segment=segment)
     passed = transfer_function(load, values, rate, segment=segment)
     seen = own.frequency <= highest
+    if not seen.any():
+        raise NoMotion(f"up_to: {highest:g} Hz is below the first line, {own.frequency[0]:.4g} Hz: longer segments")
     found = {
         "frequency": (own.frequency, "Hz", "frequency"),
         "density": (

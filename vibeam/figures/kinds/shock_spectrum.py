@@ -33,7 +33,8 @@ CALLED = {
     "pseudo_velocity": "largest pseudo-velocity",
     "displacement": "largest relative displacement",
 }
-BELOW, ABOVE, POINTS = 0.1, {"equipment": 100.0, "device": 10.0}, 181  # where none are given, in the lowest
+BELOW, ABOVE = 0.1, {"equipment": 100.0, "device": 10.0}  # natural frequencies where none are given, in the lowest
+A_DECADE = 30  # of these
 FEW = 12  # points below which each is marked
 
 
@@ -72,7 +73,8 @@ def _natural(omega: Array, plan: ShowPlan) -> Array:
     """Natural frequencies, Hz: the table's, or from a tenth of the fidelity's lowest on."""
     given = plan.own["natural"]
     lowest, top = float(np.min(omega)) / (2 * np.pi), ABOVE["device" if _is_device(plan) else "equipment"]
-    return np.geomspace(BELOW * lowest, top * lowest, POINTS) if given is None else np.array(given, ndmin=1)
+    points = 1 + round(A_DECADE * np.log10(top / BELOW))
+    return np.geomspace(BELOW * lowest, top * lowest, points) if given is None else np.array(given, ndmin=1)
 
 
 def _columns(rates: Array, found: ShockSpectrum, prefix: str, whose: str) -> dict[str, Column]:
