@@ -60,7 +60,8 @@ def _fitted(path: Trajectory, wanted: TimeDerivative) -> Pieces:
         off = np.abs(scaled @ np.vander(TESTED, 4, increasing=True).T - tested).max(axis=1)
         good = (off <= WITHIN * largest) | (halving == HALVINGS)
         accepted.append((begin[good], width[good], scaled[good]))
-        begin, width = _halved(begin[~good], width[~good])
+        begin, width = np.tile(begin[~good], 2), np.tile(width[~good] / 2, 2)
+        begin[len(begin) // 2 :] += width[len(width) // 2 :]
         if not len(begin):
             break
     starts, widths, rows = (np.concatenate(parts) for parts in zip(*accepted, strict=True))
@@ -88,10 +89,6 @@ def _first_pieces(path: Trajectory, events: Array) -> tuple[Array, Array]:
     widths = np.repeat((events[:, 1] - events[:, 0]) / counts, counts)
     within = np.arange(len(widths)) - np.repeat(np.cumsum(counts) - counts, counts)
     return np.repeat(events[:, 0], counts) + within * widths, widths
-
-
-def _halved(begin: Array, width: Array) -> tuple[Array, Array]:
-    return np.concatenate([begin, begin + width / 2]), np.concatenate([width, width]) / 2
 
 
 def _jumps(path: Trajectory, wanted: TimeDerivative, times: Array, coefficients: Array, events: Array) -> Array:

@@ -23,8 +23,21 @@ LEAST = 8  # samples of a segment
 FEWEST = 4.0  # degrees of freedom below which there is no interval of a transfer function
 
 
+class SpectralRecord(ValueRecord):
+    """Record of spectral lines with intervals, as it is shown."""
+
+    frequency: Array
+    freedom: Array
+    level: float
+
+    def __repr__(self) -> str:
+        span = f"{self.frequency[0]:.6g} … {self.frequency[-1]:.6g} Hz, {len(self.frequency)} lines"
+        sure = f"{self.freedom[0]:.0f} degrees of freedom, intervals of {100 * self.level:g} %"
+        return f"{type(self).__name__}({span}, {sure})"
+
+
 @dataclass(frozen=True, eq=False, repr=False)
-class ResponseSpectrum(ValueRecord):
+class ResponseSpectrum(SpectralRecord):
     """One-sided power spectral ``density`` (f,), unit²/Hz, at ``frequency`` (f,), Hz.
 
     ``low`` and ``high`` (f,): interval that holds it with the probability ``level``; ``freedom`` (f,): ν.
@@ -43,12 +56,9 @@ class ResponseSpectrum(ValueRecord):
     freedom: Array
     level: float
 
-    def __repr__(self) -> str:
-        return f"ResponseSpectrum({_said(self.frequency, self.freedom, self.level)})"
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TransferFunction(ValueRecord):
+class TransferFunction(SpectralRecord):
     """Linear part of an output, ``gain`` (f,) complex times the input, by H₁ = S_xy/S_xx; ``coherence`` γ² (f,).
 
     ``radius`` (f,): of the circle about ``gain`` that holds it with the probability ``level`` (Bendat & Piersol 2010,
@@ -65,12 +75,9 @@ class TransferFunction(ValueRecord):
     freedom: Array
     level: float
 
-    def __repr__(self) -> str:
-        return f"TransferFunction({_said(self.frequency, self.freedom, self.level)})"
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SpectrumRatio(ValueRecord):
+class SpectrumRatio(SpectralRecord):
     """Density of one response over that of another, ``ratio`` (f,), both of the same realisations.
 
     ``low`` and ``high`` (f,): interval with the probability ``level``. What both share leaves the ratio alone: its
@@ -83,14 +90,6 @@ class SpectrumRatio(ValueRecord):
     high: Array
     freedom: Array
     level: float
-
-    def __repr__(self) -> str:
-        return f"SpectrumRatio({_said(self.frequency, self.freedom, self.level)})"
-
-
-def _said(frequency: Array, freedom: Array, level: float) -> str:
-    span = f"{frequency[0]:.6g} … {frequency[-1]:.6g} Hz, {len(frequency)} lines"
-    return f"{span}, {freedom[0]:.0f} degrees of freedom, intervals of {100 * level:g} %"
 
 
 @dataclass(frozen=True)
@@ -210,6 +209,8 @@ def _welch(
     signals: tuple[ArrayLike, ...], rate: float, segment: int | None, overlap: float, window: str, level: float
 ) -> tuple[list[Array], WelchEstimate]:
     """Records (m, n) of each signal and the method for them; ValueError with every fault."""
+    from scipy.signal import get_window
+
     faults: list[str] = []
     rows = [np.atleast_2d(floats("values", each)) for each in signals]
     if any(each.ndim != 2 or not np.isfinite(each).all() or each.shape != rows[0].shape for each in rows):
@@ -225,15 +226,9 @@ def _welch(
         faults.append(f"segment: {samples} samples are more than a record has, {length}")
     weights = np.ones(1)
     try:
-        weights = _weights(window, max(samples, 1))
+        weights = np.asarray(get_window(window, max(samples, 1)), dtype=float)
     except ValueError as reason:
         faults.append(f"window: {reason}")
     refuse("spectrum", faults)
     step = max(1, samples - round(share * samples))
     return rows, WelchEstimate(rate, samples, step, weights, len(rows[0]), length)
-
-
-def _weights(window: str, samples: int) -> Array:
-    from scipy import signal
-
-    return np.asarray(signal.get_window(window, samples), dtype=float)
