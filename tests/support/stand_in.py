@@ -122,6 +122,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "scene": SimpleNamespace(natural_unit=None, outputs=()),
         "fidelities": defaultdict(plain, {name: plain(name) for name in systems}),
         "sweep": sweep,
+        "record": None,
         "references": {},
         "expectations": {},
         "measured": {},

@@ -287,7 +287,7 @@ UNCERTAIN = ("--set", 'uncertain."stop.restitution"="± 0.05"')
         (("map", "--over", "level", "--fidelity", "two"), 2, "--fidelity: no fidelity 'two'; known here: one"),
         (("map", "--over", "stop.gapp", "--from", "0", "--to", "1"), 2, "--over: 'stop.gapp' is no key of the case"),
         (("map", "--picture", "stability"), 2, "--picture: is of a map of a [sweep]"),
-        (("verdict",), 0, "Not answered: the solvers' errors are of steady motions"),
+        (("verdict",), 0, 'Not answered: fidelity one: reduction = "static_mode" says its modes itself'),
         (("verdict", "--only", "map"), 2, "fewer than two fidelities of one rig"),
         (("uncertainty", "--samples", "16", *UNCERTAIN), 0, "Peak of sensor, one: "),
     ],
