@@ -47,13 +47,15 @@ class Base:
         plain=("ΩB, instead: the same at every Ω", 1e-3, ""),
     )  # fmt: skip
     acceleration: float | tuple[float, ...] | None = quantity(
-        "m/s^2", "amplitude of the base's acceleration, in place of amplitude; of a shape its peak; g is 9.80665 m/s^2",
+        "m/s^2", "amplitude of the base's acceleration, in place of amplitude; of a shape its peak: positive, the base "
+        "leaves the beam behind, away from the stop; g is 9.80665 m/s^2",
         "0.05 g", None, least=0,
         plain=("Ω²B, instead: a force over the mass that is the same at every Ω", 2e-3, ""),
     )  # fmt: skip
     force: float | tuple[float, ...] | None = quantity(
         "N",
-        "of a force on the beam at drive.at, or on the platform, in place of a moving base; of a shape its peak",
+        "of a force on the beam at drive.at, or on the platform, in place of a moving base; of a shape its peak, "
+        "positive toward the stop",
         "5 N",
         None,
         least=0,

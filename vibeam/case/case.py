@@ -183,7 +183,7 @@ class Case(Viewed):
         except CaseError:
             raise
         except ValueError as error:
-            raise CaseError([self.fault("drive", message=str(error))]) from None
+            raise CaseError([self.fault("drive", message=str(error).removeprefix("record: "))]) from None
 
     def start(self, name: str) -> State:
         """State of one fidelity at the start of a record, as [start] says it; CaseError where it is impossible."""

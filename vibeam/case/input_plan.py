@@ -105,7 +105,8 @@ class InputPlan:
         least=0, several=True, ascending=True,
     )  # fmt: skip
     rate: float | None = declare.quantity(
-        "Hz", "samples a second: of a random input, absent = 10 times its highest frequency; of a file without times",
+        "Hz", "samples a second: of a random input, absent = 10 times its highest frequency; of a file without times, "
+        "or with rounded ones",
         "20 kHz", None, above=0,
     )  # fmt: skip
     interpolation: str | None = declare.word(

@@ -27,9 +27,10 @@ def input_remarks(case: Case, name: str, seed: int | None = None) -> tuple[str, 
 
 def remarks_on(record: Record, system: ImpactSystem, duration: float) -> Iterator[str]:
     """As ``input_remarks``, of a record and a system run for ``duration`` s."""
-    if record.start < 0 or record.start >= duration:
-        cure = "take its beginning off, or count its times from there"
-        yield f"the input begins at {record.start:.6g} s, the motion lasts from 0 to {duration:.4g} s: {cure}"
+    if record.start < 0:
+        yield f"the input begins at {record.start:.6g} s, the motion at 0: what comes before is left out"
+    elif record.start >= duration:
+        yield f"the input begins at {record.start:.6g} s, when the motion is over: set record.duration"
     rates = sorted(float(each) for each in system.omega if each > 0)
     if not rates:
         return

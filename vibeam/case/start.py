@@ -25,9 +25,9 @@ def start_of(system: ImpactSystem, plan: StartPlan) -> State:
     A dropped rig is weightless until its base stops: it is then in equilibrium without its static load.
     """
     dropped = base_velocity(plan)
+    system = replace(system, static=np.zeros(system.size)) if dropped else system
     if plan.displacement is None and plan.force is None:
-        rested = replace(system, static=np.zeros(system.size)) if dropped else system
-        state = _settled(rested, plan)
+        state = _settled(system, plan)
         if not plan.moves:
             return state
         displacement = state.displacement

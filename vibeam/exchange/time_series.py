@@ -37,6 +37,7 @@ HEADS = {
 WAVES = (".wav", ".wave")
 TIMES = ("time", "t", "seconds")
 EVEN, ROUNDED = 1e-3, 0.3  # of a step: times taken as equal steps; times that were written with too few digits
+LONGER = 0.01  # share by which a record may last longer or shorter by a rate that is said than by its own times
 ANONYMOUS = "cannot be read as a record; its lines are not shown, since it lies outside the case's folder"
 
 
@@ -58,8 +59,8 @@ def record_of_file(
     - ``column``: head of the samples, or number from 1 (text); variable or dataset, ``"name:2"`` for its second column
       (.mat, .h5); number of the data set 58 (universal files) or of the channel (.wav). None: a usual head of the
       ``quantity``, or the only one.
-    - ``time``: the same of the times; None: ``"time"`` or ``"t"``. ``rate`` (Hz): samples per second, in its place,
-      also of universal files, which write the time between two samples with six digits alone.
+    - ``time``: the same of the times; None: ``"time"`` or ``"t"``. ``rate`` (Hz): samples per second, where there are
+      no times or they lost digits, as of universal files, which write six; times that differ by more are a fault.
     - ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``. ``unit`` goes before the one that the file
       says (``g`` is 9.80665 m/s²); without any: SI. ``scale``: factor on top of it; of a WAV file of whole numbers the
       value of its full scale, which must be said.
@@ -120,6 +121,7 @@ def _columns(path: Path, asked: _Asked) -> tuple[Columns, float | None]:
     """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, or the rate in its place."""
     if path.suffix.lower() in WAVES:
         found, own = _read_wav(path, asked.column, asked.scale is not None)
+        _require_rate(asked.rate, own, len(found.lines), "the file")
         return found, own if asked.rate is None else asked.rate
     wanted = {
         "frequency": WantedColumn(TIMES if asked.time is None else (asked.time,), needed=asked.rate is None),
@@ -129,7 +131,25 @@ def _columns(path: Path, asked: _Asked) -> tuple[Columns, float | None]:
     clock = found.columns.get("frequency")
     if clock is not None and clock.unit == "Hz":
         raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
+    if clock is not None:
+        _require_times(clock, found.columns["value"], asked.rate)
     return found, asked.rate
+
+
+def _require_times(clock: CurveColumn, value: CurveColumn, rate: float | None) -> None:
+    """FormatError for times that are read as the samples, or go by another rate than the one that is said."""
+    if clock.head == value.head and np.array_equal(clock.values, value.values, equal_nan=True):
+        raise FormatError(f"column {clock.head!r} is that of the times: name that of the samples, column = …")
+    times = _in_si(clock, "s", None, "rate") if rate is not None else np.zeros(0)
+    if len(times) > 1 and (span := float(times[-1] - times[0])) > 0:
+        _require_rate(rate, (len(times) - 1) / span, len(times), f"column {clock.head!r}")
+
+
+def _require_rate(said: float | None, own: float, samples: int, where: str) -> None:
+    """FormatError for a rate by which the last sample is far from where the file has it."""
+    if said is not None and abs(said / own - 1) * (samples - 1) > max(1.0, LONGER * samples):
+        told = f"rate is {said:.6g} Hz, and {where} has {own:.6g} samples a second"
+        raise FormatError(f"{told}: take rate out, or correct the times or their unit")
 
 
 def _read(path: Path, wanted: Mapping[str, WantedColumn], any_head: bool) -> Columns:

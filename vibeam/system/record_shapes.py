@@ -199,7 +199,8 @@ class ShapedRecords(pieces.MadeOfPieces):
         wanted = duration * omega / (BOUND * error) ** 0.25
         if wanted > MOST_PIECES:
             raise ValueError(
-                f"record: {wanted:.3g} pieces, {MOST_PIECES:.3g} at most: raise error from {error:g}, or shorten it"
+                f"record: {wanted:.3g} pieces, {MOST_PIECES:.3g} at most: shorten it, lower its frequency, or raise "
+                f"error from {error:g}"
             )
         times = np.linspace(0.0, duration, int(np.ceil(wanted)) + 1)
         lengths = np.diff(times)[:, None]

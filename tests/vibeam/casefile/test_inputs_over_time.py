@@ -265,7 +265,8 @@ def test_one_mode_in_its_own_units() -> None:
         ({"drive": PULSE | {"cycles": 3}}, 'drive.cycles: shape = "half_sine" has no use for it: take it out'),
         ({"drive": PULSE | {"harmonic": [2]}}, "drive.harmonic: is of the sine of a [sweep]: take it out"),
         ({"drive": PULSE | {"acceleration": "2e6 g"}}, "drive.acceleration: is 2e+06 g, and no base is shaken by 10⁶ g: check the unit"),
-        ({"drive": PULSE | {"rise": "20 ms", "shape": "trapezoid"}}, "drive.rise: longer than the whole shape, duration = 0.011 s"),
+        ({"drive": PULSE | {"rise": "20 ms", "shape": "trapezoid"}}, "drive.rise: and fall, 0.04 s, are longer than the whole shape, duration = 0.011 s"),
+        ({"drive": {"shape": "sine", "frequency": "50 Hz", "acceleration": "1 g", "delay": "2 s"}, "record": {"duration": "1 s"}}, "drive.delay: the motion is over before: record.duration is 1 s"),
         ({"drive": {"acceleration": "1 g"}}, 'drive.acceleration: is of a shape: write shape = "half_sine" and duration, or shape = "sine" and frequency, beside it'),
         ({"drive": {"amplitude": "1 mm"}}, 'drive.amplitude: is of the sine of a [sweep]: with [record] write acceleration, force or moment beside shape = "sine"'),
         ({"drive": {**WHITE, "rate": "3 kHz"}}, "drive.rate: 3000 Hz is below twice the highest frequency: write 4000 Hz"),
@@ -384,9 +385,9 @@ def test_an_input_too_coarse_or_a_run_too_short_for_a_mode_says_what_is_needed()
     )
     assert f"0.05 s is {0.05 * lowest:.2g} of a period of the lowest mode, {lowest:.4g} Hz" in short
     assert input_remarks(case(PULSE), "eight") == ()
-    for by in (-0.02, 0.06):
+    for by, then in ((-0.02, "the motion at 0: what comes before"), (0.06, "when the motion is over")):
         first, *_ = remarks_on(slow.shifted(by), system, 0.05)
-        assert first.startswith(f"the input begins at {by} s, the motion lasts from 0 to 0.05 s")
+        assert first.startswith(f"the input begins at {by} s, {then}")
 
 
 def test_what_others_call_it_leads_to_the_key() -> None:

@@ -149,6 +149,8 @@ WRONG: list[tuple[str, dict[str, Any], str]] = [
     (SHORT, {"column": 0, "unit": 3, "scale": "x"}, "column: 0 must be a head, or a number from 1; unit: 3 must be"),
     (SHORT, {"quantity": "strain"}, "a.csv: quantity: 'strain' must be one of acceleration, force, moment"),
     (LOST, {}, "of one, by digits that were lost: say rate = 51181.1 Hz, or what it was before"),
+    (SHORT, {"rate": 20.0}, "a.csv: rate is 20 Hz, and column 'time' has 10 samples a second: take rate out"),
+    (SHORT, {"column": "time"}, "a.csv: column 'time' is that of the times: name that of the samples"),
     ("", {}, "a.csv: is empty"),
 ]  # fmt: skip
 

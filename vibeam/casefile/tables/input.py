@@ -16,14 +16,13 @@ from vibeam.casefile.tables.table import Frequency
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.exchange.files import FormatError, state_of
+from vibeam.system.record_samples import GRAVITY, MOST
 from vibeam_models.base import Base
 from vibeam_models.keys import keys_of
 
 MOTIONS = ("acceleration", "velocity", "displacement")  # of the base
 LOADS = ("force", "moment")
 PEAKS = ("acceleration", *LOADS)  # what a shape's peak is said by
-GRAVITY = 9.80665
-MOST = 1e6 * GRAVITY  # m/s²
 OF_A_SINE = tuple(name for name in keys_of(Base) if name not in (*PEAKS, "at", "frequency"))
 
 DENSITIES = {
@@ -205,8 +204,12 @@ def _shape(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     if drive.frequency is not None and "frequency" in shape.needs and len(drive.frequency) != wanted:
         write = '["10 Hz", "100 Hz"]' if wanted == 2 else '"50 Hz"'
         yield ("drive", "frequency"), f'of shape = "{drive.shape}" is {write}, {len(drive.frequency)} are given'
-    if None not in (drive.rise, drive.duration) and drive.rise + (drive.fall or 0.0) > drive.duration:
-        yield ("drive", "rise"), f"longer than the whole shape, duration = {drive.duration:g} s"
+    fall = drive.rise if drive.shape == "trapezoid" and drive.fall is None else drive.fall or 0.0
+    if None not in (drive.rise, drive.duration) and drive.rise + fall > drive.duration:
+        both = f"and fall, {drive.rise + fall:g} s, are " if fall else ""
+        yield ("drive", "rise"), f"{both}longer than the whole shape, duration = {drive.duration:g} s"
+    if None not in (drive.delay, case.record.duration) and drive.delay >= case.record.duration:
+        yield ("drive", "delay"), f"the motion is over before: record.duration is {case.record.duration:g} s"
     said = [name for name in PEAKS if getattr(drive, name, None) is not None]
     if len(said) > 1:
         yield ("drive", said[1]), f"the peak is said twice: keep {said[0]}, or {said[1]}"

@@ -122,7 +122,7 @@ class MotionMaker:
     ) -> tuple[Path, float]:  # fmt: skip
         """Motion under a load at one of the values, and its CPU time, s; ``until``: its end, None: the record's.
 
-        ``nudged``: its start is larger by 1e-6, of a free motion.
+        ``nudged``: its start is smaller by 1e-6, of a free motion.
         """
         system, plan, fidelity = self.system(value)[0], plan_of(self.case), self.fidelity
         start, end = self._start(value), self.duration if until is None else until

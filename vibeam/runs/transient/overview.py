@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from vibeam.system.record import Record
 
 
+ONE_WAY = 1e-6  # share of the peak below which a load of the other sign is none
+
+
 @dataclass(frozen=True)
 class RecordOverview(Overview):
     """Overview of a case under a record: its ``load`` and the number of ``motions`` that are still to be flown."""
@@ -28,6 +31,7 @@ class RecordOverview(Overview):
     duration: float = 0.0
     motions: int = 0
     remarks: tuple[str, ...] = ()  # on the load, for the modes that there are
+    both_ways: bool = False  # whether levels of both signs are run
 
     def _driven(self) -> Iterator[str]:
         if self.load is not None and not self.load.peak:
@@ -35,15 +39,23 @@ class RecordOverview(Overview):
         elif self.load is not None:
             if self.load.quantity == "acceleration":
                 unit, factor = prefixed(ACCELERATIONS, self.load.peak, 0)
-                yield f"base acceleration up to {self.load.peak * factor:.4g} {unit}, {_time(self.load.duration)}"
+                largest = f"base acceleration up to {self.load.peak * factor:.4g} {unit}{self._thrown(self.load)}"
+                yield f"{largest}, {_time(self.load.duration)}"
             else:
                 unit = "N" if self.load.quantity == "force" else "N m"
                 yield f"{self.load.quantity} up to {self.load.peak:.4g} {unit}, {_time(self.load.duration)}"
         yield f"{counted(self.motions, 'motion')} of {_time(self.duration)}"
 
+    def _thrown(self, load: Record) -> str:
+        """Where a base that is accelerated one way leaves the beam behind to."""
+        low, high = (each / load.peak for each in load.bounds)
+        if self.both_ways or low < -ONE_WAY < ONE_WAY < high:
+            return ""
+        return f", beam thrown {'away from' if high > -low else 'onto'} its stop"
+
     def warnings(self) -> Iterator[str]:
         """Sentence on a load that ends later than the motion."""
-        if self.load is not None and self.load.end > self.duration * (1 + 1e-9):
+        if self.load is not None and self.load.start < self.duration < self.load.end * (1 - 1e-9):
             ends = f"the load lasts {_time(self.load.end)}, the motion ends at {_time(self.duration)}"
             yield f"{ends}: set record.duration"
         yield from self.remarks
@@ -61,7 +73,9 @@ def overview_of_record(makers: Mapping[str, MotionMaker], motions: int) -> Recor
     load = maker.load(largest_level(maker.case), 0)
     plain = scene.natural_unit is not None
     remarks = tuple(remarks_on(load, system, maker.duration))
-    return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions, remarks)
+    plan = plan_of(maker.case)
+    both = plan.over == "level" and min(plan.values) < 0 < max(plan.values)
+    return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions, remarks, both)
 
 
 def largest_level(case: Case) -> int:

@@ -55,7 +55,7 @@ class MoreauSolver(Stepper):
         """``slowest`` and ``span`` are ignored.
 
         ``steps`` a drive period (a motion takes the nearest number above it that fits its span); under a record a
-        period of the slowest mode, at least as many in all of the record, and none longer than one of its pieces.
+        period of the slowest mode, at least as many in all of the record, none longer than the median of its pieces.
         ``theta`` from ½ (undamped) to 1 (fully implicit). ``repeats``: how far states a period apart may differ, as a
         share of the motion's size; None: 30/steps (impacts hop between steps). Impacts slower than one step's free
         acceleration count as rest. ValueError for others.
@@ -89,7 +89,7 @@ class MoreauSolver(Stepper):
         return SteppedOutcome(ended, end, State.reached(onto_stop(system, pose[0]), pose[1]), march_on.impacts, count)
 
     def _longest(self, drive: Drive | Record) -> float:
-        """Length of a step at most, s; under a record as long as one of its pieces, or a ``steps``-th of all of it."""
+        """Length of a step at most, s; under a record also the median of its pieces, and a ``steps``-th of it."""
         longest = cycle(self.system, drive) / self.steps
         if isinstance(drive, Drive):
             return longest

@@ -97,6 +97,7 @@ def _used(case: Case, names: Sequence[str]) -> list[MeasuredNumber]:
             raise ValueError(f"no [measured.{name}] with quantity = {QUANTITY!r}; {suggest(name, known)}")
     used = [known[name] for name in dict.fromkeys(names)] or list(known.values())
     if not used:
+        _ = case.sweep  # CaseError of a record case, in which there can be none
         raise ValueError(
             f"no [measured.NAME] with quantity = {QUANTITY!r}: say what was measured, and show = a modal figure"
         )
