@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, State, state_of
+from vibeam.system.record_pieces import BASELINES
+from vibeam.system.record_samples import LEAST
+from vibeam.system.record_shapes import WINDOWS
 from vibeam_models import keys as declare
 
 if TYPE_CHECKING:
@@ -47,11 +50,6 @@ WAYS = {
     "shape": ("duration", "rise", "fall", "cycles", "window", "beats", "pause", "delay"),
     "density": ("band", "seed", "rate", "interpolation", "quantity"),
 }
-QUANTITIES = ("acceleration", "velocity", "displacement", "force", "moment")
-INTERPOLATIONS = ("linear", "cubic")
-REMOVED = ("mean", "velocity", "displacement")
-WINDOWS = ("rectangular", "hann", "hamming", "blackman")
-OF_FILE = ("column", "time", "quantity", "unit", "rate", "interpolation", "remove", "scale")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,13 +71,15 @@ class InputPlan:
     )
     time: Any = declare.text("the same of the file's times; absent = time or t, or drive.rate", "t [ms]", None)
     quantity: str | None = declare.word(
-        QUANTITIES, "what a file, or a density, is of: a motion of the base, or a load; absent = acceleration, or "
+        ("acceleration", "velocity", "displacement", "force", "moment"),
+        "what a file, or a density, is of: a motion of the base, or a load; absent = acceleration, or "
         "force where a force drives", "acceleration", None,
     )  # fmt: skip
     unit: str | None = declare.text("of the file's values, where its head does not say it; absent = SI", "g", None)
     scale: float | None = declare.quantity("", "factor of the file's values", 2.0, None)
     remove: str | None = declare.word(
-        REMOVED, "drift taken off a file: mean of the load, slope of the line nearest to the base's velocity, or the "
+        tuple(BASELINES),
+        "drift taken off a file: mean of the load, slope of the line nearest to the base's velocity, or the "
         "line that ends the base at rest where it began; absent = nothing", "displacement", None,
     )  # fmt: skip
     shape: str | None = declare.word(
@@ -91,7 +91,7 @@ class InputPlan:
     rise: float | None = declare.quantity("s", "of a trapezoid or a step", "1 ms", None, least=0)
     fall: float | None = declare.quantity("s", "of a trapezoid; absent = as its rise", "1 ms", None, least=0)
     cycles: float | None = declare.quantity("", "of a tone_burst or a sine_beat", 5, None, above=0)
-    window: str | None = declare.word(WINDOWS, "of a tone_burst; absent = hann", "hann", None)
+    window: str | None = declare.word(tuple(WINDOWS), "of a tone_burst; absent = hann", "hann", None)
     beats: int | None = declare.count(1, 100_000, "of a sine_beat; absent = 1", 5, None)
     pause: float | None = declare.quantity("s", "between two beats; absent = 0", "2 s", None, least=0)
     delay: float | None = declare.quantity("s", "before a shape begins; absent = 0", "1 ms", None, least=0)
@@ -110,7 +110,7 @@ class InputPlan:
         "20 kHz", None, above=0,
     )  # fmt: skip
     interpolation: str | None = declare.word(
-        INTERPOLATIONS, "between samples of an acceleration or a load; absent = linear of a file, cubic of random "
+        tuple(LEAST), "between samples of an acceleration or a load; absent = linear of a file, cubic of random "
         "input", "cubic", None,
     )  # fmt: skip
     seed: int | None = declare.count(0, 2**31 - 1, "of a random input, of its first realisation", 1, None)
@@ -141,11 +141,16 @@ class InputPlan:
             return self._shaped(Record, SHAPES[self.shape], duration)
         if self.density is None:
             return Record.step(0.0, duration, quantity=of)
-        said = {name: each for name in ("band", "rate", "interpolation") if (each := getattr(self, name)) is not None}
-        return Record.random(self.density, duration, seed=seed or 0, quantity=of, **said)
+        return Record.random(
+            self.density, duration, seed=seed or 0, quantity=of, **self.said("band", "rate", "interpolation")
+        )
+
+    def said(self, *names: str) -> dict[str, Any]:
+        """Those of its values that are given, by name."""
+        return {name: each for name in names if (each := getattr(self, name)) is not None}
 
     def _shaped(self, record: type[Record], shape: InputShape, duration: float) -> Record:
-        said = {name: each for name in (*shape.needs, *shape.takes) if (each := getattr(self, name)) is not None}
+        said = self.said(*shape.needs, *shape.takes)
         if shape.held:
             said.setdefault("duration", duration - (self.delay or 0.0))
         if "frequency" in said:
@@ -168,5 +173,4 @@ class InputPlan:
 def _record_of(plan: InputPlan, state: State) -> Record:
     from vibeam.exchange.time_series import record_of_file
 
-    said: dict[str, Any] = {name: each for name in OF_FILE if (each := getattr(plan, name)) is not None}
-    return record_of_file(plan.file or "", quote=plan.quote, **said)
+    return record_of_file(plan.file or "", quote=plan.quote, **plan.said(*WAYS["file"]))

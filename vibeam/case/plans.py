@@ -184,11 +184,11 @@ class StartPlan:
     )  # fmt: skip
     settled: Callable[[ImpactSystem], State] | None = field(default=None, compare=False, repr=False)
 
-    @property
-    def moves(self) -> bool:
-        """Test whether it is any other than the static equilibrium."""
-        given = (self.displacement, self.force, self.velocity, self.height, self.base_velocity)
-        return any(each is not None for each in given)
+
+def moving(start: Any) -> tuple[str, ...]:
+    """Keys of a start, a plan or its table, by which it is any other than the static equilibrium."""
+    keys = declare.keys_of(StartPlan)
+    return tuple(name for name in keys if name != "output" and getattr(start, name, None) is not None)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.plans import moving
 from vibeam.system.record_samples import GRAVITY
 from vibeam.system.state import State
 
@@ -28,7 +29,7 @@ def start_of(system: ImpactSystem, plan: StartPlan) -> State:
     system = replace(system, static=np.zeros(system.size)) if dropped else system
     if plan.displacement is None and plan.force is None:
         state = _settled(system, plan)
-        if not plan.moves:
+        if not moving(plan):
             return state
         displacement = state.displacement
     else:

@@ -202,6 +202,15 @@ def to_si(value: Any, kind: Dimension, units: UnitSystem | None = SI) -> float:
     return number
 
 
+def suits(text: str, kind: Dimension) -> bool:
+    """Test whether a number with its unit is a quantity of this kind."""
+    try:
+        to_si(text, kind)
+    except UnitError:
+        return False
+    return True
+
+
 def with_unit(value: Any, kind: Dimension, units: UnitSystem | None = SI) -> Any:
     """A value as cases of all units have it: a number that ``to_si`` takes with its SI unit, text as it is."""
     bare = isinstance(value, int | float) and kind.unit

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from vibeam.case.input_plan import InputPlan
-from vibeam.case.plans import RecordPlan, StartPlan
+from vibeam.case.plans import RecordPlan, StartPlan, moving
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fidelity_changes import entry_at
 from vibeam.casefile.field_tables import flat
@@ -114,7 +114,7 @@ def _start(case: SimpleNamespace) -> Iterator[Complaint]:
     start = case.start
     if start is None:
         return
-    given = [name for name in keys_of(StartPlan) if name != "output" and getattr(start, name, None) is not None]
+    given = moving(start)
     for one, other in (("displacement", "force"), ("velocity", "height"), ("velocity", "base_velocity"),
                        ("height", "base_velocity")):  # fmt: skip
         if one in given and other in given:

@@ -11,7 +11,7 @@ import warnings
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -78,7 +78,7 @@ def record_of_file(
         raise CaseError([fault_in(path, None, fault)])
     try:
         _require_keys(quantity, column, time, unit, scale)
-        found, own = _columns(path, _Asked(column, time, quantity, rate, scale))
+        found, own = _columns(path, column, time, quantity, rate, scale is not None)
         value = _in_si(found.columns["value"], UNITS[quantity], unit, "unit") * (1.0 if scale is None else scale)
         times = _in_si(found.columns["frequency"], "s", None, "rate") if own is None else None
     except FormatError as wrong:
@@ -107,33 +107,25 @@ def _require_keys(quantity: Any, column: Any, time: Any, unit: Any, scale: Any) 
         raise FormatError("; ".join(faults))
 
 
-class _Asked(NamedTuple):
-    """Columns and rate that are asked for of a file."""
-
-    column: str | int | None
-    time: str | int | None
-    quantity: str
-    rate: float | None
-    scale: float | None
-
-
-def _columns(path: Path, asked: _Asked) -> tuple[Columns, float | None]:
+def _columns(
+    path: Path, column: str | int | None, time: str | int | None, quantity: str, rate: float | None, scaled: bool
+) -> tuple[Columns, float | None]:
     """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, or the rate in its place."""
     if path.suffix.lower() in WAVES:
-        found, own = _read_wav(path, asked.column, asked.scale is not None)
-        _require_rate(asked.rate, own, len(found.lines), "the file")
-        return found, own if asked.rate is None else asked.rate
+        found, own = _read_wav(path, column, scaled)
+        _require_rate(rate, own, len(found.lines), "the file")
+        return found, own if rate is None else rate
     wanted = {
-        "frequency": WantedColumn(TIMES if asked.time is None else (asked.time,), needed=asked.rate is None),
-        "value": WantedColumn(HEADS[asked.quantity] if asked.column is None else (asked.column,)),
+        "frequency": WantedColumn(TIMES if time is None else (time,), needed=rate is None),
+        "value": WantedColumn(HEADS[quantity] if column is None else (column,)),
     }
-    found = _read(path, wanted, asked.column is None)
+    found = _read(path, wanted, column is None)
     clock = found.columns.get("frequency")
     if clock is not None and clock.unit == "Hz":
         raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
     if clock is not None:
-        _require_times(clock, found.columns["value"], asked.rate)
-    return found, asked.rate
+        _require_times(clock, found.columns["value"], rate)
+    return found, rate
 
 
 def _require_times(clock: CurveColumn, value: CurveColumn, rate: float | None) -> None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vibeam.system.record_pieces import integrated, turning_points
 from vibeam_models.arguments import count, floats, refuse
 from vibeam_models.arrays import Array, Index, ValueRecord
 
@@ -80,17 +81,6 @@ def _take_edges(into: History, values: Array) -> None:
         np.maximum(into.greatest, side, out=into.greatest)
 
 
-def turning_points(coefficients: Array, spans: Array) -> tuple[Index, Array]:
-    """Cubics Σ c_j s^j, of ``coefficients`` (k, 4), that turn within (0, ``span``): which of them, and s."""
-    _, c1, c2, c3 = coefficients.T
-    root = np.sqrt(np.maximum(c2 * c2 - 3 * c1 * c3, 0.0))
-    q = -(c2 + np.copysign(root, c2))  # of 3 c3 s² + 2 c2 s + c1 = 0, without cancellation
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        found = np.stack([q / (3 * c3), c1 / q])
-        which = np.nonzero((found > 0) & (found < spans) & (c2 * c2 > 3 * c1 * c3))
-    return which[1], found[which]
-
-
 def history_of_cubics(
     knots: ArrayLike, coefficients: ArrayLike, begin: float | None = None, end: float | None = None, bins: int = BINS
 ) -> History:
@@ -105,18 +95,13 @@ def history_of_cubics(
     found = _empty(times[0] if begin is None else begin, times[-1] if end is None else end, bins)
     spans = np.diff(times)
     _take(found, times[:-1], rows[:, 0])
-    _take(found, np.nextafter(times[1:], times[0]), _at(rows, spans))
+    _take(found, np.nextafter(times[1:], times[0]), integrated(rows, spans, 0))
     which, s = turning_points(rows, spans)
-    _take(found, times[which] + s, _at(rows[which], s))
+    _take(found, times[which] + s, integrated(rows[which], s, 0))
     at = np.clip(np.searchsorted(times, found.edges, side="right") - 1, 0, len(spans) - 1)
     outside = (found.edges < times[0]) | (found.edges > times[-1])
-    _take_edges(found, np.where(outside, 0.0, _at(rows[at], found.edges - times[at])))
+    _take_edges(found, np.where(outside, 0.0, integrated(rows[at], found.edges - times[at], 0)))
     return found
-
-
-def _at(coefficients: Array, s: Array) -> Array:
-    c0, c1, c2, c3 = coefficients.T
-    return np.asarray(c0 + s * (c1 + s * (c2 + s * c3)))
 
 
 def cubics_of(times: Array, values: Array, rates: Array | None = None) -> Array:

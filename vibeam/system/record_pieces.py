@@ -49,15 +49,21 @@ def _sums(parts: Array) -> Array:
 def bounds(times: Array, coefficients: Array) -> tuple[float, float]:
     """Least and greatest value of all pieces, exact: at their ends and where the slope is zero."""
     lengths = np.diff(times)
-    found = [coefficients[:, 0], integrated(coefficients, lengths, 0)]
-    _, b, c, d = coefficients.T
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        root = np.sqrt(c * c - 3 * b * d)
-        half = -(c + np.copysign(root, c))  # roots of b + 2cs + 3ds² without cancellation
-        for s in (half / (3 * d), b / half):
-            found.append(integrated(coefficients, np.where((s > 0) & (s < lengths), s, 0.0), 0))
-    every = np.concatenate(found)
+    which, s = turning_points(coefficients, lengths)
+    ends, turns = integrated(coefficients, lengths, 0), integrated(coefficients[which], s, 0)
+    every = np.concatenate([coefficients[:, 0], ends, turns])
     return float(every.min()), float(every.max())
+
+
+def turning_points(coefficients: Array, spans: Array) -> tuple[Index, Array]:
+    """Pieces of ``coefficients`` (k, 4) that turn within (0, ``span``): which of them, and s."""
+    _, c1, c2, c3 = coefficients.T
+    root = np.sqrt(np.maximum(c2 * c2 - 3 * c1 * c3, 0.0))
+    q = -(c2 + np.copysign(root, c2))  # of 3 c3 s² + 2 c2 s + c1 = 0, without cancellation
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        found = np.stack([q / (3 * c3), c1 / q])
+        which = np.nonzero((found > 0) & (found < spans) & (c2 * c2 > 3 * c1 * c3))
+    return which[1], found[which]
 
 
 def moved(coefficients: Array, s: Array) -> Array:

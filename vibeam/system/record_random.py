@@ -20,7 +20,7 @@ from typing import Any, Self
 import numpy as np
 
 from vibeam.system import record_pieces as pieces
-from vibeam.system.record_samples import LEAST, MOST_SAMPLES, extent, require_acceleration
+from vibeam.system.record_samples import LEAST, MOST_SAMPLES, extent, require_peak
 from vibeam_models.arguments import count, number, real, real_array, refuse, word
 from vibeam_models.arrays import Array
 
@@ -128,8 +128,7 @@ class RandomRecords(pieces.MadeOfPieces):
             )
         refuse("record", faults)
         n = max(int(np.ceil(duration * rate * (1 - 1e-12))), 3) + 1
-        if quantity == "acceleration":
-            require_acceleration(table.mean_square**0.5)
+        require_peak(table.mean_square**0.5, quantity)
         values, times = gaussian(table, n, rate, seed, interpolation), start + np.arange(n) / rate
         made = pieces.linear(times, values) if interpolation == "linear" else pieces.spline(times, values)
         return cls(times, made, quantity)

@@ -85,8 +85,7 @@ class SampledRecords(pieces.MadeOfPieces):
         refuse("record", faults)
         derivative = DERIVATIVE.get(quantity, 0)
         made = pieces.linear(knots, known) if joined == "linear" else pieces.spline(knots, known, derivative)
-        if quantity in (*DERIVATIVE, "acceleration"):
-            require_acceleration(max(map(abs, pieces.bounds(knots, made))))
+        require_peak(max(map(abs, pieces.bounds(knots, made))), "acceleration" if derivative else quantity)
         if not derivative:
             return cls(knots, made, quantity, samples=joined).without(remove)
         velocity = known[0] if derivative == 1 else pieces.spline(knots, known, 1)[0, 0]
@@ -171,12 +170,10 @@ def _listed(indices: Index, named: Named, times: Array | None = None) -> str:
     return f"{', '.join(told)}{more}"
 
 
-def require_acceleration(peak: float) -> None:
-    """ValueError for an acceleration (m/s²) that no base has: beyond 10⁶ g."""
-    if peak > MOST:
-        told = (
-            f"an acceleration of {peak / GRAVITY:.3g} g, more than 10⁶ g, ten times a pyrotechnic shock at its source"
-        )
+def require_peak(peak: float, quantity: str) -> None:
+    """ValueError for an acceleration (m/s²) that no base has, beyond 10⁶ g, and no other ``quantity``."""
+    if quantity == "acceleration" and abs(peak) > MOST:
+        told = f"an acceleration of {abs(peak) / GRAVITY:.3g} g, more than 10⁶ g, ten times a pyrotechnic shock's"
         raise ValueError(f"record: {told}: is the unit, or the rate of the samples, the right one?")
 
 

@@ -13,7 +13,7 @@ from typing import Self
 import numpy as np
 
 from vibeam.system import record_pieces as pieces
-from vibeam.system.record_samples import extent, require_acceleration
+from vibeam.system.record_samples import extent, require_peak
 from vibeam_models.arguments import count, number, refuse, word
 from vibeam_models.arrays import Array
 
@@ -178,7 +178,7 @@ class ShapedRecords(pieces.MadeOfPieces):
         """Record of straight lines between shares 0 and 1 of the peak; those without a length are left out."""
         peak, start = number("peak", peak, faults), number("start", start, faults)
         refuse("record", faults)
-        _require_peak(peak, quantity)
+        require_peak(peak, quantity)
         kept = [(pair, length) for pair, length in zip(ends, lengths, strict=True) if length > 0]
         lines = [[peak * first, peak * (last - first) / length, 0.0, 0.0] for (first, last), length in kept]
         return cls(
@@ -195,7 +195,7 @@ class ShapedRecords(pieces.MadeOfPieces):
         duration = extent("duration", duration, [] if faults else faults)
         error = number("error", error, faults, least=1e-15, most=0.1)
         refuse("record", faults)
-        _require_peak(peak, quantity)
+        require_peak(peak, quantity)
         wanted = duration * omega / (BOUND * error) ** 0.25
         if wanted > MOST_PIECES:
             raise ValueError(
@@ -207,8 +207,3 @@ class ShapedRecords(pieces.MadeOfPieces):
         values = peak * function(times[:-1, None] + lengths * NODES)
         made = values @ np.linalg.inv(np.vander(NODES, 4, increasing=True)).T / lengths**pieces.POWERS
         return cls(start + times, made, quantity)
-
-
-def _require_peak(peak: float, quantity: str) -> None:
-    if quantity == "acceleration":
-        require_acceleration(abs(peak))

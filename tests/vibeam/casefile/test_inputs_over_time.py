@@ -11,8 +11,8 @@ import pytest
 from scipy.io import wavfile
 
 import vibeam
-from vibeam.case.input_remarks import input_remarks, remarks_on
 from vibeam.casefile.read import parse
+from vibeam.runs.transient.overview import remarks_on
 
 RIG = {
     "beam": {
@@ -384,7 +384,7 @@ def test_an_input_too_coarse_or_a_run_too_short_for_a_mode_says_what_is_needed()
         f"has 1000 samples a second, the highest mode, {highest:.4g} Hz, needs {needed:.0f} to be off by 10%" in coarse
     )
     assert f"0.05 s is {0.05 * lowest:.2g} of a period of the lowest mode, {lowest:.4g} Hz" in short
-    assert input_remarks(case(PULSE), "eight") == ()
+    assert not [*remarks_on(case(PULSE).input("eight"), system, case(PULSE).record.duration)]
     for by, then in ((-0.02, "the motion at 0: what comes before"), (0.06, "when the motion is over")):
         first, *_ = remarks_on(slow.shifted(by), system, 0.05)
         assert first.startswith(f"the input begins at {by} s, {then}")

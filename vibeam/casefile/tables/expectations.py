@@ -102,7 +102,7 @@ class AmountEntry(Entry):
             units.to_si(value, units.RATIO)
             amount = Amount(value, system=system)
         else:
-            kind = next((kind for kind in COMPARED if _suits(value, kind)), units.RATIO)
+            kind = next((kind for kind in COMPARED if units.suits(value, kind)), units.RATIO)
             amount = Amount(units.to_si(value, kind), kind, value.strip().endswith("%"))
         self.range.check(amount.number, value)
         return amount
@@ -124,14 +124,6 @@ class AmountEntry(Entry):
         if value.percent:
             return f"{Decimal(repr(value.number)) * 100:f} %"
         return units.with_unit(value.number, value.kind or units.RATIO)
-
-
-def _suits(text: str, kind: units.Dimension) -> bool:
-    try:
-        units.to_si(text, kind)
-    except units.UnitError:
-        return False
-    return True
 
 
 AMOUNTS = {"expect": ("value",), "measured": ("value", "scatter"), "reference": ("offset", "uncertainty")}

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Any
 
 from vibeam.case.input_plan import SHAPES, WAYS, InputPlan
+from vibeam.case.plans import moving
 from vibeam.casefile.fields import Entry, JsonSchema, ValueEntry
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.quantities import NUMBER_WITH_UNIT, SI, Dimension, UnitSystem, to_si, with_unit
+from vibeam.casefile.quantities import NUMBER_WITH_UNIT, SI, Dimension, UnitSystem, suits, to_si, with_unit
 from vibeam.casefile.tables.table import Frequency
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, as_shown_in_message
@@ -47,25 +49,21 @@ def _level(value: Any, units: UnitSystem | None) -> tuple[float, str | None]:
     else:
         for long, unit in WRITTEN.items():
             value = value.replace(long, unit)
-        found = next((name for name, kind in DENSITIES.items() if _suits(value, kind)), "acceleration")
+        found = next((name for name, kind in DENSITIES.items() if suits(value, kind)), "acceleration")
         number = to_si(value, DENSITIES[found])
     if not number > 0:
         raise ValueError(f"{as_shown_in_message(value)} must be > 0: a table ends where there is nothing more")
     return number, found
 
 
-def _suits(value: str, kind: Dimension) -> bool:
-    try:
-        to_si(value, kind)
-    except ValueError:
-        return False
-    return True
-
-
+@dataclass(frozen=True)
 class DensityEntry(Entry):
-    """A level of a spectral density, or a list of [frequency, level]: SI numbers, and what they are the density of."""
+    """A level of a spectral density, or a list of [frequency, level]: SI numbers, and what they are the density of.
 
-    plain = False
+    ``plain``: in a case without dimensions.
+    """
+
+    plain: bool = False
 
     def read(self, value: Any, units: UnitSystem | None) -> tuple[Any, str | None]:
         """As ``Entry.read``."""
@@ -106,16 +104,7 @@ class DensityEntry(Entry):
 
     def nondimensional(self) -> Entry:
         """As ``Entry.nondimensional``."""
-        return PLAIN_DENSITY
-
-
-class PlainDensityEntry(DensityEntry):
-    """The same where the case has no dimensions."""
-
-    plain = True
-
-
-DENSITY, PLAIN_DENSITY = DensityEntry(), PlainDensityEntry()
+        return DensityEntry(plain=True)
 
 
 def _head(value: Any) -> str | int | None:
@@ -157,16 +146,11 @@ def input_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from _platform(case)
     yield from _row(case)
     if not said:
-        if not _moves(case.start) and not any(getattr(drive, name, None) is not None for name in keys_of(Base)):
+        if not moving(case.start) and not any(getattr(drive, name, None) is not None for name in keys_of(Base)):
             yield ("drive",), "nothing moves the rig: write file, shape or density here, or add [start]"
         return
     yield from {"file": _file, "shape": _shape, "density": _random}[said[0]](case, folder)
     yield from _kind(case)
-
-
-def _moves(start: Any) -> bool:
-    names = ("displacement", "force", "velocity", "height", "base_velocity")
-    return start is not None and any(getattr(start, name, None) is not None for name in names)
 
 
 def _foreign(drive: SimpleNamespace, way: str | None) -> Iterator[Complaint]:

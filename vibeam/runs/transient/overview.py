@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.input_remarks import remarks_on
 from vibeam.runs.systems import Overview, properties_of
 from vibeam.runs.transient.motions import plan_of
-from vibeam.system.number_text import ACCELERATIONS, TIMES, prefixed
+from vibeam.system.number_text import ACCELERATIONS, TIMES, prefixed, with_unit
+from vibeam.system.record_samples import too_coarse
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.transient.motions import MotionMaker
+    from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.record import Record
 
 
+COARSE = 0.1  # share of its amplitude by which interpolation may be off in a sine at the highest mode
 ONE_WAY = 1e-6  # share of the peak below which a load of the other sign is none
 
 
@@ -47,7 +50,7 @@ class RecordOverview(Overview):
         yield f"{counted(self.motions, 'motion')} of {_time(self.duration)}"
 
     def _thrown(self, load: Record) -> str:
-        """Where a base that is accelerated one way leaves the beam behind to."""
+        """Direction in which a base that is accelerated one way throws the beam."""
         low, high = (each / load.peak for each in load.bounds)
         if self.both_ways or low < -ONE_WAY < ONE_WAY < high:
             return ""
@@ -76,6 +79,33 @@ def overview_of_record(makers: Mapping[str, MotionMaker], motions: int) -> Recor
     plan = plan_of(maker.case)
     both = plan.over == "level" and min(plan.values) < 0 < max(plan.values)
     return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions, remarks, both)
+
+
+def remarks_on(record: Record, system: ImpactSystem, duration: float) -> Iterator[str]:
+    """Remarks on an input: too coarse for the highest mode, too short for the lowest, of a run of ``duration`` s.
+
+    They stop nothing: modes beyond a record's samples see its interpolation, and a short record is a short run.
+    """
+    if record.start < 0:
+        yield f"the input begins at {record.start:.6g} s, the motion at 0: what comes before is left out"
+    elif record.start >= duration:
+        yield f"the input begins at {record.start:.6g} s, when the motion is over: set record.duration"
+    rates = sorted(float(each) for each in system.omega if each > 0)
+    if not rates:
+        return
+    needed = too_coarse(record, rates[-1], COARSE)
+    if needed is not None:
+        has = 1 / float((record.times[1:] - record.times[:-1]).max())
+        yield (
+            f"the input has {has:.6g} samples a second, the highest mode, {with_unit(rates[-1] / (2 * pi), 'Hz')}, "
+            f"needs {needed:.0f} to be off by {COARSE:.0%} at most: sample faster, or keep fewer modes"
+        )
+    period = 2 * pi / rates[0]
+    if duration < period:
+        yield (
+            f"the run of {duration:.4g} s is {duration / period:.2g} of a period of the lowest mode, "
+            f"{1 / period:.4g} Hz: write a longer record.duration"
+        )
 
 
 def largest_level(case: Case) -> int:
