@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Columns, CurveColumn, HeadError, WantedColumn, split_head
+from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, split_head
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import CaseError, fault_in
@@ -35,7 +35,6 @@ HEADS = {
     "moment": ("moment", "torque", "m"),
 }
 WAVES = (".wav", ".wave")
-TIMES = ("time", "t", "seconds")
 EVEN, ROUNDED = 1e-3, 0.3  # of a step: times taken as equal steps; times that were written with too few digits
 LONGER = 0.01  # share by which a record may last longer or shorter by a rate that is said than by its own times
 ANONYMOUS = "cannot be read as a record; its lines are not shown, since it lies outside the case's folder"
@@ -59,8 +58,8 @@ def record_of_file(
     - ``column``: head of the samples, or number from 1 (text); variable or dataset, ``"name:2"`` for its second column
       (.mat, .h5); number of the data set 58 (universal files) or of the channel (.wav). None: a usual head of the
       ``quantity``, or the only one.
-    - ``time``: the same of the times; None: ``"time"`` or ``"t"``. ``rate`` (Hz): samples per second, where there are
-      no times or they lost digits, as of universal files, which write six; times that differ by more are a fault.
+    - ``time``: the same of the times; None: a usual head as ``"t"``. ``rate`` (Hz): samples per second, where
+      there are no times, or they lost digits, as universal files have six; times that differ by more are a fault.
     - ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``. ``unit`` goes before the one that the file
       says (``g`` is 9.80665 m/s²); without any: SI. ``scale``: factor on top of it; of a WAV file of whole numbers the
       value of its full scale, which must be said.

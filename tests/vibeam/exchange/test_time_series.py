@@ -43,6 +43,7 @@ TEXTS: list[tuple[str, dict[str, Any]]] = [
     (table("zeit [ms];kanal 1 [g]"), {"column": 2, "rate": RATE}),
     (table("t [ms];acc", rows=zip(TIME * 1e3, VALUES * G, strict=True)), {}),
     (table("t [ms];acc [V]"), {"unit": "g"}),
+    (table("zeit [ms];kanal 1 [g]"), {}),
     (table("t [ms];kanal 1 [g]"), {}),
     (table("zeit [ms];kanal 1 [g]"), {"time": "zeit"}),
     (table("t [ms];acc", rows=zip(TIME * 1e3, VALUES * 2, strict=True)), {"unit": "g", "scale": 0.5}),

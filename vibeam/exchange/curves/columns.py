@@ -10,6 +10,7 @@ from vibeam.exchange.files import FormatError
 from vibeam_models.arrays import Array
 
 SHOWN = 12  # heads named in a message
+TIMES = ("time", "t", "zeit", "temps", "tiempo", "tempo", "seconds", "sec")  # usual heads of a column of times
 
 
 class HeadError(FormatError):

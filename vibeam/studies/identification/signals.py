@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Columns, CurveColumn, HeadError, WantedColumn, split_head
+from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, split_head
 from vibeam.exchange.curves.read import BINARY, is_text, read_columns
 from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import CaseError, fault_in
@@ -23,7 +23,7 @@ from vibeam_models.arrays import Array
 
 UNITS = {"time": "s", "frequency": "Hz"}
 NAMES = {
-    "time": ("time", "t", "zeit", "temps", "tiempo", "tempo", "seconds", "sec"),
+    "time": TIMES,
     "frequency": ("frequency", "freq", "f", "frequenz", "fréquence", "frecuencia", "frequencies", "hz"),
 }
 VALUES = ("displacement", "amplitude", "magnitude", "value", "x", "a")
