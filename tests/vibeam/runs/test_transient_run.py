@@ -52,6 +52,16 @@ def test_a_run_has_a_motion_of_each_fidelity_value_and_seed(whole: TransientResu
     assert (whole.total, whole.found, whole.missing) == (8, 0, 0)
 
 
+def test_spectra_have_the_frequencies_of_their_own_motion(tmp_path: Path) -> None:
+    """A key that makes modes faster takes more samples, and its lines go further; the file has both."""
+    varied = case(over="sdof.natural_frequency", values=["2 Hz", "200 Hz"], realisations=1)
+    found = run(varied, tmp_path / "run.h5", fidelities=["events"])["events"]
+    assert np.nanmax(found.frequency[1, 0]) > 1.5 * np.nanmax(found.frequency[0, 0])
+    assert np.array_equal(np.isfinite(found.frequency), np.isfinite(found.spectrum[:, :, 0]))
+    stored: Any = vibeam.read(tmp_path / "run.h5")["events"]
+    assert np.array_equal(stored.frequency, found.frequency, equal_nan=True)
+
+
 def test_a_reading_is_that_of_the_motion(whole: TransientResult) -> None:
     """The peak as scanned at 40 000 times of the motion flown again, to the distance of two of them; impacts equal."""
     path = realised(case(), "events", 1, 1)

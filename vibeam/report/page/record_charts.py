@@ -259,10 +259,12 @@ def _spectra(result: TransientResult) -> Iterator[dict[str, Any]]:
     for key, signal in {each.name: each for name in result for each in result[name].signals}.items():
         curves = []
         for name in result:
-            own = result[name]
-            if key in _names(result, name):
-                mean, error = _over(own.spectrum[place : place + 1, :, own.signal(key)])
-                curves.append(_curve(name, own.frequency, mean[0], error[0]))
+            own, done = result[name], np.flatnonzero(result[name].complete[place])
+            if key in _names(result, name) and len(done):
+                lines = own.frequency[place, done[0]]
+                mean, error = _over(own.spectrum[place : place + 1, done, own.signal(key)])
+                known = np.isfinite(lines)
+                curves.append(_curve(name, lines[known], mean[0][known], error[0][known]))
         unit = SQUARES.get(signal.unit, f"({signal.unit})²/Hz")
         note = " ".join(filter(None, ["One-sided density by Welch's method.", _band(result)]))
         chart = _chart(

@@ -49,7 +49,6 @@ def write_group(
 
 def _write_readings(group: h5py.Group, whole: Sequence[Reading]) -> None:
     """Write the rows of the motions that were read."""
-    scale(group, "frequency", whole[0]["frequency"], "frequency of the spectra", "Hz")
     for name, quantity in READINGS.items():
         unit = UNITS.get(quantity.unit, quantity.unit)
         if name == "ended":
@@ -107,7 +106,7 @@ def _read_readings(group: h5py.Group) -> list[Reading]:
     columns = {name: group[name][()] for name in READINGS if name != "ended"}
     found: list[Reading] = []
     for at, (end, count, size) in enumerate(zip(ends, counts, modes, strict=True)):
-        own: Reading = {"frequency": group["frequency"][()]}
+        own: Reading = {}
         for name, values in columns.items():
             kind = READINGS[name].dimensions
             own[name] = values[end - count : end] if kind == ("impact",) else np.asarray(values[at])

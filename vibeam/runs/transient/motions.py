@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from vibeam.system.record import Record
 
 SCALED = ("level", "speed")  # factors of the record itself
-READ_AS = 1  # raised where readings mean something else: motions of older files are run anew
+READ_AS = 2  # raised where readings mean something else: motions of older files are run anew
 WARM_UP = 1e-3  # share of a motion that is flown before
 NUDGE = 1e-6  # by which the load of a twin is larger, or the start of a free one smaller
 

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from vibeam.observe.motion import Path
     from vibeam.runs.transient.signals import TransientSignal
 
-Reading = dict[
-    str, NDArray[Any]
-]  # numbers of one motion: READINGS by name, and the frequency (f,), Hz, of its spectrum
+Reading = dict[str, NDArray[Any]]  # numbers of one motion: READINGS by name, histories
 PROVED, PARTLY, UNASKED = 1, 0, -1
 OUTLINE = 512  # bins of an outline
 
@@ -32,7 +30,7 @@ class ReadingQuantity:
     """Meaning of a field of a reading, its unit (q: of the signal), its dimensions."""
 
     long_name: str
-    unit: Literal["q", "q2 Hz-1", "c/s", "E", "s", "1"]
+    unit: Literal["q", "q2 Hz-1", "c/s", "E", "s", "Hz", "1"]
     dimensions: tuple[str, ...] = ()
 
 
@@ -46,6 +44,7 @@ READINGS: Mapping[str, ReadingQuantity] = {
     "rms": ReadingQuantity("root mean square over the record", "q", SIGNAL),
     "outline_least": ReadingQuantity("least value of each bin of the time", "q", ("signal", "bin")),
     "outline_greatest": ReadingQuantity("greatest value of each bin of the time", "q", ("signal", "bin")),
+    "frequency": ReadingQuantity("frequency of the spectra", "Hz", ("frequency",)),
     "spectrum": ReadingQuantity("one-sided spectral density, Welch's method", "q2 Hz-1", ("signal", "frequency")),
     "impact_times": ReadingQuantity(
         "times of the impacts, of the begins of contacts where the stop yields", "s", IMPACT

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.observe.decimation import History
-from vibeam.runs.transient.reading import READINGS, Reading
+from vibeam.runs.transient.reading import OUTLINE, READINGS, Reading
 from vibeam.runs.transient.signals import TransientSignal
 from vibeam.system.response import Ended
 from vibeam_models.arguments import counted
@@ -34,7 +34,7 @@ class Transient(ValueRecord):
     the time held on the stop; ``residual``, by which the energy balance is open; CPU times; ``ended``; ``proved``: 1,
     0 not all of it, −1 not asked. ``impact_times[i][j]`` (s), ``impact_velocities``, ``impact_contacts``: of each
     motion. ``outline_least``, ``outline_greatest`` (v, s, o, 512): extremes of equal bins of the time. ``spectrum``
-    (v, s, o, f) at ``frequency`` (f,) Hz: one-sided densities, unit²/Hz. ``history``: of one motion, by signal.
+    (v, s, o, f) at ``frequency`` (v, s, f) Hz: one-sided densities, unit²/Hz. ``history``: of one motion, by signal.
     What was not run yet is NaN, its ``ended`` NOT_RUN.
     """
 
@@ -142,25 +142,24 @@ def assembled(
     """Transient of the readings of all motions; None: not run yet."""
     known = [each for row in rows for each in row if each is not None and "left" in each]
     modes = max((len(each["left"]) for each in known), default=0)
-    sizes = {"signal": len(signals), "mode": modes}
-    sizes |= {"bin": known[0]["outline_least"].shape[1], "frequency": len(known[0]["frequency"])} if known else {}
+    lines = max((len(each["frequency"]) for each in known), default=0)
+    sizes = {"signal": len(signals), "mode": modes, "bin": OUTLINE, "frequency": lines}
     made: dict[str, Any] = {}
     for name, quantity in READINGS.items():
         if quantity.dimensions == ("impact",):
             empty = np.empty(0, dtype=np.int64 if name == "impact_contacts" else float)
             made[name] = tuple(tuple((each or {}).get(name, empty) for each in row) for row in rows)
         else:
-            shape = tuple(sizes.get(each, 0) for each in quantity.dimensions)
+            shape = tuple(sizes[each] for each in quantity.dimensions)
             made[name] = np.array([[_padded(each, name, shape) for each in row] for row in rows])
-    frequency = known[0]["frequency"] if known else np.empty(0)
-    return Transient(fidelity, modes, duration, tuple(signals), frequency, **made, history=dict(history or {}))
+    return Transient(fidelity, modes, duration, tuple(signals), **made, history=dict(history or {}))
 
 
 CODES = {"ended": Ended.NOT_RUN.code, "proved": -1}
 
 
 def _padded(reading: Reading | None, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    """Numbers of a reading in the common ``shape``: modes that it does not have, and what was not run, are NaN."""
+    """Numbers of a reading in the common ``shape``: modes and lines that it does not have, and what was not run, are NaN."""
     if name in CODES:
         return np.asarray((reading or {}).get(name, CODES[name]), dtype=np.int64)
     found = np.full(shape, np.nan)
