@@ -48,7 +48,7 @@ def parted(result: Any, horizon: float, own: float) -> Any:
 def test_chaos_is_what_a_model_off_by_one_per_cent_would_show(horizon: float, own: float, chaotic: bool) -> None:
     """ln 5/ln 50 000 = 0.1487 of the own horizon, where that ends before the motion does, of 5 s here."""
     blank = np.zeros((1, 1, 0))
-    found = TransientComparison("one", "exact", 1e-3, 5.0, np.array([[horizon]]), np.zeros((1, 1), dtype=int),
+    found = TransientComparison("one", "exact", 1e-3, 5.0, np.array([[horizon]]),
                                 np.array([own]), blank, blank, ())  # fmt: skip
     assert is_chaotic(found) is chaotic
 

@@ -73,23 +73,22 @@ def train(times: list[float], velocities: list[float] | None = None, contacts: l
 
 def test_trains_agree_until_the_first_hard_impact_without_a_partner() -> None:
     one, other = train([1.0, 2.0, 3.0, 4.0]), train([1.01, 2.02, 3.2, 4.4])
-    assert agreement(one, other, 0.05, 5.0).horizon == 3.0
-    assert agreement(one, other, 0.05, 5.0).paired == 2
-    assert agreement(one, other, 0.5, 5.0).horizon == 5.0
-    assert agreement(other, one, 0.05, 5.0).horizon == 3.0  # whichever is named first
+    assert agreement(one, other, 0.05, 5.0) == 3.0
+    assert agreement(one, other, 0.5, 5.0) == 5.0
+    assert agreement(other, one, 0.05, 5.0) == 3.0  # whichever is named first
 
 
 def test_light_impacts_need_no_partner_and_hard_ones_take_any() -> None:
     hard, bouncing = train([1.0, 2.0]), train([1.0, 1.1, 1.15, 2.0], [1.0, 0.09, 0.05, 1.0])
-    assert agreement(hard, bouncing, 0.01, 3.0).horizon == 3.0
+    assert agreement(hard, bouncing, 0.01, 3.0) == 3.0
     lost = train([1.0, 1.1, 2.0], [1.0, 0.5, 1.0])
-    assert agreement(hard, lost, 0.01, 3.0).horizon == 1.1
+    assert agreement(hard, lost, 0.01, 3.0) == 1.1
 
 
 def test_an_impact_at_another_contact_is_no_partner() -> None:
-    assert agreement(train([1.0]), train([1.0], contacts=[1]), 0.1, 2.0).horizon == 1.0
+    assert agreement(train([1.0]), train([1.0], contacts=[1]), 0.1, 2.0) == 1.0
 
 
 def test_motions_without_impacts_agree_to_the_end() -> None:
-    assert agreement(train([]), train([]), 0.1, 2.0).horizon == 2.0
-    assert agreement(train([0.7]), train([]), 0.1, 2.0).horizon == 0.7
+    assert agreement(train([]), train([]), 0.1, 2.0) == 2.0
+    assert agreement(train([0.7]), train([]), 0.1, 2.0) == 0.7

@@ -12,7 +12,7 @@ import numpy as np
 from vibeam.runs.transient.horizon import ImpactTrain, agreement
 from vibeam.runs.transient.statistics import paired
 from vibeam.runs.transient.transient import ENERGIES, Transient
-from vibeam_models.arrays import Array, Flags, Index, ValueRecord
+from vibeam_models.arrays import Array, Flags, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.runs.transient.reading import Reading
@@ -46,9 +46,9 @@ class PairedDifference:
 class TransientComparison(ValueRecord):
     """Comparison of a ``fidelity`` with the ``finest`` over v values and s seeds.
 
-    ``tolerance``, s, within which impacts pair; ``horizon`` (v, s), s: until when they do; ``paired`` (v, s): hard
-    impacts until then; ``own_horizon`` (v,), s: the same of the finest with itself under a load larger by 1e-6 (NaN:
-    not known): where that is short no model agrees for longer. ``off`` (v, s, o): difference of the signals' peaks as
+    ``tolerance``, s, within which impacts pair; ``horizon`` (v, s), s: until when they do;
+    ``own_horizon`` (v,), s: the same of the finest with itself under a load larger by 1e-6 (NaN: not known): where that
+    is short no model agrees for longer. ``off`` (v, s, o): difference of the signals' peaks as
     a share, ``off_before``: of the peaks before the horizon. ``differences``: means over the seeds.
     """
 
@@ -57,7 +57,6 @@ class TransientComparison(ValueRecord):
     tolerance: float
     duration: float
     horizon: Array
-    paired: Index
     own_horizon: Array
     off: Array
     off_before: Array
@@ -82,21 +81,18 @@ def compared(own: Transient, finest: Transient, period: float, twins: Mapping[in
     ``twins``: by value, the finest's motion of the first seed under a load larger by 1e-6.
     """
     tolerance, shape = TOLERANCE * period, own.ended.shape
-    horizon, found = np.full(shape, np.nan), np.zeros(shape, dtype=np.int64)
+    horizon = np.full(shape, np.nan)
     before = np.full((*shape, len(finest.signals)), np.nan)
     for place in zip(*np.nonzero(own.complete & finest.complete), strict=True):
-        met = agreement(_train(own, *place), _train(finest, *place), tolerance, finest.duration)
-        horizon[place], found[place] = met.horizon, met.paired
-        before[place] = _off_before(own, finest, place, met.horizon)
+        horizon[place] = agreement(_train(own, *place), _train(finest, *place), tolerance, finest.duration)
+        before[place] = _off_before(own, finest, place, horizon[place])
     twin = np.full(shape[0], np.nan)
     for value, reading in twins.items():
-        twin[value] = agreement(
-            _train(finest, value, 0), _train_of(reading), tolerance, finest.duration
-        ).horizon  # fmt: skip
+        twin[value] = agreement(_train(finest, value, 0), _train_of(reading), tolerance, finest.duration)
     off = _shares(_peaks(own, finest), finest.peak)
     differences = tuple(_differences(own, finest))
     return TransientComparison(
-        own.fidelity, finest.fidelity, tolerance, finest.duration, horizon, found, twin, off, before, differences
+        own.fidelity, finest.fidelity, tolerance, finest.duration, horizon, twin, off, before, differences
     )
 
 

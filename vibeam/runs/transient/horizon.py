@@ -24,28 +24,14 @@ class ImpactTrain:
     contacts: Index
 
 
-@dataclass(frozen=True)
-class Agreement:
-    """Agreement of two trains: ``horizon``, s, until which the impacts pair, and how many of the hard ones do so."""
-
-    horizon: float
-    paired: int
-
-
-def agreement(one: ImpactTrain, other: ImpactTrain, tolerance: float, end: float) -> Agreement:
-    """Agreement of two trains until ``end``, s.
+def agreement(one: ImpactTrain, other: ImpactTrain, tolerance: float, end: float) -> float:
+    """Horizon of agreement of two trains, s; ``end`` where all of it agrees.
 
     Every impact of either that is harder than ``HARD`` times its hardest has a partner: one of the other, of any
     velocity, at the same contact, within ``tolerance``, s. The horizon is the first that has none.
     """
-    alone = [own.times[hard & ~near] for own, hard, near in _judged(one, other, tolerance)]
-    horizon = min((float(times[0]) for times in alone if len(times)), default=end)
-    hard = one.times[_hard(one)]
-    return Agreement(min(horizon, end), int(np.count_nonzero(hard < horizon)))
-
-
-def _judged(one: ImpactTrain, other: ImpactTrain, tolerance: float) -> list[tuple[ImpactTrain, Flags, Flags]]:
-    return [(own, _hard(own), _has_partner(own, mate, tolerance)) for own, mate in ((one, other), (other, one))]
+    alone = [own.times[_hard(own) & ~_has_partner(own, mate, tolerance)] for own, mate in ((one, other), (other, one))]
+    return min([end, *(float(times[0]) for times in alone if len(times))])
 
 
 def _hard(train: ImpactTrain) -> Flags:

@@ -159,7 +159,7 @@ CODES = {"ended": Ended.NOT_RUN.code, "proved": -1}
 
 
 def _padded(reading: Reading | None, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    """Numbers of a reading in the common ``shape``: modes and lines that it does not have, and what was not run, are NaN."""
+    """Numbers of a reading in the common ``shape``: NaN where it has no such mode or line, or was not run."""
     if name in CODES:
         return np.asarray((reading or {}).get(name, CODES[name]), dtype=np.int64)
     found = np.full(shape, np.nan)
