@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.figures.record import unit_of_signal
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.report.transient_answer import DUST, ENSEMBLE, USUAL, answers, difference_text, time_text, transient_answer
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.transient.motions import SCALED
 from vibeam.runs.transient.statistics import SampleMean, mean_of, mean_of_series, windowed_rate
-from vibeam.system.number_text import ACCELERATIONS, LENGTHS, SPEEDS, STRAINS, percent, prefixed, with_unit
+from vibeam.system.number_text import percent, with_unit
 from vibeam.system.response import Ended
 from vibeam_models.arguments import counted
 
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 
 OPEN = 1e-3  # residual of an energy balance that is told
 SHARES = (0.1, 0.5, 0.9)  # quantiles of impact velocities
-STEPS = {"m": LENGTHS, "m s-1": SPEEDS, "m s-2": ACCELERATIONS}
 
 
 def transient_report(result: TransientResult, accuracy: float | None = None) -> StudySheet:
@@ -47,9 +47,9 @@ def fidelities(result: TransientResult) -> ReportTable:
     """Table of every fidelity at every value: peak of the first signal, impacts, energy, each beside the finest's."""
     first = next(iter(result.values())).signals[0]
     largest = max(float(np.nanmax(each.peak[..., 0], initial=0.0)) for each in result.values())
-    unit, factor = _unit(result, first.unit, largest)
-    table = _table(result, "Fidelities", "modes|", f"peak {first.name}{f' ({unit})' * bool(unit)}|", "off|")
-    table.add("impacts|", "off|", "hardest (m/s)|", "off|", "agrees until|", "CPU ratio|")
+    unit, factor = unit_of_signal(result.case, first.unit, largest)
+    table = _table(result, "Fidelities", "modes|", f"peak {first.name}{_of(result, unit)}|", "off|")
+    table.add("impacts|", "off|", f"hardest{_of(result, 'm/s')}|", "off|", "agrees until|", "CPU ratio|")
     cheapest = min(float(np.nansum(each.cpu_seconds)) for each in result.values()) or float("nan")
     for name, own in result.items():
         of, ratio = result.comparison.get(name), float(np.nansum(own.cpu_seconds)) / cheapest
@@ -106,7 +106,7 @@ def peaks(result: TransientResult) -> ReportTable:
         of = result.comparison.get(name)
         for at, head in _values(result, name):
             for number, signal in enumerate(own.signals):
-                unit, factor = _unit(result, signal.unit, float(np.nanmax(own.peak[at, :, number], initial=0.0)))
+                unit, factor = unit_of_signal(result.case, signal.unit, np.nanmax(own.peak[at, :, number], initial=0.0))
                 read = [mean_of(own.of(each, signal.name)[at] * factor) for each in ("peak", "rms")]
                 when = time_text(mean_of(own.of("peak_time", signal.name)[at]).mean)
                 peak, rms = (f"{mean_text(each)} {unit}".strip() for each in read)
@@ -124,8 +124,8 @@ def _before(result: TransientResult, of: TransientComparison | None, signal: str
 
 def energies(result: TransientResult) -> ReportTable:
     """Table of energies: what came in, where it went, by how much the balance is open."""
-    heads = ("start (J)|", "work (J)|", "by damping|", "to the stop|", "left|", "balance open by|")
-    table = _table(result, "Energies", *heads)
+    start, work = (f"{each}{_of(result, 'J')}|" for each in ("start", "work"))
+    table = _table(result, "Energies", start, work, "by damping|", "to the stop|", "left|", "balance open by|")
     table.caption = "means over the realisations; of the motion relative to the base; shares of start and work"
     for name, own in result.items():
         for at, head in _values(result, name):
@@ -142,9 +142,8 @@ def modal_energies(result: TransientResult) -> Iterator[ReportTable]:
     """Tables of the finest fidelities: work, energy lost and left of every mode, at the last value."""
     for name in dict.fromkeys(result.finest.values()):
         own = result[name]
-        table = blank(
-            f"Energy by mode, {name}", "mode|", "work (J)|", "by damping (J)|", "to the stop (J)|", "left (J)|"
-        )
+        heads = (f"{each}{_of(result, 'J')}|" for each in ("work", "by damping", "to the stop", "left"))
+        table = blank(f"Energy by mode, {name}", "mode|", *heads)
         table.caption = "to the stop: less than 0 is handed to the mode by impacts" + _at_last(result)
         found = [np.nanmean(getattr(own, each)[-1], axis=0) for each in ("work", "damping", "lost", "left")]
         for mode, row in enumerate(np.transpose(found), 1):
@@ -158,8 +157,8 @@ def _at_last(result: TransientResult) -> str:
 
 def impacts(result: TransientResult) -> ReportTable:
     """Table of impacts: rate, mean velocity and quantiles with their errors, of one realisation as of a series."""
-    heads = ("first|", "rate (1/s)|", "mean (m/s)|", *(f"{percent(each)} (m/s)|" for each in SHARES), "n|", "worth|")
-    table = _table(result, "Impacts", *heads)
+    speeds = (f"{each}{_of(result, 'm/s')}|" for each in ("mean", *map(percent, SHARES)))
+    table = _table(result, "Impacts", "first|", "rate (1/s)|", *speeds, "n|", "worth|")
     if result.seeds:
         table.caption = "n impacts in all, whose mean velocity is worth so many independent ones"
     for name, own in result.items():
@@ -253,12 +252,9 @@ def _table(result: TransientResult, title: str, *names: str) -> ReportTable:
     return blank(title, "fidelity", *[f"{result.over}|"] * varied, *names, heads=1 + varied)
 
 
-def _unit(result: TransientResult, unit: str, largest: float) -> tuple[str, float]:
-    """Unit for display and its factor."""
-    if unit == "1":
-        strain = result.case.scene.natural_unit is None and largest > 0
-        return prefixed(STRAINS, largest) if strain else ("", 1.0)
-    return prefixed(STEPS[unit], largest, 0) if unit in STEPS else (unit, 1.0)
+def _of(result: TransientResult, unit: str) -> str:
+    """Unit behind a head; nothing in a case of plain numbers."""
+    return f" ({unit})" if unit and result.case.scene.natural_unit is None else ""
 
 
 def _data(result: TransientResult) -> dict[str, Any]:

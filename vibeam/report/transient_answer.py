@@ -113,7 +113,8 @@ def _alone(result: TransientResult, name: str) -> str:
     found = result[name]
     many = float(np.nanmean(found.of("impacts")))
     hardest = np.nanmax(found.of("hardest_impact")) if np.isfinite(found.of("hardest_impact")).any() else float("nan")
-    met = f"{many:.4g} impacts, the hardest at {hardest:.3g} m/s" if isfinite(hardest) else "no impact"
+    speed = " m/s" * (result.case.scene.natural_unit is None)
+    met = f"{many:.4g} impacts, the hardest at {hardest:.3g}{speed}" if isfinite(hardest) else "no impact"
     return f"{name}, the only fidelity of its physics: {met}."
 
 

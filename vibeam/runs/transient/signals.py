@@ -58,7 +58,7 @@ def _signals(case: Case, system: ImpactSystem, outputs: Sequence[str]) -> Iterat
                 per = units.rate if order == 1 else ("s-2" if units.length == "1" else "m s-2")
                 yield TransientSignal(f"{name}_{RATES[order]}", name, order, per)
     if any(law.yields for law in Contacts.of(system).laws):
-        yield TransientSignal(FORCE, "contact", -1, "N")
+        yield TransientSignal(FORCE, "contact", -1, "N" if case.scene.natural_unit is None else "1")
 
 
 def with_signals(system: ImpactSystem, signals: Sequence[TransientSignal]) -> ImpactSystem:
