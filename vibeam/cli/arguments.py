@@ -15,7 +15,6 @@ from vibeam.cli.errors import Made, UsageError, of_case
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.casefile.quantities import Dimension
-    from vibeam.runs.result import Result
 
 
 RESULTS = (".h5", ".hdf5")
@@ -130,8 +129,8 @@ def folder(path: Path) -> Path:
     return path
 
 
-def run_case(case: Case, path: Path | None, show: bool = True, fresh: bool = False, compare: bool = False) -> Result:
-    """Run the case, stored in ``path``, with a progress bar."""
+def run_case(case: Case, path: Path | None, show: bool = True, fresh: bool = False, compare: bool = False) -> Any:
+    """Result of the case, of one with [record] a ``TransientResult``, stored in ``path``, with a progress bar."""
     from vibeam.cli.progress import Bar, stderr, tell_overview
     from vibeam.runs.run import run
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from vibeam.figures.sheet import Sheet
     from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate
+    from vibeam.runs.transient.result import TransientResult
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.state import StatesAfter
 
@@ -46,8 +47,11 @@ def run(
     before: Callable[[Overview], None] | None = None,
     compare: bool = False,
     fidelities: Collection[str] = (),
-) -> Result:
+) -> Result | TransientResult:
     """Sweep every fidelity of ``case``; points already in the results file ``out`` are not computed again.
+
+    A case with [record] gives a ``TransientResult``: every fidelity flies under the same loads, motions take the place
+    of points, and the fidelities are compared in any case. Another one gives a ``Result``.
 
     Branches whose numbers the case does not change are kept, the others are swept anew; where that would lose points,
     the file as it was is kept aside, ``OUT.1.h5``. ``tell`` gets one line on that, a warning does without it.
@@ -61,7 +65,6 @@ def run(
     ``compare``: compare the fidelities with the finest under both choices of the restitution held, and that with its
     own limit (``result.comparisons``), and estimate the error of each against the full model of its scene
     (``result.estimates``); the file gets both too.
-    A case with [record] gives a ``TransientResult``; its fidelities are compared in any case.
     CaseError for a fidelity that cannot be built; ValueError for one that there is not; StoreError where ``out`` cannot
     be used, Interrupted on Ctrl-C.
 
@@ -77,8 +80,7 @@ def run(
         from vibeam.runs.transient.run import run_record
 
         with telling(progress, "flying") as told:
-            transient: Any = run_record(case, path, told, fresh, tell or warn, before, show)
-        return transient  # type: ignore[no-any-return]
+            return run_record(case, path, told, fresh, tell or warn, before, show)
     with planned(case, systems, path, fresh, tell) as (store, plan), telling(progress, "sweeping") as told:
         jobs = [job_of(case, name, systems, branches, store) for name, branches in plan.branches.items()]
         records = None if store and store.has(set(case.own) - set(case.fidelities)) else store  # theirs

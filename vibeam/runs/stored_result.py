@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import restricted
@@ -37,11 +37,12 @@ if TYPE_CHECKING:
 class StoredResult:
     """A ``result`` of which ``missing`` points were not run yet (NaN), and what else its file holds.
 
+    ``result``: a ``Result``, of a case with [record] a ``TransientResult``.
     ``provenance``: what computed the numbers, by name. ``left_out``: references of the case whose files
     were not found. ``numbers``: what decides the numbers, as TOML.
     """
 
-    result: Result
+    result: Any
     provenance: Mapping[str, str]
     missing: int
     numbers: str

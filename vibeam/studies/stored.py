@@ -15,11 +15,13 @@ from vibeam.store.errors import StoreError
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.result import Result
+    from vibeam.runs.transient.result import TransientResult
 
 
-def read(path: str | Path) -> Result:
+def read(path: str | Path) -> Result | TransientResult:
     """Result in a results file, complete or not: ``vibeam.read("dtu_neutral.h5")["beam"].up.amplitude``.
 
+    A ``TransientResult`` where its case has [record].
     Nothing is computed or written. StoreError where it is no results file, and where its case names files, of matrices
     say, that are not in its folder.
 
@@ -29,7 +31,8 @@ def read(path: str | Path) -> Result:
     >>> vibeam.read("short.h5")["beam"] == result["beam"]
     True
     """
-    return stored(path).result
+    found: Result | TransientResult = stored(path).result
+    return found
 
 
 def stored(path: str | Path, case: Case | None = None) -> StoredResult:
@@ -39,14 +42,13 @@ def stored(path: str | Path, case: Case | None = None) -> StoredResult:
     another one, and where the case names other files that are not there.
     """
     file, lost = Path(path), []
-    transient = is_transient(file)
 
     def own(text: str) -> Case:
         made, left_out = _parsed(text, file)
         lost.extend(left_out)
         return made
 
-    read_file = read_transient if transient else read_result
+    read_file = read_transient if is_transient(file) else read_result
     if case is None:
         found = read_file(file, own)
         return replace(found, left_out=tuple(lost))

@@ -26,6 +26,7 @@ from vibeam.flight.kernels.layout import CLOSES, OPEN, UNPROVED
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.proof.chatter_tail import tails_of
 from vibeam.flight.proof.watched import WatchedMotion, motion_of, watch_list
+from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ class UnprovedSpan:
     reason: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Certificate:
     """Segments and the pieces that cover them; SI units, times within a segment count from its start."""
 
@@ -67,6 +68,10 @@ class Certificate:
     roots: Array  #: (segments,) which signal that is, −1: none
     pieces: Array  #: (m, 5): segment, from, length, claim, signal: 0, 1 gaps, 2, 3 forces, 4 … 7 their negatives
     tails: Array  #: (k, 3): segment that ends with an accumulation, least and most time that it still takes
+
+    def __repr__(self) -> str:
+        said = "complete" if self.complete else f"{counted(len(self.unproved), 'span')} not proved"
+        return f"{type(self).__name__}({counted(len(self.times), 'segment')}, {said})"
 
     @property
     def complete(self) -> bool:

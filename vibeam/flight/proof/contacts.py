@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from vibeam.system.impact_system import Drive
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class ContactsCertificate(Certificate):
     """As ``Certificate``, for k contacts; ``roots`` holds the first of ``starts`` in each segment."""
 

@@ -40,7 +40,9 @@ class RecordOverview(Overview):
         if self.load is not None and not self.load.peak:
             yield "no load: the motion is free"
         elif self.load is not None:
-            if self.load.quantity == "acceleration":
+            if self.plain:
+                yield f"{self.load.quantity} up to {self.load.peak:.4g}, {_time(self.load.duration)}"
+            elif self.load.quantity == "acceleration":
                 unit, factor = prefixed(ACCELERATIONS, self.load.peak, 0)
                 largest = f"base acceleration up to {self.load.peak * factor:.4g} {unit}{self._thrown(self.load)}"
                 yield f"{largest}, {_time(self.load.duration)}"

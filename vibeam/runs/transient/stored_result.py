@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vibeam.runs.run_plan import restricted
 from vibeam.runs.stored_result import StoredResult
@@ -24,6 +24,6 @@ def read_transient(path: str | Path, parse: Callable[[str], Case]) -> StoredResu
     stored = read_motions(file)
     case = parse(stored.whole)
     case = restricted(case, set(stored.known.models) & set(case.fidelities))
-    result: Any = result_of(case, stored.known, file, 0, stored.shown(case))
+    result = result_of(case, stored.known, file, 0, stored.shown(case))
     result.found = result.total - result.missing
     return StoredResult(result, stored.provenance, result.missing, stored.numbers)

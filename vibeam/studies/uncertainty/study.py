@@ -119,7 +119,7 @@ def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintySt
     from vibeam.runs.run import run
 
     with heartbeat(tell, lambda: "the case as it is"):
-        nominal = run(case, show=False, compare=True)
+        nominal: Any = run(case, show=False, compare=True)
     finest = finest_of(nominal)
     own = case.fidelities
     names = [name for name in nominal if name != finest and own[name].changes == own[finest].changes] + [finest]
