@@ -248,7 +248,7 @@ def test_the_overview_says_the_largest_load() -> None:
     told: list[Any] = []
     run(case(realisations=1), before=told.append)
     largest = max(case().input("events", 4, level=value).peak for value in (1.0, 2.0))
-    assert f"base acceleration up to {largest:.4g} m/s²" in str(told[0])
+    assert f"base acceleration up to {largest:.4g}, " in str(told[0])
 
 
 def test_motions_and_impacts_are_tables(tmp_path: Path, whole: TransientResult) -> None:

@@ -40,15 +40,12 @@ class RecordOverview(Overview):
         if self.load is not None and not self.load.peak:
             yield "no load: the motion is free"
         elif self.load is not None:
-            if self.plain:
-                yield f"{self.load.quantity} up to {self.load.peak:.4g}, {_time(self.load.duration)}"
-            elif self.load.quantity == "acceleration":
+            of = "base acceleration" if self.load.quantity == "acceleration" else self.load.quantity
+            unit, factor = "N" if self.load.quantity == "force" else "N m", 1.0
+            if self.load.quantity == "acceleration":
                 unit, factor = prefixed(ACCELERATIONS, self.load.peak, 0)
-                largest = f"base acceleration up to {self.load.peak * factor:.4g} {unit}{self._thrown(self.load)}"
-                yield f"{largest}, {_time(self.load.duration)}"
-            else:
-                unit = "N" if self.load.quantity == "force" else "N m"
-                yield f"{self.load.quantity} up to {self.load.peak:.4g} {unit}, {_time(self.load.duration)}"
+            size = f"{self.load.peak:.4g}" if self.plain else f"{self.load.peak * factor:.4g} {unit}"
+            yield f"{of} up to {size}, {_time(self.load.duration)}"
         yield f"{counted(self.motions, 'motion')} of {_time(self.duration)}"
 
     def _thrown(self, load: Record) -> str:
