@@ -265,6 +265,13 @@ class Case(Viewed):
         return replace(self.keys.case(settings), references=self.references, locate=self.locate)
 
 
+def plan_of_record(case: Case) -> RecordPlan:
+    """Record of a case that has one; ValueError of a case with [sweep]."""
+    if case.record is None:
+        raise ValueError("the case has a [sweep], and this is of a [record]")
+    return case.record
+
+
 def quantity_of(case: Case, output: str) -> OutputQuantity:
     """Quantity that an output reads; a displacement where it is none of the case's own."""
     return next((each.kind for each in case.scene.outputs if each.name == output), DISPLACEMENT)

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.system.number_text import ACCELERATIONS, LENGTHS, OF_QUANTITY, SPEEDS, STRAINS, Steps, prefixed
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.plans import RecordPlan, ShowPlan
+    from vibeam.case.plans import ShowPlan
     from vibeam.flight.trajectory import Trajectory
     from vibeam.observe.decimation import History
 
@@ -58,13 +59,6 @@ def unit_of_signal(case: Case, unit: str, largest: float) -> tuple[str, float]:
     return prefixed(steps, largest, min(1, len(steps) - 1))
 
 
-def plan_of(case: Case) -> RecordPlan:
-    """Plan of a case's record; ValueError of a case with [sweep]."""
-    if case.record is None:
-        raise ValueError("the case has a [sweep], and this is of a [record]")
-    return case.record
-
-
 def input_of(case: Case) -> tuple[str, str]:
     """Label of the input of a case, and its SI unit; one that is measured as a motion acts by its acceleration."""
     plan = next(iter(case.inputs.values()), None)
@@ -78,7 +72,7 @@ def kept_place(result: RecordResult) -> int:
 
 def drawn_motion(result: RecordResult) -> str:
     """Sentence on the motion that is drawn of several; empty of one alone."""
-    seeds, parts = plan_of(result.case).seeds, []
+    seeds, parts = plan_of_record(result.case).seeds, []
     if len(result.factors) > 1:
         parts.append(f"{result.over} {result.factors[kept_place(result)]:g}")
     if len(seeds) > 1:
@@ -105,7 +99,7 @@ def record_motion(case: Case, name: str, plan: ShowPlan, seed: int | None = None
     from vibeam.flight.trajectory import simulate
     from vibeam.system.response import Ended
 
-    system, record = case.system(name), plan_of(case)
+    system, record = case.system(name), plan_of_record(case)
     if plan.output not in ("contact", *system.outputs, *system.derivatives):
         raise NoMotion(f"there is no {plan.output} in this model")
     load = case.input(name, *(record.seeds[:1] if seed is None else (seed,)))

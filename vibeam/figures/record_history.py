@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.record import COLUMNS, input_of, kept_place, label_of, plan_of, signals_of_all, unit_of_signal
+from vibeam.figures.record import COLUMNS, input_of, kept_place, label_of, signals_of_all, unit_of_signal
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import with_unit
 from vibeam.observe.decimation import hardest_impacts
@@ -68,7 +69,7 @@ def _spans(result: RecordResult, names: Sequence[str], signals: Sequence[Any]) -
     first = [each.name for each in signals[:1]]
     known = [(own[key], name) for key in first for name in names if key in (own := result[name].history)]
     if not known:
-        yield 0.0, plan_of(result.case).duration
+        yield 0.0, plan_of_record(result.case).duration
         return
     history, name = max(known, key=lambda each: each[0].peak)
     begin, end = float(history.edges[0]), float(history.edges[-1])

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from vibeam.figures.record import COLUMNS, RecordResult, drawn_motion, plan_of
+from vibeam.case.case import plan_of_record
+from vibeam.figures.record import COLUMNS, RecordResult, drawn_motion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +18,7 @@ def record_figure(result: RecordResult, columns: int = COLUMNS) -> Figure:
 
     case = result.case
     made = blank_page(SIZE, case.figure)
-    draw_histories(made, result, list(result), plan_of(case).outputs[0], columns=columns)
+    draw_histories(made, result, list(result), plan_of_record(case).outputs[0], columns=columns)
     titled(made, case.figure, case.title, drawn_motion(result))
     legend(made, handles_of(made))
     return made

@@ -7,12 +7,12 @@ from itertools import groupby
 from math import isfinite, isnan
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.case import units_of_output
+from vibeam.case.case import plan_of_record, units_of_output
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import blank
 from vibeam.runs.comparison.differences import listed
-from vibeam.studies.record.ensembles import OF_IMPACTS, plan_of_record
+from vibeam.studies.record.ensembles import OF_IMPACTS
 from vibeam.studies.record.readings import AskedNumber
 from vibeam.system.number_text import begun, modes_in_words, percent, signed, with_unit
 from vibeam_models.arguments import counted

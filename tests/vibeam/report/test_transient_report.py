@@ -35,7 +35,7 @@ def blade() -> Any:
 
 def parted(result: Any, horizon: float, own: float) -> Any:
     """The same result with other horizons of its fidelity "one"."""
-    made = type(result)(result.case, result.fidelities, periods=result.periods)
+    made = type(result)(result.case, result, periods=result.periods)
     found = replace(result.comparison["one"], horizon=np.array([[horizon]]), own_horizon=np.array([own]))
     made.__dict__["comparison"] = {"one": found}
     return made

@@ -27,7 +27,7 @@ def result() -> Any:
 def checked(result: Any, **numbers: dict[str, Any]) -> dict[str, Any]:
     """Rows by name, of numbers of the fidelity events."""
     case = vibeam.Case.of(TABLES | {"expect": {name: {"fidelity": "events"} | each for name, each in numbers.items()}})
-    made = type(result)(case, result.fidelities, periods=result.periods, twins=result.twins)
+    made = type(result)(case, result, periods=result.periods, twins=result.twins)
     return {row.reference: row for row in vibeam.check(case, made)}
 
 
@@ -89,7 +89,7 @@ def test_what_is_not_there_is_missed_with_its_reason(result: Any) -> None:
 def test_measured_numbers_stand_beside_the_models(result: Any) -> None:
     number = {"fidelity": "events", "quantity": "hardest_impact", "value": 0.2, "scatter": 0.5, "source": "a log book"}
     case = vibeam.Case.of(TABLES | {"measured": {"hardest": number}})
-    made = type(result)(case, result.fidelities)
+    made = type(result)(case, result)
     (row,) = vibeam.compare_measured(case, made)
     assert row.model == pytest.approx(float(result["events"].of("hardest_impact")[0].mean()))
     assert row.within is (abs(row.difference) <= 0.5)

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.record import plan_of, record_motion
+from vibeam.figures.record import record_motion
 from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet, sheet_of
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.observe.response_spectrum import response_spectrum, spectrum_ratio, transfer_function
@@ -71,7 +72,7 @@ def _columns(case: Case, name: str, plan: ShowPlan) -> Columns:
 def _rate(case: Case, plan: ShowPlan) -> tuple[float, float]:
     """Samples a second that fold no mode of any fidelity, nor the input, onto what is shown; the highest one, Hz."""
     modes = [case.system(name).omega / (2 * np.pi) for name in plan.fidelities]
-    record = case.input(plan.fidelities[-1], *plan_of(case).seeds[:1])
+    record = case.input(plan.fidelities[-1], *plan_of_record(case).seeds[:1])
     highest = plan.own["up_to"] or HIGHEST * float(np.min(modes[-1][modes[-1] > 0]))
     knots = len(record.coefficients) / record.duration
     return max(knots, SAMPLES * max(highest, *(float(np.max(each)) for each in modes))), float(highest)
@@ -85,7 +86,7 @@ def _segment(plan: ShowPlan, rate: float, samples: int) -> int | None:
 @lru_cache(maxsize=4)
 def _samples(case: Case, name: str, plan: ShowPlan, rate: float) -> tuple[Array, Array]:
     """Samples (m, n) of the input and of the output over the realisations, as many as fit."""
-    whole = plan_of(case)
+    whole = plan_of_record(case)
     times = LEFT_OUT * whole.duration + np.arange(int((1 - LEFT_OUT) * whole.duration * rate)) / rate
     seeds = whole.seeds[: max(1, int(MOST / len(times)))] or (None,)
     paths = [record_motion(case, name, plan, seed) for seed in seeds]

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import SHOCKED
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.record import plan_of, record_motion, unit_of_signal
+from vibeam.figures.record import record_motion, unit_of_signal
 from vibeam.figures.sheet import Column, Columns, Sheet, sheet_of
 from vibeam.figures.style import GAP, looks_of, name_of
 from vibeam.flight.shock_spectrum import shock_spectrum, without_stops
@@ -57,7 +58,7 @@ def _of_equipment(case: Case, name: str, plan: ShowPlan) -> Columns:
 
 
 def _of_device(case: Case, name: str, plan: ShowPlan) -> Columns:
-    system, record = case.system(name), case.input(name, *plan_of(case).seeds[:1])
+    system, record = case.system(name), case.input(name, *plan_of_record(case).seeds[:1])
     rates = _natural(system.omega, plan)
     held = shock_spectrum(record, rates, device=system, output=plan.output)
     free = shock_spectrum(record, rates, device=without_stops(system, record), output=plan.output)

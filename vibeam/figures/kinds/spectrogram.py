@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import labelled, say
-from vibeam.figures.record import plan_of, record_motion
+from vibeam.figures.record import record_motion
 from vibeam.figures.sheet import Column, Columns, Sheet, sheet_of
 from vibeam.figures.style import name_of
 from vibeam_models.arrays import Array
@@ -37,7 +38,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 def _columns(case: Case, name: str, plan: ShowPlan) -> Columns:
     from scipy.signal import ShortTimeFFT
 
-    path, record = record_motion(case, name, plan), plan_of(case)
+    path, record = record_motion(case, name, plan), plan_of_record(case)
     system = path.system
     rates = np.sort(system.omega[np.isfinite(system.omega) & (system.omega > 0)]) / (2 * np.pi)
     first = float(rates[0]) if len(rates) else 1 / record.duration

@@ -10,8 +10,9 @@ from zlib import compress
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.figures.kinds.impact_velocities import ERRORS, exceedance
-from vibeam.figures.record import input_of, kept_place, label_of, plan_of, signals_of_all, unit_of_signal
+from vibeam.figures.record import input_of, kept_place, label_of, signals_of_all, unit_of_signal
 from vibeam.figures.style import looks_of, name_of
 from vibeam.figures.units import with_unit
 from vibeam.report.page.charts import STEPS, packed, rounded
@@ -40,7 +41,7 @@ def record_data(result: TransientResult) -> dict[str, Any]:
     unit, factor = unit_of_signal(case, "m s-1", hardest)
     histories, marks = list(_histories(result)), list(_marks(result, impacts))
     return {
-        "span": [0.0, plan_of(case).duration],
+        "span": [0.0, plan_of_record(case).duration],
         "fidelities": [{"name": name, "label": name_of(case, name), **look_on_page(looks[name])} for name in names],
         "signals": list(_signals(result, histories)),
         "histories": _stored(result, histories, marks),
@@ -130,7 +131,7 @@ def _signals(result: TransientResult, histories: Sequence[tuple[str, str, Histor
 
 def _marks(result: TransientResult, impacts: dict[str, Impacts]) -> Iterator[dict[str, Any]]:
     """Parts of the record that are worth a look: the first impact, each fidelity's largest value."""
-    case, place, duration = result.case, kept_place(result), plan_of(result.case).duration
+    case, place, duration = result.case, kept_place(result), plan_of_record(result.case).duration
     first = min((float(times[0]) for times, _ in impacts.values() if len(times)), default=None)
     if first is not None:
         yield _mark("first impact", first, impacts.values(), duration)

@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.observe.decimation import BINS, MOST_BINS, History
-from vibeam.runs.transient.reading import Reading, blank_reading, reading_of
+from vibeam.runs.transient.reading import Reading, reading_of
 from vibeam.runs.transient.signals import TransientSignal, signals_of, with_signals
 from vibeam.solvers import SOLVERS, solver
+from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
@@ -46,15 +48,15 @@ class Realisation:
 
 
 def shown_at(case: Case) -> tuple[int, int]:
-    """Numbers of the value and the seed of the motion whose histories are kept: the value nearest 1, the first seed."""
-    values = np.asarray(plan_of(case).values, dtype=float)
-    nearest = int(np.argmin(np.abs(values - 1))) if plan_of(case).over in SCALED else 0
+    """Numbers of the value and the seed of the motion whose histories are kept: the level or speed nearest 1."""
+    values = np.asarray(plan_of_record(case).values, dtype=float)
+    nearest = int(np.argmin(np.abs(values - 1))) if plan_of_record(case).over in SCALED else 0
     return nearest, 0
 
 
 def motions_of(case: Case, name: str, twins: bool = False) -> Iterator[Realisation]:
     """Motions of one fidelity, of one seed after the other; ``twins``: the finest's, of the first seed."""
-    plan, shown = plan_of(case), shown_at(case)
+    plan, shown = plan_of_record(case), shown_at(case)
     for j, seed in enumerate((0,) if twins else plan.seeds or (0,)):
         for i, value in enumerate(plan.values):
             kept = (i, j) == shown and not twins
@@ -79,7 +81,7 @@ class MotionMaker:
     @property
     def duration(self) -> float:
         """Duration of each motion, s."""
-        return float(plan_of(self.case).duration)
+        return plan_of_record(self.case).duration
 
     @property
     def signals(self) -> tuple[TransientSignal, ...]:
@@ -91,13 +93,13 @@ class MotionMaker:
         at = self._number(value)
         if at not in self._systems:
             bare = self._at(value).system(self.name)
-            signals = signals_of(self.case, bare, plan_of(self.case).outputs)
+            signals = signals_of(self.case, bare, plan_of_record(self.case).outputs)
             self._systems[at] = with_signals(bare, signals), signals
         return self._systems[at]
 
     def load(self, value: int, seed: int, factor: float = 1.0) -> Record:
         """Load of a motion, ``factor`` times as large."""
-        plan, own = plan_of(self.case), {"level": factor}
+        plan, own = plan_of_record(self.case), {"level": factor}
         if plan.over in SCALED:
             own[plan.over] = own.get(plan.over, 1.0) * plan.values[value]
         made: Record = self._at(value).input(self.name, plan.seeds[seed] if plan.seeds else None, **own)
@@ -108,8 +110,8 @@ class MotionMaker:
         record = self.load(motion.value, motion.seed, 1 + NUDGE if motion.twin else 1.0)
         path, seconds = self.path(motion.value, record, nudged=motion.twin and not record.peak)
         if not path.t_end > path.t_start:
-            return blank_reading(path)
-        rate = plan_of(self.case).rate
+            return {"ended": np.asarray(getattr(path, "ended", Ended.NOT_FINITE).code)}  # where it began
+        rate = plan_of_record(self.case).rate
         bins = BINS if rate is None else int(np.clip(round(rate * (path.t_end - path.t_start)), 1, MOST_BINS))
         return reading_of(path, record, self.system(motion.value)[1], seconds, bins if motion.shown else None)
 
@@ -124,7 +126,7 @@ class MotionMaker:
 
         ``nudged``: its start is smaller by 1e-6, of a free motion.
         """
-        system, plan, fidelity = self.system(value)[0], plan_of(self.case), self.fidelity
+        system, plan, fidelity = self.system(value)[0], plan_of_record(self.case), self.fidelity
         start, end = self._start(value), self.duration if until is None else until
         if nudged:
             start = State((1 - NUDGE) * start.displacement, (1 - NUDGE) * start.velocity, start.resting)
@@ -146,7 +148,7 @@ class MotionMaker:
 
     def _number(self, value: int) -> int:
         """Number of the system at one of the values: level and speed have one."""
-        return 0 if plan_of(self.case).over in SCALED else value
+        return 0 if plan_of_record(self.case).over in SCALED else value
 
     def _start(self, value: int) -> State:
         """State at the start at one of the values."""
@@ -157,7 +159,7 @@ class MotionMaker:
 
     def _at(self, value: int) -> Case:
         """The case at one of the values of a key."""
-        plan = plan_of(self.case)
+        plan = plan_of_record(self.case)
         if plan.over in SCALED:
             return self.case
         if value not in self._cases:
@@ -181,8 +183,3 @@ def input_of(reading: Reading) -> History:
 def _history(reading: Reading, least: Array, greatest: Array) -> History:
     begin, end = reading["history_edges"]
     return History(np.linspace(begin, end, len(least) + 1), least, greatest)
-
-
-def plan_of(case: Case) -> Any:
-    """The record of a case that has one."""
-    return case.record

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.runs.systems import Overview, properties_of
-from vibeam.runs.transient.motions import plan_of
 from vibeam.system.number_text import ACCELERATIONS, TIMES, prefixed, with_unit
 from vibeam.system.record_samples import too_coarse
 from vibeam_models.arguments import counted
@@ -75,7 +75,7 @@ def overview_of_record(makers: Mapping[str, MotionMaker], motions: int) -> Recor
     load = maker.load(largest_level(maker.case), 0)
     plain = scene.natural_unit is not None
     remarks = tuple(remarks_on(load, system, maker.duration))
-    plan = plan_of(maker.case)
+    plan = plan_of_record(maker.case)
     both = plan.over == "level" and min(plan.values) < 0 < max(plan.values)
     return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions, remarks, both)
 
@@ -109,7 +109,7 @@ def remarks_on(record: Record, system: ImpactSystem, duration: float) -> Iterato
 
 def largest_level(case: Case) -> int:
     """Number of the value whose load is the largest: the first where another key than the level is varied."""
-    plan = plan_of(case)
+    plan = plan_of_record(case)
     return int(np.argmax(np.abs(plan.values))) if plan.over == "level" else 0
 
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from vibeam.runs.transient.signals import TransientSignal
 
 Reading = dict[str, NDArray[Any]]  # numbers of one motion: READINGS by name, histories
-PROVED, PARTLY, UNASKED = 1, 0, -1
 OUTLINE = 512  # bins of an outline
 
 
@@ -114,11 +113,4 @@ def _impacts(path: Path) -> Reading:
 
 def _proved(path: Path) -> int:
     certificate = getattr(path, "certificate", None)
-    if certificate is None:
-        return UNASKED
-    return PROVED if certificate.complete else PARTLY
-
-
-def blank_reading(path: Path) -> Reading:
-    """Reading of a motion that ended where it began: no numbers but why."""
-    return {"ended": np.asarray(getattr(path, "ended", Ended.NOT_FINITE).code)}
+    return -1 if certificate is None else int(certificate.complete)

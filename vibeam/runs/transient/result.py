@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.case.held import held_of
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.exchange.faults import suggest
 from vibeam.runs.transient.comparison import TransientComparison, compared
-from vibeam.runs.transient.motions import plan_of, shown_at
 from vibeam.runs.transient.reading import Reading
 from vibeam.runs.transient.transient import Transient
 from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
@@ -30,7 +30,8 @@ class TransientResult(Mapping[str, Transient], LabelledData):
     """Result of a run under a record: ``result[fidelity].peak``; ``found`` motions of ``total`` were in the file.
 
     ``factors`` (v,): values of what the case varies (``over``), ``seeds`` (s,) of its realisations; arrays of a
-    ``Transient`` begin with these two dimensions. ``periods``: first natural period of each fidelity, s. ``input``:
+    ``Transient`` begin with these two dimensions. ``periods``: first natural period of each
+    fidelity at the first value, s. ``input``:
     history of the load of the motion whose histories are kept. ``twins``: by fidelity and value, the motion of the
     first seed under a load larger by 1e-6. ``shown``: the numbers of the case's [show.NAME] tables, by name. Equal to
     another where the case is and all numbers are, CPU times aside.
@@ -53,33 +54,19 @@ class TransientResult(Mapping[str, Transient], LabelledData):
         self._fidelities = dict(fidelities)
 
     @property
-    def fidelities(self) -> Mapping[str, Transient]:
-        """Transients by fidelity."""
-        return self._fidelities
-
-    @property
     def over(self) -> str:
         """Name of what the values are of: "level", "speed" or a key."""
-        return str(self._plan.over)
+        return plan_of_record(self.case).over
 
     @property
     def factors(self) -> tuple[float, ...]:
         """Values of the factor that the case varies."""
-        return tuple(self._plan.values)
+        return plan_of_record(self.case).values
 
     @property
     def seeds(self) -> tuple[int, ...]:
         """Seeds of the realisations, empty of a load that is not random."""
-        return tuple(self._plan.seeds)
-
-    @property
-    def _plan(self) -> Any:
-        return plan_of(self.case)
-
-    @property
-    def shown_at(self) -> tuple[int, int]:
-        """Numbers of the value and the seed of the motion whose histories are kept."""
-        return shown_at(self.case)
+        return plan_of_record(self.case).seeds
 
     @property
     def total(self) -> int:

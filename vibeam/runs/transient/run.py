@@ -8,10 +8,10 @@ from pathlib import Path
 from threading import Event, Lock
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.case import units_of_output
+from vibeam.case.case import plan_of_record, units_of_output
 from vibeam.runs.parallel import Interrupted, run_parallel
 from vibeam.runs.store.figures import sheets_of
-from vibeam.runs.transient.motions import MotionMaker, Realisation, histories_of, input_of, motions_of, plan_of
+from vibeam.runs.transient.motions import MotionMaker, Realisation, histories_of, input_of, motions_of
 from vibeam.runs.transient.overview import overview_of_record
 from vibeam.runs.transient.result import TransientResult
 from vibeam.runs.transient.store import KnownMotions, StoredModel, TransientStore, opened
@@ -127,7 +127,7 @@ def result_of(
         kept = next((each for each in read.values() if "history_edges" in each), None)
         table = [[read.get((i, j)) for j in _numbers(rows, 1)] for i in _numbers(rows, 0)]
         histories = {} if kept is None else histories_of(kept, model.signals)
-        duration = float(plan_of(case).duration)
+        duration = plan_of_record(case).duration
         transients[name] = assembled(name, duration, model.signals, table, histories)
         near = {each.value: known.motions.get(each.key) for each in motions_of(case, name, twins=True)}
         twins[name] = {value: each[1] for value, each in near.items() if each and _is_complete(each[1])}

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING, Any
 
+from vibeam.case.case import plan_of_record
 from vibeam.studies.influence.subsets import smallest, subsets_of_record
 from vibeam.studies.record.ensembles import (
     Ensemble,
@@ -16,7 +17,6 @@ from vibeam.studies.record.ensembles import (
     changes,
     ensembles,
     plain_finest,
-    plan_of_record,
     reason_of,
     require_usual,
     usual_numbers,

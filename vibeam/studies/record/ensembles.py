@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.exchange.faults import CaseError, suggest
 from vibeam.runs.parallel import run_parallel
@@ -28,7 +29,6 @@ from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.plans import RecordPlan
 
 Told = Callable[[int, int], None]
 PEAK = "peak"  # quantity by which a model is judged: the others hang on each single impact
@@ -74,12 +74,6 @@ class NumberChange:
     def size(self) -> float:
         """Size of the change, its error counted twice; NaN where it is not known."""
         return abs(self.change) + (2 * self.error if isfinite(self.error) else 0.0)
-
-
-def plan_of_record(case: Case) -> RecordPlan:
-    """The record of a case that has one."""
-    assert case.record is not None
-    return case.record
 
 
 def usual_numbers(case: Case) -> tuple[AskedNumber, ...]:

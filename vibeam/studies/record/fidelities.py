@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.runs.transient.run import run_record
-from vibeam.studies.record.ensembles import NumberChange, Told, change_of, plan_of_record, usual_numbers, worst
+from vibeam.studies.record.ensembles import NumberChange, Told, change_of, usual_numbers, worst
 from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
+from vibeam.case.case import plan_of_record
 from vibeam.studies.record.ensembles import (
     PEAK,
     Ensemble,
@@ -15,7 +16,6 @@ from vibeam.studies.record.ensembles import (
     changes,
     ensembles,
     plain_finest,
-    plan_of_record,
     usual_numbers,
     within,
     worst,

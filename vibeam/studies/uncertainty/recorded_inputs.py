@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import plan_of_record
 from vibeam.studies.record.ensembles import (
     Ensemble,
     Told,
     alone,
     ensembles,
     plain_finest,
-    plan_of_record,
     usual_numbers,
 )
 from vibeam.studies.record.readings import AskedNumber
