@@ -17,7 +17,7 @@ import numpy as np
 from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.kernels.layout import START
 from vibeam.observe.motion import poles_of
-from vibeam.runs.transient.signals import contact_forces, damping_force
+from vibeam.runs.transient.signals import contact_forces, contacts_struck, damping_force
 from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
@@ -85,11 +85,7 @@ def _energy(system: ImpactSystem, pose: Array) -> Array:
 
 def _at_impacts(path: Path, contacts: Contacts) -> float:
     """Energy that all impacts on rigid stops take, J."""
-    speeds, struck = (
-        path.impact_velocities,
-        getattr(path, "impact_contacts", np.zeros(len(path.impact_velocities), int)),
-    )
-    total = 0.0
+    speeds, struck, total = path.impact_velocities, contacts_struck(path), 0.0
     for number, (row, law) in enumerate(zip(contacts.rows, contacts.laws, strict=True)):
         own = speeds[struck == number]
         if not law.yields and len(own):

@@ -32,8 +32,8 @@ def is_exact(path: Path) -> bool:
 def extremes_of(path: Path, samples: SignalSamples, bins: int) -> SignalExtremes:
     """Extremes of the sampled signals in ``bins`` equal bins of a motion.
 
-    Of an exact motion those of displacements, velocities and accelerations are exact, and so is the largest contact
-    force of every contact; of another one they are those of cubics through the samples.
+    Of an exact motion those of displacements, velocities and accelerations are exact, and so is the largest force
+    of every contact, whose time is the middle of the contact; of another one they are those of cubics through samples.
     """
     edges = np.linspace(path.t_start, path.t_end, bins + 1)
     rows = [_of_samples(samples, number, edges) for number in range(len(samples.signals))]

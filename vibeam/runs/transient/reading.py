@@ -14,6 +14,7 @@ from vibeam.observe.decimation import history_of_cubics
 from vibeam.runs.transient.energies import energy_balance
 from vibeam.runs.transient.extremes import SignalExtremes, extremes_of, is_exact
 from vibeam.runs.transient.samples import A_PERIOD, PLENTY, samples_of
+from vibeam.runs.transient.signals import contacts_struck
 from vibeam.system.response import Ended
 
 if TYPE_CHECKING:
@@ -84,7 +85,9 @@ def reading_of(
         "least": outline.least[each, low], "least_time": outline.least_time[each, low],
         "greatest": outline.greatest[each, high], "greatest_time": outline.greatest_time[each, high],
         "mean": mean, "rms": rms, "spectrum": density, "frequency": frequency, **_as_arrays("outline", outline),
-        **_impacts(path), "rest": float(np.sum(rests[:, 1] - rests[:, 0])) / (path.t_end - path.t_start),
+        "impact_times": path.impact_times, "impact_velocities": path.impact_velocities,
+        "impact_contacts": contacts_struck(path),
+        "rest": float(np.sum(rests[:, 1] - rests[:, 0])) / (path.t_end - path.t_start),
         **{name: getattr(energy, name) for name in ("start", "work", "damping", "lost", "left", "residual")},
         "ended": getattr(path, "ended", Ended.COMPLETE).code, "proved": _proved(path), "cpu_seconds": cpu_seconds,
     }  # fmt: skip
@@ -99,16 +102,6 @@ def reading_of(
 def _as_arrays(name: str, bins: SignalExtremes) -> dict[str, Any]:
     """Least and greatest values (o, b) in single precision, as pictures need them."""
     return {f"{name}_{part}": np.float32(getattr(bins, part)) for part in ("least", "greatest")}
-
-
-def _impacts(path: Path) -> Reading:
-    """Impacts, of stops that yield the begins of their contacts."""
-    times, speeds = path.impact_times, path.impact_velocities
-    return {
-        "impact_times": times,
-        "impact_velocities": speeds,
-        "impact_contacts": np.asarray(getattr(path, "impact_contacts", np.zeros(len(times), dtype=np.int64))),
-    }
 
 
 def _proved(path: Path) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibeam.flight.equilibrium import Contacts
 from vibeam.observe.decimation import History, history_of_samples
-from vibeam.runs.transient.signals import TransientSignal, values_at
+from vibeam.runs.transient.signals import TransientSignal, contacts_struck, values_at
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -103,7 +103,7 @@ def samples_of(path: Path, record: Any, signals: Sequence[TransientSignal], a_pe
 def _around_impacts(path: Path) -> tuple[Array, Array, Array]:
     """Times (k,) of the impacts on rigid stops and the modes (k, 2, n) just before and just after them."""
     contacts = Contacts.of(path.system)
-    struck = getattr(path, "impact_contacts", np.zeros(len(path.impact_times), dtype=int))
+    struck = contacts_struck(path)
     rigid = np.array([not law.yields for law in contacts.laws])[struck]
     times, speeds, rows = path.impact_times[rigid], path.impact_velocities[rigid], contacts.rows[struck[rigid]]
     after = path.modes_at(times)

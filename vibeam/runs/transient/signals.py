@@ -11,7 +11,7 @@ import numpy as np
 from vibeam.case.case import quantity_of, units_of_output
 from vibeam.flight.equilibrium import Contacts
 from vibeam.system.rows import TimeDerivative
-from vibeam_models.arrays import Array, Flags
+from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.outputs import DISPLACEMENT
 
 if TYPE_CHECKING:
@@ -112,6 +112,12 @@ def _within(intervals: Array, times: Array) -> Flags:
         return np.zeros(len(times), dtype=bool)
     last = np.searchsorted(intervals[:, 0], times, side="right") - 1
     return np.asarray((last >= 0) & (times < intervals[np.maximum(last, 0), 1]))
+
+
+def contacts_struck(path: Path) -> Index:
+    """Numbers of the contacts that the impacts of a motion strike, 0: the first stop."""
+    known = getattr(path, "impact_contacts", None)
+    return np.zeros(len(path.impact_times), dtype=np.int64) if known is None else np.asarray(known)
 
 
 def contact_forces(contacts: Contacts, poses: Array) -> tuple[Array, Array]:
