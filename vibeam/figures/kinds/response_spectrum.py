@@ -116,8 +116,9 @@ def draw(figure: Figure, result: RecordResult, plan: ShowPlan, shown: tuple[Shee
         elif axes is not lower:
             axes.set_yscale("log")
     lower.set_ylim(0.0, 1.02)
-    labelled(upper, f"density of the {plan.output}", "unit²/Hz" if case.scene.natural_unit else _unit(case, plan))
-    labelled(middle, f"over that of\n{name_of(case, plan.fidelities[-1])}", "")
+    unit = "unit²/Hz" if case.scene.natural_unit else _unit(case, plan)
+    labelled(upper, f"spectral density of the {plan.output}", unit)
+    labelled(middle, f"ratio to that of\n{name_of(case, plan.fidelities[-1])}", "")
     labelled(lower, "coherence\nwith the input", "")
     labelled(lower, "frequency", "Hz", across=True)
 

@@ -155,5 +155,6 @@ def _decades(axes: Axes, shown: tuple[Sheet, ...]) -> None:
 def caption(plan: ShowPlan) -> str:
     """Caption of the figure."""
     if _is_device(plan):
-        return "shock spectrum of the device, its natural frequencies multiplied, with its stop and without (dotted)"
-    return f"shock spectrum of equipment mounted at the {plan.output}, and on the base itself"
+        return "maximax spectrum of the device, its natural frequencies multiplied, with its stop and without (dotted)"
+    ratio = 0.05 if plan.own["equipment_damping"] is None else plan.own["equipment_damping"]
+    return f"maximax spectrum of equipment at the {plan.output}, and on the base itself, damping ratio {ratio:g}"

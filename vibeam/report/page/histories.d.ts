@@ -8,8 +8,8 @@ export type StoredHistory = {
   signal: string; fidelity: string; begin: number; width: number; bins: number; low: number; step: number; data: string;
 };
 export type History = { begin: number; width: number; least: Float64Array; greatest: Float64Array };
-export type StoredImpacts = { fidelity: string; time: Packed; velocity: Packed };
-export type Impacts = { time: number[]; velocity: number[] };
+export type StoredImpacts = { fidelity: string; time: Packed; velocity: Packed; met: number };
+export type Impacts = { time: number[]; velocity: number[]; met?: number };
 /** A curve, in ``steps`` up to each x, with the band that holds its uncertainty; over an own x. */
 export type BandCurve = { fidelity: string; x: Numbers; y: Numbers; low: Numbers; high: Numbers; marks: boolean; steps: boolean };
 export type FamilyChart = {

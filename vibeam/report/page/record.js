@@ -16,7 +16,7 @@ Promise.all(data.histories.map(async (each) => {
   tell("histories");
 });
 /** @type {Map<string, Impacts>} */
-const impacts = new Map(data.impacts.map((each) => [each.fidelity, { time: unpacked(each.time), velocity: unpacked(each.velocity) }]));
+const impacts = new Map(data.impacts.map((each) => [each.fidelity, { time: unpacked(each.time), velocity: unpacked(each.velocity), met: each.met }]));
 
 /** Finest history of a signal in a fidelity (empty: of all) that has a span, as far as there is a motion. @type {(signal: string, fidelity: string, span: [number, number]) => History | undefined} */
 export function historyOf(signal, fidelity, [begin, end]) {
@@ -27,7 +27,7 @@ export function historyOf(signal, fidelity, [begin, end]) {
 /** @type {(history: History | undefined) => number} */
 const endOf = (history) => (history ? history.begin + history.width * history.least.length : 0);
 /** @type {(fidelity: string) => Impacts} */
-export const impactsOf = (fidelity) => impacts.get(fidelity) ?? { time: [], velocity: [] };
+export const impactsOf = (fidelity) => impacts.get(fidelity) ?? { time: [], velocity: [], met: 0 };
 
 // Fidelities taken away, by their numbers.
 const taken = new Set(address.numbers("hide"));

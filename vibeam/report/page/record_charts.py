@@ -108,12 +108,12 @@ def enclosing(least: Array, greatest: Array) -> dict[str, Any]:
 
 def _impacts(name: str, times: Array, speeds: Array, room: float) -> dict[str, Any]:
     """Impacts of a fidelity, the times in 32 bits; of too many for the page the hardest."""
-    order = np.sort(np.argsort(-speeds, kind="stable")[: int(room / IMPACT_BYTES)])
+    order, met = np.sort(np.argsort(-speeds, kind="stable")[: int(room / IMPACT_BYTES)]), len(speeds)
     times, speeds = times[order], speeds[order]
     low, span = (float(times[0]), float(times[-1] - times[0])) if len(times) else (0.0, 0.0)
     whole = np.rint((times - low) / span * WIDE if span > 0 else 0 * times).astype("<u4")
     packed_times = {"low": low, "step": span / WIDE, "data": b64encode(whole.tobytes()).decode(), "wide": True}
-    return {"fidelity": name, "time": packed_times, "velocity": packed(speeds), "kept": len(order)}
+    return {"fidelity": name, "time": packed_times, "velocity": packed(speeds), "met": met}
 
 
 def _signals(result: TransientResult, histories: Sequence[tuple[str, str, History]]) -> Iterator[dict[str, Any]]:

@@ -163,7 +163,8 @@ function tellWindow() {
     const history = signal && historyOf(signal.name, name, span), ends = history ? reachOf(history, span) : [];
     const [times, speeds] = hits(impactsOf(name), span, Infinity);
     const met = times.length ? `${times.length} impacts, hardest ${short(hardest(speeds) * IMPACTS.factor)} ${IMPACTS.unit}` : "no impact";
-    return `${label}: ${signal?.label ?? ""} ${ends.map((each) => short(each * (signal?.factor ?? 1))).join(" … ")} ${signal?.unit ?? ""}, ${met}`;
+    const { met: all, time } = impactsOf(name), cut = (all ?? 0) > time.length ? ` (of the ${time.length} hardest of ${all}, which the page holds)` : "";
+    return `${label}: ${signal?.label ?? ""} ${ends.map((each) => short(each * (signal?.factor ?? 1))).join(" … ")} ${signal?.unit ?? ""}, ${met}${cut}`;
   });
   byId("in-window").textContent = `${inWords()}. ${said.join("; ")}.`;
 }
