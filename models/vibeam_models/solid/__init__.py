@@ -1,0 +1,1 @@
+"""Three-dimensional elasticity of the rig: the rung above the beam."""

@@ -1,0 +1,64 @@
+"""SolidScene: the rig as a three-dimensional body; Poisson's ratio of a material that does not say it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from vibeam_models.beam import structure_of
+from vibeam_models.registry import loaded
+from vibeam_models.scene import Scene
+from vibeam_models.solid.plan import Solid
+from vibeam_models.structure import Structure
+
+
+@dataclass(frozen=True)
+class SolidScene(Scene):
+    """A scene whose beam is a three-dimensional elastic body; stop, base, outputs and effects as of the beam."""
+
+    solid: Solid = field(default_factory=Solid)
+
+    @property
+    def no_beam(self) -> str:
+        """As ``AnyScene.no_beam``."""
+        return 'model = "solid" is a three-dimensional body, which has no closed form'
+
+
+@structure_of.register
+def _(scene: SolidScene) -> Structure:
+    """The structure of the body, made where it is first asked for: a case without one imports none of it."""
+    made: Structure = loaded("vibeam_models.solid.structure:solid_structure")(scene)
+    return made
+
+
+#: modulus in Pa, Poisson's ratio, name: usual values, of no one alloy
+MATERIALS = ((210e9, 0.3, "steel"), (110e9, 0.34, "copper or titanium"), (70e9, 0.33, "aluminium"))
+NEAR = 0.1  # of the modulus within which it is that of a material
+USUAL = 0.3
+
+
+def assumed_poissons_ratio(youngs_modulus: float) -> tuple[float, str]:
+    """Poisson's ratio for a modulus in Pa, and the material that it is taken from; empty: it is near to none."""
+    for modulus, ratio, name in MATERIALS:
+        if abs(youngs_modulus - modulus) <= NEAR * modulus:
+            return ratio, name
+    return USUAL, ""
+
+
+def assumption(youngs_modulus: float) -> str:
+    """Sentence that says which Poisson's ratio is assumed for a modulus in Pa, and why."""
+    ratio, material = assumed_poissons_ratio(youngs_modulus)
+    of = f"of {material} by" if material else "as of most metals, for"
+    return (
+        f"Poisson's ratio {ratio:g}, {of} E = {youngs_modulus / 1e9:.4g} GPa, is assumed: beam.poissons_ratio says it"
+    )
+
+
+def assumptions(scene: SolidScene) -> Iterator[str]:
+    """Sentences about every Poisson's ratio that a solid assumes: of beam, sections and plates that say none."""
+    beam = scene.shaped_beam
+    said = [
+        (each.youngs_modulus, each.poissons_ratio) for each in (beam.material, *(s.material for s in beam.sections))
+    ]
+    moduli = [modulus for modulus, ratio in said if ratio is None] + [plate.youngs_modulus for plate in beam.plates]
+    yield from map(assumption, dict.fromkeys(moduli))
