@@ -14,9 +14,14 @@ from vibeam_models.structure import Structure
 
 @dataclass(frozen=True)
 class SolidScene(Scene):
-    """A scene whose beam is a three-dimensional elastic body; stop, base, outputs and effects as of the beam."""
+    """A scene whose beam is a three-dimensional elastic body; stop, base, outputs and effects as of the beam.
+
+    ``contraction`` False: no Poisson's contraction, σ_ii = E ε_ii and σ_ij = G γ_ij with the same E and G, as a beam's
+    theory assumes. No key: a step from the beam to the solid.
+    """
 
     solid: Solid = field(default_factory=Solid)
+    contraction: bool = True
 
     @property
     def no_beam(self) -> str:
