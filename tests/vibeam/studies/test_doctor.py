@@ -88,10 +88,7 @@ def test_why_numba_compiles_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     assert reason() == "VIBEAM_KERNELS=numba"
 
 
-@pytest.mark.parametrize(
-    "name", ["impacts of an oscillator", "rest after endless impacts", "orbit of period 1 by flight"]
-)
-def test_a_motion_that_is_a_little_off_is_a_fault(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_motion_that_is_a_little_off_is_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     """By a restitution that is wrong by 10⁻⁸."""
     from dataclasses import replace
 
@@ -102,8 +99,8 @@ def test_a_motion_that_is_a_little_off_is_a_fault(name: str, monkeypatch: pytest
 
     monkeypatch.setattr(trajectory, "simulate", wrong)
     found = {each.name: each for each in self_check()}
-    assert found[name].state is Severity.FAULT
-    assert "is allowed" in found[name].value
+    assert found["impacts of an oscillator"].state is Severity.FAULT
+    assert "is allowed" in found["impacts of an oscillator"].value
     assert found["frequency of a cantilever"].state is Severity.GOOD
 
 
