@@ -53,8 +53,11 @@ class ContactsSolver(EventDrivenSolver):
         try:
             found: ContactSets = self._own.sets
         except AttributeError:
-            found = self._own.sets = ContactSets(self.contacts, self._slowest, self._top)
+            found = self._own.sets = self._new_sets()
         return found
+
+    def _new_sets(self) -> ContactSets:
+        return ContactSets(self.contacts, self._slowest, self._top)
 
     def _engine_for(self, size: float) -> ContactEngine:
         own = self.sets.engine
