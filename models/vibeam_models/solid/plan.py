@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from vibeam_models.beams.beam import Damping
-from vibeam_models.keys import count, flag, quantity, word
+from vibeam_models.keys import count, flag, quantity, text, word
 
 MOST = 2000  # elements in any direction
 CLAMPS = ("held", "sliding")
@@ -22,8 +22,8 @@ class Solid:
     """
 
     along: int | None = count(1, MOST, "finite elements along the beam; absent = beam.elements", 60, None)
-    across: int = count(1, MOST, "finite elements over the width; of a round section around a quarter of it", 4, 4)
-    through: int = count(1, MOST, "finite elements through the thickness of each layer, a plate or the beam", 1, 1)
+    across: int = count(1, MOST, "elements over the width, of a round section around a quarter; absent = 4", 4, 4)
+    through: int = count(1, MOST, "finite elements through each layer, a plate or the beam; absent = 1", 1, 1)
     contact: tuple[float, ...] | None = quantity(
         "m",
         "length along the beam and width of the patch that the stop meets; absent = as long as the section is high, "
@@ -47,8 +47,8 @@ class Solid:
     )
     clamp: Literal["held", "sliding"] = word(
         CLAMPS,
-        "held: a clamped end is held in all directions; sliding: along the beam, and as a whole, free to contract "
-        "across",
+        "held: a clamped end is held in all directions, as where it is absent; sliding: along the beam, and as a "
+        "whole, free to contract across",
         "held",
         "held",
     )
@@ -65,37 +65,45 @@ SURFACE_DIRECTIONS = ("normal", "x", "y", "z", "-x", "-y", "-z")
 
 @dataclass(frozen=True)
 class SurfaceMotion:
-    """The mean displacement over a named group of a mesh in one of ``SURFACE_DIRECTIONS``."""
+    """The mean displacement over a named group of a mesh in one of ``SURFACE_DIRECTIONS``.
+
+    ``direction`` None: of the contact its outward normal, of all others that of the contact.
+    """
 
     group: str
-    direction: str = "normal"
+    direction: str | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class GroupMaterial:
-    """Material of a group of elements, empty: of all that no other has; ``poissons_ratio`` None: by the modulus."""
+    """Material of a group of elements; absent: of all that no other has."""
 
-    group: str
-    youngs_modulus: float
-    density: float
-    poissons_ratio: float | None = None
+    group: str | None = text("group of elements; absent = all that no other material has", "strip", None)
+    youngs_modulus: float = quantity("Pa", "modulus of elasticity", "210 GPa", above=0)
+    density: float = quantity("kg/m^3", "mass per volume", "7850 kg/m^3", above=0)
+    poissons_ratio: float | None = quantity("", "absent = by the modulus, which is said", 0.3, None, least=0, most=0.49)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class GroupMass:
-    """A mass in kg spread over a group: its nodes move as a rigid body where ``rigid``."""
+    """A mass on a group: the group moves as a rigid body, or else the mass with the group's mean."""
 
-    group: str
-    mass: float
-    rigid: bool = False
+    group: str = text("group of facets, nodes or elements", "block")
+    mass: float = quantity("kg", "mass of it", "0.2 kg", above=0)
+    rotary_inertia: float | None = quantity(
+        "kg m^2", "about every axis through the group's middle; absent = none", "1e-5 kg m^2", None, above=0
+    )
+    rigid: bool = flag("the group moves as a rigid body; false: the mass moves with the group's mean", True, True)
 
 
 @dataclass(frozen=True, kw_only=True)
 class OwnMesh:
     """A mesh of the user's own in place of a beam: ``file`` with coordinates in ``unit`` m, what its groups are.
 
-    ``clamp``: groups held in all directions. ``sensor`` None: the contact. ``base``: axis along which the base moves;
-    ``force``: where a force drives instead.
+    ``clamp``: groups held in all directions. ``sensor`` None: the contact. ``opposite``: face of a second body, which
+    the contact meets. ``base``: direction in which the base moves, None that of the contact; ``force``: where a force
+    drives instead. ``symmetry``: group in the plane about which the mesh is one half. ``extent``: its longest side in m
+    as the user knows it; ``merge``: nodes nearer than this, in m, become one.
     """
 
     file: str
@@ -104,8 +112,12 @@ class OwnMesh:
     clamp: tuple[str, ...]
     contact: SurfaceMotion
     sensor: SurfaceMotion | None = None
+    opposite: SurfaceMotion | None = None
     outputs: Mapping[str, SurfaceMotion] = field(default_factory=dict)
     base: str | None = None
     force: SurfaceMotion | None = None
+    symmetry: str | None = None
     masses: tuple[GroupMass, ...] = ()
+    extent: float | None = None
+    merge: float | None = None
     damping: Damping | None = None
