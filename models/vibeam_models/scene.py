@@ -25,6 +25,7 @@ class AnyScene(ABC):
 
     stop: Stop | None
     outputs: tuple[Output, ...] = ()
+    in_three_dimensions: ClassVar[bool] = False  #: its beam is a body of three-dimensional elasticity
 
     @property
     def harmonics(self) -> tuple[tuple[int, float, float], ...]:

@@ -166,7 +166,8 @@ class FitPlan:
     )
 
 
-STAGES = ("modes", "effects", "solvers", "map")
+STAGES = ("modes", "effects", "solvers", "map", "solid")
+USUAL_STAGES = STAGES[:-1]  # the last joins them where a fidelity is a solid
 
 
 @dataclass(frozen=True)
@@ -178,15 +179,17 @@ class VerdictPlan:
     )
     only: tuple[str, ...] = declare.word(
         STAGES,
-        "stages: modes, effects, solvers or map; repeatable, absent = all",
+        "stages: modes, effects, solvers, map or solid; repeatable, absent = all, solid where a fidelity is one",
         ["modes"],
-        STAGES,
+        USUAL_STAGES,
         several=True,
         alone=True,
     )
     over: str = declare.text("second key of the plane beside the frequency", "gap", "gap")
     points: int = declare.count(2, MOST_POINTS, "values of each key of the plane", 31, 31)
-    budget: float = declare.quantity("s", "CPU time of effects, of solvers, and of the plane", "20 s", 20.0, above=0)
+    budget: float = declare.quantity(
+        "s", "CPU time of effects, of solvers, of the plane, and of the steps to a solid", "20 s", 20.0, above=0
+    )
 
 
 @dataclass(frozen=True)

@@ -23,13 +23,14 @@ QUESTIONS = {
     "effects": "Which effects?",
     "solvers": "Which solver?",
     "map": "Where on the plane?",
+    "solid": "Is the beam enough?",
 }
 
 
 UNDER_RECORD: Mapping[str, Callable[[Any], StudySheet]] = {
     "modes": record_studies.of_modes, "effects": record_studies.of_effects, "map": record_studies.of_fidelities,
 }  # fmt: skip
-FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map"}
+FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map", "solid": "solid"}
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,10 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
     """Sheet of one stage: of its study, or why it has no answer."""
     if stage.why:
         return StudySheet(f"Not answered: {stage.why}", data={"why": stage.why})
+    if stage.name == "solid":
+        from vibeam.report import solid
+
+        return solid.sheet(stage.record)
     if case.record is not None:
         found: StudySheet = UNDER_RECORD[stage.name](stage.record)
         return found

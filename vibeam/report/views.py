@@ -192,6 +192,7 @@ SHEETS: dict[str, Callable[[Any], StudySheet] | str] = {
     **{f"{name}Study": f"vibeam.report.{name.lower()}:sheet" for name in ("Fit", "Uncertainty")},
     "ReductionStudy": "vibeam.report.reductions:sheet", "ModesNeeded": "vibeam.report.modes_needed:sheet",
     "Stability": _map, "FidelityMap": _map, "Verdict": "vibeam.report.verdict:sheet",
+    "SolidVerdict": "vibeam.report.solid:sheet",
 }  # fmt: skip
 ROOT_MASS = dict.fromkeys(("contact", "sensor"), "kg^-½")
 UNITS: dict[str, Callable[[Any], Mapping[str, str]]] = {

@@ -1,7 +1,8 @@
 """Verdict on a case: how much model it needs, in stages, the cheap ones first.
 
 ``modes``: how many suffice, from closed forms as far as they go; ``effects``: which ones the scene needs; ``solvers``:
-error against time; ``map``: where on the plane of the drive frequency and another key each fidelity suffices.
+error against time; ``map``: where on the plane of the drive frequency and another key each fidelity suffices;
+``solid``: whether the beam is enough beside three-dimensional elasticity of the same rig.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from time import process_time
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.source import of_source
-from vibeam.case.study_plans import STAGES, ModesNeededPlan, VerdictPlan
+from vibeam.case.study_plans import STAGES, USUAL_STAGES, ModesNeededPlan, VerdictPlan
 from vibeam.casefile.tables.table import plan_with
 from vibeam.exchange.faults import CaseError, suggest
 from vibeam.maps.axes import axes_over
@@ -91,7 +92,7 @@ def verdict(
     asked = plan_with(plan or case.asked["verdict"], settings)
     if case.record is None:
         require_plane(case, asked)
-    return Verdict(case, asked, tuple(_stage(name, case, asked, tell, progress) for name in _names(asked)))
+    return Verdict(case, asked, tuple(_stage(name, case, asked, tell, progress) for name in _names(case, asked)))
 
 
 def require_plane(case: Case, plan: VerdictPlan) -> None:
@@ -106,11 +107,13 @@ def require_plane(case: Case, plan: VerdictPlan) -> None:
             raise ValueError(f"--over: {plan.over} has no usual range: {cure} takes one") from None
 
 
-def _names(plan: VerdictPlan) -> list[str]:
+def _names(case: Case, plan: VerdictPlan) -> list[str]:
     unknown = [name for name in plan.only if name not in STAGES]
     if unknown:
         raise ValueError("; ".join(f"only: no stage {name!r}; {suggest(name, STAGES)}" for name in unknown))
-    return [name for name in STAGES if name in plan.only]
+    solid = any(case.scene_of(name).in_three_dimensions for name in case.fidelities)
+    joins = ("solid",) if solid and tuple(plan.only) == USUAL_STAGES else ()
+    return [name for name in STAGES if name in (*plan.only, *joins)]
 
 
 def _stage(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progress: Progress | bool | None) -> Stage:
@@ -127,6 +130,10 @@ def _stage(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progress
 
 
 def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progress: Progress | bool | None) -> Any:
+    if name == "solid":
+        from vibeam.studies.solid.study import solid_verdict
+
+        return solid_verdict(case, accuracy=plan.accuracy, progress=progress, budget=plan.budget)
     if case.record is not None:
         return _under_record(name, case, plan, progress)
     if name == "modes":

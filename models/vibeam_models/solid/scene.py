@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from vibeam_models.beam import structure_of
 from vibeam_models.registry import loaded
@@ -22,6 +23,8 @@ class SolidScene(Scene):
 
     solid: Solid = field(default_factory=Solid)
     contraction: bool = True
+
+    in_three_dimensions: ClassVar[bool] = True
 
     @property
     def no_beam(self) -> str:

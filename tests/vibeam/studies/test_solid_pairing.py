@@ -1,0 +1,47 @@
+"""Pairing of modes by shape: an order, signs and further modes that are known beforehand are found again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from vibeam.studies.solid.pairing import bending, likeness, partners
+
+X = np.linspace(0, 1, 41)
+ROOTS = np.array([1.875104068711961, 4.694091132974175, 7.854757438237613, 10.995540734875467])
+
+
+def cantilever(number: int) -> np.ndarray:
+    """Mass-normalised mode of a uniform cantilever of mass 1, by its roots of 1 + cos λ cosh λ."""
+    root = ROOTS[number]
+    sigma = (np.cosh(root) + np.cos(root)) / (np.sinh(root) + np.sin(root))
+    return np.asarray(np.cosh(root * X) - np.cos(root * X) - sigma * (np.sinh(root * X) - np.sin(root * X)))
+
+
+BEAM = np.column_stack([cantilever(number) for number in range(4)])
+
+
+def test_modes_are_found_in_another_order_with_other_signs() -> None:
+    still, order, signs = np.zeros(41), [2, 0, 3, 1], [-1.0, 1.0, -1.0, -1.0]
+    theirs = np.column_stack([still, *(sign * BEAM[:, at] for at, sign in zip(order, signs, strict=True)), still])
+    found, alike = partners(BEAM, theirs)
+    assert found.tolist() == [2, 4, 1, 3]
+    np.testing.assert_allclose(alike, 1.0, rtol=1e-12)
+
+
+def test_of_modes_with_one_mean_line_the_one_that_moves_it_is_taken() -> None:
+    """A wide strip has modes that wave across its width: along the mean line they are like mode 1, but small."""
+    theirs = np.column_stack([0.3 * BEAM[:, 0], 0.95 * BEAM[:, 0], BEAM[:, 1]])
+    assert likeness(BEAM, theirs)[0] == pytest.approx([0.09, 0.95**2, 0.0], abs=3e-3)  # of sums: φ_tip²/80, squared
+    assert partners(BEAM[:, :2], theirs)[0].tolist() == [1, 2]
+
+
+def test_a_shape_that_the_other_has_not_finds_no_partner() -> None:
+    found, alike = partners(BEAM, np.column_stack([BEAM[:, 0], BEAM[:, 1], 1e-9 * BEAM[:, 2]]))
+    assert found.tolist() == [0, 1, -1, -1]
+    assert np.isnan(alike[2:]).all()
+
+
+def test_modes_that_leave_the_mean_line_at_rest_do_not_bend_it() -> None:
+    shapes = np.column_stack([BEAM[:, 0], np.full(41, 1e-3)])
+    assert bending(shapes, mass=1.0).tolist() == [True, False]

@@ -1,0 +1,247 @@
+"""Verdict of the solid on the beam, as a sheet: whether the beam is enough, and a line for each step to the solid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import ceil, isfinite, nan
+from shlex import quote
+from typing import TYPE_CHECKING, Any
+
+from vibeam.report.output import StudySheet
+from vibeam.report.reductions import shown
+from vibeam.report.tables import ReportTable, blank, coefficient
+from vibeam.runs.comparison.differences import listed
+from vibeam.studies.solid.study import JUDGED, QUANTITIES
+from vibeam.system.number_text import WORDS, begun, percent, signed
+from vibeam_models.arguments import counted
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.studies.solid.model import LadderModel
+    from vibeam.studies.solid.study import SolidVerdict, StepChange
+
+UNITS = {
+    **dict.fromkeys(("f1", "f2", "f3", "twist", "peak_frequency"), "Hz"), "flexibility": "m/N", "mobility": "1/kg",
+    "peak": "m", "restitution": "1", "first_mode_restitution": "1",
+}  # fmt: skip
+NAMES = {
+    "f1": "f₁", "f2": "f₂", "f3": "f₃", "twist": "twist", "flexibility": "flexibility", "mobility": "mobility",
+    "restitution": "R", "first_mode_restitution": "R₁", "peak": "peak", "peak_frequency": "at",
+}  # fmt: skip
+DETAILS = ("flexibility", "peak_frequency")  # columns of -v and of the page
+FINE = 0.25  # of the accuracy: what half the elements may change without a word
+LEAST, DUST = 1e-4, 1e-6  # share that is told in numbers; below which there is none
+
+
+def sheet(found: SolidVerdict) -> StudySheet:
+    """Sheet of a verdict; as CSV a row a model."""
+    return StudySheet(
+        answer=answer(found),
+        tables=[ladder(found), *measured(found)],
+        notes=list(doubts(found)),
+        details=list(details(found)),
+        data=_data(found),
+        rows=list(rows(found)),
+        draw=lambda: bars(found),
+    )
+
+
+def answer(found: SolidVerdict) -> str:
+    """Sentence on whether the beam is enough: its frequencies, its peak, and the step that changes most."""
+    within, worst, step = percent(found.accuracy), found.worst, found.largest
+    known = isfinite(found.error("peak"))
+    verdict = "is enough" if found.enough else "is not enough" if found.beyond else "is not known to be enough"
+    clauses = [_frequencies(found), f"the peak {_off(found.error('peak'))}" if known else "the peak is not known"]
+    if found.distance.rms > found.accuracy:
+        clauses.append(f"its amplitudes at the same drive frequencies {_size(found.distance.rms)} off (rms)")
+    said = f"The beam {verdict} for {within}: {', '.join(filter(None, clauses))}"
+    if step is None or abs(found.error(worst)) < DUST:
+        return f"{said}."
+    return f"{said}; {listed(step.causes)} is the largest part ({signed(step.changes[worst])} of {NAMES[worst]})."
+
+
+def _frequencies(found: SolidVerdict) -> str:
+    """Clause on the natural frequencies; empty where none is known."""
+    errors = [found.error(name) for name in JUDGED[:-1] if isfinite(found.error(name))]
+    if not errors:
+        return ""
+    worst, several = max(errors, key=abs), len(errors) > 1
+    of = f"its first {WORDS[len(errors)]} natural frequencies are" if several else "its natural frequency is"
+    if abs(worst) <= found.accuracy:
+        return f"{of} within {_size(max(abs(worst), LEAST))} of the solid's"
+    side = "off" if min(errors) < 0 < max(errors) else f"too {'high' if worst > 0 else 'low'}"
+    return f"{of} {'up to ' * several}{_size(worst)} {side}"
+
+
+def _off(value: float) -> str:
+    return f"{_size(value)} too {'high' if value > 0 else 'low'}" if abs(value) >= LEAST else "within 0.01 % of it"
+
+
+def _size(value: float) -> str:
+    return f"{100 * abs(value):.2g} %" if abs(value) < 0.995 else f"{100 * abs(value):.0f} %"
+
+
+def ladder(found: SolidVerdict) -> ReportTable:
+    """Table with the beam, a line for each step, the solid, and what the beam is off."""
+    columns = [name for name in QUANTITIES if _varies(found, name)]
+    table = blank("From the beam to the solid", "step")
+    for name in columns:
+        table.add(f"{NAMES[name]}|", detail=name in DETAILS)
+    table.add("CPU|")
+    seconds = {model.name: model.cpu_seconds for model in found.models}
+    table.add_row("the beam", *(_value(found.beam, name) for name in columns), _time(found.beam.cpu_seconds))
+    table.add_section()
+    for step in found.steps:
+        marks = (_change(found, step, name) for name in columns)
+        table.add_row(f"+ {listed(step.causes)}", *marks, _time(seconds[step.name]))
+    table.add_section()
+    table.add_row("the solid", *(_value(found.solid, name) for name in columns), "")
+    table.add_row("the beam is off", *(_cell(found.error(name)) for name in columns), "")
+    if not found.coarser.why:
+        less = (_cell(found.unresolved(name)).lstrip("+") for name in columns)
+        table.add_row("half the elements", *less, _time(found.coarser.cpu_seconds))
+    table.caption = (
+        "steps: change over the solid's number, their sum is what the beam is off with the other sign; "
+        f"mobility: of the contact in the beam's {counted(found.beam.modes, 'mode')}; *: less than half the elements "
+        "change, not resolved by this mesh"
+    )
+    return table
+
+
+def _varies(found: SolidVerdict, name: str) -> bool:
+    """Test whether a quantity is known, and not the one that is held."""
+    symbol = {"restitution": "contact", "first_mode_restitution": "first mode"}.get(name)
+    return isfinite(found.error(name)) and symbol != found.held.restitution_of
+
+
+def _value(model: LadderModel, name: str) -> str:
+    value = model.value(name)
+    return coefficient(value) if UNITS[name] == "1" else shown(value, UNITS[name])
+
+
+def _cell(value: float) -> str:
+    return signed(value) if isfinite(value) else "–"
+
+
+def _change(found: SolidVerdict, step: StepChange, name: str) -> str:
+    value = step.changes[name]
+    return _cell(value) + "*" * _hidden(found, step, name)
+
+
+def _hidden(found: SolidVerdict, step: StepChange, name: str) -> bool:
+    """Test whether a change is not resolved: a step of the solid's that is less than what the mesh changes."""
+    of_beams = not any(each.is_solid for each in found.models if each.name == step.name)
+    return not of_beams and DUST < abs(step.changes[name]) < found.unresolved(name)
+
+
+def _time(seconds: float) -> str:
+    return f"{float(f'{seconds:.2g}'):g} s"
+
+
+def measured(found: SolidVerdict) -> Iterator[ReportTable]:
+    """Table of measured natural frequencies beside beam and solid, where the case has any."""
+    numbers = [
+        each for each in found.case.measured.values()
+        if each.quantity == "mode_frequency" and each.number and each.unit == "Hz"
+    ]  # fmt: skip
+    if not numbers or isfinite(found.beam.twist):  # modes of torsion are numbered among them
+        return
+    table = blank("Measured natural frequencies", "measured", "mode|", "value|", "beam|", "", "solid|", "")
+    for each in numbers:
+        cells = []
+        for model in (found.beam, found.solid):
+            value, read = model.value(f"f{int(each.number or 0)}"), set(each.chose) - set(model.unread)
+            cells += [_cell(value / each.value - 1), "calibrated" if read else "predicted"]
+        table.add_row(each.name, f"{each.number:g}", shown(each.value, "Hz"), *cells)
+    table.caption = "calibrated: the number chose a key that the model reads, and tests nothing"
+    yield table
+
+
+def doubts(found: SolidVerdict) -> Iterator[str]:
+    """Notes on what is uncertain, each with what to do about it."""
+    if found.left_out:
+        enough = ceil(2 * found.seconds * len(found.models) / (len(found.models) - found.left_out))
+        yield (
+            f"{counted(found.left_out, 'model')} did not fit into {found.budget:g} s of CPU time: vibeam verdict "
+            f"{quote(str(found.case.path))} --only solid --budget '{enough} s' makes all."
+        )
+    rough = [name for name in JUDGED if found.unresolved(name) > FINE * found.accuracy]
+    if rough:
+        changed = listed([f"{NAMES[name]} {percent(found.unresolved(name))}" for name in rough])
+        yield f"With half the elements the solid's numbers change ({changed}): take more, solid.along first."
+    for model in (found.beam, found.solid):
+        if model.why_no_peak:
+            yield f"{begun(model.name)}: {'' if isfinite(model.peak) else 'no '}peak: {model.why_no_peak}."
+    lost = [str(place) for place, value in enumerate(found.solid.frequencies, 1) if not isfinite(value)]
+    if lost:
+        yield f"The solid has no mode of the shape of the beam's mode {listed(lost)}: these are not compared."
+    yield from (f"{each}." for each in found.assumed)
+
+
+def details(found: SolidVerdict) -> Iterator[str]:
+    """Sentences on what is held, on the calibrated, on models that cannot be made, on what has no limit."""
+    yield f"{found.held.label} is held in every model; modes are paired by shape, fidelity {found.fidelity}."
+    if found.chosen:
+        kept = [key for key in found.chosen if key not in found.solid.unread]
+        left = [key for key in found.chosen if key in found.solid.unread]
+        yield (
+            f"Measured numbers chose {listed(found.chosen)}: the beam is calibrated by them"
+            + (
+                f"; the solid reads no {listed(left)}" + ("" if kept else ", and predicts")
+                if left
+                else ", and the solid too"
+            )
+            + "."
+        )
+    for model in found.models:
+        if model.why:
+            yield f"{begun(model.name)}: {model.why}."
+    rms = found.distance.rms
+    if isfinite(rms):
+        points = f"{found.distance.points} of {found.distance.total} points"
+        yield f"At the same drive frequencies the beam's amplitudes are {percent(rms)} off (rms, {points})."
+    yield (
+        "The mobility of a patch in all modes grows without limit as the mesh is refined; natural frequencies, "
+        "flexibility, and the mobility of a number of modes converge."
+    )
+
+
+def rows(found: SolidVerdict) -> Iterator[Mapping[str, Any]]:
+    """A row for each model: its numbers in SI, the change from the model before over the solid's number."""
+    changes = {step.name: step.changes for step in found.steps}
+    for model in (*found.models, found.coarser):
+        numbers = {name: model.value(name) for name in QUANTITIES}
+        own = changes.get(model.name, {})
+        yield {
+            "model": model.name, "cause": model.cause, "modes": model.modes, **numbers,
+            **{f"change of {name}": own.get(name, nan) for name in QUANTITIES},
+            "cpu_seconds": model.cpu_seconds, "why": model.why or model.why_no_peak,
+        }  # fmt: skip
+
+
+def _data(found: SolidVerdict) -> dict[str, Any]:
+    names = ("fidelity", "accuracy", "held", "enough", "worst", "models", "steps", "coarser", "distance", "chosen")
+    errors = {name: found.error(name) for name in QUANTITIES}
+    return {name: getattr(found, name) for name in (*names, "seconds", "left_out")} | {"errors": errors}
+
+
+def bars(found: SolidVerdict) -> Figure:
+    """Figure of the steps: a group of bars for each quantity that is judged."""
+    from matplotlib.figure import Figure
+
+    from vibeam.figures.style import COLOURS
+
+    named = [name for name in JUDGED if isfinite(found.error(name))]
+    figure = Figure(figsize=(6.3, 3.2), layout="constrained")
+    axes = figure.subplots()
+    width = 0.8 / max(len(found.steps), 1)
+    for place, step in enumerate(found.steps):
+        left = [at + (place + 0.5) * width - 0.4 for at in range(len(named))]
+        heights = [100 * step.changes[name] for name in named]
+        axes.bar(left, heights, width, label=listed(step.causes), color=COLOURS[place % len(COLOURS)])
+    axes.axhline(0, color="0.3", linewidth=0.6)
+    axes.set_xticks(range(len(named)), [NAMES[name] for name in named])
+    axes.set_ylabel("change over the solid's number (%)")
+    axes.legend(frameon=False, fontsize=8)
+    return figure

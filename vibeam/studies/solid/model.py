@@ -1,0 +1,176 @@
+"""Numbers of one model on the way from the beam to the solid: natural frequencies, contact, restitution, peak."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import nan
+from time import process_time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.case.fidelity import system_of
+from vibeam.case.reduced_structure import reduced_structure
+from vibeam.studies.influence.curve import Curve, refined_peak, swept
+from vibeam.studies.solid.pairing import bending, partners
+from vibeam.studies.solid.steps import LadderStep
+from vibeam_models.arrays import Array
+from vibeam_models.effects.field_points import FieldPoints, output_names
+from vibeam_models.laws.restitution import first_mode_restitution
+from vibeam_models.scene import Scene
+from vibeam_models.solid.scene import SolidScene
+from vibeam_models.structure import Structure, in_coordinates
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+FIRST = 3  # natural frequencies that are judged and shown
+PLACES = 41  # along each beam, at which shapes are compared
+UNSEEN = 1e-6  # of the contact's row times √(moving mass): a mode that the contact does not see
+TWIST = 0.02  # the same, from which a mode that does not bend the mean line is one of twist
+
+
+@dataclass(frozen=True)
+class LadderModel:
+    """One model: natural ``frequencies`` (Hz) of the beam's bending modes, their ``likeness``; NaN without.
+
+    ``twist``: first natural frequency of torsion, Hz. ``flexibility``: of the contact, m/N; ``mobility``: of it in the
+    ``modes`` up to the partner of the beam's last, 1/kg; ``restitution`` of the contact and of mode 1, one of them the
+    case's. ``peak`` (m) of the sweep at ``peak_frequency`` (Hz). NaN: not known, ``why`` or ``why_no_peak``.
+    ``unread``: keys of the case that it does not read; ``is_solid``: three-dimensional.
+    """
+
+    name: str
+    cause: str
+    frequencies: tuple[float, ...] = ()
+    likeness: tuple[float, ...] = ()
+    twist: float = nan
+    flexibility: float = nan
+    mobility: float = nan
+    modes: int = 0
+    restitution: float = nan
+    first_mode_restitution: float = nan
+    peak: float = nan
+    peak_frequency: float = nan
+    cpu_seconds: float = 0.0
+    why: str = ""
+    why_no_peak: str = ""
+    unread: tuple[str, ...] = ()
+    is_solid: bool = False
+
+    def value(self, quantity: str) -> float:
+        """Value of a quantity: ``"f1"`` … of the natural frequencies, else the field of that name."""
+        if quantity[0] == "f" and quantity[1:].isdecimal():
+            place = int(quantity[1:]) - 1
+            return self.frequencies[place] if place < len(self.frequencies) else nan
+        found: float = getattr(self, quantity)
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class SteppedModel:
+    """A model being read: its ``step``, reduced to so many ``modes``, which are paired with those of the ``beam``."""
+
+    step: LadderStep
+    modes: int
+    beam: SteppedModel | None = field(default=None, repr=False)
+
+    @cached_property
+    def pointed(self) -> Scene:
+        """The scene with outputs along its mean lines."""
+        scene = self.step.scene
+        lengths = (scene.beam.length, *(each.beam(scene).length for each in scene.named("opposite")))
+        points = FieldPoints(*(tuple(np.linspace(0, length, PLACES).tolist()) for length in lengths))
+        return replace(scene, effects=(*scene.effects, points))
+
+    @cached_property
+    def reduced(self) -> Structure:
+        """Structure in the lowest modes, more of a solid, of which some do not bend the mean line."""
+        return reduced_structure(self.pointed, "modal", self.modes)[0]
+
+    @cached_property
+    def shapes(self) -> Array:
+        """Deflections (k, modes) of the mean lines."""
+        named = {name for beam in ("beam", "opposite") for name in output_names(beam, 0, PLACES)}
+        return np.array([row for name, row in self.reduced.outputs.items() if name in named])
+
+    @cached_property
+    def mass(self) -> float:
+        """Moving mass in kg."""
+        return self.step.scene.moving_mass
+
+    @cached_property
+    def partners(self) -> tuple[np.ndarray, Array]:
+        """Places of the modes that are those of the beam, −1 without one, and their likeness."""
+        if self.beam is None:
+            own = np.flatnonzero(bending(self.shapes, self.mass))
+            return own, np.ones(len(own))
+        theirs = self.beam
+        return partners(theirs.shapes[:, theirs.partners[0]], self.shapes)
+
+    @cached_property
+    def kept(self) -> Structure:
+        """Structure in the modes that the contact sees, up to the partner of the beam's last."""
+        last = int(self.partners[0].max(initial=0))
+        seen = np.abs(self.reduced.contact) * np.sqrt(self.mass) > UNSEEN
+        chosen = np.flatnonzero(seen[: last + 1])
+        return in_coordinates(self.reduced, np.eye(self.reduced.size)[:, chosen])
+
+    def linear(self) -> LadderModel:
+        """Its numbers but the peak; ValueError for an impossible model."""
+        begun, scene = process_time(), self.step.scene
+        omega = np.sqrt(np.maximum(np.diag(self.reduced.K) / np.diag(self.reduced.M), 0.0))
+        places, alike = self.partners
+        contact = self.kept.contact
+        given, held = scene.stop.usual_restitution, scene.stop.restitution_of
+        mobility, first = float(np.sum(contact**2)), float(contact[0])
+        contact_r, first_r = (given, first_mode_restitution(given, first, mobility))
+        if held != "contact":
+            contact_r, first_r = (1 + given) * mobility / first**2 - 1, given
+        if scene.stop.law is not None:
+            contact_r = first_r = nan
+        return LadderModel(
+            self.step.name,
+            self.step.cause,
+            tuple(float(omega[at]) / (2 * np.pi) if at >= 0 else nan for at in places),
+            tuple(alike.tolist()),
+            self._twist(omega),
+            self._flexibility(),
+            mobility,
+            self.kept.size,
+            contact_r,
+            first_r,
+            cpu_seconds=process_time() - begun,
+            unread=self.step.keys,
+            is_solid=isinstance(scene, SolidScene),
+        )
+
+    def curve(self, case: Case, fidelity: str) -> Curve:
+        """Its sweep, as that of a fidelity; ValueError for a restitution that no contact has."""
+        static = reduced_structure(self.pointed, "static_mode", None)[1]
+        return swept(case, fidelity, system_of(self.pointed, self.kept, static))
+
+    def _twist(self, omega: Array) -> float:
+        if not self.step.scene.named("torsion"):
+            return nan
+        turned = ~bending(self.shapes, self.mass) & (np.abs(self.reduced.contact) * np.sqrt(self.mass) > TWIST)
+        return float(omega[turned][0]) / (2 * np.pi) if turned.any() else nan
+
+    def _flexibility(self) -> float:
+        """Static flexibility of the contact, that of the one static mode under a force on it; NaN of a free body."""
+        try:
+            single = reduced_structure(self.pointed, "static_mode", None)[0]
+        except ValueError:
+            return nan
+        return float(single.contact[0] ** 2 / single.K[0, 0])
+
+
+def with_peak(model: LadderModel, curve: Curve) -> LadderModel:
+    """The model with the peak of its sweep, refined between the points."""
+    begun, top = process_time(), refined_peak(curve)
+    spent = model.cpu_seconds + curve.cpu + process_time() - begun
+    return replace(
+        model, peak=top.amplitude.number, peak_frequency=top.frequency.number, why_no_peak=top.amplitude.why,
+        cpu_seconds=spent,
+    )  # fmt: skip

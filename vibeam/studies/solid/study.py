@@ -1,0 +1,246 @@
+"""Verdict on the beam by the solid of the same rig: what each of the beam's assumptions changes, their sum the whole.
+
+Each step is the difference of two models, over the solid's number, so that the steps of a quantity add up to what the
+beam is off, to the bit of their rounding. Held is what the case holds, R of the contact or R₁ of mode 1; the other one
+follows in each model. The mobility is that of as many modes as the beam has, told by their shapes: of a patch that of
+all modes grows without limit as the mesh is refined, and is not compared. What half as many elements in each direction
+change says from where on a step of the solid's is not resolved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from math import inf, isfinite, nan
+from time import process_time
+from typing import TYPE_CHECKING
+
+from vibeam.case.held import Held, held_of
+from vibeam.case.source import of_source
+from vibeam.studies.influence.curve import Curve
+from vibeam.studies.solid.model import FIRST, LadderModel, SteppedModel, with_peak
+from vibeam.studies.solid.steps import LadderStep, coarser, ladder, solid_of
+from vibeam.system.curves import Difference, evenly
+from vibeam.system.labelled import ViewedTable
+from vibeam.system.progress import telling
+from vibeam_models.arrays import ValueRecord
+from vibeam_models.scene import Scene
+from vibeam_models.solid.scene import SolidScene, assumptions
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+USUAL = 8  # modes of a beam whose fidelity does not count them
+POINTS = 31  # frequencies of the sweep at most
+BUDGET = 20.0  # s
+QUANTITIES = (
+    *(f"f{number}" for number in range(1, FIRST + 1)), "twist", "flexibility", "mobility", "restitution",
+    "first_mode_restitution", "peak", "peak_frequency",
+)  # fmt: skip
+JUDGED = (*QUANTITIES[:FIRST], "peak")
+LEFT_OUT = "left out: over the budget"
+OF_RECORD = "is not compared under a record: vibeam verdict --only map has the peaks of all fidelities"
+
+
+@dataclass(frozen=True)
+class StepChange:
+    """Change from the model before to the model ``name``, for the reasons ``causes``: of each quantity, over the
+    solid's number; NaN where one of the two has none."""
+
+    name: str
+    causes: tuple[str, ...]
+    changes: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SolidVerdict(ValueRecord, ViewedTable):
+    """Beam and solid of a rig and what is between them: ``models``, the beam first, the solid last.
+
+    ``coarser``: the solid with half as many elements in each direction; ``distance``: of the beam's amplitudes from the
+    solid's at the same frequencies; ``held``: the restitution; ``assumed``: sentences on what the case does not say;
+    ``chosen``: keys that measured numbers chose; ``accuracy``: the largest error allowed. ``left_out`` models did not
+    fit into ``budget`` s of CPU time of the ``seconds`` spent.
+    """
+
+    case: Case
+    fidelity: str
+    accuracy: float
+    held: Held
+    models: tuple[LadderModel, ...]
+    coarser: LadderModel
+    distance: Difference
+    assumed: tuple[str, ...] = ()
+    chosen: tuple[str, ...] = ()
+    seconds: float = nan
+    budget: float = inf
+    left_out: int = 0
+
+    @property
+    def beam(self) -> LadderModel:
+        """The beam as the case has it."""
+        return self.models[0]
+
+    @property
+    def solid(self) -> LadderModel:
+        """The solid as the case has it."""
+        return self.models[-1]
+
+    def error(self, quantity: str) -> float:
+        """Error of the beam in a quantity, relative to the solid's; NaN where one of the two has none."""
+        return _over(self.beam, self.solid, self.solid, quantity)
+
+    def unresolved(self, quantity: str) -> float:
+        """Relative change of the solid's quantity with half as many elements, in size; NaN where it is not known."""
+        return abs(_over(self.coarser, self.solid, self.solid, quantity))
+
+    @property
+    def steps(self) -> tuple[StepChange, ...]:
+        """Changes from each model that is known to the next."""
+        found, causes, before = [], list[str](), self.beam
+        for model in self.models[1:]:
+            causes.append(model.cause)
+            if model.why:
+                continue
+            changes = {name: _over(model, before, self.solid, name) for name in QUANTITIES}
+            found.append(StepChange(model.name, tuple(causes), changes))
+            causes, before = [], model
+        return tuple(found)
+
+    @property
+    def worst(self) -> str:
+        """Quantity, of those judged, in which the beam is off most; empty where none is known."""
+        known = [name for name in JUDGED if isfinite(self.error(name))]
+        return max(known, key=lambda name: abs(self.error(name)), default="")
+
+    @property
+    def largest(self) -> StepChange | None:
+        """Step that changes most in the quantity ``worst``."""
+        known = [each for each in self.steps if isfinite(each.changes.get(self.worst, nan))]
+        return max(known, key=lambda each: abs(each.changes[self.worst]), default=None)
+
+    @property
+    def beyond(self) -> bool:
+        """Test whether the beam is beyond the accuracy in what is known: frequencies, peak, rms over the sweep."""
+        return any(abs(each) > self.accuracy for each in (*(self.error(name) for name in JUDGED), self.distance.rms))
+
+    @property
+    def enough(self) -> bool:
+        """Test whether the beam is within the accuracy in all of that, the peak known."""
+        return isfinite(self.error("peak")) and not self.beyond
+
+
+def _over(one: LadderModel, other: LadderModel, solid: LadderModel, quantity: str) -> float:
+    whole = solid.value(quantity)
+    return (one.value(quantity) - other.value(quantity)) / whole if whole else nan
+
+
+@of_source
+def solid_verdict(
+    case: Case,
+    /,
+    fidelity: str = "",
+    accuracy: float = 0.05,
+    *,
+    progress: Callable[[int, int], None] | bool | None = None,
+    budget: float = inf,
+) -> SolidVerdict:
+    """Verdict on the beam of a case by the solid of the same rig; of the ``fidelity`` that is one, empty: the first.
+
+    Where none is a solid, the beam of the finest fidelity becomes one, with [solid] as it is by default. The beam and
+    the solid are made in any case, what is between them as far as ``budget`` s of CPU time allow. ValueError where the
+    case has no beam, or no solid can be made of it.
+    """
+    scene, name = _solid(case, fidelity)
+    begun = process_time()
+    with telling(progress, "solid") as told:
+        return _Ladder(_thinned(case), name, scene, budget, begun, told).verdict(accuracy)
+
+
+def _solid(case: Case, fidelity: str) -> tuple[SolidScene, str]:
+    """Scene of the solid, and the fidelity that it is of."""
+    names = [fidelity] if fidelity else list(case.fidelities)
+    chosen = next((name for name in names if isinstance(case.scene_of(name), SolidScene)), "")
+    if not chosen:
+        plain = [name for name in names if not (case.fidelities[name].changes or case.fidelities[name].without)]
+        chosen = max(plain or names, key=lambda name: case.fidelities[name].modes or 0)
+    scene = case.scene_of(chosen)
+    if not isinstance(scene, Scene):
+        raise ValueError(f"no beam to compare with a solid: {scene.no_beam or 'the case gives no sections'}")
+    return solid_of(scene), chosen
+
+
+def _thinned(case: Case) -> Case:
+    """The case with fewer frequencies of its sweep; itself under a record."""
+    if case.swept is None:
+        return case
+    grid = case.sweep.frequency
+    return replace(case, swept=replace(case.sweep, frequency=grid[evenly(0, len(grid) - 1, POINTS)]))
+
+
+class _Ladder:
+    """Models in the order in which they are made: beam and solid, the coarser mesh, then what is between."""
+
+    def __init__(
+        self, case: Case, fidelity: str, scene: SolidScene, budget: float, begun: float,
+        told: Callable[..., None],
+    ) -> None:  # fmt: skip
+        self.case, self.fidelity, self.scene, self.budget, self.told = case, fidelity, scene, budget, told
+        self.steps, self.begun, self.done = ladder(scene), begun, 0
+        self.count = case.fidelities[fidelity].modes or USUAL
+        self.curves: dict[str, Curve] = {}
+        self.longest, self.left_out = 0.0, 0
+
+    def verdict(self, accuracy: float) -> SolidVerdict:
+        """The verdict; ValueError where beam or solid cannot be made."""
+        self._told()
+        reference = SteppedModel(self.steps[0], self.count)
+        ends = [self._made(SteppedModel(self.steps[0], self.count, reference)), self._of(self.steps[-1], reference)]
+        for each in ends:
+            if each.why:
+                raise ValueError(f"{each.name}: {each.why}")
+        rough = self._of(LadderStep("solid, half the elements", "the mesh", coarser(self.scene)), reference, True)
+        between = [self._of(step, reference, True) for step in self.steps[1:-1]]
+        chosen = {key for number in self.case.measured.values() for key in number.chose}
+        return SolidVerdict(
+            self.case, self.fidelity, accuracy, held_of(self.scene), (ends[0], *between, ends[1]), rough,
+            self._distance(),
+            tuple(assumptions(self.scene)), tuple(sorted(chosen)), process_time() - self.begun, self.budget,
+            self.left_out,
+        )  # fmt: skip
+
+    def _of(self, step: LadderStep, beam: SteppedModel, may_wait: bool = False) -> LadderModel:
+        """Model of a step; left out where it may be and would take longer than the rest of the budget."""
+        if may_wait and process_time() - self.begun + self.longest > self.budget:
+            self.left_out += 1
+            self._told()
+            return LadderModel(step.name, step.cause, why=LEFT_OUT, unread=step.keys)
+        body = isinstance(step.scene, SolidScene)
+        further = (self.count if step.scene.named("torsion") else self.count // 2) + 4 if body else 0
+        return self._made(SteppedModel(step, self.count + further, beam))
+
+    def _made(self, model: SteppedModel) -> LadderModel:
+        begun = process_time()
+        try:
+            found = model.linear()
+        except ValueError as refusal:
+            return LadderModel(model.step.name, model.step.cause, why=str(refusal), unread=model.step.keys)
+        try:
+            if self.case.record is not None:
+                raise ValueError(OF_RECORD)
+            curve = model.curve(self.case, self.fidelity)
+            found = with_peak(found, curve)
+            self.curves[model.step.name] = curve
+        except ValueError as refusal:
+            found = replace(found, why_no_peak=str(refusal))
+        self.longest = max(self.longest, process_time() - begun)
+        self._told()
+        return replace(found, cpu_seconds=process_time() - begun)
+
+    def _distance(self) -> Difference:
+        """Distance of the beam's amplitudes from the solid's."""
+        ours, theirs = (self.curves.get(self.steps[at].name) for at in (0, -1))
+        return Difference() if ours is None or theirs is None else ours.swept.off(theirs.swept)
+
+    def _told(self) -> None:
+        self.told(min(self.done, len(self.steps) + 1), len(self.steps) + 1)
+        self.done += 1
