@@ -30,7 +30,7 @@ def assemble(scene: Scene) -> Structure:
 
 def assemble_with_space(scene: Scene) -> tuple[Structure, BeamSpace]:
     """``assemble`` and the finite-element space that its coordinates belong to: rows at any x, mode shapes."""
-    _check_positions(scene)
+    check_positions(scene)
     structure, space = bare_beam(scene.carrier, _concentrated(scene))
     structure = _observed(structure, space, scene)
     if scene.mass is not None:
@@ -105,7 +105,8 @@ def _order(scene: Scene) -> list[str]:
     return [*registered, *further, LAST]
 
 
-def _check_positions(scene: Scene) -> None:
+def check_positions(scene: Scene) -> None:
+    """ValueError that names every place of a scene off its beam."""
     places = {} if scene.mass is None else {"mass": scene.mass.position}
     places |= {"stop": scene.stop.position, "sensor": scene.sensor.position}
     places = {f"{name}.position": x for name, x in places.items()}

@@ -19,7 +19,7 @@ from vibeam_models.arguments import real_array, refuse
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
 from vibeam_models.sparse_modes import SymmetricFactor, factor, lowest_modes
-from vibeam_models.structure import FREE, MATRICES, Modes, Structure, elimination, signs
+from vibeam_models.structure import FIELDS, FREE, MATRICES, Modes, Structure, elimination, signs
 
 MOST = 1 / 3  # share of all modes up to which Lanczos' method finds them
 STEPS = 300  # of Lanczos' method at most
@@ -42,7 +42,10 @@ class SparseStructure(Structure):
     def _settle(self, names: Collection[str]) -> None:
         faults: list[str] = []
         size = self.M.shape[0]
-        for name in names:
+        for name, factors in (("K", "stiffness_factor"), ("M", "mass_factor")):
+            if name in names:  # those of the structure that this one is made from
+                self.__dict__.pop(factors, None)
+        for name in (each for each in FIELDS if each in names):
             given: Any = getattr(self, name)
             if name in MATRICES:
                 self.__dict__[name] = given.tocsc()

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, field, fields
 from functools import lru_cache
-from typing import Any
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -19,7 +19,6 @@ SINGULAR = 3e14  # times the deflection of the stiffest coordinate alone: round-
 FREE = "structure: K: is singular, the body is free: no static deflection bears a load on it"
 MATRICES = ("M", "C", "K")
 FIELDS = (*MATRICES, "load", "static", "contact", "outputs")
-ASIDE = ("units", "attached", "contact_flexibility")  # fields that need no check
 SOLVED = 8  # eigenproblems kept for other structures with the same matrices, whatever their damping and load
 SMALL = 24  # coordinates of a problem that is solved as soon as looked up
 
@@ -95,9 +94,9 @@ class Structure(ValueRecord):
         """Number of coordinates."""
         return int(self.M.shape[0])
 
-    def with_(self, **changes: Any) -> Structure:
+    def with_(self, **changes: Any) -> Self:
         """The same structure but for the named fields."""
-        unknown = changes.keys() - {*FIELDS, *ASIDE}
+        unknown = changes.keys() - {each.name for each in fields(self) if each.init}
         if unknown:
             raise TypeError(f"structure: no field {', '.join(sorted(unknown))}")
         changed = object.__new__(type(self))
@@ -170,6 +169,9 @@ class Structure(ValueRecord):
         return Modes(np.sqrt(np.maximum(squared, 0.0)), shapes * signs(shapes, self.contact))
 
 
+AStructure = TypeVar("AStructure", bound=Structure)
+
+
 def signs(shapes: Array, contact: Array) -> Array:
     """±1 (k,) that makes shapes (n, k) positive at the ``contact`` (n,); where a node lies there, at the first motion.
 
@@ -233,18 +235,25 @@ def in_coordinates(structure: Structure, basis: Array, **known: Array) -> Struct
     )
 
 
-def side_by_side(one: Structure, two: Structure, contact: Array) -> Structure:
+def _blocks(one: Array, two: Array) -> Array:
+    empty = np.zeros((len(one), len(two)))
+    return np.block([[one, empty], [empty.T, two]])
+
+
+def side_by_side(
+    one: AStructure, two: AStructure, contact: Array, blocks: Callable[[Any, Any], Any] = _blocks
+) -> AStructure:
     """Both structures as one, the coordinates of ``one`` first; ``contact`` (n₁ + n₂,): the row of what they share.
 
-    Outputs and their units are those of ``one``, then those of ``two``.
+    Outputs and their units are those of ``one``, then those of ``two``. ``blocks``: two matrices as one.
     """
     ahead, beyond = np.zeros(one.size), np.zeros(two.size)
     ours = {name: np.concatenate([row, beyond]) for name, row in one.outputs.items()}
     theirs = {name: np.concatenate([ahead, row]) for name, row in two.outputs.items()}
-    return Structure(
-        M=_blocks(one.M, two.M),
-        C=_blocks(one.C, two.C),
-        K=_blocks(one.K, two.K),
+    return type(one)(
+        M=blocks(one.M, two.M),
+        C=blocks(one.C, two.C),
+        K=blocks(one.K, two.K),
         load=np.concatenate([one.load, two.load]),
         static=np.concatenate([one.static, two.static]),
         contact=contact,
@@ -255,11 +264,6 @@ def side_by_side(one: Structure, two: Structure, contact: Array) -> Structure:
             *(np.concatenate([ahead, row]) for row in two.attached),
         ),
     )
-
-
-def _blocks(one: Array, two: Array) -> Array:
-    empty = np.zeros((len(one), len(two)))
-    return np.block([[one, empty], [empty.T, two]])
 
 
 def natural_modes(K: Array, M: Array) -> tuple[Array, Array]:

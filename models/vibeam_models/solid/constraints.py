@@ -1,0 +1,121 @@
+"""Constraints of a solid: held components and rigid zones, as coordinates y of which the displacement is u = Z y."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from vibeam_models.arrays import Array, Flags
+from vibeam_models.beams.beam import Beam, end_supports
+from vibeam_models.solid.rows import NEAR, SolidRows, X, Y, Z
+from vibeam_models.structure import elimination
+
+HALF = 3  # rigid motions of a half body: along, up, slope
+
+
+@dataclass(frozen=True, eq=False)
+class RigidPart:
+    """Nodes (k,) of a body that move as one about ``centre`` (3,) m."""
+
+    nodes: Flags
+    centre: Array
+
+    def motions(self, points: Array, half: bool) -> tuple[Array, Array, Array]:
+        """Rows, columns and values of the displacements of its nodes by its coordinates.
+
+        Displacement of the centre along x and z, slope −∂u_x/∂z; of a whole body also displacement along y, turn about
+        z and twist about x.
+        """
+        at = np.flatnonzero(self.nodes)
+        x, y, z = points[:, at] - self.centre[:, None]
+        one = np.ones(len(at))
+        entries = [(X, 0, one), (Z, 1, one), (X, 2, -z), (Z, 2, x)]
+        entries += [] if half else [(Y, 3, one), (X, 4, -y), (Y, 4, x), (Y, 5, -z), (Z, 5, y)]
+        rows = np.concatenate([3 * at + component for component, _, _ in entries])
+        columns = np.concatenate([np.full(len(at), column) for _, column, _ in entries])
+        return rows, columns, np.concatenate([values for _, _, values in entries])
+
+
+@dataclass(frozen=True, eq=False)
+class SolidCoordinates:
+    """Coordinates y (n,) of a body: u = ``basis`` y, ``basis`` Z (3 k, n) sparse.
+
+    ``parts`` (3 or 6, n): rows that read the motions of each rigid part, in the order of ``RigidPart.motions``.
+    """
+
+    basis: Any
+    parts: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, points: Array, half: bool, held: Flags, parts: Sequence[RigidPart]) -> SolidCoordinates:
+        """The coordinates of a body at ``points`` (3, k) whose components ``held`` (3, k) do not move.
+
+        ValueError where a support or another rigid part holds some of a rigid part.
+        """
+        from scipy.sparse import csc_array
+
+        fixed = held.copy()
+        if half:
+            fixed[Y, np.abs(points[Y]) <= NEAR * np.ptp(points[X])] = True
+        gone = fixed.T.ravel()
+        for part in parts:
+            own = np.repeat(part.nodes, 3)
+            if (held[:, part.nodes].any()) or (gone[own].reshape(-1, 3)[:, [X, Z]]).any():
+                place = ", ".join(f"{each:g}" for each in part.centre)
+                raise ValueError(f"rigid zone at ({place}) m: a support or another rigid zone holds part of it")
+            gone |= own
+        free = np.flatnonzero(~gone)
+        count, each = len(free), HALF if half else 2 * HALF
+        moved = [part.motions(points, half) for part in parts]
+        rows = np.concatenate([free, *(rows for rows, _, _ in moved)])
+        shifted = (count + each * number + columns for number, (_, columns, _) in enumerate(moved))
+        columns = np.concatenate([np.arange(count), *shifted])
+        values = np.concatenate([np.ones(count), *(values for _, _, values in moved)])
+        size = count + each * len(parts)
+        basis = csc_array((values, (rows, columns)), shape=(len(gone), size))
+        reading = (np.eye(each, size, count + each * number) for number in range(len(parts)))
+        return cls(basis, tuple(reading))
+
+    def tied(self, rows: Sequence[Array]) -> SolidCoordinates:
+        """The same where ``rows`` (3 k,) read nothing."""
+        if not rows:
+            return self
+        further = elimination(np.stack([row @ self.basis for row in rows]))
+        return SolidCoordinates(self.basis @ further, tuple(part @ further for part in self.parts))
+
+
+def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) -> tuple[Flags, list[Array]]:
+    """Components (3, k) that the supports of ``beam`` hold, and rows (3 k,) that they hold besides.
+
+    A clamped end is held in all directions, where ``sliding`` along the beam and as a whole; a pinned one, and a rigid
+    support between, on the line z = 0, a guided one along the beam. The first support holds the beam along x where no
+    end does. ``bedded``: the clamp at x = 0 does not hold it along x.
+    """
+    points = rows.elements.points
+    near = NEAR * float(np.ptp(points[X]))
+    held, tied = np.zeros(points.shape, dtype=bool), []
+    supports = [*end_supports(beam.ends, beam.length), *(each for each in beam.supports if each.stiffness == inf)]
+    along = bedded or any(each.rotational_stiffness == inf for each in supports)
+    for support in sorted(supports, key=lambda each: each.position):
+        face = np.abs(points[X] - support.position) <= near
+        line = face & (np.abs(points[Z]) <= near)
+        turning, deflecting = support.rotational_stiffness < inf, support.stiffness == inf
+        if deflecting and turning and not line.any():
+            raise ValueError(f"solid: a support at {support.position:g} m needs nodes on the axis of the beam there")
+        held[X] |= line & (not along) if turning else face & (not (bedded and support.position == 0))
+        along = True
+        if deflecting and not turning and sliding:
+            tied += _as_a_whole(rows, support.position)
+        elif deflecting:
+            held[Y:] |= line if turning else face
+    return held, tied
+
+
+def _as_a_whole(rows: SolidRows, x: float) -> list[Array]:
+    """Mean deflection, lateral displacement and twist of a section, those that a body can have."""
+    section = rows.section(x)
+    return [section.deflection] if rows.body.half else [section.deflection, section.lateral, section.twist]

@@ -1,0 +1,182 @@
+"""Quadratic finite elements of a solid: stiffness and mass by batched products of gradients.
+
+Linear isotropic elasticity, K = ∫ λ div u div v + 2μ ε(u) : ε(v) (T. J. R. Hughes, The Finite Element Method, 2000,
+§2.7), on the quadratic field of hexahedra (27 nodes) or tetrahedra (10). A displacement u (3 k,) has the components
+x, y, z of each of the k nodes in turn, so that K is made of blocks of 3 × 3. scikit-fem numbers the nodes and has the
+shape functions; its loop over the pairs of these takes twenty times as long as one matrix product an element.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from vibeam_models.arrays import Array, Index
+from vibeam_models.beams.stretch import Material
+
+FIELDS = {"MeshHex1": "ElementHex2", "MeshHex2": "ElementHex2", "MeshTet1": "ElementTetP2", "MeshTet2": "ElementTetP2"}
+ORDERS = {"ElementHex2": 5, "ElementTetP2": 4}  # of quadrature: exact for the mass of an element with flat faces
+CHUNK = 512  # elements at a time: 27 MB of products
+
+
+@dataclass(frozen=True, eq=False)
+class SolidElements:
+    """The quadratic field on a ``mesh`` of scikit-fem: MeshHex, MeshHex2, MeshTet or MeshTet2, coordinates in m."""
+
+    mesh: Any
+
+    @cached_property
+    def element(self) -> Any:
+        """The scalar element, an object of this mesh alone."""
+        import skfem
+
+        return getattr(skfem, FIELDS[type(self.mesh).__name__])()
+
+    @cached_property
+    def nodes(self) -> Index:
+        """Nodes (nodes of an element, elements) of the field."""
+        from skfem.assembly import Dofs
+
+        return np.asarray(Dofs(self.mesh, self.element).element_dofs, dtype=np.int64)
+
+    @cached_property
+    def points(self) -> Array:
+        """Places (3, k) m of the nodes of the field."""
+        found = np.empty((3, int(self.nodes.max()) + 1))
+        found[:, self.nodes.T] = self.places(self.element.doflocs.T)
+        return found
+
+    @property
+    def size(self) -> int:
+        """Number of components of a displacement, 3 k."""
+        return 3 * int(self.points.shape[1])
+
+    def places(self, local: Array, cells: Any = slice(None)) -> Array:
+        """Places (3, elements, q) m of ``local`` points (3, q), or (3, elements, q), of the elements ``cells``."""
+        values, _ = shape_functions(self.mesh.elem(), local)
+        form = "iae,aq->ieq" if local.ndim == 2 else "iae,aeq->ieq"
+        return np.asarray(np.einsum(form, self._corners[:, :, cells], values))
+
+    def jacobian(self, local: Array, cells: Any = slice(None)) -> Array:
+        """∂x_i/∂ξ_j (elements, q, 3, 3) at ``local`` points, as ``places``."""
+        _, slopes = shape_functions(self.mesh.elem(), local)
+        form = "iae,jaq->eqij" if local.ndim == 2 else "iae,jaeq->eqij"
+        return np.asarray(np.einsum(form, self._corners[:, :, cells], slopes))
+
+    @cached_property
+    def _corners(self) -> Array:
+        """Places (3, nodes of an element, elements) of the nodes that the mesh itself has."""
+        return np.asarray(self.mesh.doflocs[:, self.mesh.dofs.element_dofs])
+
+    @cached_property
+    def quadrature(self) -> tuple[Array, Array]:
+        """Points (3, q) and weights (q,) of the reference element."""
+        from skfem.quadrature import get_quadrature
+
+        points, weights = get_quadrature(self.element.refdom, ORDERS[type(self.element).__name__])
+        return np.asarray(points), np.asarray(weights)
+
+    def volumes(self) -> Array:
+        """Volume (elements, q) m³ that each quadrature point stands for."""
+        points, weights = self.quadrature
+        return np.asarray(np.abs(np.linalg.det(self.jacobian(points))) * weights)
+
+    def stiffness(self, materials: Any, material: Index) -> Any:
+        """K (3 k, 3 k), sparse, N/m: the ``material`` (elements,) of each element is one of ``materials``."""
+        moduli = np.array([lame(each) for each in materials])[material]
+
+        def blocks(cells: slice) -> Iterator[tuple[int, int, Array]]:
+            products = self._products(cells)
+            first, second = (moduli[cells, which, None, None] for which in (0, 1))
+            trace = second * sum(products[:, i, :, i] for i in range(3))
+            for i in range(3):
+                for j in range(3):
+                    block = first * products[:, i, :, j] + second * products[:, j, :, i]
+                    yield i, j, block + trace if i == j else block
+
+        return self._assembled(blocks)
+
+    def mass(self, density: Array) -> Any:
+        """M (3 k, 3 k), sparse, kg; ``density`` (elements,) kg/m³."""
+        values, _ = shape_functions(self.element, self.quadrature[0])
+        shares = self.volumes() * density[:, None]
+        return self._alike(lambda cells: np.einsum("aq,eq,bq->eab", values, shares[cells], values, optimize=True))
+
+    def initial_stress(self, stress: Array) -> Any:
+        """∫ σ ∂u/∂x · ∂v/∂x (3 k, 3 k), sparse, N/m, of an axial ``stress`` σ (elements, q) Pa, tension positive."""
+
+        def along(cells: slice) -> Array:
+            slopes = self._gradients(cells)[:, :, 0]
+            return np.asarray(slopes.swapaxes(1, 2) @ (stress[cells, :, None] * slopes))
+
+        return self._alike(along)
+
+    def _gradients(self, cells: slice) -> Array:
+        """√dV ∂φ/∂x_i (elements, q, 3, nodes of an element)."""
+        points, weights = self.quadrature
+        _, slopes = shape_functions(self.element, points)
+        jacobian = self.jacobian(points, cells)
+        inverse = np.linalg.inv(jacobian) * np.sqrt(np.abs(np.linalg.det(jacobian)) * weights)[..., None, None]
+        return np.asarray(inverse.swapaxes(2, 3) @ slopes.transpose(2, 0, 1))
+
+    def _products(self, cells: slice) -> Array:
+        """∫ ∂φ_a/∂x_i ∂φ_b/∂x_j (elements, 3, a, 3, b)."""
+        gradients = self._gradients(cells)
+        count, points, _, nodes = gradients.shape
+        flat = gradients.reshape(count, points, 3 * nodes)
+        return np.asarray((flat.swapaxes(1, 2) @ flat).reshape(count, 3, nodes, 3, nodes))
+
+    def _alike(self, matrix: Callable[[slice], Array]) -> Any:
+        """The same element ``matrix`` (elements, a, b) for each of the three components, assembled."""
+
+        def blocks(cells: slice) -> Iterator[tuple[int, int, Array]]:
+            made = matrix(cells)
+            yield from ((i, i, made) for i in range(3))
+
+        return self._assembled(blocks)
+
+    def _assembled(self, blocks: Callable[[slice], Iterator[tuple[int, int, Array]]]) -> Any:
+        """The sum over all elements of ``blocks``: components i, j and their matrix (elements, a, b)."""
+        from scipy.sparse import bsr_array, csc_array
+
+        places, columns, starts = self._pattern
+        summed = np.zeros((3, 3, len(columns)))
+        for start in range(0, self.nodes.shape[1], CHUNK):
+            cells = slice(start, start + CHUNK)
+            at = places[cells].ravel()
+            low, high = int(at.min()), int(at.max()) + 1
+            for i, j, matrix in blocks(cells):
+                summed[i, j, low:high] += np.bincount(at - low, matrix.ravel(), high - low)
+        rows = bsr_array((summed.transpose(2, 0, 1), columns, starts), shape=(self.size, self.size)).tocsr()
+        return csc_array((rows.data, rows.indices, rows.indptr), shape=rows.shape)  # symmetric: its rows are columns
+
+    @cached_property
+    def _pattern(self) -> tuple[Index, Index, Index]:
+        """Place (elements, a b) of each pair of nodes among the blocks; column of each block, first block of a row."""
+        count = self.points.shape[1]
+        here = self.nodes.T
+        keys, places = np.unique((here[:, :, None] * count + here[:, None, :]).ravel(), return_inverse=True)
+        starts = np.searchsorted(keys, count * np.arange(count + 1))
+        return places.reshape(len(here), -1), keys % count, starts
+
+
+def shape_functions(element: Any, local: Array) -> tuple[Array, Array]:
+    """Values (functions, …) and derivatives (3, functions, …) of a scalar ``element`` at ``local`` points (3, …)."""
+    both = [element.lbasis(local, number) for number in range(len(element.doflocs))]
+    shape = local.shape[1:]
+    values = np.stack([np.broadcast_to(value, shape) for value, _ in both])
+    slopes = np.stack([np.stack([np.broadcast_to(each, shape) for each in slope]) for _, slope in both], axis=1)
+    return values, slopes
+
+
+def lame(material: Material) -> tuple[float, float]:
+    """λ and μ in Pa; ValueError unless −1 < ν < ½, beyond which the energy of a strain is not positive."""
+    ratio = material.poissons_ratio
+    if ratio is None or not -1 < ratio < 0.5:
+        raise ValueError(f"solid: Poisson's ratio {ratio}, must be known and above -1, below 0.5")
+    shear = material.youngs_modulus / (2 * (1 + ratio))
+    return 2 * shear * ratio / (1 - 2 * ratio), shear

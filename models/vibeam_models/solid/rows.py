@@ -1,0 +1,205 @@
+"""Rows that read a displacement of a solid: its mean over a patch, at a point, over the section at a place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from vibeam_models.arrays import Array, Index
+from vibeam_models.solid.body import SolidBody
+from vibeam_models.solid.elasticity import SolidElements, shape_functions
+
+X, Y, Z = range(3)  # components of a displacement
+NEAR = 1e-9  # share of the body's length within which two places are one
+INSIDE = 1e-6  # share of an element by which a point may lie outside of it and still be of it
+STEPS = 20  # of Newton's method for the local place of a point
+SETTLED = 1e-13  # change of the local place at which it ends
+PATCH_ORDER = 4  # of the quadrature over a patch
+GAUSS = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True, eq=False)
+class SectionRows:
+    """Rows (3 k,) of one section of a beam: its mean displacement ``along``, ``lateral`` and ``deflection`` (m), its
+    rotations by least squares: ``slope`` −∫z u_x/∫z², ``yaw`` −∫y u_x/∫y², ``twist`` ∫(y u_z − z u_y)/∫(y² + z²)
+    (rad). ``area`` m²; ``second_moment`` ∫z² in m⁴. Of a half body, those of the half.
+    """
+
+    along: Array
+    lateral: Array
+    deflection: Array
+    slope: Array
+    yaw: Array
+    twist: Array
+    area: float
+    second_moment: float
+
+
+@dataclass(frozen=True, eq=False)
+class SolidRows:
+    """Rows (3 k,) on the displacements of the ``elements`` of a ``body``."""
+
+    body: SolidBody
+    elements: SolidElements
+
+    def patch(self, name: str, component: int = Z) -> Array:
+        """Mean of a component over the facets of a patch, or over the vertices of a group that has no facets."""
+        if name in self.body.points:
+            vertices = self.body.points[name]
+            at = self.vertex_nodes[vertices]
+            return self._row(component, at, np.full(len(at), 1 / len(at)))
+        return self.facets(self.body.patches[name], component)
+
+    def facets(self, facets: Index, component: int = Z) -> Array:
+        """Mean of a component over ``facets`` (m,) of the mesh, by area."""
+        nodes, values, areas = self._on_facets(facets)
+        weights = np.einsum("aeq,eq->ae", values, areas) / areas.sum()
+        return self._row(component, nodes, weights)
+
+    def bed(self, facets: Index, component: int) -> tuple[Array, Array, Array]:
+        """∫ u v dA over ``facets`` of one component: rows, columns and values of a sparse matrix (3 k, 3 k), m²."""
+        nodes, values, areas = self._on_facets(facets)
+        shares = np.einsum("aeq,beq,eq->abe", values, values, areas, optimize=True)
+        rows, columns = np.broadcast_arrays(nodes[:, None], nodes[None])
+        return 3 * rows.ravel() + component, 3 * columns.ravel() + component, shares.ravel()
+
+    @cached_property
+    def vertex_nodes(self) -> Index:
+        """Node of the field at each vertex of the mesh."""
+        from skfem.assembly import Dofs
+
+        return np.asarray(Dofs(self.elements.mesh, self.elements.element).nodal_dofs[0], dtype=np.int64)
+
+    def facet_nodes(self, facets: Index) -> Index:
+        """Nodes of the field on ``facets``."""
+        from skfem.assembly import Dofs
+
+        found = Dofs(self.elements.mesh, self.elements.element).get_facet_dofs(np.asarray(facets, dtype=np.int32))
+        return np.asarray(found.flatten(), dtype=np.int64)
+
+    def point(self, place: tuple[float, float, float], component: int = Z) -> Array:
+        """A component at ``place`` m, by the shape functions of the element there; ValueError where there is none."""
+        cells, local = self._located(np.array(place))
+        values, _ = shape_functions(self.elements.element, local[:, None])
+        return self._row(component, self.elements.nodes[:, cells], values[:, 0])
+
+    def section(self, x: float) -> SectionRows:
+        """Means over the beam's section at ``x`` m, of the elements before it where two meet."""
+        places, nodes, values, area = self._slab(x)
+        total = float(area.sum())
+        y, z = places[Y], places[Z] - float((places[Z] * area).sum()) / total
+        yy, zz = float((y**2 * area).sum()), float((z**2 * area).sum())
+
+        def row(weight: Array, component: int) -> Array:
+            return self._row(component, nodes, np.einsum("aeq,eq->ae", values, weight))
+
+        mean = area / total
+        twist = row(y * area / (yy + zz), Z) - row(z * area / (yy + zz), Y)
+        return SectionRows(
+            along=row(mean, X),
+            lateral=row(mean, Y),
+            deflection=row(mean, Z),
+            slope=-row(z * area / zz, X),
+            yaw=-row(y * area / yy, X),
+            twist=twist,
+            area=total,
+            second_moment=zz,
+        )
+
+    def gauge(self, x: float, z: float, length: float) -> Array:
+        """Mean strain ∂u_x/∂x over ``length`` m about ``x``, on the line y = 0 at the height ``z`` m."""
+        first, last = self.ends
+        low, high = max(first, x - length / 2), min(last, x + length / 2)
+        return np.asarray((self.point((high, 0.0, z), X) - self.point((low, 0.0, z), X)) / (high - low))
+
+    @cached_property
+    def ends(self) -> tuple[float, float]:
+        """Least and largest x of the beam in m."""
+        return float(np.nanmin(self._ranges[0])), float(np.nanmax(self._ranges[1]))
+
+    def _row(self, component: int, nodes: Index, weights: Array) -> Array:
+        found = np.zeros(self.elements.size)
+        count = self.elements.size // 3
+        found[component::3] = np.bincount(nodes.ravel(), weights.ravel(), count)
+        return found
+
+    def _on_facets(self, facets: Index) -> tuple[Index, Array, Array]:
+        """Nodes (a, m), shape functions (a, m, q) and areas (m, q) m² of ``facets`` (m,)."""
+        from skfem import FacetBasis
+
+        mesh, element = self.elements.mesh, type(self.elements.element)()
+        basis = FacetBasis(mesh, element, facets=np.asarray(facets, dtype=np.int32), intorder=PATCH_ORDER)
+        values = np.stack([np.asarray(each[0]) for each in basis.basis])
+        return np.asarray(basis.element_dofs, dtype=np.int64), values, np.asarray(basis.dx)
+
+    @cached_property
+    def _ranges(self) -> tuple[Array, Array]:
+        """Least and largest x (elements,) of each element; of one that is not the beam's NaN."""
+        x = self.elements.mesh.p[0][self.elements.mesh.t]
+        beam = np.ones(x.shape[1], dtype=bool) if self.body.beam is None else self.body.beam
+        return np.where(beam, x.min(axis=0), np.nan), np.where(beam, x.max(axis=0), np.nan)
+
+    @cached_property
+    def areas(self) -> Array:
+        """Area (elements,) m² of the section through each element, plates and blocks among it: volume over length."""
+        x = self.elements.mesh.p[0][self.elements.mesh.t]
+        low, length = x.min(axis=0), np.ptp(x, axis=0)
+        _, slab = np.unique(np.round(low / (NEAR * np.ptp(x))), return_inverse=True)
+        return np.asarray(np.bincount(slab, self.elements.volumes().sum(axis=1) / length)[slab])
+
+    @cached_property
+    def _axes(self) -> tuple[Index, Array]:
+        """Local axis (elements,) along x of each element, and ∂x/∂ξ along it."""
+        slopes = self.elements.jacobian(np.full((3, 1), 0.5))[:, 0, X]
+        axis = np.argmax(np.abs(slopes), axis=1)
+        return np.asarray(axis, dtype=np.int64), slopes[np.arange(len(axis)), axis]
+
+    def _slab(self, x: float) -> tuple[Array, Index, Array, Array]:
+        """Quadrature points (3, e, q) of the section at x, nodes, shape functions and areas of the elements it cuts."""
+        (low, high), (axes, signs) = self._ranges, self._axes
+        near = NEAR * float(np.nanmax(high) - np.nanmin(low))
+        cut = (low < x - near) & (x <= high + near)
+        cells = np.flatnonzero(cut if cut.any() else (low <= x + near) & (x < high))
+        share = (x - low[cells]) / (high[cells] - low[cells])
+        local, weights = _across(axes[cells], np.where(signs[cells] > 0, share, 1 - share))
+        jacobian = self.elements.jacobian(local, cells)
+        first, second = ((axes[cells] + step) % 3 for step in (1, 2))
+        each = np.arange(len(cells))
+        a, b = (jacobian[each, :, 1:, :][each, :, :, axis] for axis in (first, second))
+        area = np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]) * weights
+        values, _ = shape_functions(self.elements.element, local)
+        return self.elements.places(local, cells), self.elements.nodes[:, cells], values, area
+
+    def _located(self, place: Array) -> tuple[int, Array]:
+        """Element that a ``place`` (3,) m lies in, and its local place (3,)."""
+        corners = self.elements.mesh.p[:, self.elements.mesh.t]
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        margin = 0.1 * (high - low)
+        near = np.all((place[:, None] >= low - margin) & (place[:, None] <= high + margin), axis=0)
+        cells = np.flatnonzero(near)
+        local = np.full((3, len(cells), 1), 0.5)
+        for _ in range(STEPS if len(cells) else 0):
+            missed = place[:, None, None] - self.elements.places(local, cells)
+            step = np.linalg.solve(self.elements.jacobian(local, cells)[:, 0], missed[:, :, 0].T[:, :, None])[:, :, 0]
+            local = np.clip(local + step.T[:, :, None], -1.0, 2.0)
+            if np.abs(step).max() < SETTLED:
+                break
+        outside = np.maximum(-local, local - 1).max(axis=(0, 2))
+        if not len(cells) or outside.min() > INSIDE:
+            raise ValueError(f"solid: no element at ({', '.join(f'{each:g}' for each in place)}) m")
+        best = int(np.argmin(outside))
+        return int(cells[best]), np.clip(local[:, best, 0], 0.0, 1.0)
+
+
+def _across(axes: Index, share: Array) -> tuple[Array, Array]:
+    """Local points (3, elements, 9) across an element at ``share`` of its local axis, and their weights (9,)."""
+    points, weights = (GAUSS[0] + 1) / 2, GAUSS[1] / 2
+    first, second = (each.ravel() for each in np.meshgrid(points, points, indexing="ij"))
+    local = np.empty((3, len(axes), len(first)))
+    each = np.arange(len(axes))
+    local[axes, each] = share[:, None]
+    local[(axes + 1) % 3, each] = first
+    local[(axes + 2) % 3, each] = second
+    return local, np.outer(weights, weights).ravel()
