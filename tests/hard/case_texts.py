@@ -7,7 +7,6 @@ from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
-from vibeam.casefile.rigs import RIGS
 from vibeam.casefile.template import template
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -17,29 +16,28 @@ HEADER = re.compile(r"^\[.*\]$", re.MULTILINE)
 
 @cache
 def originals() -> dict[Path, str]:
-    """Every case file, and the template of every rig, by its place in a folder of them."""
+    """Every case file, and the template, by its place in a folder of them."""
     cases = {path.relative_to(CASES): path.read_text(encoding="utf-8") for path in sorted(CASES.rglob("*.toml"))}
-    return cases | {Path("rigs", name, "case.toml"): template(name) for name in RIGS}
+    return cases | {Path("rigs", "case.toml"): template()}
 
 
 @cache
 def beside() -> dict[Path, str]:
     """What these name: reference curves, matrices, modes; by place in the same folder."""
-    curves = {path.relative_to(CASES): path.read_text(encoding="utf-8") for path in CASES.rglob("*.csv")}
-    return curves | {Path("rigs", rig, name): text for rig in RIGS for name, text in RIGS[rig].files.items()}
+    return {path.relative_to(CASES): path.read_text(encoding="utf-8") for path in CASES.rglob("*.csv")}
 
 
 @cache
-def full_template(rig: str) -> str:
-    """The template of a rig with every key that it shows, optional ones too."""
-    lines = template(rig).splitlines()
+def full_template() -> str:
+    """The template with every key that it shows, optional ones too."""
+    lines = template().splitlines()
     return "\n".join(re.sub(r"^# (?=\[|[a-z_]+ = )", "", line) for line in lines)
 
 
 @cache
 def stock() -> tuple[str, ...]:
     """All texts from which pieces are taken."""
-    return (*originals().values(), *map(full_template, RIGS))
+    return (*originals().values(), full_template())
 
 
 def blocks(text: str) -> list[str]:

@@ -58,12 +58,7 @@ def texts(name: str) -> tuple[str, dict[str, str]]:
     text = "".join(line for line in lines if not line.startswith("# numbers:"))  # of the checkout's pages
     for file in files_of(name, tables(name)):
         text = text.replace(f'"{file}"', f'"{Path(file).name}"')
-    return text, beside(name, tables(name))
-
-
-def beside(name: str, part: Any) -> dict[str, str]:
-    """Texts, by name, of the files that a part of an example names."""
-    return {Path(file).name: _text((folder() / PLACES[name]).parent / file) for file in files_of(name, part)}
+    return text, {Path(file).name: _text(case.parent / file) for file in files_of(name, tables(name))}
 
 
 def files_of(name: str, part: Any) -> Iterator[str]:

@@ -1,9 +1,10 @@
-"""Template of a case: every key with its meaning, optional ones as comments; or what a first run needs."""
+"""Template of a beam's case: every key with its meaning, optional ones as comments; or what a first run needs."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from functools import cache
 from itertools import groupby
 from textwrap import wrap
 from typing import Any
@@ -12,8 +13,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.casefile.documentation import default_of
+from vibeam.casefile.examples import tables
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.rigs import RIGS, Rig
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
 
@@ -26,26 +27,63 @@ HEAD = """\
 # (and its table) away to use it. "effect:" marks what adds to the plain model. One key alone: vibeam keys stop.gap
 """
 
+EXAMPLE = "dtu"  # whose values and fidelities the template has
+SHOWN: Mapping[str, Mapping[str, Any]] = {
+    "output": {
+        "gauge": {"position": "5 mm", "quantity": "strain"},
+        "accelerometer": {"position": "132 mm", "quantity": "acceleration"},
+    },
+    "reference": {"exact": {}},
+    "expect": {"two_thirds": {}},
+    "measured": {"peak": {}},
+    "show": {"motion": {}},
+    "map": {"gaps": {}},
+    "fidelity": tables(EXAMPLE)["fidelity"],
+}  # tables with names, as the template shows them
+NEEDED = (
+    "beam.length beam.width beam.thickness beam.youngs_modulus beam.density beam.damping_ratio mass.mass mass.position"
+    " stop.gap stop.restitution sensor.position drive.amplitude sweep.frequency sweep.settle sweep.hold"
+)  # keys that suffice for a first run
+FIRST = {"sdof": {"reduction": "static_mode"}, "beam": {"reduction": "modal", "modes": 8}}  # fidelities of it
 
-def template(rig: str = "cantilever") -> str:
-    """A complete case to start from, of one of ``RIGS``, with every key explained; optional parts are comments."""
-    return HEAD + "\n".join(_Template(RIGS[rig]).lines()) + "\n"
+
+@cache
+def _given() -> dict[str, Any]:
+    """Values of the example by dotted key, in lists of tables with the index: ``plate.0.start``."""
+    return dict(_flat("", tables(EXAMPLE)))
 
 
-def short(name: str = "cantilever") -> str:
+def _flat(above: str, part: Any) -> Iterator[tuple[str, Any]]:
+    """Values of tables, and tables that hold values alone, by dotted key."""
+    items = part.items() if isinstance(part, dict) else enumerate(part)
+    for name, value in items:
+        yield above + str(name), value
+        if isinstance(value, dict) or (isinstance(value, list) and any(isinstance(each, dict) for each in value)):
+            yield from _flat(f"{above}{name}.", value)
+
+
+def template() -> str:
+    """A complete case to start from, the DTU rig, with every key explained; optional parts are comments."""
+    return HEAD + "\n".join(_lines()) + "\n"
+
+
+def short() -> str:
     """The same rig in some 25 lines: what a first run needs."""
-    rig = RIGS[name]
-    tables = fields_of(KINDS[rig.kind].declaration())
-    lines = [f"# {rig.meaning}", f"# every key: vibeam new --rig {name}; those of one table: vibeam keys stop"]
-    for table, keys in groupby(rig.short.items(), key=lambda item: item[0].partition(".")[0]):
-        fields = fields_of(table_of(tables[table]) or BaseModel)
+    fields_by_table = fields_of(KINDS["beam"].declaration())
+    lines = [
+        "# a cantilever with an attached mass, the DTU rig",
+        "# every key: vibeam new; those of one table: vibeam keys stop",
+    ]
+    known = _given() | {"drive.amplitude": "0.1 mm"}
+    for table, keys in groupby(NEEDED.split(), key=lambda key: key.partition(".")[0]):
+        fields = fields_of(table_of(fields_by_table[table]) or BaseModel)
         lines.append(f"[{table}]")
-        for path, value in keys:
+        for path in keys:
             key = path.partition(".")[2]
-            lines.append(_with_few_words(f"{key} = {to_toml(value)}", fields[key]))
-    reduction = fields_of(table_of(tables["fidelity"]) or BaseModel)["reduction"]
+            lines.append(_with_few_words(f"{key} = {to_toml(known[path])}", fields[key]))
+    reduction = fields_of(table_of(fields_by_table["fidelity"]) or BaseModel)["reduction"]
     lines.append("[fidelity]")
-    lines += [_with_few_words(f"{title} = {to_toml(value)}", reduction) for title, value in rig.first.items()]
+    lines += [_with_few_words(f"{title} = {to_toml(value)}", reduction) for title, value in FIRST.items()]
     return "\n".join(lines) + "\n"
 
 
@@ -57,61 +95,61 @@ def _with_few_words(text: str, field: FieldInfo) -> str:
     return line if "\n" not in line and len(line) <= 100 else _commented(text, re.split(": |, ", meaning)[0])
 
 
-class _Template:
-    def __init__(self, rig: Rig) -> None:
-        self.rig = rig
+def _lines() -> Iterator[str]:
+    fields = fields_of(KINDS["beam"].declaration())
+    yield from (_line("", name, field) for name, field in fields.items() if entry_of(field))
+    for name, field in fields.items():
+        table = table_of(field)
+        if table:
+            yield from _section(name, table, field)
 
-    def lines(self) -> Iterator[str]:
-        fields = fields_of(KINDS[self.rig.kind].declaration())
-        yield from (self._line("", name, field) for name, field in fields.items() if entry_of(field))
-        for name, field in fields.items():
-            table = table_of(field)
-            if table:
-                yield from self._section(name, table, field)
 
-    def _section(self, name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[str]:
-        """A table, or each of several that the template shows; commented out if the case does without."""
-        there = name in self.rig.values and name not in self.rig.named
-        aside = "" if field.is_required() or there else "# "
-        yield ""
-        yield from wrap(" ".join((table.__doc__ or "").split()), WIDTH, initial_indent="# ", subsequent_indent="# ")
-        if name in self.rig.named or is_repeated(field):
-            explained: set[str] = set()
-            for heading, values in self._several(name):
-                yield f"{aside}{heading}"
-                yield from self._named(name, table, values, aside, explained)
-        else:
-            yield f"{aside}[{name}]"
-            yield from (self._line(f"{name}.", inner, key, aside) for inner, key in fields_of(table).items())
+def _section(name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[str]:
+    """A table, or each of several that the template shows; commented out if the case does without."""
+    there = name in _given() and name not in SHOWN
+    aside = "" if field.is_required() or there else "# "
+    yield ""
+    yield from wrap(" ".join((table.__doc__ or "").split()), WIDTH, initial_indent="# ", subsequent_indent="# ")
+    if name in SHOWN or is_repeated(field):
+        explained: set[str] = set()
+        for heading, own in _several(name):
+            yield f"{aside}{heading}"
+            yield from _named(name, table, own, aside, explained)
+    else:
+        yield f"{aside}[{name}]"
+        yield from (_line(f"{name}.", inner, key, aside) for inner, key in fields_of(table).items())
 
-    def _several(self, name: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
-        """Heading and values of each of several tables."""
-        if name in self.rig.named:
-            yield from ((f"[{name}.{title}]", values) for title, values in self.rig.named[name].items())
-        else:
-            yield from ((f"[[{name}]]", values) for values in self.rig.values.get(name, [{}]))
 
-    def _named(
-        self, above: str, table: type[BaseModel], values: Mapping[str, Any], aside: str, explained: set[str]
-    ) -> Iterator[str]:
-        """One of several tables: the first explains every key, those after it show what they have."""
-        first = not explained
-        for name, field in fields_of(table).items():
-            if name in values:
-                meaning = "" if name in explained else meaning_of(field)
-                yield _commented(f"{aside}{name} = {to_toml(values[name])}", meaning)
-            elif first:
-                yield self._line(f"{above}.", name, field, aside or ("# " if values else ""))
-            explained.add(name)
+def _several(name: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Heading and values of each of several tables."""
+    if name in SHOWN:
+        yield from ((f"[{name}.{title}]", own) for title, own in SHOWN[name].items())
+    else:
+        yield from ((f"[[{name}]]", own) for own in _given().get(name, [{}]))
 
-    def _line(self, above: str, name: str, field: FieldInfo, aside: str = "") -> str:
-        own = self.rig.values.get(above + name)
-        example = example_of(field) if own is None else to_toml(own)
-        written = own is not None or example == default_of(entry_of(field), field)
-        text = _commented(f"{aside or ('' if written else '# ')}{name} = {example}", meaning_of(field))
-        inner = table_of(field)
-        within = [f"#   {key}: {meaning_of(each)}" for key, each in fields_of(inner).items()] if inner else []
-        return "\n".join([*within, text])
+
+def _named(
+    above: str, table: type[BaseModel], own: Mapping[str, Any], aside: str, explained: set[str]
+) -> Iterator[str]:
+    """One of several tables: the first explains every key, those after it show what they have."""
+    first = not explained
+    for name, field in fields_of(table).items():
+        if name in own:
+            meaning = "" if name in explained else meaning_of(field)
+            yield _commented(f"{aside}{name} = {to_toml(own[name])}", meaning)
+        elif first:
+            yield _line(f"{above}.", name, field, aside or ("# " if own else ""))
+        explained.add(name)
+
+
+def _line(above: str, name: str, field: FieldInfo, aside: str = "") -> str:
+    own = _given().get(above + name)
+    example = example_of(field) if own is None else to_toml(own)
+    written = own is not None or example == default_of(entry_of(field), field)
+    text = _commented(f"{aside or ('' if written else '# ')}{name} = {example}", meaning_of(field))
+    inner = table_of(field)
+    within = [f"#   {key}: {meaning_of(each)}" for key, each in fields_of(inner).items()] if inner else []
+    return "\n".join([*within, text])
 
 
 def _commented(text: str, meaning: str) -> str:

@@ -11,7 +11,6 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.casefile import examples
-from vibeam.casefile.rigs import RIGS
 from vibeam.casefile.template import short
 from vibeam.cli.main import app
 from vibeam.system.response import Ended
@@ -71,7 +70,7 @@ def test_a_name_that_is_none_lists_the_examples(tmp_path: Path) -> None:
     assert [line.split()[0] for line in listed if line][4:] == list(examples.PLACES)
     assert len(examples.PLACES) >= 10
     assert max(map(len, listed)) <= 80
-    assert "leave --rig and --short away" in new("--from", "tube", "--short", expect=2)
+    assert "leave --short away" in new("--from", "tube", "--short", expect=2)
 
 
 def test_a_wheel_has_all_examples() -> None:
@@ -86,15 +85,14 @@ def test_a_wheel_has_all_examples() -> None:
             assert any(file.resolve().is_relative_to(each) for each in included), file
 
 
-@pytest.mark.parametrize("rig", RIGS)
-def test_the_short_case_of_a_rig_has_what_a_first_run_needs(rig: str, tmp_path: Path) -> None:
-    new(tmp_path / "case.toml", "--rig", rig, "--short")
+def test_the_short_case_has_what_a_first_run_needs(tmp_path: Path) -> None:
+    new(tmp_path / "case.toml", "--short")
     lines = (tmp_path / "case.toml").read_text(encoding="utf-8").splitlines()
     assert len(lines) <= 35
     assert max(map(len, lines)) <= 120
     assert all("  # " in line for line in lines if not line.startswith(("#", "[")))
     runs(tmp_path / "case.toml")
-    without = [line for line in short(rig).splitlines() if not line.startswith("hold")]
+    without = [line for line in short().splitlines() if not line.startswith("hold")]
     (tmp_path / "case.toml").write_text("\n".join(without), encoding="utf-8")
     with pytest.raises(vibeam.CaseError, match=r"sweep\.hold: missing"):
         vibeam.load(tmp_path / "case.toml")

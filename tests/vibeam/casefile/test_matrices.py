@@ -12,8 +12,8 @@ from scipy.linalg import sqrtm
 from scipy.sparse import csc_array, diags_array, eye_array, kron, save_npz
 
 import vibeam
+from vibeam.casefile.examples import texts
 from vibeam.casefile.read import parse
-from vibeam.casefile.rigs import RIGS
 from vibeam.periodic.motions import closed_curve
 from vibeam.runs.comparison.limit import limit
 from vibeam.studies.modes import export_matrices
@@ -21,7 +21,7 @@ from vibeam_models.beam import structure_of
 
 RIG = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
 
-FRAME_FILES = {name.removeprefix("frame_"): text for name, text in RIGS["matrices"].files.items()}
+FRAME_FILES = {name.removeprefix("frame_"): text for name, text in texts("frame")[1].items()}
 M, K = np.diag([2.0, 1.5]), np.array([[9000.0, -4000.0], [-4000.0, 4000.0]])
 
 FRAME = """\

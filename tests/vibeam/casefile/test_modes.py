@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.casefile.rigs import RIGS
+from vibeam.casefile.examples import texts
 from vibeam.exchange.faults import CaseError
 
 MODES = """\
@@ -84,7 +84,7 @@ def test_the_static_mode_of_three_modes_by_hand(tmp_path: Path) -> None:
 
 
 def test_the_printed_modes_of_matrices_are_these_matrices(tmp_path: Path) -> None:
-    for name, text in RIGS["matrices"].files.items():
+    for name, text in texts("frame")[1].items():
         (tmp_path / name.removeprefix("frame_")).write_text(text)
     rest = MODES.partition("[stop]")[2].replace("modes = 2", "modes = 1")
     matrices = 'mass = "M.mtx"\nstiffness = "K.mtx"\ndamping_ratio = 0.01\ncontact = 2\nsensor = 1\nbase = "all"\n'

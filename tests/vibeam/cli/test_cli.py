@@ -370,20 +370,17 @@ def test_new_writes_a_sound_case_once(command: Command, tmp_path: Path) -> None:
     assert ".toml, or a folder" in command("new", "case.tml", expect=2).stderr
 
 
-@pytest.mark.parametrize("rig", ["cantilever", "matrices", "modes"])
-def test_new_writes_a_case_of_each_rig_that_runs(rig: str, command: Command, tmp_path: Path) -> None:
-    command("new", f"{rig}/", "--rig", rig)
-    before = {file: file.read_bytes() for file in (tmp_path / rig).iterdir()}
-    assert "is there already" in command("new", f"{rig}/", "--rig", rig, expect=2).stderr
-    assert {file: file.read_bytes() for file in (tmp_path / rig).iterdir()} == before
-    assert json.loads(command("modes", f"{rig}/case.toml", "--json").stdout)["rows"][0]["frequency"] > 1
-    assert command("run", f"{rig}/case.toml").stdout.endswith("case.svg\n")
+def test_new_writes_a_case_that_runs(command: Command, tmp_path: Path) -> None:
+    command("new", "rig/")
+    before = {file: file.read_bytes() for file in (tmp_path / "rig").iterdir()}
+    assert "is there already" in command("new", "rig/", expect=2).stderr
+    assert {file: file.read_bytes() for file in (tmp_path / "rig").iterdir()} == before
+    assert json.loads(command("modes", "rig/case.toml", "--json").stdout)["rows"][0]["frequency"] > 1
+    assert command("run", "rig/case.toml").stdout.endswith("case.svg\n")
 
 
-def test_new_knows_its_rigs(command: Command) -> None:
-    assert "no such rig; known here: " in command("new", "--rig", "", expect=2).stderr
+def test_new_knows_its_examples(command: Command) -> None:
     assert "no such example; known here: " in command("new", "--from", "", expect=2).stderr
-    assert "--rig matrix: no such rig; did you mean 'matrices'?" in command("new", "--rig", "matrix", expect=2).stderr
 
 
 def test_modes_writes_the_matrices_and_the_table_that_reads_them(command: Command, tmp_path: Path) -> None:
@@ -391,10 +388,10 @@ def test_modes_writes_the_matrices_and_the_table_that_reads_them(command: Comman
     assert 'mass = { file = "rig.npz", name = "M" }' in said
     assert (tmp_path / "rig.npz").exists()
     assert "ends in .npz or .h5" in command("modes", RIG, "--matrices", "rig.xyz", expect=2).stderr
-    command("new", "--rig", "matrices")
-    refused = command("modes", "case.toml", "--out", "shapes.vtu", expect=2).stderr
+    command("new", "--from", "frame")
+    refused = command("modes", "frame.toml", "--out", "shapes.vtu", expect=2).stderr
     assert "no shapes to draw: the case gives no places of its coordinates" in refused
-    assert command("derive", "case.toml", expect=2).stderr.startswith("case.toml: nothing to derive: this case gives")
+    assert command("derive", "frame.toml", expect=2).stderr.startswith("frame.toml: nothing to derive: this case gives")
 
 
 def test_keys_fits_a_screen(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -35,9 +35,6 @@ NewFile = Annotated[
     ),
 ]  # fmt: skip
 
-_RIG = "What the case is of: cantilever (the default), tube, two-beams, matrices or modes."
-RigName = Annotated[str | None, option(_RIG, "--rig", metavar="NAME")]
-
 _FROM = "Write an example with the files that it names; list says which there are."
 ExampleName = Annotated[str | None, option(_FROM, "--from", metavar="EXAMPLE")]
 
@@ -96,7 +93,6 @@ def _keys_sheet(name: str | None, rows: list[KeyRow], whole: bool) -> StudySheet
 def new(
     path: NewFile = None,
     out: Annotated[str | None, out_option("The same, as an option.")] = None,
-    rig: RigName = None,
     short: Annotated[bool, typer.Option("--short", help="Some 25 lines: what a first run needs.")] = False,
     example: ExampleName = None,
 ) -> None:
@@ -106,19 +102,19 @@ def new(
 
     \b
     Examples:
-      vibeam new mine.toml --rig tube --short
+      vibeam new mine.toml --short
       vibeam new --from relay
     """
     from vibeam.report.output import StudySheet
 
-    if example is not None and (rig is not None or short):
-        raise UsageError("--from writes an example as it is: leave --rig and --short away")
+    if example is not None and short:
+        raise UsageError("--from writes an example as it is: leave --short away")
     if example == "list":
         print_sheet(_examples_sheet())
         return
     if path is not None and out is not None:
         raise UsageError(f"--out {out}: the file is {path} already: name one of them")
-    text, beside = _of_rig("cantilever" if rig is None else rig, short) if example is None else _of_example(example)
+    text, beside = (_template(short), {}) if example is None else _of_example(example)
     name = f"{example or 'case'}.toml"
     target = output_path(out or path or name, name, (".toml",), "a case file")
     texts = {target.with_name(other): content for other, content in beside.items()} | {target: text}
@@ -133,18 +129,14 @@ def new(
     print_sheet(StudySheet(said, data={"written": target}))
 
 
-def _of_rig(rig: str, brief: bool) -> tuple[str, dict[str, str]]:
-    """Text of a rig's case, and those of the files beside it by name."""
-    from vibeam.casefile.rigs import RIGS
+def _template(brief: bool) -> str:
     from vibeam.casefile.template import short, template
 
-    if rig not in RIGS:
-        raise UsageError(f"--rig {rig}: no such rig; {suggest(rig, RIGS)}")
-    return (short if brief else template)(rig), dict(RIGS[rig].files)
+    return short() if brief else template()
 
 
 def _of_example(name: str) -> tuple[str, dict[str, str]]:
-    """As ``_of_rig``, of an example."""
+    """Text of an example, and those of the files beside it by name."""
     from vibeam.casefile.examples import PLACES, texts
 
     if name not in PLACES:
