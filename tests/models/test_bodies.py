@@ -21,9 +21,13 @@ BEAM: dict[str, Any] = {
 
 
 def scene(beam: dict[str, Any] | None = None, **more: Any) -> SolidScene:
+    return scene_of({**BEAM, **(beam or {})}, **more)
+
+
+def scene_of(beam: dict[str, Any], **more: Any) -> SolidScene:
     plan = more.pop("plan", Solid())
     case = {
-        "beam": {**BEAM, **(beam or {})}, "stop": {"gap": "1 mm", "restitution": 0.5, "position": "150 mm"},
+        "beam": beam, "stop": {"gap": "1 mm", "restitution": 0.5, "position": "150 mm"},
         "sensor": {"position": "100 mm"}, "drive": {"amplitude": "0.1 mm"},
         "sweep": {"frequency": {"from": "10 Hz", "to": "20 Hz", "points": 2}, "settle": 10, "hold": 10},
         "fidelity": {"one": {"reduction": "static_mode"}}, **more,
@@ -75,3 +79,85 @@ def test_lines_go_on_through_the_pieces_beside_their_own() -> None:
     )
     with pytest.raises(ValueError, match="cross"):
         continued_lines([[(0.0, 0.0), (10.0, 4.0), (6.0, 6.0)]], 10.0)
+
+
+def plate(**keys: Any) -> dict[str, Any]:
+    return {"start": "60 mm", "end": "100 mm", "width": "12 mm", "thickness": "1 mm", "density": "8000 kg/m^3", **keys}
+
+
+FLAT = {
+    "hollow": {"beam": {"shape": "hollow rectangle", "thickness": "10 mm", "wall": "2 mm"}},
+    "I": {"beam": {"shape": "I", "thickness": "20 mm", "web": "4 mm", "flange": "3 mm"}},
+    "steps": {
+        "section": [
+            {"start": "0 mm", "end": "50 mm", "width": "30 mm", "thickness": "6 mm"},
+            {"start": "120 mm", "end": "200 mm", "width": "10 mm", "end_width": "20 mm", "thickness": "3 mm"},
+        ]
+    },
+    "taper": {"section": [{"start": "20 mm", "end": "200 mm", "end_width": "8 mm", "end_thickness": "1 mm"}]},
+    "tapered hollow": {
+        "beam": {"shape": "hollow rectangle", "thickness": "10 mm", "wall": "2 mm"},
+        "section": [{"start": "0 mm", "end": "180 mm", "end_width": "10 mm", "end_thickness": "6 mm"}],
+    },
+    "plates": {
+        "plate": [plate(), plate(sides="both", width="26 mm", start="90 mm"), plate(stiffens=False, end="200 mm")]
+    },
+    "added": {"beam": {"added_mass_per_length": "0.2 kg/m"}},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FLAT)
+@pytest.mark.parametrize("whole", [None, True])
+def test_flat_bodies_have_the_mass_of_their_beam(name: str, whole: bool | None) -> None:
+    made = scene(**FLAT[name], plan=Solid(whole=whole, along=8))
+    body = body_of(made)
+    assert_sound(body)
+    assert body.mass == pytest.approx(made.carrier.mass, rel=1e-9)
+
+
+def test_a_mass_of_blocks_weighs_what_the_case_says() -> None:
+    made = scene(mass={"mass": "0.2 kg", "position": "195 mm"}, plan=Solid(mass_size=(0.02, 0.03, 0.01)))
+    body = body_of(made)
+    assert_sound(body)
+    assert body.mass == pytest.approx(made.carrier.mass + 0.2, rel=1e-9)
+    blocks = body.mesh.p[:, body.mesh.t[:, ~body.beam]]
+    assert blocks[0].min() == pytest.approx(0.185)  # cut at the tip
+    assert blocks[0].max() == pytest.approx(0.2)
+    assert blocks[2].max() == pytest.approx(0.012)
+
+
+def test_the_stop_meets_the_block_where_the_mass_is() -> None:
+    body = body_of(scene(mass={"mass": "0.2 kg", "position": "150 mm"}, plan=Solid(mass_size=(0.02, 0.03, 0.01))))
+    assert np.allclose(body.mesh.p[2, body.mesh.facets[:, body.patches["contact"]]], 0.012)
+
+
+@pytest.mark.parametrize(
+    ("shape", "beam", "further"),
+    [
+        ("round", {"diameter": "10 mm"}, {}),
+        ("tube", {"outer_diameter": "10 mm", "wall": "2 mm"}, {}),
+        ("round", {"diameter": "10 mm"}, {"section": [{"start": "40 mm", "end": "200 mm", "end_diameter": "4 mm"}]}),
+        (
+            "round",
+            {"diameter": "10 mm"},
+            {
+                "section": [
+                    {"start": "60 mm", "end": "140 mm", "shape": "tube", "outer_diameter": "14 mm", "wall": "2 mm"}
+                ]
+            },
+        ),
+    ],
+)
+def test_circular_bodies_converge_to_their_mass_with_the_fourth_power(
+    shape: str, beam: dict[str, Any], further: dict[str, Any]
+) -> None:
+    bar = {key: value for key, value in BEAM.items() if key not in ("width", "thickness")}
+    case = {**bar, "shape": shape, **beam}
+    off = []
+    for across in (4, 8):
+        made = scene_of(case, plan=Solid(along=8, across=across), **further)
+        body = body_of(made)
+        assert_sound(body)
+        off.append(abs(body.mass / made.carrier.mass - 1))
+    assert off[0] < 3e-4
+    assert off[1] < off[0] / 12  # 16 with h⁴

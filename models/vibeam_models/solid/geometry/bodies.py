@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
 from vibeam_models.beams.beam import Beam
+from vibeam_models.beams.shapes import Shape
 from vibeam_models.beams.stretch import Material
 from vibeam_models.solid.body import SolidBody
-from vibeam_models.solid.geometry.flat import flat_section
+from vibeam_models.solid.geometry.circular import CircularFamily
+from vibeam_models.solid.geometry.flat import FlatFamily
 from vibeam_models.solid.geometry.grid import SolidGrid, drawn
-from vibeam_models.solid.geometry.parts import FLAT, MassBlocks, Piece, filled, known
+from vibeam_models.solid.geometry.parts import CIRCULAR, FLAT, MassBlocks, Piece, filled, known
 from vibeam_models.solid.geometry.patches import Patch, plane
 from vibeam_models.solid.scene import SolidScene
 
 SAME = 1e-9  # of the length: places along x that are one
+QUARTER = 0.5**0.5  # of the diameter: width of the quarter of a circular section that faces the stop
 
 Which = Literal["beam", "opposite"]
 
@@ -29,14 +32,10 @@ def body_of(scene: SolidScene, which: Which = "beam") -> SolidBody:
     of them what is clamped. Planes of the mesh: breaks, masses, supports, ends of rigid zones, edges of patches and of
     blocks, the drive's force. ValueError for what has no structured mesh.
     """
-    from skfem import MeshHex
-
     beam = scene.carrier if which == "beam" else scene.named("opposite")[0].beam(scene)
     patches = list(_patches(scene, beam, which))
-    grid = _grid(scene, beam, patches, which)
     half = not (scene.solid.whole or scene.named("torsion"))
-    grid = grid if half else grid.whole()
-    mesh = MeshHex(grid.points, grid.cells.astype(np.int32))
+    mesh, grid = _meshed(scene, beam, patches, which, half)
     ends = {"start": plane(mesh, 0.0), "end": plane(mesh, beam.length)}
     held = [ends[end] for end, how in zip(ends, beam.ends.split("-"), strict=True) if how == "clamped"]
     found = {patch.name: patch.facets(mesh) for patch in patches}
@@ -44,14 +43,27 @@ def body_of(scene: SolidScene, which: Which = "beam") -> SolidBody:
     return SolidBody(mesh, grid.material, grid.materials, half, named, beam=grid.beam)
 
 
-def _grid(scene: SolidScene, beam: Beam, patches: Sequence[Patch], which: Which) -> SolidGrid:
-    solid = scene.solid
+def _meshed(scene: SolidScene, beam: Beam, patches: Sequence[Patch], which: Which, half: bool) -> tuple[Any, SolidGrid]:
+    solid, length = scene.solid, beam.length
     mass = _mass_blocks(scene, beam) if which == "beam" else None
-    along = solid.along or beam.elements
-    planes = _planes(scene, beam, patches, mass, which)
-    counts = [max(1, round(along * (end - start) / beam.length)) for start, end in pairwise(planes)]
-    pieces = [_piece(beam, start, end, patches, mass, which) for start, end in pairwise(planes)]
-    return drawn(pieces, counts, flat_section(pieces, -(-solid.across // 2), solid.through))
+    pairs = list(pairwise(_planes(scene, beam, patches, mass, which)))
+    counts = [max(1, round((solid.along or beam.elements) * (end - start) / length)) for start, end in pairs]
+    pieces = [_piece(beam, start, end, patches, mass, which) for start, end in pairs]
+    made = FlatFamily if _flat(beam, mass) else CircularFamily
+    family = made.of(pieces, -(-solid.across // 2), solid.through)
+    grid = drawn(pieces, counts, family.section())
+    grid = grid if half else grid.whole()
+    return family.mesh(grid), grid
+
+
+def _flat(beam: Beam, mass: MassBlocks | None) -> bool:
+    """Test whether all sections have flat faces, or all are circular; ValueError where they are neither."""
+    shapes = {each.shape.name for each in beam.stretches}
+    for name in shapes - {*FLAT, *CIRCULAR}:
+        raise ValueError(f'solid: shape = "{name}" is no geometry: give a mesh of your own')
+    if shapes & set(CIRCULAR) and (shapes & set(FLAT) or mass or any(plate.stiffens for plate in beam.plates)):
+        raise ValueError("solid: circular sections with flat ones, plates or solid.mass_size: give a mesh of your own")
+    return shapes <= set(FLAT)
 
 
 def _piece(
@@ -59,8 +71,6 @@ def _piece(
 ) -> Piece:
     middle = (start + end) / 2
     stretch = next(each for each in beam.stretches if each.start < middle < each.end).between(start, end)
-    if stretch.shape.name not in FLAT:
-        raise ValueError(f'solid: a section of shape = "{stretch.shape.name}" has no mesh: give one of your own')
     edges = (edge for patch in patches if patch.start < middle < patch.end for edge in patch.edges)
     blocks = tuple(filled(stretch, -1.0 if which == "beam" else 1.0, mass))
     return Piece(start, end, blocks, tuple(edges))
@@ -107,26 +117,30 @@ def _patches(scene: SolidScene, beam: Beam, which: Which) -> Iterator[Patch]:
 
 
 def _patch(name: str, x: float, beam: Beam, scene: SolidScene, side: float) -> Patch:
-    """Patch about ``x`` m as the case says; what of it is beyond an end of the beam is cut off."""
-    height, width = _extent(beam, x)
+    """Patch about ``x`` m as the case says, or as ``Solid.contact``; what of it is beyond the beam is cut off."""
+    section = _section(beam, x)
+    height, half, circular = float(section.height or np.nan), _half_width(section), section.name in CIRCULAR
     twisted = scene.named("torsion")
-    length, across = scene.solid.contact or (height, min(height, width) if twisted else width)
+    usual = min(height, 2 * half) if twisted else 2 * half * (QUARTER if circular else 1)
+    length, width = scene.solid.contact or (height, usual)
     middle = twisted[0].eccentricity if twisted else 0.0
-    reach = abs(middle) + across / 2
-    if reach > width / 2 * (1 + SAME):
-        raise ValueError(f"solid.contact: reaches {1e3 * reach:g} mm off the axis of a beam {1e3 * width:g} mm wide")
+    if scene.solid.contact and (reach := abs(middle) + width / 2) > half * (1 + SAME):
+        raise ValueError(f"solid.contact: reaches {1e3 * reach:g} mm off the axis of a beam {2e3 * half:g} mm wide")
     start, end = max(0.0, x - length / 2), min(beam.length, x + length / 2)
-    inside = reach < width / 2 * (1 - SAME)
-    if not inside:
-        across = max(_extent(beam, each)[1] for each in (start, end))
-    return Patch(name, start, end, middle - across / 2, middle + across / 2, side, inside)
+    widest = max(_half_width(_section(beam, each)) for each in (start, end)) * (QUARTER if circular else 1)
+    sides = [middle - width / 2, middle + width / 2]
+    edges = tuple(abs(y) for y in sides if abs(y) < half * (1 - SAME) and y and not (circular and width == usual))
+    left, right = (y if abs(y) in edges or not y else y / abs(y) * widest for y in sides)
+    return Patch(name, start, end, left, right, side, edges)
 
 
-def _extent(beam: Beam, x: float) -> tuple[float, float]:
-    """Height and width in m of the section at ``x`` m, where two stretches meet of the later one."""
-    section = next(each for each in reversed(beam.stretches) if each.start <= x <= each.end).section(np.array(x))
-    height = float(section.height or np.nan)
-    return height, float(getattr(section, "width", height))
+def _section(beam: Beam, x: float) -> Shape:
+    """Section at ``x`` m, where two stretches meet that of the later one."""
+    return next(each for each in reversed(beam.stretches) if each.start <= x <= each.end).section(np.array(x))
+
+
+def _half_width(section: Shape) -> float:
+    return float(getattr(section, "width", section.height) or np.nan) / 2
 
 
 def _mass_blocks(scene: SolidScene, beam: Beam) -> MassBlocks | None:

@@ -100,4 +100,4 @@ def _compact(points: Array, cells: Index, kinds: Sequence[tuple[Material, bool]]
     materials = tuple(dict.fromkeys(material for material, _ in kinds))
     material = np.array([materials.index(each) for each, _ in kinds])
     beam = np.array([of for _, of in kinds])
-    return SolidGrid(points[:, used], numbers.reshape(cells.shape), material, materials, beam)
+    return SolidGrid(np.ascontiguousarray(points[:, used]), numbers.reshape(cells.shape), material, materials, beam)

@@ -16,7 +16,7 @@ NEAR = 1e-9  # of the body's length by which a facet may stand out of its patch
 class Patch:
     """From ``start`` to ``end`` m along x, from ``left`` to ``right`` m in y, on the ``side`` above (1) or below (−1).
 
-    ``inside``: its edges lie within the section and are mesh lines; else those of the section are its own.
+    ``edges``: half-widths (m) that need mesh lines of their own, inside the section.
     """
 
     name: str
@@ -25,12 +25,7 @@ class Patch:
     left: float
     right: float
     side: float
-    inside: bool
-
-    @property
-    def edges(self) -> tuple[float, ...]:
-        """Half-widths of the mesh lines that it needs."""
-        return tuple(sorted({abs(self.left), abs(self.right)} - {0.0})) if self.inside else ()
+    edges: tuple[float, ...] = ()
 
     def facets(self, mesh: Any) -> Index:
         """Facets (k,) of the outer surface on its side that lie in it, of a half body those of y ≥ 0."""
