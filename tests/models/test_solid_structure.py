@@ -70,3 +70,14 @@ def test_half_a_body_is_the_whole_one_in_symmetric_motion():
         assert half.outputs["sensor"] @ one == pytest.approx(whole.outputs["sensor"] @ other, rel=1e-8)
     symmetric = [f for f in whole.modes(6).frequency if np.isclose(f, half.modes(3).frequency, rtol=1e-8).any()]
     assert len(symmetric) == 3
+
+
+def test_without_contraction_the_solid_has_the_shear_modulus_of_its_poissons_ratio():
+    """ν = 0.3 in G alone is Timoshenko's beam with κ of that ν; with the contraction the held face stiffens."""
+    beam = structure_of(scene(ratio=0.3, effects=[Theory("timoshenko")])).modes(2).frequency
+    free, held = (
+        structure_of(replace(scene(SolidScene, ratio=0.3, through=2), contraction=each)).modes(2).frequency
+        for each in (False, True)
+    )
+    np.testing.assert_allclose(free, beam, rtol=2e-4)
+    assert (held > 1.003 * free).all()

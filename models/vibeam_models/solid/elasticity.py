@@ -8,7 +8,7 @@ shape functions; its loop over the pairs of these takes twenty times as long as 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -19,7 +19,7 @@ from vibeam_models.arrays import Array, Index
 from vibeam_models.beams.stretch import Material
 
 FIELDS = {"MeshHex1": "ElementHex2", "MeshHex2": "ElementHex2", "MeshTet1": "ElementTetP2", "MeshTet2": "ElementTetP2"}
-ORDERS = {"ElementHex2": 5, "ElementTetP2": 4}  # of quadrature: exact for the mass of an element with flat faces
+ORDER = 5  # of quadrature: exact for the mass of an element with flat faces, and all weights are positive
 CHUNK = 512  # elements at a time: 27 MB of products
 
 
@@ -77,7 +77,7 @@ class SolidElements:
         """Points (3, q) and weights (q,) of the reference element."""
         from skfem.quadrature import get_quadrature
 
-        points, weights = get_quadrature(self.element.refdom, ORDERS[type(self.element).__name__])
+        points, weights = get_quadrature(self.element.refdom, ORDER)
         return np.asarray(points), np.asarray(weights)
 
     def volumes(self) -> Array:
@@ -85,18 +85,21 @@ class SolidElements:
         points, weights = self.quadrature
         return np.asarray(np.abs(np.linalg.det(self.jacobian(points))) * weights)
 
-    def stiffness(self, materials: Any, material: Index) -> Any:
-        """K (3 k, 3 k), sparse, N/m: the ``material`` (elements,) of each element is one of ``materials``."""
-        moduli = np.array([lame(each) for each in materials])[material]
+    def stiffness(self, materials: Sequence[Material], material: Index, contraction: bool = True) -> Any:
+        """K (3 k, 3 k), sparse, N/m: the ``material`` (elements,) of each element is one of ``materials``.
+
+        ``contraction`` False: σ_ii = E ε_ii, σ_ij = 2G ε_ij with the same E and G, as a beam's theory has it.
+        """
+        moduli = np.array([_moduli(each, contraction) for each in materials])[material]
 
         def blocks(cells: slice) -> Iterator[tuple[int, int, Array]]:
             products = self._products(cells)
-            first, second = (moduli[cells, which, None, None] for which in (0, 1))
-            trace = second * sum(products[:, i, :, i] for i in range(3))
+            lame, shear, alone = moduli[cells].T[:, :, None, None]
+            trace = shear * sum(products[:, i, :, i] for i in range(3))
             for i in range(3):
                 for j in range(3):
-                    block = first * products[:, i, :, j] + second * products[:, j, :, i]
-                    yield i, j, block + trace if i == j else block
+                    block = lame * products[:, i, :, j] + shear * products[:, j, :, i]
+                    yield i, j, block + trace + alone * products[:, i, :, i] if i == j else block
 
         return self._assembled(blocks)
 
@@ -110,25 +113,27 @@ class SolidElements:
         """∫ σ ∂u/∂x · ∂v/∂x (3 k, 3 k), sparse, N/m, of an axial ``stress`` σ (elements, q) Pa, tension positive."""
 
         def along(cells: slice) -> Array:
-            slopes = self._gradients(cells)[:, :, 0]
-            return np.asarray(slopes.swapaxes(1, 2) @ (stress[cells, :, None] * slopes))
+            slopes, volumes = self._gradients(cells)
+            weighted = (stress[cells] * volumes)[:, :, None] * slopes[:, :, 0]
+            return np.asarray(slopes[:, :, 0].swapaxes(1, 2) @ weighted)
 
         return self._alike(along)
 
-    def _gradients(self, cells: slice) -> Array:
-        """√dV ∂φ/∂x_i (elements, q, 3, nodes of an element)."""
+    def _gradients(self, cells: slice) -> tuple[Array, Array]:
+        """∂φ/∂x_i (elements, q, 3, nodes of an element) and dV (elements, q)."""
         points, weights = self.quadrature
         _, slopes = shape_functions(self.element, points)
         jacobian = self.jacobian(points, cells)
-        inverse = np.linalg.inv(jacobian) * np.sqrt(np.abs(np.linalg.det(jacobian)) * weights)[..., None, None]
-        return np.asarray(inverse.swapaxes(2, 3) @ slopes.transpose(2, 0, 1))
+        gradients = np.linalg.inv(jacobian).swapaxes(2, 3) @ slopes.transpose(2, 0, 1)
+        return gradients, np.abs(np.linalg.det(jacobian)) * weights
 
     def _products(self, cells: slice) -> Array:
         """∫ ∂φ_a/∂x_i ∂φ_b/∂x_j (elements, 3, a, 3, b)."""
-        gradients = self._gradients(cells)
+        gradients, volumes = self._gradients(cells)
         count, points, _, nodes = gradients.shape
-        flat = gradients.reshape(count, points, 3 * nodes)
-        return np.asarray((flat.swapaxes(1, 2) @ flat).reshape(count, 3, nodes, 3, nodes))
+        flat = np.sqrt(volumes)[:, :, None] * gradients.reshape(count, points, 3 * nodes)
+        products = flat.swapaxes(1, 2) @ flat  # symmetric to the bit
+        return np.asarray(products.reshape(count, 3, nodes, 3, nodes))
 
     def _alike(self, matrix: Callable[[slice], Array]) -> Any:
         """The same element ``matrix`` (elements, a, b) for each of the three components, assembled."""
@@ -173,10 +178,13 @@ def shape_functions(element: Any, local: Array) -> tuple[Array, Array]:
     return values, slopes
 
 
-def lame(material: Material) -> tuple[float, float]:
-    """λ and μ in Pa; ValueError unless −1 < ν < ½, beyond which the energy of a strain is not positive."""
-    ratio = material.poissons_ratio
+def _moduli(material: Material, contraction: bool) -> tuple[float, float, float]:
+    """λ and G of a material in Pa, and E − 2G without contraction, which stands for λ then.
+
+    ValueError unless −1 < ν < ½, beyond which the energy of a strain is not positive.
+    """
+    ratio, modulus = material.poissons_ratio, material.youngs_modulus
     if ratio is None or not -1 < ratio < 0.5:
         raise ValueError(f"solid: Poisson's ratio {ratio}, must be known and above -1, below 0.5")
-    shear = material.youngs_modulus / (2 * (1 + ratio))
-    return 2 * shear * ratio / (1 - 2 * ratio), shear
+    shear = material.shear_modulus
+    return (2 * shear * ratio / (1 - 2 * ratio), shear, 0.0) if contraction else (0.0, shear, modulus - 2 * shear)

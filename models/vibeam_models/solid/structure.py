@@ -52,6 +52,7 @@ class SolidSpace:
     coordinates: SolidCoordinates
     zones: tuple[tuple[float, float], ...]
     bed: float  # N/m³ under the face at x = 0, 0 without
+    contraction: bool
 
     def reduced(self, row: Array) -> Array:
         """Row (n,) on the coordinates of a row (3 k,) on the displacements."""
@@ -110,7 +111,7 @@ def solid_space(scene: SolidScene, which: Which = "beam") -> SolidSpace:
     parts = [RigidPart(np.abs(x - at) <= half + near, np.array([at, 0.0, 0.0])) for at, half in zones]
     coordinates = SolidCoordinates.of(rows.elements.points, body.half, held, parts).tied(tied)
     bed = 0.0 if clamp is None else clamp.stiffness / (rows.section(0.0).second_moment * (2 if body.half else 1))
-    return SolidSpace(beam, rows, coordinates, zones, bed)
+    return SolidSpace(beam, rows, coordinates, zones, bed, scene.contraction)
 
 
 def _zones(scene: SolidScene, which: Which) -> Iterable[tuple[float, float]]:
@@ -143,7 +144,7 @@ def _bare(space: SolidSpace) -> SparseStructure:
     """The body alone on its supports."""
     elements, body, basis = space.rows.elements, space.rows.body, space.coordinates.basis
     copies = 2.0 if body.half else 1.0
-    stiffness = elements.stiffness(body.materials, body.material)
+    stiffness = elements.stiffness(body.materials, body.material, space.contraction)
     if space.bed:
         stiffness = stiffness + _bedding(space)
     density = np.array([each.density for each in body.materials])[body.material]
