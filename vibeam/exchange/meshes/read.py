@@ -1,0 +1,67 @@
+"""Meshes from the files of others, through meshio: `read_mesh`, with all that a file may be in place of a mesh."""
+
+from __future__ import annotations
+
+from contextlib import redirect_stderr, redirect_stdout
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, state_of
+from vibeam.exchange.meshes.content import FileContent, mesh_of
+from vibeam.exchange.meshes.groups import join_groups
+from vibeam_models.registry import loaded
+from vibeam_models.solid.own_mesh import FileMesh
+
+HERE = "vibeam.exchange.meshes"
+#: reader of a path by the file's ending: meshio's name of the format, or a function
+FORMATS = {
+    ".msh": "gmsh",
+    ".inp": f"{HERE}.abaqus:read_deck",
+    **dict.fromkeys((".bdf", ".nas", ".fem"), f"{HERE}.nastran:read_bulk"),
+    ".vtk": "vtk",
+    ".vtu": "vtu",
+    ".med": "med",
+    ".mesh": "medit",
+}
+
+
+def read_mesh(path: Path) -> FileMesh:
+    """The mesh of a file; FormatError for what is none, is damaged, too large, or of elements that are not taken."""
+    ending = path.suffix.lower()
+    if ending not in FORMATS:
+        raise FormatError(f"'{ending}' is no ending of a mesh: {', '.join(FORMATS)} are")
+    state_of(path, LARGEST_TEXT)
+    reader = FORMATS[ending]
+    return mesh_of(loaded(reader)(path) if ":" in reader else content_of(read_by_meshio(path, reader)))
+
+
+def read_by_meshio(path: Path, name: str) -> Any:
+    """The mesh of a file by one of meshio's readers, which print and leave the program where they fail."""
+    import meshio
+
+    said = StringIO()
+    try:
+        with redirect_stdout(said), redirect_stderr(said), np.errstate(all="ignore"):
+            return meshio.read(path, name)
+    except (Exception, SystemExit) as error:
+        lines = [line.strip() for line in said.getvalue().splitlines() if "Couldn't read" not in line]
+        why = next(filter(None, lines), str(error) if not isinstance(error, SystemExit) else "")
+        if "Incompatible cell data" in why:
+            why = "some of its cells are in no physical group and others are: save the groups alone, not all cells"
+        why = (
+            f"it has {why}, which is not known" if isinstance(error, KeyError) and why else " ".join(why.split())[:200]
+        )
+        raise FormatError(f"cannot be read as {name}: {why or 'it is damaged, or has elements not known'}") from None
+
+
+def content_of(mesh: Any) -> FileContent:
+    """The content of meshio's mesh, its groups by the names that each format has for them."""
+    points = np.asarray(mesh.points, dtype=float)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise FormatError("its points have no three coordinates: it is no mesh of a body")
+    made = FileContent(points, [(block.type, np.asarray(block.data)) for block in mesh.cells])
+    join_groups(made, mesh)
+    return made
