@@ -188,7 +188,7 @@ def test_all_curves_are_written_as_a_table_with_units(command: Command, sdof: Pa
     curve = vibeam.read(sdof.with_name("sdof.h5"))["sdof"].up
     assert curve is not None
     assert [float(row["amplitude"]) for row in rows[:5]] == curve.amplitude.tolist()
-    assert {"frequency (Hz)", "impact_velocity (1/s)", "ended", "mode_energy_1 (s-2)"} <= set(rows[0])
+    assert {"frequency (Hz)", "impact_velocity (1/s)", "ended", "mode_energy_1 (1/s²)"} <= set(rows[0])
     known = list(csv.DictReader(sdof.with_name("sdof_motions.csv").read_text("utf-8").splitlines()))
     assert {row["fidelity"] for row in known} == {"exact"}
     assert ".csv" in command("report", "sdof.h5", "--csv", "--out", "a.html", expect=2).stderr

@@ -255,9 +255,9 @@ def test_the_overview_says_the_largest_load() -> None:
 def test_motions_and_impacts_are_tables(tmp_path: Path, whole: TransientResult) -> None:
     import csv
 
-    from vibeam.report.transient_tables import write_motions
+    from vibeam.report.result_tables import write_tables
 
-    motions_file, impacts_file = write_motions(whole, tmp_path / "own_motions.csv")
+    motions_file, impacts_file = write_tables(whole, tmp_path / "own_motions.csv")
     rows = list(csv.DictReader(motions_file.read_text(encoding="utf-8").splitlines()))
     assert [(row["fidelity"], row["level"], row["seed"]) for row in rows[:3]] == [
         ("events", "1.0", "4"), ("events", "1.0", "5"), ("events", "2.0", "4"),

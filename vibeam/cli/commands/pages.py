@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -55,15 +55,10 @@ def report(
     rows = "curves" if found.result.case.record is None else "motions"
     wanted = (f"{results.stem}_{rows}.csv", (".csv",), "a table")
     path = output_path(out, *(wanted if csv else (f"{results.stem}.html", PAGES, "a page")))
-    if csv and found.result.case.record is not None:
-        from vibeam.report.transient_tables import write_motions
+    if csv:
+        from vibeam.report.result_tables import write_tables
 
-        transient: Any = found.result
-        files = write_motions(transient, path)
-    elif csv:
-        from vibeam.report.curve_tables import write_curves
-
-        files = write_curves(found.result, path)
+        files = write_tables(found.result, path)
     else:
         from vibeam.exchange.whole_files import write_whole
 
