@@ -225,7 +225,7 @@ SHAPE = ValueEntry(
 )
 
 
-def _by_name(one: ValueEntry, called: str) -> ValueEntry:
+def by_name(one: ValueEntry, called: str) -> ValueEntry:
     """Entry of a table of such entries by name."""
 
     def read(value: Any) -> dict[str, Any] | None:
@@ -246,4 +246,4 @@ def _by_name(one: ValueEntry, called: str) -> ValueEntry:
     return ValueEntry(read, f"table {{ name = {called}, … }}", schema, written)
 
 
-ROWS, SHAPES = _by_name(row(), "row"), _by_name(SHAPE, "shape")
+ROWS, SHAPES = by_name(row(), "row"), by_name(SHAPE, "shape")

@@ -15,9 +15,10 @@ from vibeam.casefile.number_keys import value_at
 from vibeam.casefile.overrides import with_value
 from vibeam.casefile.quantities import RATIO, Dimension
 from vibeam.casefile.records import record_checks
+from vibeam.casefile.scenes import fidelity_scene
 from vibeam.casefile.tables.drive import harmonic_checks
 from vibeam.casefile.tables.stop import stop_checks
-from vibeam.casefile.tables.sweep import fidelity_of, plan_checks
+from vibeam.casefile.tables.sweep import fidelity_of, is_solid, plan_checks
 from vibeam.casefile.tables.table import content
 from vibeam.casefile.validation import SHARED, physics_keys
 from vibeam.casefile.validation import read as read_tables
@@ -142,7 +143,7 @@ class KeyedModel(Model):
 
     def scene(self) -> AnyScene:
         """As ``Model.scene``."""
-        return KINDS[self.tables.kind].scene_of(self.tables, self.path.parent)
+        return fidelity_scene(self.tables, self.path.parent, self.name)
 
     @property
     def fidelity(self) -> Fidelity:
@@ -152,7 +153,7 @@ class KeyedModel(Model):
     @property
     def most_modes(self) -> int:
         """As ``Model.most_modes``."""
-        return KINDS[self.tables.kind].most_modes_of(self.tables, self.path.parent)[0]
+        return 0 if is_solid(self._table) else KINDS[self.tables.kind].most_modes_of(self.tables, self.path.parent)[0]
 
 
 def model_of(declared: Any, changed: Mapping[str, Any], path: Path, fidelity: str) -> KeyedModel:

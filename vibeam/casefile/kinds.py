@@ -99,9 +99,24 @@ KINDS = Registry(
         "vibeam.casefile.tables.given:most_modes",
         "vibeam.casefile.tables.given:sources",
     ),
+    CaseKind(
+        "solid",
+        "vibeam.casefile.solids:mesh_rules",
+        "vibeam.casefile.tables.given:given_output",
+        "vibeam.casefile.solids:mesh_scene",
+        sources="vibeam.casefile.solids:sources",
+        most_modes="vibeam.casefile.solids:most_modes",
+    ),
 )
 
 
 def kind_of(tables: Mapping[str, Any]) -> CaseKind:
-    """The kind of case that a file's tables are."""
-    return next((kind for name, kind in KINDS.items() if name != "beam" and name in tables), KINDS["beam"])
+    """The kind of case that a file's tables are: beside [beam] a [solid] is what some of its fidelities fly."""
+    others = (kind for name, kind in KINDS.items() if name != "beam" and name in tables)
+    return next((kind for kind in others if kind.name != "solid" or _is_whole(tables)), KINDS["beam"])
+
+
+def _is_whole(tables: Mapping[str, Any]) -> bool:
+    """Test whether [solid] is all of the rig: a mesh, and no beam."""
+    said = tables["solid"]
+    return "beam" not in tables and isinstance(said, Mapping) and "mesh" in said

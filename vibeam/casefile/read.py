@@ -21,11 +21,12 @@ from vibeam.casefile.maps import map_plans
 from vibeam.casefile.number_keys import fit_plan, keys_chosen, uncertain_inputs
 from vibeam.casefile.overrides import OverrideError, tables_of
 from vibeam.casefile.records import located, record_plan, start_plan
+from vibeam.casefile.scenes import fidelity_scene
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.expectations import expectation, measured_number
 from vibeam.casefile.tables.input import input_plan
 from vibeam.casefile.tables.outputs import main_output
-from vibeam.casefile.tables.sweep import APPLIED, fidelity_of
+from vibeam.casefile.tables.sweep import APPLIED, fidelity_of, is_solid
 from vibeam.casefile.tables.table import content, digest, plan_of, toml_text
 from vibeam.casefile.toml import parsed
 from vibeam.exchange.faults import CaseError, Fault, KeyPath
@@ -90,7 +91,11 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
         fidelities={name: fidelity_of(name, table) for name, table in declared.fidelity.items()},
         swept=swept,
         references=_references(declared, folder, way),
-        scenes={name: KINDS[other.kind].scene_of(other, folder) for name, other in changed.items()},
+        scenes={
+            name: fidelity_scene(changed.get(name, declared), folder, name)
+            for name, table in declared.fidelity.items()
+            if name in changed or is_solid(table)
+        },
         expectations=located(
             declared, {name: expectation(name, table, way) for name, table in declared.expect.items()}
         ),
@@ -130,22 +135,32 @@ VARIED = frozenset({"values", "realisations"})  # of a record
 
 def _numbers(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[str, Any]:
     """All of a case that decides numbers, with the digests of the files that it and its fidelities are made of."""
-    shared = _files(case, folder)
-    own = {name: each["files"] for name, each in ((name, _files(one, folder)) for name, one in changed.items()) if each}
+    shared = _files(case, folder, solid=True)
+    own = {
+        name: each["files"]
+        for name, each in ((name, _files(one, folder, solid=True)) for name, one in changed.items())
+        if each
+    }
     apart = {name: files for name, files in own.items() if files != shared.get("files")}
     return content(case, "numbers") | shared | ({"files_of": apart} if apart else {})
 
 
-def _files(case: AnyCase, folder: Path) -> dict[str, Any]:
+def _files(case: AnyCase, folder: Path, solid: bool) -> dict[str, Any]:
     found = dict(KINDS[case.kind].digests(case, folder))
+    if solid and case.kind == "beam" and case.solid is not None:
+        found |= KINDS["solid"].digests(case, folder)
     if case.drive.file is not None:
         found["drive.file"] = sha256((folder / case.drive.file).read_bytes()).hexdigest()
     return {"files": found} if found else {}
 
 
-def _shared(case: AnyCase, folder: Path, sweep: Any = None) -> dict[str, Any]:
-    """The physics of a case and how it is swept (as in itself, or by ``sweep``), its frequencies aside."""
-    own = content(case, "physics", "numbers") | _files(case, folder)
+def _shared(case: AnyCase, folder: Path, sweep: Any = None, solid: bool = False) -> dict[str, Any]:
+    """The physics of a case and how it is swept (as in itself, or by ``sweep``), its frequencies aside.
+
+    ``solid``: of a fidelity that flies one, with what [solid] says of it beside the beam.
+    """
+    aside = () if solid or case.kind == "solid" else ("solid",)
+    own = content(case, "physics", "numbers", without=aside) | _files(case, folder, solid)
     if case.record is None:
         return own | {"sweep": content(sweep or case.sweep, without=GRID)}
     own["drive"].pop("seed", None)
@@ -155,7 +170,10 @@ def _shared(case: AnyCase, folder: Path, sweep: Any = None) -> dict[str, Any]:
 def _keys(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[str, str]:
     """For each fidelity the key of its physics, how it is swept, and its table."""
     return {
-        name: digest(_shared(changed.get(name, case), folder, case.sweep), content(table, "numbers", without=APPLIED))
+        name: digest(
+            _shared(changed.get(name, case), folder, case.sweep, is_solid(table)),
+            content(table, "numbers", without=APPLIED),
+        )
         for name, table in case.fidelity.items()
     }
 

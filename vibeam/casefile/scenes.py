@@ -7,15 +7,18 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.effects import effects_of_scene
 from vibeam.casefile.tables.input import said_of
 from vibeam.casefile.tables.stop import contact_law
+from vibeam.casefile.tables.sweep import is_solid
 from vibeam.casefile.tables.table import plan_of
 from vibeam_models.base import ON_PLATFORM, Base
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import SHAPES
 from vibeam_models.keys import keys_of
 from vibeam_models.outputs import Output
+from vibeam_models.registry import loaded
 from vibeam_models.scene import Mass, Scene, Sensor
 from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop
@@ -23,6 +26,16 @@ from vibeam_models.stop import Stop
 if TYPE_CHECKING:
     from vibeam.casefile.tables.cases import AnyCase
     from vibeam_models.given import GivenScene
+    from vibeam_models.scene import AnyScene
+
+
+def fidelity_scene(case: AnyCase, folder: Path, name: str) -> AnyScene:
+    """The scene of one fidelity of a case, whose changes are made in its tables."""
+    made = KINDS[case.kind].scene_of(case, folder)
+    return loaded(SOLID)(case, folder, made) if is_solid(case.fidelity[name]) else made
+
+
+SOLID = "vibeam.casefile.solids:solid_scene"
 
 
 def beam_scene(case: AnyCase, folder: Path) -> Scene:
@@ -31,9 +44,9 @@ def beam_scene(case: AnyCase, folder: Path) -> Scene:
     return Scene(
         beam=_beam(case.beam),
         mass=None if case.mass is None else plan_of(Mass, case.mass),
-        stop=_stop(case.stop, place if case.stop.position is None else case.stop.position, case.beam),
+        stop=stop_of(case.stop, place if case.stop.position is None else case.stop.position, case.beam),
         sensor=plan_of(Sensor, case.sensor),
-        base=_base(case),
+        base=base_of(case),
         effects=effects_of_scene(case),
         outputs=_outputs(case.output),
     )
@@ -50,14 +63,14 @@ def _is_absolute(table: Any) -> bool:
 
 def sdof_scene(case: AnyCase, folder: Path) -> SdofScene:
     """The scene of a single degree of freedom, in its own units."""
-    stop, drive = _stop(case.stop, 0.0), case.drive
+    stop, drive = stop_of(case.stop, 0.0), case.drive
     plain = case.record is None and isinstance(drive.amplitude, float) and not drive.harmonic
     return SdofScene(
         natural_frequency=case.sdof.natural_frequency,
         damping_ratio=case.sdof.damping_ratio,
         gap=stop.gap,
         restitution=stop.usual_restitution,
-        amplitude=drive.amplitude if plain else _base(case),
+        amplitude=drive.amplitude if plain else base_of(case),
         stop=None if stop == Stop(0.0, stop.gap, stop.restitution) else stop,
     )
 
@@ -70,10 +83,10 @@ def given_scene(case: AnyCase, folder: Path) -> GivenScene:
     given, _ = given_structure(case, folder)
     assert given is not None  # its rules have found nothing wrong
     on_structure = {} if getattr(case, case.kind).force is None else {"at": 0.0}
-    return GivenScene(given, _stop(case.stop, 0.0), _base(case, **on_structure), effects_of_scene(case))
+    return GivenScene(given, stop_of(case.stop, 0.0), base_of(case, **on_structure), effects_of_scene(case))
 
 
-def _base(case: AnyCase, **own: float) -> Base:
+def base_of(case: AnyCase, **own: float | None) -> Base:
     """The drive; of a record, whose size its input has, where it acts."""
     said: dict[str, Any] = {name: getattr(case.drive, name, None) for name in keys_of(Base)}
     drive = Base(**said | own)
@@ -84,16 +97,20 @@ def _base(case: AnyCase, **own: float) -> Base:
     return replace(drive, moment=0.0).place if said_of(case) == "moment" else drive.place
 
 
-def _stop(table: Any, position: float, beam: Any = None) -> Stop:
+def stop_of(table: Any, position: float, beam: Any = None) -> Stop:
     """The stop with its law, whose own keys are the law's."""
     own = {name: value for name, value in dict(table).items() if name in keys_of(Stop)}
     return Stop(**own | {"position": position, "law": contact_law(table, beam)})
 
 
-def _beam(table: Any) -> Beam:
+def damping_of(table: Any) -> Damping:
+    """The damping by modal ratios that a table says."""
     kind: Any = table.damping
-    damping = Damping("list", kind) if isinstance(kind, tuple) else Damping(kind, table.damping_ratio or ())
+    return Damping("list", kind) if isinstance(kind, tuple) else Damping(kind, table.damping_ratio or ())
+
+
+def _beam(table: Any) -> Beam:
     shape = SHAPES[table.shape or "rectangle"]
     own = {name: getattr(table, name) for name in keys_of(shape)}
     given = {name: getattr(table, name) for name in ("length", "youngs_modulus", "density", "elements")}
-    return Beam(shape=shape(**own), damping=damping, poissons_ratio=table.poissons_ratio, **given)
+    return Beam(shape=shape(**own), damping=damping_of(table), poissons_ratio=table.poissons_ratio, **given)

@@ -167,7 +167,15 @@ def test_the_template_shows_every_key_and_fits_the_line():
     lines = template().splitlines()
     assert max(map(len, lines)) <= 120
     shown = {line.removeprefix("# ").split(" = ")[0] for line in lines if " = " in line}
-    inside = {"from", "to", "points", "key", "values"}  # in the lines of frequency and of axes
+    inside = {
+        "from",
+        "to",
+        "points",
+        "key",
+        "values",
+        "group",
+        "rigid",
+    }  # in lines of frequency, axes, materials, masses
     assert {key for key, _ in every_key(KINDS["beam"].declaration())} <= shown | inside
 
 

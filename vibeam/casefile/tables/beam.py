@@ -15,11 +15,13 @@ from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks
 from vibeam.casefile.tables.outputs import output_checks
+from vibeam.casefile.tables.sweep import is_solid
 from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.beams.shapes import SHAPES, foreign_dimensions
 from vibeam_models.keys import defaults_of, keys_of
+from vibeam_models.registry import loaded
 from vibeam_models.scene import Mass, Sensor
 
 
@@ -30,6 +32,8 @@ def beam_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from effect_checks(case)
     yield from output_checks(case)
     yield from held_checks(case)
+    if case.solid is not None or any(is_solid(each) for each in case.fidelity.values()):
+        yield from loaded("vibeam.casefile.solids:solid_rules")(case, folder)
 
 
 def beam_checks(case: SimpleNamespace) -> Iterator[Complaint]:

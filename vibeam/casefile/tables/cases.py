@@ -15,7 +15,7 @@ from vibeam.casefile.fields import TEXT, Quantity, Word
 from vibeam.casefile.quantities import POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
-from vibeam.casefile.tables.effects import effect_tables, with_effects
+from vibeam.casefile.tables.effects import EffectTable, effect_tables, with_effects
 from vibeam.casefile.tables.expectations import ExpectTable, MeasuredTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, show_table
 from vibeam.casefile.tables.maps import MapTable, SdofMapTable
@@ -24,7 +24,7 @@ from vibeam.casefile.tables.record import RecordTable, SdofStartTable, StartTabl
 from vibeam.casefile.tables.references import ReferenceTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
-from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
+from vibeam.casefile.tables.sweep import BeamFidelityTable, FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
 from vibeam.casefile.tables.table import Ratio, Table, key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import FIGURES
@@ -134,6 +134,9 @@ def _influence() -> Parts:
     return {"influence": (InfluenceTable, key("what vibeam influence does", None, InfluenceTable(), **ASIDE))}
 
 
+SOLID = EffectTable(Home("solid", "vibeam.casefile.tables.solid:SolidTable"), own=True)
+
+
 def _beam() -> type[AnyCase]:
     mass = with_effects("mass", MassTable) | None, key("attached to the beam; absent = a bare beam", None, None)
     outputs = dict[str, OutputTable] | None, key("further outputs", None, None)
@@ -146,7 +149,8 @@ def _beam() -> type[AnyCase]:
         {"stop": (stop_table(), ...)},
         {"sensor": (SensorTable, ...), "output": outputs, "drive": (DriveTable, ...)},
         effect_tables("base"),
-        _measured(MeasurementTable, SweepTable, StartTable, FidelityTable),
+        {"solid": (Annotated[Any, SOLID], key("the rig as a three-dimensional body", None, None))},
+        _measured(MeasurementTable, SweepTable, StartTable, BeamFidelityTable),
         _asked(show, MapTable),
         _influence(),
     )
@@ -166,6 +170,10 @@ def _sdof() -> type[AnyCase]:
         _measured(SdofMeasurementTable, SdofSweepTable, SdofStartTable, SdofFidelityTable),
         _asked(show_table("ShowTable", tuple(FIGURES)), SdofMapTable),
     )
+
+
+def _solid() -> type[AnyCase]:
+    return _given("solid", "A structure by a mesh of its body.", Annotated[Any, SOLID])
 
 
 def _given(kind: str, doc: str, own: Any) -> type[AnyCase]:
@@ -200,7 +208,7 @@ def _case(kind: str, doc: str, *parts: Parts) -> type[AnyCase]:
     return made
 
 
-CASES = {"beam": _beam, "sdof": _sdof, "matrices": _matrices, "modes": _modes}
+CASES = {"beam": _beam, "sdof": _sdof, "matrices": _matrices, "modes": _modes, "solid": _solid}
 
 
 def case_table(kind: str) -> type[AnyCase]:

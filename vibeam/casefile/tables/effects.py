@@ -21,14 +21,19 @@ from vibeam_models.scene import Effect
 
 @dataclass(frozen=True)
 class EffectTable:
-    """The table of an effect, or the list of its tables: declared where a case first names it."""
+    """The table of an effect, or the list of its tables: declared where a case first names it.
+
+    ``own``: its home is the table itself, which is no effect's.
+    """
 
     home: Home
+    own: bool = False
 
     @property
     def table(self) -> type[Table]:
         """One table."""
-        return effect_table(self.home.load())
+        found: type[Table] = self.home.load() if self.own else effect_table(self.home.load())
+        return found
 
     def read(self, value: Any, info: ValidationInfo) -> Any:
         """The value as the table, or as a tuple of them; pydantic's ValidationError."""

@@ -84,7 +84,7 @@ def _moved(case: SimpleNamespace, kind: str) -> Iterator[Complaint]:
     if case.drive.force is not None and case.platform is None:
         yield ("drive", "force"), f"acts where {kind}.force says, or on a platform: write it, or add [platform]"
         return
-    if getattr(case, kind).base is None:
+    if getattr(case, kind).base is None and kind != "solid":  # whose base moves along its contact's direction
         yield (
             (kind, "base"),
             f"missing (what a base motion moves): write base, or, for a drive by a force, {kind}.force",

@@ -56,10 +56,15 @@ def _modes(case: SimpleNamespace, most: int, gives: str) -> Iterator[Complaint]:
             yield path, f'missing: reduction = "{declared.name}" needs how many; write modes = 8'
         elif declared and not declared.counts and fidelity.modes is not None:
             yield path, f'reduction = "{declared.name}" counts none: take it out, or write reduction = "modal"'
-        elif fidelity.modes is not None and 0 < most < fidelity.modes:
+        elif fidelity.modes is not None and 0 < most < fidelity.modes and not is_solid(fidelity):
             yield path, f"{fidelity.modes} are more than the model has: {gives} {most} at most"
         if declared:
             yield from _parameters(("fidelity", name), fidelity, declared)
+
+
+def is_solid(fidelity: Any) -> bool:
+    """Test whether a fidelity's table says that it flies a solid."""
+    return getattr(fidelity, "model", None) == "solid"
 
 
 def _parameters(path: KeyPath, fidelity: Any, declared: ReductionDeclaration) -> Iterator[Complaint]:
@@ -120,6 +125,13 @@ _SOLUTION = {name: _OWN.pop(name) for name in ("solver", "options")}, _Changes, 
 FidelityTable: Any = table(
     "FidelityTable", "A fidelity, one table each: which model of the rig is swept.", _REDUCTION, *_SOLUTION
 )
+_MODEL = {
+    "model": (
+        Annotated[Any, Word(("beam", "solid"))],
+        key("what is reduced: the beam, or the rig as a three-dimensional body, as [solid] says", "solid", None),
+    )
+}
+BeamFidelityTable: Any = table("BeamFidelityTable", FidelityTable.__doc__, _MODEL, _REDUCTION, *_SOLUTION)
 _ONE_MODE = {"reduction": (Annotated[Any, Word(("static_mode",))], key("one mode", "static_mode", "static_mode"))}
 SdofFidelityTable: Any = table(
     "SdofFidelityTable",

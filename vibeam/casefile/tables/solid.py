@@ -1,0 +1,148 @@
+"""Table [solid]: the rig as a three-dimensional body, meshed or by a mesh of the user's own, and what it may hold."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from vibeam.casefile.field_tables import by_name
+from vibeam.casefile.fields import TEXT, Entry, Several, ValueEntry, Word, names
+from vibeam.casefile.quantities import LENGTH, UnitSystem, to_si
+from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
+from vibeam.exchange.faults import as_shown_in_message, suggest
+from vibeam_models.keys import keys_of
+from vibeam_models.solid.plan import SURFACE_DIRECTIONS, GroupMass, GroupMaterial, Solid
+
+SURFACE = '"GROUP" | { group = "GROUP", direction = "z" }'
+
+
+def _surface(value: Any) -> dict[str, str] | None:
+    said = {"group": value} if isinstance(value, str) else value
+    if not isinstance(said, dict):
+        return None
+    for name, each in said.items():
+        if name not in ("group", "direction"):
+            raise ValueError(f"unknown key {as_shown_in_message(name)}; {suggest(str(name), ('group', 'direction'))}")
+        if not isinstance(each, str) or not each:
+            raise ValueError(f"{name} must be text in quotes, not {as_shown_in_message(each)}")
+    if "group" not in said:
+        raise ValueError("group is missing: it names one of the mesh's groups")
+    if said.get("direction", "normal") not in SURFACE_DIRECTIONS:
+        known = Word(SURFACE_DIRECTIONS).describe()
+        raise ValueError(f"direction must be one of {known}, not {as_shown_in_message(said['direction'])}")
+    return dict(said)
+
+
+#: a surface of a mesh by its group, and the direction in which it is read
+SURFACE_MOTION = ValueEntry(_surface, SURFACE, {"anyOf": [{"type": "string"}, {"type": "object"}]})
+
+
+SIZE = Several(Length)
+
+
+class PatchEntry(Entry):
+    """The contact: length and width of a patch in m, or a surface of a mesh."""
+
+    def read(self, value: Any, units: UnitSystem | None) -> Any:
+        """As ``Entry.read``: two numbers, or a table."""
+        if not isinstance(value, list):
+            return SURFACE_MOTION.read(value, units)
+        return SIZE.read(value, units)
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return f"{SIZE.describe()} | with a mesh {SURFACE}"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"anyOf": [SIZE.schema(), SURFACE_MOTION.schema()]}
+
+
+def _length_unit(value: Any) -> str | None:
+    if not isinstance(value, str):
+        return None
+    to_si(f"1 {value}", LENGTH)
+    return value
+
+
+LENGTH_UNIT = ValueEntry(_length_unit, "unit of a length", {"type": "string"})
+
+_BODY = {name: declared_key(each, None) for name, each in keys_of(Solid).items()}
+_BODY["contact"] = (
+    Annotated[Any, PatchEntry()],
+    key(
+        f"{keys_of(Solid)['contact'].meaning}; of a mesh the group of facets that meets the stop, absent = the group "
+        "contact, read along its outward normal",
+        ["6 mm", "20 mm"],
+        None,
+    ),
+)
+_BODY["clamp"] = (
+    Annotated[Any, names("groups", alone=True)],
+    key(
+        f"{keys_of(Solid)['clamp'].meaning}; of a mesh the groups that are held in all directions, absent = the group "
+        "clamp",
+        "held",
+        None,
+    ),
+)
+
+MaterialTable: Any = table("GroupMaterialTable", GroupMaterial.__doc__ or "", plan_keys(GroupMaterial))
+GroupMassTable: Any = table("GroupMassTable", GroupMass.__doc__ or "", plan_keys(GroupMass))
+
+
+class _Mesh(Table):
+    mesh: Annotated[str | None, TEXT] = key(
+        "file of a mesh of your own (Gmsh, Abaqus, Nastran, VTK; pip install 'vibeam[mesh]'); beside [beam] what "
+        'fidelities with model = "solid" fly, without [beam] the whole rig',
+        "rig.msh",
+        None,
+    )
+    mesh_unit: Annotated[str | None, LENGTH_UNIT] = key("unit of its coordinates", "mm", None)
+    extent: Annotated[float | None, Length] = key(
+        "of a mesh its longest side as you know it, to check mesh_unit by", "180 mm", None
+    )
+    merge: Annotated[float | None, Length] = key(
+        "of a mesh: nodes nearer than this become one, of bodies that touch; absent = none", "1 µm", None
+    )
+    sensor: Annotated[Any, SURFACE_MOTION] = key(
+        "of a mesh the group whose mean the sensor reads, absent = the contact; along the contact's direction unless "
+        "it says another",
+        "sensor",
+        None,
+    )
+    outputs: Annotated[dict[str, Any] | None, by_name(SURFACE_MOTION, SURFACE)] = key(
+        "of a mesh further outputs, each a group", {"tip": "end"}, None
+    )
+    opposite: Annotated[Any, SURFACE_MOTION] = key(
+        "of a mesh of two bodies the group of the second that the contact meets", "anvil", None
+    )
+    base: Annotated[str | None, Word(SURFACE_DIRECTIONS[1:])] = key(
+        "of a mesh the direction in which the base moves; absent = that of the contact", "z", None
+    )
+    force: Annotated[Any, SURFACE_MOTION] = key("of a mesh the group on which drive.force acts", "load", None)
+    symmetry: Annotated[str | None, TEXT] = key(
+        "of a mesh of one half the group of facets in the plane of symmetry", "middle", None
+    )
+    damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
+        "of a mesh without [beam], as beam.damping_ratio", 0.01, None
+    )
+    damping: Annotated[str | tuple[float, ...] | None, Several(Ratio, words=("constant", "stiffness", "rayleigh"))] = (
+        key("of a mesh without [beam], as beam.damping; absent = constant", "constant", None)
+    )
+    material: tuple[MaterialTable, ...] = key(
+        "materials of a mesh, each of a group; absent = the beam's",
+        [{"youngs_modulus": "210 GPa", "density": "7850 kg/m^3"}],
+        (),
+    )
+    mass: tuple[GroupMassTable, ...] = key("masses on a mesh's groups", [{"group": "block", "mass": "0.2 kg"}], ())
+
+
+OF_MESH = tuple(name for name in _Mesh.model_fields if name not in ("mesh", "damping", "damping_ratio"))
+OF_BODY = tuple(name for name in _BODY if name not in ("contact", "clamp"))
+
+SolidTable: Any = table(
+    "SolidTable",
+    'The rig as a three-dimensional body, which fidelities with model = "solid" fly: meshed, or a mesh of your own.',
+    _BODY,
+    _Mesh,
+)
