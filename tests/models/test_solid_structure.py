@@ -11,9 +11,17 @@ from vibeam_models.base import Base
 from vibeam_models.beam import structure_of
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import Rectangle
+from vibeam_models.effects.gravity import Gravity
+from vibeam_models.effects.masses import AddedMass, RigidZone, RotaryInertia
+from vibeam_models.effects.opposite import Opposite
 from vibeam_models.effects.sections import Theory
+from vibeam_models.effects.supports import BeamEnds, Clamp, FurtherSupport
 from vibeam_models.outputs import Output
-from vibeam_models.scene import Scene, Sensor
+from vibeam_models.scene import Mass, Scene, Sensor
+from vibeam_models.solid.body import BodyMass
+from vibeam_models.solid.geometry.bodies import body_of
+from vibeam_models.solid.own_mesh import BodyRow, OwnRig
+from vibeam_models.solid.own_structure import body_structure
 from vibeam_models.solid.plan import Solid
 from vibeam_models.solid.scene import SolidScene
 from vibeam_models.stop import Stop
@@ -81,3 +89,66 @@ def test_without_contraction_the_solid_has_the_shear_modulus_of_its_poissons_rat
     )
     np.testing.assert_allclose(free, beam, rtol=2e-4)
     assert (held > 1.003 * free).all()
+
+
+BODIES = {
+    "mass": ({"mass": Mass(0.2, 0.15)}, []),
+    "rotary inertia": ({"mass": Mass(0.2, 0.15)}, [RotaryInertia(3e-5)]),
+    "rigid zone": ({"mass": Mass(0.2, 0.15), "stop": 0.15}, [RotaryInertia(3e-5), RigidZone(0.0117)]),
+    "added mass": ({}, [AddedMass(0.02, 0.1, 1e-6)]),
+    "pinned": ({}, [BeamEnds("pinned-pinned")]),
+    "guided": ({}, [BeamEnds("clamped-guided")]),
+    "held twice": ({}, [BeamEnds("clamped-clamped")]),
+    "support": ({}, [FurtherSupport(0.12)]),
+    "springs": ({}, [FurtherSupport(0.12, 2000.0, 5.0)]),
+    "clamp": ({}, [Clamp(50.0)]),
+    "hanging": ({}, [Gravity("hanging", 2e4)]),
+    "standing": ({}, [Gravity("standing", 2e4)]),
+    "opposite": ({}, [Opposite(0.15, 0.02, thickness=0.003)]),
+}
+
+
+@pytest.mark.parametrize("of", BODIES)
+def test_what_a_solid_carries_and_what_holds_it_are_those_of_the_beam(of):
+    """Two frequencies to the next order of the beam's theory; the contact under a force on it and under the base."""
+    said, effects = BODIES[of]
+    beam, solid = both(**said, effects=effects)
+    np.testing.assert_allclose(solid.modes(2).frequency, beam.modes(2).frequency, rtol=2e-3)
+    assert solid.flexibility(solid.contact) == pytest.approx(beam.flexibility(beam.contact), rel=2e-2)
+    drawn = [each.contact @ each.deflection(each.load) for each in (beam, solid)]
+    assert drawn[1] == pytest.approx(drawn[0], rel=1e-3)
+
+
+def test_weight_across_and_a_force_on_the_beam():
+    for said, name in (({"effects": [Gravity("transverse")]}, "static"), ({"base": Base(at=0.12, force=1.0)}, "load")):
+        beam, solid = both(**said)
+        pushed = [each.contact @ each.deflection(getattr(each, name)) for each in (beam, solid)]
+        assert pushed[1] == pytest.approx(pushed[0], rel=5e-4)
+
+
+def test_a_slender_standing_solid_buckles():
+    with pytest.raises(ValueError, match="buckles"):
+        structure_of(scene(SolidScene, effects=[Gravity("standing", 1e7)]))
+
+
+def test_a_support_inside_a_rigid_zone_is_said():
+    with pytest.raises(ValueError, match=r"rigid zone at 0\.15 m: a support"):
+        structure_of(scene(SolidScene, mass=Mass(0.2, 0.15), effects=[RigidZone(0.06), BeamEnds("clamped-clamped")]))
+
+
+@pytest.mark.parametrize("whole", [None, True])
+def test_a_mesh_of_ones_own_is_the_scenes_structure(whole):
+    """The body of a scene, read and held by groups: frequencies, contact and load to round-off."""
+    effects = [RotaryInertia(3e-5), RigidZone(0.0117)]
+    rig = scene(SolidScene, mass=Mass(0.2, 0.15), effects=effects, ratio=0.3, whole=whole)
+    body, none, up = body_of(rig), np.zeros(0, dtype=int), np.array([0.0, 0.0, 1.0])
+    zone = np.flatnonzero(np.abs(body.mesh.p[0] - 0.15) <= 0.0117 + 1e-9)
+    body = replace(body, masses=(BodyMass("block", none, zone, 0.2, 3e-5),))
+    read = OwnRig({"contact": BodyRow(((body.patches["contact"], none, up, 1.0),))}, up)
+    one, other = structure_of(rig), body_structure(body, read)
+    assert one.size == other.size
+    count = 2  # a third of the whole body is its twist, whose inertia the scene has none of
+    np.testing.assert_allclose(other.modes(count).frequency, one.modes(count).frequency, rtol=1e-8)
+    for name in ("contact", "load"):
+        pushed = [each.contact @ each.deflection(getattr(each, name)) for each in (one, other)]
+        assert pushed[1] == pytest.approx(pushed[0], rel=1e-8)

@@ -19,8 +19,9 @@ HALF = 3  # rigid motions of a half body: along, up, slope
 
 @dataclass(frozen=True, eq=False)
 class RigidPart:
-    """Nodes (k,) of a body that move as one about ``centre`` (3,) m."""
+    """Nodes (k,) of a body that move as one about ``centre`` (3,) m; ``name``: for messages."""
 
+    name: str
     nodes: Flags
     centre: Array
 
@@ -65,8 +66,7 @@ class SolidCoordinates:
         for part in parts:
             own = np.repeat(part.nodes, 3)
             if (held[:, part.nodes].any()) or (gone[own].reshape(-1, 3)[:, [X, Z]]).any():
-                place = ", ".join(f"{each:g}" for each in part.centre)
-                raise ValueError(f"rigid zone at ({place}) m: a support or another rigid zone holds part of it")
+                raise ValueError(f"{part.name}: a support or another rigid body holds part of it")
             gone |= own
         free = np.flatnonzero(~gone)
         count, each = len(free), HALF if half else 2 * HALF
@@ -92,8 +92,9 @@ def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) ->
     """Components (3, k) that the supports of ``beam`` hold, and rows (3 k,) that they hold besides.
 
     A clamped end is held in all directions, where ``sliding`` along the beam and as a whole; a pinned one, and a rigid
-    support between, on the line z = 0, a guided one along the beam. The first support holds the beam along x where no
-    end does. ``bedded``: the clamp at x = 0 does not hold it along x.
+    support between, as a whole: on a line, a solid would yield ever more the finer its mesh is. A guided end is held
+    along the beam, and so is the mean of the first support where no end is. ``bedded``: the clamp at x = 0 does not
+    hold it along x.
     """
     points = rows.elements.points
     near = NEAR * float(np.ptp(points[X]))
@@ -102,20 +103,18 @@ def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) ->
     along = bedded or any(each.rotational_stiffness == inf for each in supports)
     for support in sorted(supports, key=lambda each: each.position):
         face = np.abs(points[X] - support.position) <= near
-        line = face & (np.abs(points[Z]) <= near)
-        turning, deflecting = support.rotational_stiffness < inf, support.stiffness == inf
-        if deflecting and turning and not line.any():
-            raise ValueError(f"solid: a support at {support.position:g} m needs nodes on the axis of the beam there")
-        held[X] |= line & (not along) if turning else face & (not (bedded and support.position == 0))
+        clamped = support.rotational_stiffness == inf
+        held[X] |= face & (clamped and not (bedded and support.position == 0))
+        if clamped and support.stiffness == inf and not sliding:
+            held[Y:] |= face
+        elif support.stiffness == inf:
+            tied += _as_a_whole(rows, support.position, not along)
         along = True
-        if deflecting and not turning and sliding:
-            tied += _as_a_whole(rows, support.position)
-        elif deflecting:
-            held[Y:] |= line if turning else face
     return held, tied
 
 
-def _as_a_whole(rows: SolidRows, x: float) -> list[Array]:
-    """Mean deflection, lateral displacement and twist of a section, those that a body can have."""
+def _as_a_whole(rows: SolidRows, x: float, along: bool) -> list[Array]:
+    """Mean deflection, lateral displacement and twist of a section, those that a body can have; its mean ``along``."""
     section = rows.section(x)
-    return [section.deflection] if rows.body.half else [section.deflection, section.lateral, section.twist]
+    across = [] if rows.body.half else [section.lateral, section.twist]
+    return [section.deflection, *across, *([section.along] if along else [])]

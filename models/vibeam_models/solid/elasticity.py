@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam_models.arrays import Array, Index
+from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.beams.stretch import Material
 
 FIELDS = {"MeshHex1": "ElementHex2", "MeshHex2": "ElementHex2", "MeshTet1": "ElementTetP2", "MeshTet2": "ElementTetP2"}
@@ -37,17 +37,33 @@ class SolidElements:
         return getattr(skfem, FIELDS[type(self.mesh).__name__])()
 
     @cached_property
-    def nodes(self) -> Index:
-        """Nodes (nodes of an element, elements) of the field."""
+    def dofs(self) -> Any:
+        """Numbers of the nodes of the field by vertex, edge, face and element, as scikit-fem gives them."""
         from skfem.assembly import Dofs
 
-        return np.asarray(Dofs(self.mesh, self.element).element_dofs, dtype=np.int64)
+        return Dofs(self.mesh, self.element)
+
+    @cached_property
+    def nodes(self) -> Index:
+        """Nodes (nodes of an element, elements) of the field."""
+        return np.asarray(self.dofs.element_dofs, dtype=np.int64)
 
     @cached_property
     def points(self) -> Array:
         """Places (3, k) m of the nodes of the field."""
         found = np.empty((3, int(self.nodes.max()) + 1))
         found[:, self.nodes.T] = self.places(self.element.doflocs.T)
+        return found
+
+    def among(self, vertices: Index) -> Flags:
+        """Test of each node (k,) of the field whether all vertices of its edge, face or element are of ``vertices``."""
+        chosen = np.zeros(self.mesh.p.shape[1], dtype=bool)
+        chosen[vertices] = True
+        found = np.zeros(self.points.shape[1], dtype=bool)
+        parts = (np.arange(len(chosen))[None], self.mesh.edges, self.mesh.facets, self.mesh.t)
+        numbers = (self.dofs.nodal_dofs, self.dofs.edge_dofs, self.dofs.facet_dofs, self.dofs.interior_dofs)
+        for corners, nodes in zip(parts, numbers, strict=True):
+            found[nodes] = chosen[corners].all(axis=0)
         return found
 
     @property

@@ -44,40 +44,28 @@ class SolidRows:
     body: SolidBody
     elements: SolidElements
 
-    def patch(self, name: str, component: int = Z) -> Array:
-        """Mean of a component over the facets of a patch, or over the vertices of a group that has no facets."""
-        if name in self.body.points:
-            vertices = self.body.points[name]
-            at = self.vertex_nodes[vertices]
-            return self._row(component, at, np.full(len(at), 1 / len(at)))
-        return self.facets(self.body.patches[name], component)
+    def patch(self, name: str) -> Array:
+        """Mean of u_z over the facets of a patch, by their area as seen along z: 1 as the body rises by 1."""
+        nodes, values, areas, normals = self._on_facets(self.body.patches[name])
+        seen = areas * np.abs(normals[Z])
+        return self._row(Z, nodes, np.einsum("aeq,eq->ae", values, seen) / seen.sum())
 
-    def facets(self, facets: Index, component: int = Z) -> Array:
+    def facets(self, facets: Index, component: int) -> Array:
         """Mean of a component over ``facets`` (m,) of the mesh, by area."""
-        nodes, values, areas = self._on_facets(facets)
-        weights = np.einsum("aeq,eq->ae", values, areas) / areas.sum()
-        return self._row(component, nodes, weights)
+        nodes, values, areas, _ = self._on_facets(facets)
+        return self._row(component, nodes, np.einsum("aeq,eq->ae", values, areas) / areas.sum())
+
+    def vertices(self, vertices: Index, component: int) -> Array:
+        """Mean of a component over ``vertices`` (m,) of the mesh."""
+        at = self.elements.dofs.nodal_dofs[0, vertices]
+        return self._row(component, at, np.full(len(at), 1 / len(at)))
 
     def bed(self, facets: Index, component: int) -> tuple[Array, Array, Array]:
         """∫ u v dA over ``facets`` of one component: rows, columns and values of a sparse matrix (3 k, 3 k), m²."""
-        nodes, values, areas = self._on_facets(facets)
+        nodes, values, areas, _ = self._on_facets(facets)
         shares = np.einsum("aeq,beq,eq->abe", values, values, areas, optimize=True)
         rows, columns = np.broadcast_arrays(nodes[:, None], nodes[None])
         return 3 * rows.ravel() + component, 3 * columns.ravel() + component, shares.ravel()
-
-    @cached_property
-    def vertex_nodes(self) -> Index:
-        """Node of the field at each vertex of the mesh."""
-        from skfem.assembly import Dofs
-
-        return np.asarray(Dofs(self.elements.mesh, self.elements.element).nodal_dofs[0], dtype=np.int64)
-
-    def facet_nodes(self, facets: Index) -> Index:
-        """Nodes of the field on ``facets``."""
-        from skfem.assembly import Dofs
-
-        found = Dofs(self.elements.mesh, self.elements.element).get_facet_dofs(np.asarray(facets, dtype=np.int32))
-        return np.asarray(found.flatten(), dtype=np.int64)
 
     def point(self, place: tuple[float, float, float], component: int = Z) -> Array:
         """A component at ``place`` m, by the shape functions of the element there; ValueError where there is none."""
@@ -125,14 +113,14 @@ class SolidRows:
         found[component::3] = np.bincount(nodes.ravel(), weights.ravel(), count)
         return found
 
-    def _on_facets(self, facets: Index) -> tuple[Index, Array, Array]:
-        """Nodes (a, m), shape functions (a, m, q) and areas (m, q) m² of ``facets`` (m,)."""
+    def _on_facets(self, facets: Index) -> tuple[Index, Array, Array, Array]:
+        """Nodes (a, m), shape functions (a, m, q), areas (m, q) m² and normals (3, m, q) of ``facets`` (m,)."""
         from skfem import FacetBasis
 
         mesh, element = self.elements.mesh, type(self.elements.element)()
         basis = FacetBasis(mesh, element, facets=np.asarray(facets, dtype=np.int32), intorder=PATCH_ORDER)
         values = np.stack([np.asarray(each[0]) for each in basis.basis])
-        return np.asarray(basis.element_dofs, dtype=np.int64), values, np.asarray(basis.dx)
+        return basis.element_dofs.astype(np.int64), values, np.asarray(basis.dx), np.asarray(basis.normals)
 
     @cached_property
     def _ranges(self) -> tuple[Array, Array]:

@@ -1,0 +1,94 @@
+"""BodySpace: a meshed body with its coordinates, its matrices and load in them, and what is carried by it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from vibeam_models.arrays import Array, Flags
+from vibeam_models.solid.body import SolidBody
+from vibeam_models.solid.constraints import RigidPart, SolidCoordinates
+from vibeam_models.solid.elasticity import SolidElements
+from vibeam_models.solid.rows import SolidRows, X, Y, Z
+from vibeam_models.sparse import SparseStructure
+
+
+@dataclass(frozen=True, eq=False)
+class BodySpace:
+    """Rows on the displacements of a body, and the coordinates y (n,) that its constraints have left: u = Z y."""
+
+    rows: SolidRows
+    coordinates: SolidCoordinates
+
+    @classmethod
+    def of(cls, body: SolidBody, held: Flags, parts: Sequence[RigidPart] = (), tied: Sequence[Array] = ()) -> BodySpace:
+        """The space of a body whose components ``held`` (3, k) and ``tied`` rows (3 k,) do not move."""
+        rows = SolidRows(body, SolidElements(body.mesh))
+        return cls(rows, SolidCoordinates.of(rows.elements.points, body.half, held, parts).tied(tied))
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return int(self.coordinates.basis.shape[1])
+
+    def reduced(self, row: Array) -> Array:
+        """Row (n,) on the coordinates of a row (3 k,) on the displacements."""
+        return np.asarray(row @ self.coordinates.basis)
+
+    def congruent(self, matrix: Any) -> Any:
+        """Matrix (n, n), sparse, of one (3 k, 3 k) of the displacements; that of half a body counts twice."""
+        basis = self.coordinates.basis
+        return (2.0 if self.rows.body.half else 1.0) * (basis.T @ (matrix @ basis)).tocsc()
+
+    def structure(self, stiffness: Any, direction: Array, contact: Array) -> SparseStructure:
+        """The structure with ``stiffness`` (3 k, 3 k) on a base that moves along ``direction`` (3,).
+
+        ``contact`` (n,): its row.
+        """
+        body, elements = self.rows.body, self.rows.elements
+        density = np.array([each.density for each in body.materials])[body.material]
+        mass = elements.mass(density)
+        moved = mass @ np.tile(direction, elements.size // 3)
+        load = -(2.0 if body.half else 1.0) * self.reduced(moved)
+        inner = self.congruent(mass)
+        return SparseStructure(inner, 0 * inner, self.congruent(stiffness), load, np.zeros(self.size), contact)
+
+    def expand(self, y: Array) -> Array:
+        """Displacements (k, 3) or (k, 3, m) m of the nodes ``rows.elements.points``, of coordinates (n,) or (n, m)."""
+        return np.asarray((self.coordinates.basis @ y).reshape(-1, 3, *y.shape[1:]))
+
+
+@dataclass(frozen=True)
+class RigidMass:
+    """A rigid body of ``mass`` kg and moments of inertia (kg m²) about axes through it along y, z and x."""
+
+    mass: float
+    about_y: float = 0.0
+    about_z: float = 0.0
+    about_x: float = 0.0
+
+    def on(self, structure: SparseStructure, part: Array, direction: Array) -> SparseStructure:
+        """The structure with this body on a ``part`` (3 or 6, n): rows in the order of ``RigidPart.motions``.
+
+        ``direction`` (3,): in which the base moves. Attached to are displacement along it and slope.
+        """
+        inertias = (self.mass, self.mass, self.about_y, self.mass, self.about_z, self.about_x)
+        moves = (direction[X], direction[Z], 0.0, direction[Y], 0.0, 0.0)
+        attached = (*structure.attached, *(part[at] for at in range(len(part)) if moves[at] and self.mass))
+        attached += (part[2],) if self.about_y else ()
+        mass, load = structure.M, structure.load
+        for row, inertia, moved in zip(part, inertias, moves, strict=False):
+            mass = mass + inertia * outer(row) if inertia else mass
+            load = load - inertia * moved * row
+        return structure.with_(M=mass, load=load, attached=attached)
+
+
+def outer(row: Array) -> Any:
+    """rowᵀ row (n, n), sparse."""
+    from scipy.sparse import csc_array
+
+    one = csc_array(row[None])
+    return (one.T @ one).tocsc()
