@@ -127,5 +127,5 @@ def _first(study: StudyDeclaration, case: Case) -> str:
     if study.first is None or verbosity().json or verbosity().quiet:
         return ""
     said: str = of_case(case.path, lambda: loaded(study.first)(case))
-    put_lines([said])
+    put_lines([said] if said else [])
     return said

@@ -37,7 +37,7 @@ class PhysicsGroup:
 
     ``compared``: with either restitution held, None where that was not asked for. ``own``: distance of the finest from
     its limit, at the peak, of the rms without one; NaN where it is not known, 0 where the case gives its one mode and
-    it is flown. ``estimates`` against the full model.
+    it is flown. ``estimates`` against the full model. ``solids``: those in three dimensions; a beam is less than each.
     """
 
     finest: Summary
@@ -45,6 +45,13 @@ class PhysicsGroup:
     compared: HeldComparison | None
     own: float
     estimates: Mapping[str, EstimateSummary]
+    solids: frozenset[str] = frozenset()
+
+    def is_less(self, row: Summary) -> bool:
+        """Test whether one of the others is less of a model than the finest, not another solver of it."""
+        return row.modes < self.finest.modes or (
+            self.finest.fidelity in self.solids and row.fidelity not in self.solids
+        )
 
     def is_within(self, row: Summary, accuracy: float) -> bool:
         """Test whether one of the others is within the accuracy of the finest one, or of its limit where known."""
@@ -94,7 +101,10 @@ def groups_of(result: Result, rows: Sequence[Summary]) -> list[PhysicsGroup]:
         if others:
             ordered = tuple(sorted(others, key=lambda row: row.modes))
             found = compared.get(top.fidelity)
-            groups.append(PhysicsGroup(top, ordered, found, _own(result, top, found), estimates))
+            solids = {
+                each.fidelity for each in (top, *others) if result.case.scene_of(each.fidelity).in_three_dimensions
+            }
+            groups.append(PhysicsGroup(top, ordered, found, _own(result, top, found), estimates, frozenset(solids)))
     return groups
 
 
@@ -110,11 +120,11 @@ def _own(result: Result, finest: Summary, found: HeldComparison | None) -> float
 def _verdict(group: PhysicsGroup, accuracy: float, modes: bool) -> str:
     """Sentence on one group; ``modes``: numbers of modes name its fidelities."""
     finest, known, within = group.finest, isfinite(group.own), percent(accuracy)
-    modes = modes and len({row.modes for row in (finest, *group.others)}) == 1 + len(group.others)
+    modes = modes and not group.solids and len({row.modes for row in (finest, *group.others)}) == 1 + len(group.others)
     enough = [row for row in group.others if group.is_within(row, accuracy)]
     misses = "".join(f"; {each}" for each in _missed([row for row in group.others if row not in enough], accuracy))
-    if any(row.modes < finest.modes for row in group.others):  # else they are solvers of one model
-        enough = [row for row in enough if row.modes < finest.modes]
+    if any(map(group.is_less, group.others)):  # else they are solvers of one model
+        enough = [row for row in enough if group.is_less(row)]
     if known and abs(group.own) > accuracy:
         top = f"{finest.fidelity}, the finest, is {_from_limit(group)}"
         beside = "; ".join(_missed(group.others, 0.0))

@@ -30,7 +30,7 @@ NAMES = {
     "restitution": "R", "first_mode_restitution": "R₁", "peak": "peak", "peak_frequency": "at",
 }  # fmt: skip
 DETAILS = ("flexibility", "peak_frequency")  # columns of -v and of the page
-FINE = 0.25  # of the accuracy: what half the elements may change without a word
+FINE = 0.2  # of the accuracy: what the mesh may be off without a word
 LEAST, DUST = 1e-4, 1e-6  # share that is told in numbers; below which there is none
 
 
@@ -53,12 +53,13 @@ def answer(found: SolidVerdict) -> str:
     known = isfinite(found.error("peak"))
     verdict = "is enough" if found.enough else "is not enough" if found.beyond else "is not known to be enough"
     clauses = [_frequencies(found), f"the peak {_off(found.error('peak'))}" if known else "the peak is not known"]
-    if found.distance.rms > found.accuracy:
-        clauses.append(f"its amplitudes at the same drive frequencies {_size(found.distance.rms)} off (rms)")
+    if found.rms > found.accuracy:
+        clauses.append(f"its amplitudes at the same drive frequencies {_size(found.rms)} off (rms)")
     said = f"The beam {verdict} for {within}: {', '.join(filter(None, clauses))}"
     if step is None or abs(found.error(worst)) < DUST:
         return f"{said}."
-    return f"{said}; {listed(step.causes)} is the largest part ({signed(step.changes[worst])} of {NAMES[worst]})."
+    but = ", not resolved by this mesh" * _hidden(found, step, worst)
+    return f"{said}; {step.cause} is the largest part ({signed(step.changes[worst])} of {NAMES[worst]}{but})."
 
 
 def _frequencies(found: SolidVerdict) -> str:
@@ -94,17 +95,18 @@ def ladder(found: SolidVerdict) -> ReportTable:
     table.add_section()
     for step in found.steps:
         marks = (_change(found, step, name) for name in columns)
-        table.add_row(f"+ {listed(step.causes)}", *marks, _time(seconds[step.name]))
+        table.add_row(f"+ {step.cause}", *marks, _time(seconds[step.name]))
     table.add_section()
     table.add_row("the solid", *(_value(found.solid, name) for name in columns), "")
     table.add_row("the beam is off", *(_cell(found.error(name)) for name in columns), "")
     if not found.coarser.why:
-        less = (_cell(found.unresolved(name)).lstrip("+") for name in columns)
-        table.add_row("half the elements", *less, _time(found.coarser.cpu_seconds))
+        errors = (_cell(found.mesh_error(name)).replace("+", "± ") for name in columns)
+        table.add_row("the solid's mesh", *errors, _time(found.coarser.cpu_seconds))
     table.caption = (
-        "steps: change over the solid's number, their sum is what the beam is off with the other sign; "
-        f"mobility: of the contact in the beam's {counted(found.beam.modes, 'mode')}; *: less than half the elements "
-        "change, not resolved by this mesh"
+        "steps: change over the solid's number, their sum is what the beam is off with the other sign; –: not known, "
+        "the next step has it; "
+        f"mobility: of the contact in the beam's {counted(found.beam.modes, 'mode')}; mesh: half of what one twice as "
+        "coarse changes; *: smaller than that, not resolved"
     )
     return table
 
@@ -132,7 +134,7 @@ def _change(found: SolidVerdict, step: StepChange, name: str) -> str:
 def _hidden(found: SolidVerdict, step: StepChange, name: str) -> bool:
     """Test whether a change is not resolved: a step of the solid's that is less than what the mesh changes."""
     of_beams = not any(each.is_solid for each in found.models if each.name == step.name)
-    return not of_beams and DUST < abs(step.changes[name]) < found.unresolved(name)
+    return not of_beams and DUST < abs(step.changes[name]) < found.mesh_error(name)
 
 
 def _time(seconds: float) -> str:
@@ -166,10 +168,10 @@ def doubts(found: SolidVerdict) -> Iterator[str]:
             f"{counted(found.left_out, 'model')} did not fit into {found.budget:g} s of CPU time: vibeam verdict "
             f"{quote(str(found.case.path))} --only solid --budget '{enough} s' makes all."
         )
-    rough = [name for name in JUDGED if found.unresolved(name) > FINE * found.accuracy]
+    rough = [name for name in JUDGED if found.mesh_error(name) > FINE * found.accuracy]
     if rough:
-        changed = listed([f"{NAMES[name]} {percent(found.unresolved(name))}" for name in rough])
-        yield f"With half the elements the solid's numbers change ({changed}): take more, solid.along first."
+        changed = listed([f"{NAMES[name]} ± {percent(found.mesh_error(name))}" for name in rough])
+        yield f"The solid's mesh leaves an error ({changed}): take more elements, solid.along first."
     for model in (found.beam, found.solid):
         if model.why_no_peak:
             yield f"{begun(model.name)}: {'' if isfinite(model.peak) else 'no '}peak: {model.why_no_peak}."
@@ -239,7 +241,7 @@ def bars(found: SolidVerdict) -> Figure:
     for place, step in enumerate(found.steps):
         left = [at + (place + 0.5) * width - 0.4 for at in range(len(named))]
         heights = [100 * step.changes[name] for name in named]
-        axes.bar(left, heights, width, label=listed(step.causes), color=COLOURS[place % len(COLOURS)])
+        axes.bar(left, heights, width, label=step.cause, color=COLOURS[place % len(COLOURS)])
     axes.axhline(0, color="0.3", linewidth=0.6)
     axes.set_xticks(range(len(named)), [NAMES[name] for name in named])
     axes.set_ylabel("change over the solid's number (%)")

@@ -25,13 +25,15 @@ if TYPE_CHECKING:
 
 
 def finest_of(result: Result, beside: str | None = None) -> str:
-    """Fidelity with most modes, the first of several, among those with the same physics as ``beside``.
+    """Fidelity with most modes, the first of several, among those with the same physics as ``beside``; of solids.
+
+    Three dimensions are above a beam of the same rig, whatever their modes.
 
     A member of a family of curves (other gaps, other R) is no reference for another one's accuracy.
     """
     own = result.case.fidelities
     alike = [name for name in result if beside is None or own[name].changes == own[beside].changes]
-    return max(alike, key=lambda name: modes_of(result[name]))
+    return max(alike, key=lambda name: (result.case.scene_of(name).in_three_dimensions, modes_of(result[name])))
 
 
 def output_units(case: Case) -> OutputUnits:

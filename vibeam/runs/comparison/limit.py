@@ -60,10 +60,10 @@ class Limit:
 def limit(scene: RigScene, modes: int) -> Limit:
     """Limit of a fidelity of ``modes`` modes, uncoupled; ValueError where the case has none.
 
-    Of given matrices it is that of all of their modes: their own mesh cannot be refined.
+    Of given matrices, and of a solid, it is that of all of their modes: their mesh is not refined.
     """
     count = min(max(LEAST, 2 * modes), MOST)
-    if not isinstance(scene, Scene):
+    if not isinstance(scene, Scene) or scene.in_three_dimensions:
         return _of_matrices(scene, count)
     plain, elements = holding(scene, "contact"), resolving(scene, count).beam.elements
     fine, coarse = (

@@ -88,11 +88,11 @@ def estimates(
 
 
 def _scenes(case: Case, names: Iterable[str]) -> list[list[str]]:
-    """Fidelities by scene: those whose changes to the case's own are the same."""
+    """Fidelities by scene: those whose changes to the case's own are the same, and solids apart from beams."""
     groups: dict[str, list[str]] = {}
     for name in names:
         own = case.fidelities[name]
-        groups.setdefault(repr((own.changes, own.without)), []).append(name)
+        groups.setdefault(repr((own.changes, own.without, case.scene_of(name).in_three_dimensions)), []).append(name)
     return list(groups.values())
 
 

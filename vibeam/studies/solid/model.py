@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import nan
-from time import process_time
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
 FIRST = 3  # natural frequencies that are judged and shown
 PLACES = 41  # along each beam, at which shapes are compared
 UNSEEN = 1e-6  # of the contact's row times √(moving mass): a mode that the contact does not see
+CHANCE = "the motion there does not repeat"
 TWIST = 0.02  # the same, from which a mode that does not bend the mean line is one of twist
 
 
@@ -119,17 +119,11 @@ class SteppedModel:
 
     def linear(self) -> LadderModel:
         """Its numbers but the peak; ValueError for an impossible model."""
-        begun, scene = process_time(), self.step.scene
+        scene = self.step.scene
         omega = np.sqrt(np.maximum(np.diag(self.reduced.K) / np.diag(self.reduced.M), 0.0))
         places, alike = self.partners
-        contact = self.kept.contact
-        given, held = scene.stop.usual_restitution, scene.stop.restitution_of
-        mobility, first = float(np.sum(contact**2)), float(contact[0])
-        contact_r, first_r = (given, first_mode_restitution(given, first, mobility))
-        if held != "contact":
-            contact_r, first_r = (1 + given) * mobility / first**2 - 1, given
-        if scene.stop.law is not None:
-            contact_r = first_r = nan
+        mobility = float(np.sum(self.kept.contact**2))
+        contact_r, first_r = _restitutions(scene, float(self.reduced.contact[places[0]]), mobility)
         return LadderModel(
             self.step.name,
             self.step.cause,
@@ -141,7 +135,6 @@ class SteppedModel:
             self.kept.size,
             contact_r,
             first_r,
-            cpu_seconds=process_time() - begun,
             unread=self.step.keys,
             is_solid=isinstance(scene, SolidScene),
         )
@@ -166,11 +159,21 @@ class SteppedModel:
         return float(single.contact[0] ** 2 / single.K[0, 0])
 
 
+def _restitutions(scene: Scene, first: float, mobility: float) -> tuple[float, float]:
+    """Restitution of the contact, NaN where none in [0, 1] gives that of mode 1, and of mode 1; NaN of other laws."""
+    given = scene.stop.usual_restitution
+    if scene.stop.law is not None:
+        return nan, nan
+    if scene.stop.restitution_of == "contact":
+        return given, first_mode_restitution(given, first, mobility)
+    needed = (1 + given) * mobility / first**2 - 1
+    return needed if 0 <= needed <= 1 else nan, given
+
+
 def with_peak(model: LadderModel, curve: Curve) -> LadderModel:
-    """The model with the peak of its sweep, refined between the points."""
-    begun, top = process_time(), refined_peak(curve)
-    spent = model.cpu_seconds + curve.cpu + process_time() - begun
-    return replace(
-        model, peak=top.amplitude.number, peak_frequency=top.frequency.number, why_no_peak=top.amplitude.why,
-        cpu_seconds=spent,
-    )  # fmt: skip
+    """The model with the peak of its sweep, refined between the points; none where its motion does not repeat."""
+    if not curve.swept.peak.repeats:
+        return replace(model, why_no_peak=CHANCE)
+    top = refined_peak(curve)
+    peak, at = top.amplitude, top.frequency.number
+    return replace(model, peak=peak.number, peak_frequency=at, why_no_peak=peak.why)

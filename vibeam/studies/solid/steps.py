@@ -60,7 +60,7 @@ def _steps(scene: SolidScene) -> Iterator[LadderStep]:
     if not beam.shaped_beam.shear:
         yield LadderStep("Timoshenko's beam", "shear", _with_shear(beam))
     free = replace(scene.without("torsion"), solid=replace(solid, clamp="sliding", mass_size=None))
-    yield LadderStep("solid without contraction", "the shape in three dimensions", replace(free, contraction=False))
+    yield LadderStep("solid without contraction", "three dimensions", replace(free, contraction=False))
     yield LadderStep("solid with sliding clamps", "plate stiffening", free)
     if solid.clamp == "held" and "clamped" in scene.shaped_beam.ends and not scene.named("clamp"):
         free = replace(free, solid=replace(free.solid, clamp="held"))

@@ -4,7 +4,7 @@ Each step is the difference of two models, over the solid's number, so that the 
 beam is off, to the bit of their rounding. Held is what the case holds, R of the contact or R₁ of mode 1; the other one
 follows in each model. The mobility is that of as many modes as the beam has, told by their shapes: of a patch that of
 all modes grows without limit as the mesh is refined, and is not compared. What half as many elements in each direction
-change says from where on a step of the solid's is not resolved.
+change tells the error of the mesh, below which a step of the solid's is not resolved.
 """
 
 from __future__ import annotations
@@ -38,17 +38,21 @@ QUANTITIES = (
     "first_mode_restitution", "peak", "peak_frequency",
 )  # fmt: skip
 JUDGED = (*QUANTITIES[:FIRST], "peak")
+SAFE = 0.5  # of the change: ⅓ of it is the error where that is of second order, as in flat elements and at clamps
 LEFT_OUT = "left out: over the budget"
+MORE = (3, 8)  # halves of the beam's number of modes, in which the first ones are looked for
 OF_RECORD = "is not compared under a record: vibeam verdict --only map has the peaks of all fidelities"
 
 
 @dataclass(frozen=True)
 class StepChange:
-    """Change from the model before to the model ``name``, for the reasons ``causes``: of each quantity, over the
-    solid's number; NaN where one of the two has none."""
+    """Change that a step's ``cause`` makes: of each quantity from the last model that has it, over the solid's number.
+
+    NaN of what the model does not have, which the next step then has in it.
+    """
 
     name: str
-    causes: tuple[str, ...]
+    cause: str
     changes: dict[str, float]
 
 
@@ -87,23 +91,21 @@ class SolidVerdict(ValueRecord, ViewedTable):
 
     def error(self, quantity: str) -> float:
         """Error of the beam in a quantity, relative to the solid's; NaN where one of the two has none."""
-        return _over(self.beam, self.solid, self.solid, quantity)
+        return _over(self.beam.value(quantity), self.solid.value(quantity), self.solid.value(quantity))
 
-    def unresolved(self, quantity: str) -> float:
-        """Relative change of the solid's quantity with half as many elements, in size; NaN where it is not known."""
-        return abs(_over(self.coarser, self.solid, self.solid, quantity))
+    def mesh_error(self, quantity: str) -> float:
+        """Error of the solid's quantity by its mesh, relative: ``SAFE`` times what half as many elements change."""
+        return SAFE * abs(_over(self.coarser.value(quantity), self.solid.value(quantity), self.solid.value(quantity)))
 
     @property
     def steps(self) -> tuple[StepChange, ...]:
-        """Changes from each model that is known to the next."""
-        found, causes, before = [], list[str](), self.beam
+        """Change by each step; of every quantity they add up to what the beam is off, with the other sign."""
+        found, before = [], {name: self.beam.value(name) for name in QUANTITIES}
         for model in self.models[1:]:
-            causes.append(model.cause)
-            if model.why:
-                continue
-            changes = {name: _over(model, before, self.solid, name) for name in QUANTITIES}
-            found.append(StepChange(model.name, tuple(causes), changes))
-            causes, before = [], model
+            values = {name: model.value(name) for name in QUANTITIES}
+            changes = {name: _over(values[name], before[name], self.solid.value(name)) for name in QUANTITIES}
+            before |= {name: value for name, value in values.items() if isfinite(value)}
+            found.append(StepChange(model.name, model.cause, changes))
         return tuple(found)
 
     @property
@@ -119,19 +121,29 @@ class SolidVerdict(ValueRecord, ViewedTable):
         return max(known, key=lambda each: abs(each.changes[self.worst]), default=None)
 
     @property
+    def rms(self) -> float:
+        """Distance of the beam's amplitudes at the same frequencies, rms; NaN where fewer than half can be compared."""
+        return self.distance.rms if 2 * self.distance.points >= self.distance.total else nan
+
+    @property
     def beyond(self) -> bool:
-        """Test whether the beam is beyond the accuracy in what is known: frequencies, peak, rms over the sweep."""
-        return any(abs(each) > self.accuracy for each in (*(self.error(name) for name in JUDGED), self.distance.rms))
+        """Test whether the beam is beyond the accuracy: in a frequency or the peak by more than the mesh error, rms."""
+        return self.rms > self.accuracy or any(self._off(name, -1) > self.accuracy for name in JUDGED)
 
     @property
     def enough(self) -> bool:
-        """Test whether the beam is within the accuracy in all of that, the peak known."""
-        return isfinite(self.error("peak")) and not self.beyond
+        """Test whether the beam is within the accuracy in all of that, the mesh error counted, and the peak known."""
+        within = all(self._off(name, 1) <= self.accuracy for name in JUDGED if isfinite(self.error(name)))
+        return isfinite(self.error("peak")) and within and not self.beyond
+
+    def _off(self, quantity: str, side: int) -> float:
+        """Error of the beam in size with the mesh error, where that is known, on this side."""
+        mesh = self.mesh_error(quantity)
+        return abs(self.error(quantity)) + side * (mesh if isfinite(mesh) else 0.0)
 
 
-def _over(one: LadderModel, other: LadderModel, solid: LadderModel, quantity: str) -> float:
-    whole = solid.value(quantity)
-    return (one.value(quantity) - other.value(quantity)) / whole if whole else nan
+def _over(one: float, other: float, whole: float) -> float:
+    return (one - other) / whole if whole else nan
 
 
 @of_source
@@ -194,7 +206,7 @@ class _Ladder:
         """The verdict; ValueError where beam or solid cannot be made."""
         self._told()
         reference = SteppedModel(self.steps[0], self.count)
-        ends = [self._made(SteppedModel(self.steps[0], self.count, reference)), self._of(self.steps[-1], reference)]
+        ends = [self._made(step, reference) for step in (self.steps[0], self.steps[-1])]
         for each in ends:
             if each.why:
                 raise ValueError(f"{each.name}: {each.why}")
@@ -214,27 +226,33 @@ class _Ladder:
             self.left_out += 1
             self._told()
             return LadderModel(step.name, step.cause, why=LEFT_OUT, unread=step.keys)
-        body = isinstance(step.scene, SolidScene)
-        further = (self.count if step.scene.named("torsion") else self.count // 2) + 4 if body else 0
-        return self._made(SteppedModel(step, self.count + further, beam))
+        return self._made(step, beam)
 
-    def _made(self, model: SteppedModel) -> LadderModel:
+    def _made(self, step: LadderStep, beam: SteppedModel) -> LadderModel:
         begun = process_time()
         try:
+            model = self._wide_enough(step, beam)
             found = model.linear()
         except ValueError as refusal:
-            return LadderModel(model.step.name, model.step.cause, why=str(refusal), unread=model.step.keys)
+            return LadderModel(step.name, step.cause, why=str(refusal), unread=step.keys)
         try:
             if self.case.record is not None:
                 raise ValueError(OF_RECORD)
             curve = model.curve(self.case, self.fidelity)
             found = with_peak(found, curve)
-            self.curves[model.step.name] = curve
+            self.curves[step.name] = curve
         except ValueError as refusal:
             found = replace(found, why_no_peak=str(refusal))
         self.longest = max(self.longest, process_time() - begun)
         self._told()
         return replace(found, cpu_seconds=process_time() - begun)
+
+    def _wide_enough(self, step: LadderStep, beam: SteppedModel) -> SteppedModel:
+        """Model with the beam's modes among its own: of a solid some do not bend it, of a wide strip many."""
+        if not step.scene.in_three_dimensions:
+            return SteppedModel(step, self.count, beam)
+        first, last = (SteppedModel(step, times * self.count // 2 + 4, beam) for times in MORE)
+        return first if min(first.partners[0][:FIRST], default=0) >= 0 else last
 
     def _distance(self) -> Difference:
         """Distance of the beam's amplitudes from the solid's."""

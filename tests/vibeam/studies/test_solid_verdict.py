@@ -1,0 +1,157 @@
+"""Verdict of the solid on the beam, on rigs whose answer is known: slender, of ratio 3, a wide thin strip."""
+
+from __future__ import annotations
+
+import json
+from math import isnan, sqrt
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import vibeam
+from vibeam.cli.main import app
+from vibeam.report.solid import sheet
+from vibeam.studies.solid.steps import ladder, solid_of
+from vibeam.studies.solid.study import JUDGED, QUANTITIES
+
+pytestmark = pytest.mark.usefixtures("undrawn")
+STEEL = {"youngs_modulus": "210 GPa", "density": "7850 kg/m^3", "damping_ratio": 0.03}
+YIELDING = {"law": "linear", "stiffness": "5e5 N/m", "damping": "20 N s/m", "gap": "0 mm"}
+
+
+def rig(millimetres: tuple[float, float, float], hertz: tuple[float, float], **more: Any) -> dict[str, Any]:
+    """Tables of a cantilever of length, width and thickness, met at 0.8 of its length, swept over a few frequencies."""
+    length, width, thickness = millimetres
+    at = f"{0.8 * length} mm"
+    tables: dict[str, Any] = {
+        "beam": {
+            "length": f"{length} mm", "width": f"{width} mm", "thickness": f"{thickness} mm", "elements": 12, **STEEL
+        },
+        "stop": {"position": at, **YIELDING},
+        "sensor": {"position": at},
+        "drive": {"amplitude": "0.02 mm"},
+        "sweep": {
+            "frequency": {"from": f"{hertz[0]} Hz", "to": f"{hertz[1]} Hz", "points": 5}, "direction": "up",
+            "settle": 120, "hold": 4,
+        },
+        "fidelity": {"beam": {"reduction": "modal", "modes": 3}},
+    }  # fmt: skip
+    return tables | more
+
+
+RIGS = {
+    "slender": rig(
+        (100, 4, 4), (270, 390), mass={"mass": "20 g", "position": "80 mm"},
+        stop={"gap": "0 mm", "restitution": 0.7, "restitution_of": "first mode"},
+    ),
+    "ratio 3": rig((30, 10, 10), (7500, 11000)),
+    "wide strip": rig((10, 80, 0.5), (4200, 5800)),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, vibeam.studies.SolidVerdict]:
+    return {name: vibeam.studies.solid_verdict(vibeam.load(tables)) for name, tables in RIGS.items()}
+
+
+def test_of_a_slender_beam_the_beam_is_enough(found: dict[str, vibeam.studies.SolidVerdict]) -> None:
+    slender = found["slender"]
+    said = sheet(slender).answer
+    assert slender.enough
+    assert said.startswith("The beam is enough for 5 %: its first three natural frequencies are within ")
+    assert all(abs(slender.error(name)) < 0.01 for name in JUDGED[:-1])
+
+
+def test_of_a_beam_of_ratio_three_shear_is_the_largest_part(found: dict[str, vibeam.studies.SolidVerdict]) -> None:
+    """The step is that of Timoshenko's beam, read off the case's own table."""
+    short = found["ratio 3"]
+    assert short.largest is not None
+    assert (short.enough, short.worst, short.largest.cause) == (False, "f3", "shear")
+    sheared = vibeam.load(RIGS["ratio 3"], {"beam.theory": "timoshenko", "beam.poissons_ratio": 0.3})
+    third = vibeam.modes(sheared, 3).rows[2].frequency
+    step = next(each for each in short.steps if each.cause == "shear")
+    assert step.changes["f3"] == pytest.approx(
+        (third - short.beam.frequencies[2]) / short.solid.frequencies[2], rel=1e-9
+    )
+    assert "The beam is not enough for 5 %: its first three natural frequencies are up to 8" in sheet(short).answer
+
+
+def test_a_wide_strip_is_a_plate_and_bends_by_ei_over_one_less_the_square_of_the_ratio(
+    found: dict[str, vibeam.studies.SolidVerdict],
+) -> None:
+    """Eight times as wide as long: cylindrical bending, ω ∝ 1/√(1 − ν²), to the mesh's error."""
+    wide = found["wide strip"]
+    parts = {each.cause: each.changes["f1"] for each in wide.steps}
+    before = wide.solid.frequencies[0] * (1 - parts["plate stiffening"] - parts["the clamp"])
+    assert wide.solid.frequencies[0] / before == pytest.approx(1 / sqrt(1 - 0.3**2), abs=0.005)
+    assert wide.largest is not None
+    assert (wide.enough, wide.worst, wide.largest.cause) == (False, "f1", "plate stiffening")
+    assert abs(parts["three dimensions"]) < wide.mesh_error("f1")
+
+
+@pytest.mark.parametrize("name", list(RIGS))
+def test_steps_add_up_to_what_the_beam_is_off(found: dict[str, vibeam.studies.SolidVerdict], name: str) -> None:
+    """To the rounding of their sum, in every quantity that beam and solid have."""
+    case = found[name]
+    known = [each for each in QUANTITIES if not isnan(case.error(each))]
+    assert {"f1", "f2", "f3", "flexibility", "mobility", "peak"} <= set(known)
+    for quantity in known:
+        parts = [step.changes[quantity] for step in case.steps if not isnan(step.changes[quantity])]
+        assert sum(parts) == pytest.approx(-case.error(quantity), abs=1e-13)
+
+
+def test_what_is_held_is_held_in_every_model(found: dict[str, vibeam.studies.SolidVerdict]) -> None:
+    """R₁ is the case's; R of the contact follows by (1 + R₁) S/c₁² − 1, of the solid's own mobility S."""
+    models = found["slender"].models
+    assert {model.first_mode_restitution for model in models} == {0.7}
+    beam = vibeam.load(RIGS["slender"]).system("beam")
+    assert models[0].restitution == pytest.approx(beam.restitution, rel=1e-9)
+    assert models[0].mobility == pytest.approx(float((beam.contact**2).sum()), rel=1e-9)
+    ratio = (1 + models[-1].restitution) / (1 + models[0].restitution)
+    assert ratio == pytest.approx(models[-1].mobility / models[0].mobility, rel=0.01)  # c₁ is the same to 1 %
+    assert all(isnan(model.restitution) for model in found["ratio 3"].models)
+
+
+def test_the_way_to_the_solid_is_as_long_as_the_case_has_reasons() -> None:
+    def causes(**settings: Any) -> list[str]:
+        scene: Any = vibeam.load(RIGS["slender"], settings or None).scene
+        return [step.cause for step in ladder(solid_of(scene))]
+
+    assert causes() == ["", "shear", "three dimensions", "plate stiffening", "the clamp"]
+    assert causes(**{"beam.ends": "pinned-pinned"}) == ["", "shear", "three dimensions", "plate stiffening"]
+    assert "shear" not in causes(**{"beam.theory": "timoshenko", "beam.poissons_ratio": 0.3})
+    twisted = {"torsion.eccentricity": "0.5 mm", "torsion.polar_inertia": "1e-6 kg m^2", "torsion.poissons_ratio": 0.3}
+    assert [causes(**twisted)[at] for at in (1, -1)] == ["St Venant's torsion", "torsion"]
+
+
+def test_models_that_the_budget_does_not_hold_are_left_out_and_their_steps_stand_in_the_next() -> None:
+    case = vibeam.load(RIGS["slender"])
+    whole = vibeam.studies.solid_verdict(case, budget=1e-9)
+    assert whole.left_out == 4  # shear, three dimensions, plate stiffening, the coarser mesh
+    assert whole.steps[-1].changes["f1"] == pytest.approx(-whole.error("f1"), abs=1e-13)
+    assert "did not fit into 1e-09 s of CPU time: vibeam verdict" in sheet(whole).notes[0]
+
+
+def test_the_command_has_table_page_and_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    case = vibeam.load(RIGS["slender"])
+    Path("rig.toml").write_text(case.text, encoding="utf-8")
+    done = CliRunner().invoke(app, ["verdict", "rig.toml", "--only", "solid"])
+    assert done.exit_code == 0, done.output
+    lines = done.stdout.splitlines()
+    assert lines[0].startswith("The beam is enough for 5 %")
+    assert [line for line in lines if line.startswith(("+ shear", "+ three", "+ plate", "+ the clamp"))]
+    assert {each.suffix for each in tmp_path.glob("rig_solid*")} >= {".csv"}
+    head, *rows = (tmp_path / "rig_solid.csv").read_text(encoding="utf-8").splitlines()
+    assert head.startswith("model,cause,modes,f1,f2,f3,")
+    assert len(rows) == 6
+    made = json.loads(CliRunner().invoke(app, ["verdict", "rig.toml", "--only", "solid", "--json"]).stdout)
+    assert made["enough"] is True
+    assert [step["cause"] for step in made["steps"]] == ["shear", "three dimensions", "plate stiffening", "the clamp"]
+
+
+def test_a_case_without_a_beam_is_told_so() -> None:
+    with pytest.raises(ValueError, match="no beam to compare with a solid"):
+        vibeam.studies.solid_verdict("cases/sdof_nominal.toml")
