@@ -24,6 +24,7 @@ from vibeam_models.solid.own_mesh import BodyRow, OwnRig
 from vibeam_models.solid.own_structure import body_structure
 from vibeam_models.solid.plan import Solid
 from vibeam_models.solid.scene import SolidScene
+from vibeam_models.solid.structure import solid_fields
 from vibeam_models.stop import Stop
 
 LENGTH = 0.2
@@ -152,3 +153,14 @@ def test_a_mesh_of_ones_own_is_the_scenes_structure(whole):
     for name in ("contact", "load"):
         pushed = [each.contact @ each.deflection(getattr(each, name)) for each in (one, other)]
         assert pushed[1] == pytest.approx(pushed[0], rel=1e-8)
+
+
+def test_fields_expand_the_coordinates_of_both_bodies():
+    """The contact's displacement is that of its nodes, u = Z y, on either body."""
+    rig = scene(SolidScene, effects=[Opposite(0.15, 0.0, thickness=0.003)])
+    structure, fields = structure_of(rig), solid_fields(rig)
+    motion = structure.deflection(structure.contact)
+    tips = {name: field.elements.points[0] == LENGTH for name, field in fields.items()}
+    means = {name: field.expand(motion)[tips[name], 2].mean() for name, field in fields.items()}
+    assert means["beam"] == pytest.approx(structure.outputs["tip"] @ motion, rel=1e-3)
+    assert means["opposite"] == pytest.approx(structure.outputs["opposite_tip"] @ motion, rel=1e-3)

@@ -56,9 +56,29 @@ class BodySpace:
         inner = self.congruent(mass)
         return SparseStructure(inner, 0 * inner, self.congruent(stiffness), load, np.zeros(self.size), contact)
 
+    def field(self, before: int = 0, after: int = 0) -> SolidField:
+        """Displacements of the body in a structure that has so many coordinates ``before`` and ``after`` its own."""
+        from scipy.sparse import csc_array, hstack
+
+        count = self.rows.elements.size
+        parts = (csc_array((count, before)), self.coordinates.basis, csc_array((count, after)))
+        return SolidField(self.rows.body, self.rows.elements, hstack(parts, format="csc"))
+
+
+@dataclass(frozen=True, eq=False)
+class SolidField:
+    """Displacements of a ``body``, m, at the nodes ``elements.points``, by the coordinates y (n,) of a whole structure.
+
+    u = ``basis`` y, ``basis`` (3 k, n) sparse, x, y and z of each node in turn.
+    """
+
+    body: SolidBody
+    elements: SolidElements
+    basis: Any
+
     def expand(self, y: Array) -> Array:
-        """Displacements (k, 3) or (k, 3, m) m of the nodes ``rows.elements.points``, of coordinates (n,) or (n, m)."""
-        return np.asarray((self.coordinates.basis @ y).reshape(-1, 3, *y.shape[1:]))
+        """Displacements (k, 3) or (k, 3, m) m, of coordinates (n,) or (n, m)."""
+        return np.asarray((self.basis @ y).reshape(-1, 3, *y.shape[1:]))
 
 
 @dataclass(frozen=True)

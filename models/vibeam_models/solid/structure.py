@@ -20,7 +20,7 @@ from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.geometry.bodies import Which, body_of
 from vibeam_models.solid.rows import NEAR, SolidRows, X
 from vibeam_models.solid.scene import SolidScene
-from vibeam_models.solid.space import BodySpace, RigidMass, outer
+from vibeam_models.solid.space import BodySpace, RigidMass, SolidField, outer
 from vibeam_models.sparse import SparseStructure
 from vibeam_models.structure import side_by_side
 
@@ -112,6 +112,20 @@ def solid_space(scene: SolidScene, which: Which = "beam") -> SolidSpace:
     ]
     coordinates = SolidCoordinates.of(rows.elements.points, body.half, held, parts).tied(tied)
     return SolidSpace(rows, coordinates, beam, tuple(zones))
+
+
+def solid_fields(scene: SolidScene) -> dict[str, SolidField]:
+    """Displacements of the body, ``"beam"``, and of the ``"opposite"`` one, by the coordinates of the structure."""
+    spaces = {which: solid_space(scene, which) for which in _bodies(scene)}
+    sizes = [space.size for space in spaces.values()]
+    return {
+        which: space.field(sum(sizes[:index]), sum(sizes[index + 1 :]))
+        for index, (which, space) in enumerate(spaces.items())
+    }
+
+
+def _bodies(scene: SolidScene) -> tuple[Which, ...]:
+    return ("beam", "opposite") if scene.named("opposite") else ("beam",)
 
 
 def _zones(scene: SolidScene, which: Which) -> Iterable[tuple[float, float]]:
