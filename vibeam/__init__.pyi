@@ -18,6 +18,7 @@ from vibeam.figures import register_figure as register_figure
 from vibeam.figures.declaration import FigureKind as FigureKind
 from vibeam.flight.extremes import extremes as extremes
 from vibeam.flight.outcome import Outcome as Outcome
+from vibeam.flight.record_batch import simulate_records as simulate_records
 from vibeam.flight.shock_spectrum import shock_spectrum as shock_spectrum
 from vibeam.flight.trajectory import Trajectory as Trajectory
 from vibeam.flight.trajectory import simulate as simulate

@@ -139,6 +139,24 @@ def against_scipy(seconds: float) -> None:
     print(f"; {len(hits)} impacts of {len(true)}, off by {off:.1e} s at most", flush=True)
 
 
+def batch(count: int, seconds: float) -> None:
+    """Realisations by ``simulate_records`` on one and two threads, over one long record of as many samples a piece."""
+    records = [vibeam.Record.sampled(samples(seconds, seed), rate=RATE) for seed in range(count)]
+    one = vibeam.Record.sampled(samples(10.0), rate=RATE)
+    begun, cpu = time.perf_counter(), time.process_time()
+    paths = vibeam.simulate_records(SYSTEM, records, seconds, workers=1)
+    alone, spent = time.perf_counter() - begun, time.process_time() - cpu
+    inside = sum(path.stats["cpu_seconds"] for path in paths)
+    kernel = min(cost(lambda: vibeam.simulate(SYSTEM, one, one.end)) for _ in range(ROUNDS)) / 10.0 * seconds * count
+    begun = time.perf_counter()
+    vibeam.simulate_records(SYSTEM, records, seconds, workers=2)
+    both = time.perf_counter() - begun
+    share, over = 100 * inside / spent, 100 * kernel / spent
+    print(f"{count} realisations of {seconds} s: {spent:.2f} s CPU, of it {share:.0f} % flying", end="")
+    print(f"; one long record of that length {kernel:.2f} s: {over:.0f} % of its speed", end="")
+    print(f"; two threads {alone / both:.2f} times as fast", flush=True)
+
+
 def main() -> None:
     """The lines."""
     vibeam.simulate(SYSTEM, vibeam.Record.sampled(samples(0.01), rate=RATE), 0.01)
@@ -146,6 +164,7 @@ def main() -> None:
         long_record(10.0, interpolation)
     long_record(100.0)
     against_scipy(0.1)
+    batch(1000, 0.5)
 
 
 if __name__ == "__main__":

@@ -216,7 +216,7 @@ class Trajectory(ValueRecord):
 
             found = derivative_along(self.system, self.drive, self.segments.trace, flat, states, wanted, more)
         else:
-            from vibeam.flight.record.solver import derivative_under
+            from vibeam.flight.record.readout import derivative_under
 
             found = derivative_under(cast(Any, self._solver), self.segments.trace, flat, states, wanted, more)
         return np.asarray(found.reshape(times.shape))

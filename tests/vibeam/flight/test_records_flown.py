@@ -165,10 +165,22 @@ def test_bins_see_no_more_than_their_time() -> None:
     assert np.isnan([found.least[0, 2], found.greatest[0, 2]]).all()
 
 
+def test_records_side_by_side_move_as_one_by_one() -> None:
+    """To the bit, in threads of their own; the motions can be read off afterwards, in any order."""
+    records = [vibeam.Record.random(1e-2, 0.1, seed=seed, rate=1e4, band=(10.0, 1000.0)) for seed in range(4)]
+    paths = vibeam.simulate_records(PLAIN, records, 0.1, workers=2)
+    for path, record in zip(paths, records, strict=True):
+        alone = vibeam.simulate(PLAIN, record, 0.1)
+        np.testing.assert_array_equal(path.impact_times, alone.impact_times)
+        np.testing.assert_array_equal(path.at([0.03, 0.08]), alone.at([0.03, 0.08]))
+
+
 def test_what_is_no_load_is_refused() -> None:
     """One sentence each."""
     with pytest.raises(ValueError, match="must be a Drive or a Record, not float"):
         vibeam.simulate(PLAIN, 3.0, 1.0)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="4 of them, but 1 records"):
+        vibeam.simulate_records(PLAIN, [vibeam.Record.half_sine(1.0, 0.01)], 0.1, [None] * 4)
 
 
 @pytest.mark.parametrize("name", ["rest", "linear", "Hertz"])

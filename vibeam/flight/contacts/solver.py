@@ -53,11 +53,8 @@ class ContactsSolver(EventDrivenSolver):
         try:
             found: ContactSets = self._own.sets
         except AttributeError:
-            found = self._own.sets = self._new_sets()
+            found = self._own.sets = ContactSets(self.contacts, self._slowest, self._top)
         return found
-
-    def _new_sets(self) -> ContactSets:
-        return ContactSets(self.contacts, self._slowest, self._top)
 
     def _engine_for(self, size: float) -> ContactEngine:
         own = self.sets.engine

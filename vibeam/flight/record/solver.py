@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import time
+from threading import local
 from typing import Any
 
 import numpy as np
 
-from vibeam.flight.contacts.readout import derivatives_in
 from vibeam.flight.contacts.sets import FIRST, ContactSets
 from vibeam.flight.contacts.solver import ContactsSolver
 from vibeam.flight.event_driven import Segments
@@ -21,12 +21,21 @@ from vibeam.flight.record.course import RecordCourse
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.record import Record
 from vibeam.system.response import Ended
-from vibeam.system.rows import TimeDerivative
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
 SEGMENTS = 8  # of the longest, for whose intervals there is room
 FIRST_ROWS, MOST_ROWS = 4096, 65536  # segments between two visits to Python
+NO_INTERVALS = np.zeros((0, layout.PIECE_COLUMNS))
+
+
+class _Own(local):
+    """Sets of one thread; the course of the solver that was last at work in it, and the one that the sets are under."""
+
+    sets: ContactSets | None = None
+    solver: RecordSolver | None = None
+    course: RecordCourse | None = None
+    under: RecordCourse | None = None
 
 
 class RecordSolver(ContactsSolver):
@@ -39,14 +48,44 @@ class RecordSolver(ContactsSolver):
     def __init__(self, system: ImpactSystem, record: Record, start: float, end: float, limit: int = 100_000) -> None:
         """``limit``: as of ``ContactsSolver``."""
         super().__init__(system, 0.0, end - start, limit)
-        self.course = RecordCourse.of(record, start, end)
+        self._known, self._under = (record, start, end), _Own()
 
-    def _new_sets(self) -> ContactSets:
-        """Sets of a thread, under the record's course."""
-        found, course = super()._new_sets(), self.course
-        load = course_of(course.pieces, course.lengths, course.peaks, FIRST, *self.contacts.rows.shape[::-1])
-        found.engine = found.engine._replace(course=load)
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in super().__getstate__().items() if name != "_under"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self._under = _Own()
+
+    def sibling(self, record: Record, start: float, end: float) -> RecordSolver:
+        """The solver of the same system under another record of about the same span; both use the same sets."""
+        found: RecordSolver = object.__new__(type(self))  # no copy, which would leave the sets behind
+        vars(found).update(vars(self), _known=(record, start, end))
         return found
+
+    @property
+    def course(self) -> RecordCourse:
+        """The record's course; many motions of one batch hold none, but make it anew where they are read."""
+        own = self._under
+        if own.course is None or own.solver is not self:
+            own.solver, own.course = self, RecordCourse.of(*self._known)
+        return own.course
+
+    @property
+    def sets(self) -> ContactSets:
+        """The calling thread's sets, under this record's course."""
+        own, course = self._under, self.course
+        if own.sets is not None and own.under is course:
+            return own.sets
+        if own.sets is None:
+            own.sets = ContactSets(self.contacts, self._slowest, self._top)
+            load = course_of(course.pieces, course.lengths, course.peaks, FIRST, *self.contacts.rows.shape[::-1])
+        else:
+            load = own.sets.engine.course._replace(
+                pieces=course.pieces, lengths=course.lengths, peaks=course.peaks, intervals=NO_INTERVALS
+            )
+        own.sets.engine, own.under = own.sets.engine._replace(course=load), course
+        return own.sets
 
     def fly(
         self, state: State | None, start: float, end: float, limit: int, certify: bool
@@ -128,22 +167,6 @@ class RecordSolver(ContactsSolver):
     def poses_at(self, drive: Any, segments: Segments, times: Array) -> Array:
         """As ``modes_at``."""
         return self.modes_at(segments, times)
-
-
-def derivative_under(
-    solver: RecordSolver, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int
-) -> Array:
-    """The output ``wanted`` (m,), or its rate (``more`` 1), at ``times`` (m,) with their ``poses`` (m, 2, n).
-
-    At an event the value after it. ValueError for the rate of an acceleration in a contact that is integrated.
-    """
-    order = wanted.order + more
-    if order == 1:
-        return np.asarray(poses[:, 1] @ wanted.row)
-    loads = solver.course.loads(times)
-    which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
-    found = derivatives_in(solver.system, loads, trace[which], poses, wanted.row, order)
-    return np.asarray(found - wanted.base * loads[order - 2])
 
 
 def flown(
