@@ -63,6 +63,15 @@ FIGURES = Registry(
         record=True,
         sweep=False,
     ),
+    _own(
+        "spectrogram",
+        "density of the output over time and frequency, under the first realisation",
+        takes=("output",),
+        exact=True,
+        derivatives=True,
+        record=True,
+        sweep=False,
+    ),
     _own("portrait", "velocity over displacement", FREQUENCY, MOTION, derivatives=True),
     _own(
         "coordinates",

@@ -52,6 +52,9 @@ kind = "impact_velocities"
 kind = "history"
 output = "sensor"
 window = ["0.1 s", "0.15 s"]
+[show.over_time]
+kind = "spectrogram"
+fidelities = ["beam"]
 """
 
 
@@ -90,7 +93,7 @@ def test_the_page_asks_nothing_of_any_network_is_small_and_shows_hostile_texts(t
         "checks",
     ):
         assert f'id="{section}"' in text
-    for name in ("hits", "close"):
+    for name in ("hits", "close", "over_time"):
         assert f"Figure {name}" in text
 
 
@@ -156,6 +159,18 @@ def test_figures_show_the_whole_record_and_the_window_that_is_asked_for(results)
     lowest = min(path.vertices[:, 1].min() for each in drawn[0] for path in each.get_paths())
     assert lowest == pytest.approx(1e3 * min(result[name].history["sensor"].least.min() for name in result))
     assert vibeam.plot(result).axes[2].get_title(loc="left") == "sensor (mm)"
+
+
+def test_a_spectrogram_has_the_lines_of_its_modes(results):
+    (sheet,) = results.result.shown["over_time"]
+    assert sheet.fault == ""
+    density = sheet["density"].reshape(len(sheet["frequency"]), -1)
+    assert density.shape[1] == len(sheet["time"])
+    case = results.result.case
+    path = vibeam.simulate(case.system("beam"), case.input("beam", 3), 0.3, case.start("beam"))
+    step = np.diff(sheet["frequency"]).mean()
+    power = float(density.mean(axis=1).sum() * step)  # of the sensor, one-sided: its variance
+    assert power == pytest.approx(path.at(np.linspace(0, 0.3, 60_001), "sensor").var(), rel=0.35)
 
 
 def test_keys_of_figures_of_sweeps_are_refused_beside_a_record(tmp_path):
