@@ -13,9 +13,9 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
-from resonant_grazing import boundary_drives, resonant_grazing
 
 import vibeam
+from vibeam.periodic.resonant_grazing import boundary_drives
 
 HERE = Path(__file__).parent
 TURN = 2 * np.pi
@@ -52,7 +52,7 @@ def panel(axes: plt.Axes, system: vibeam.ImpactSystem) -> None:
         boundary_drives(system, omega), ("fold", "doubling"), ("#0b5fa5", "#c2410c"), strict=True
     ):
         axes.plot(hertz, 1e3 * (drive - 1), color=colour, label=name)
-    for each in resonant_grazing(system, (TURN * LOW, TURN * HIGH)):
+    for each in vibeam.resonant_grazing(system, (TURN * LOW, TURN * HIGH)):
         step = omega - each.omega
         tangent = np.where(step * each.side > 0, each.slope * step + each.curvature * step**2, np.nan)
         axes.plot(hertz, 1e3 * tangent, color="0.2", ls=":", lw=1)
@@ -63,7 +63,7 @@ def panel(axes: plt.Axes, system: vibeam.ImpactSystem) -> None:
 
 def places(system: vibeam.ImpactSystem) -> dict[str, dict[str, float]]:
     """Hz of the places of resonant grazing, and how the drive's excess over grazing begins, per Hz and per Hz²."""
-    found = resonant_grazing(system, (TURN * LOW, TURN * HIGH))
+    found = vibeam.resonant_grazing(system, (TURN * LOW, TURN * HIGH))
     rows = ((each.omega / TURN, each.slope * TURN, each.curvature * TURN**2) for each in found)
     keys = ("frequency", "slope", "curvature")
     return {each.kind.name.lower(): dict(zip(keys, row, strict=True)) for each, row in zip(found, rows, strict=True)}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from cases.grazing.resonant_grazing import boundary_drives, resonant_grazing
+from vibeam.periodic.resonant_grazing import boundary_drives
 
 ONE = vibeam.ImpactSystem.from_modes(1.0, 0.03, 1.0, 1.0, gap=1.0, restitution=0.8)
 TWO = vibeam.ImpactSystem.from_modes([1.0, 6.27], 0.02, [1.0, 0.4], [1.0, 0.3], gap=1.0, restitution=0.7)
@@ -53,7 +53,7 @@ def test_one_mode_has_the_explicit_coefficients(zeta: float, restitution: float)
     system = vibeam.ImpactSystem.from_modes(1.0, zeta, 1.0, 1.0, gap=1.0, restitution=restitution)
     for k in range(1, 5):
         omega, fold, doubling = coefficients(zeta, restitution, k)
-        found = resonant_grazing(system, (0.98 * omega, 1.02 * omega))
+        found = vibeam.resonant_grazing(system, (0.98 * omega, 1.02 * omega))
         assert [each.kind for each in found] == [vibeam.Kind.FOLD, vibeam.Kind.DOUBLING]
         for each, coefficient in zip(found, (fold, doubling), strict=True):
             assert each.omega == pytest.approx(omega, rel=1e-13)
@@ -85,7 +85,7 @@ def test_both_curves_are_boundaries_found_by_bracketing(system: vibeam.ImpactSys
 
 @SEVERAL
 def test_the_doubling_has_a_multiplier_of_minus_one(system: vibeam.ImpactSystem) -> None:
-    (doubling,) = (each for each in resonant_grazing(system, (1.9, 2.05)) if each.kind is vibeam.Kind.DOUBLING)
+    (doubling,) = (each for each in vibeam.resonant_grazing(system, (1.9, 2.05)) if each.kind is vibeam.Kind.DOUBLING)
     omega = doubling.omega + 0.05 * doubling.side
     drive = float(boundary_drives(system, omega)[1][0]) * grazing(system, omega)
     orbits = vibeam.orbits(system, vibeam.Drive(omega, drive))
@@ -95,7 +95,7 @@ def test_the_doubling_has_a_multiplier_of_minus_one(system: vibeam.ImpactSystem)
 
 @SEVERAL
 def test_several_modes_part_the_two_and_tilt_the_doubling(system: vibeam.ImpactSystem) -> None:
-    fold, doubling = resonant_grazing(system, (1.9, 2.05))
+    fold, doubling = vibeam.resonant_grazing(system, (1.9, 2.05))
     assert abs(fold.omega - doubling.omega) > 1e-3
     assert fold.slope == 0.0
     assert abs(doubling.slope) > 1e-3
@@ -119,7 +119,7 @@ def test_light_impacts_of_several_modes_are_unstable_without_bound() -> None:
 
 def test_places_without_a_grazing_motion_are_refused() -> None:
     with pytest.raises(ValueError, match="the contact rests on the stop"):
-        resonant_grazing(replace(ONE, gap=-0.1), (1.9, 2.1))
+        vibeam.resonant_grazing(replace(ONE, gap=-0.1), (1.9, 2.1))
     loose = vibeam.ImpactSystem.from_modes([0.0, 2.0], [0.0, 0.1], 1.0, 1.0, static=[0.1, 0.0], gap=0.1)
     with pytest.raises(ValueError, match="a mode without stiffness"):
-        resonant_grazing(loose, (1.9, 2.1))
+        vibeam.resonant_grazing(loose, (1.9, 2.1))

@@ -52,6 +52,12 @@ class ResonantGrazing(ValueRecord):
     """Place where a fold or a doubling meets the grazing curve: B/B_g = 1 + ``slope`` ε + ``curvature`` ε².
 
     ε = Ω − ``omega`` in rad/s; the curve exists on the side ``side`` (−1 or 1) of it, where impacts push.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, gap=0.1, restitution=0.5)
+    >>> fold, doubling = vibeam.resonant_grazing(system, (1.5, 2.5))
+    >>> fold.kind.name, round(fold.omega, 4), doubling.slope  # 2 ω √(1 − ζ²)
+    ('FOLD', 1.9975, 0.0)
     """
 
     kind: Kind
@@ -67,6 +73,11 @@ def resonant_grazing(system: ImpactSystem, omega: tuple[float, float], periods: 
     """Find all places of resonant grazing between two drive frequencies, rad/s, by frequency.
 
     ValueError as in ``orbit_curve``, for modes without stiffness, and where the contact rests on the stop.
+
+    >>> import vibeam
+    >>> system = vibeam.ImpactSystem.from_modes([1.0, 6.3], 0.05, [1.0, 0.4], [1.0, 0.4], gap=0.1, restitution=0.5)
+    >>> [found.kind.name for found in vibeam.resonant_grazing(system, (1.9, 2.1))]  # several modes part the two
+    ['FOLD', 'DOUBLING']
     """
     span = checked(system, omega, periods)
     _clear(system)
