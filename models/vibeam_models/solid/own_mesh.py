@@ -22,6 +22,7 @@ HEX_EDGES = (
     *((0, 4), (1, 5), (2, 6), (3, 7)),
 )  # fmt: skip
 HEX_FACES = ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7))
+IN_PLANE = 1e-6  # share of the body's size, or of a unit vector, that is none
 STRAIGHT = 1e-4  # share of an edge's length within which its middle node lies in the middle: texts of 8 digits round
 
 
@@ -201,3 +202,39 @@ def _quadrangles(corners: Array) -> Array:
     )
     largest = np.argmax(np.linalg.norm(ways, axis=1), axis=0)
     return np.asarray(np.take_along_axis(ways, largest[None, None, :], axis=0)[0])
+
+
+def mean_normal(mesh: Any, facets: Indices) -> tuple[Array, float]:
+    """Outward unit normal (3,) of facets of the surface on the mean, and the share of their area that looks there."""
+    areas = outward_areas(mesh, facets)
+    mean = areas.sum(axis=1)
+    size = float(np.linalg.norm(mean))
+    found = mean / size if size else mean
+    return np.where(np.abs(found) < IN_PLANE, 0.0, found), size / float(np.linalg.norm(areas, axis=0).sum())
+
+
+def half_turn(points: Array, nodes: Indices) -> tuple[Array, Array]:
+    """Turn (3, 3) and origin (3,) that bring the plane of ``nodes`` to y = 0 and the ``points`` (n, 3) to y ≥ 0.
+
+    x_body = turn (x − origin), by whole axes. ValueError where there is no such plane.
+    """
+    near = IN_PLANE * float(np.ptp(points, axis=0).max())
+    across = int(np.argmin(np.ptp(points[nodes], axis=0)))
+    place = float(points[nodes, across].mean())
+    away = points[:, across] - place
+    if np.ptp(points[nodes, across]) > near:
+        raise ValueError("lies in no plane normal to an axis, as the face of one half does")
+    if away.min() < -near and away.max() > near:
+        raise ValueError("has the body on both sides: mesh one half alone")
+    side = 1.0 if away.max() > near else -1.0
+    turn, origin = np.zeros((3, 3)), np.zeros(3)
+    turn[0, (across + 2) % 3], turn[1, across], turn[2, (across + 1) % 3] = side, side, 1.0
+    origin[across] = place
+    return turn, origin
+
+
+def turned(points: Array, turn: Array, origin: Array) -> Array:
+    """Points (n, 3) in the axes of a body, those in its plane of symmetry at y = 0 to the bit."""
+    made = (points - origin) @ turn.T
+    made[np.abs(made[:, 1]) <= IN_PLANE * float(np.ptp(points, axis=0).max()), 1] = 0.0
+    return np.asarray(made)

@@ -5,53 +5,16 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from box_meshes import CORNERS, SIZE, bent, end_face, nodes_of
 
 from vibeam.exchange.files import FormatError
 from vibeam.exchange.meshes.read import read_mesh
 from vibeam_models.solid.own_mesh import (
-    HEX_EDGES,
-    HEX_FACES,
-    TET_EDGES,
     Numbering,
     facets_of,
     finite_element_mesh,
     outward_areas,
 )
-
-CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
-SIZE = np.array([30.0, 20.0, 10.0])
-SIX_TETRAHEDRA = [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]
-BEND = 0.1  # of the shear of `bent`
-
-
-def nodes_of(kind: str) -> tuple[np.ndarray, list[list[int]]]:
-    """Nodes and cells of two boxes side by side along x, in the order of VTK; straight."""
-    points: list[tuple[float, ...]] = []
-
-    def node(place: np.ndarray) -> int:
-        key = tuple(np.round(place * SIZE, 9))
-        if key not in points:
-            points.append(key)
-        return points.index(key)
-
-    cells = []
-    for shift in (0.0, 1.0):
-        corners = CORNERS + np.array([shift, 0, 0])
-        for each in [range(8)] if kind.startswith("hexa") else SIX_TETRAHEDRA:
-            own = corners[list(each)]
-            places = [*own]
-            edges = HEX_EDGES if kind.startswith("hexa") else TET_EDGES
-            if kind not in ("hexahedron", "tetra"):
-                places += [own[list(edge)].mean(axis=0) for edge in edges]
-            if kind == "hexahedron27":
-                places += [*(own[list(face)].mean(axis=0) for face in HEX_FACES), own.mean(axis=0)]
-            cells.append([node(place) for place in places])
-    return np.array(points), cells
-
-
-def bent(points: np.ndarray) -> np.ndarray:
-    """Nodes sheared by z + c x²: what elements of the second order can be, and no volume changes."""
-    return np.column_stack((points[:, :2], points[:, 2] + BEND * points[:, 0] ** 2 / SIZE[0]))
 
 
 def volume_of(path: Path) -> float:
@@ -60,15 +23,6 @@ def volume_of(path: Path) -> float:
 
     points, weights = get_quadrature(made.elem.refdom, 6)
     return float(np.sum(np.abs(made._mapping().detDF(points)) @ weights))
-
-
-def face_x2(points: np.ndarray, kind: str) -> tuple[str, list[list[int]]]:
-    """The face x = 2 of the two boxes, by its corners."""
-    at = {tuple(point): index for index, point in enumerate(points)}
-    corners = [at[tuple(np.array(each) * SIZE)] for each in ((2, 0, 0), (2, 1, 0), (2, 1, 1), (2, 0, 1))]
-    if kind.startswith("hexa"):
-        return "quad", [corners]
-    return "triangle", [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]]
 
 
 WRITERS = {  # endings and what meshio's writer is called; Nastran's and Abaqus' are by hand below
@@ -122,7 +76,7 @@ $EndElements
 
 def test_gmsh_repeats_a_cell_for_every_group_that_it_is_in(tmp_path: Path) -> None:
     points, cells = nodes_of("hexahedron")
-    (_, faces), text = face_x2(points, "hexahedron"), " ".join
+    (_, faces), text = end_face(points, "hexahedron"), " ".join
     path = tmp_path / "rig.msh"
     path.write_text(
         GMSH_2.format(
@@ -259,7 +213,7 @@ def test_nastran_in_free_and_large_fields(tmp_path: Path) -> None:
 
 def test_arrays_of_whole_numbers_are_groups(tmp_path: Path) -> None:
     points, cells = nodes_of("hexahedron")
-    kind, faces = face_x2(points, "hexahedron")
+    kind, faces = end_face(points, "hexahedron")
     data = {
         "region": [np.array([1, 2]), np.array([7])],
         "tip": [np.array([0, 0]), np.array([1])],
@@ -312,7 +266,7 @@ def test_elements_that_are_not_taken(tmp_path: Path) -> None:
     mixed.write(tmp_path / "mixed.vtu")
     with pytest.raises(FormatError, match="holds 1 hexahedra, 1 wedges: only hexahedra alone or tetrahedra alone"):
         read_mesh(tmp_path / "mixed.vtu")
-    kind, faces = face_x2(points, "hexahedron")
+    kind, faces = end_face(points, "hexahedron")
     meshio.Mesh(points, [(kind, np.array(faces))]).write(tmp_path / "skin.vtu")
     with pytest.raises(FormatError, match=r"holds no cells of volume \(1 quad\): mesh the volume"):
         read_mesh(tmp_path / "skin.vtu")

@@ -1,0 +1,260 @@
+"""Bodies of a user's meshes: what groups become, and every fault of a mesh in one message with its group."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+from box_meshes import SIZE, end_face, nodes_of
+
+from vibeam.exchange.meshes.own import own_body
+from vibeam_models.solid.body import SolidBody
+from vibeam_models.solid.own_mesh import OwnRig
+from vibeam_models.solid.plan import GroupMass, GroupMaterial, OwnMesh, SurfaceMotion
+
+STEEL = GroupMaterial(youngs_modulus=210e9, density=7850.0, poissons_ratio=0.3)
+BRASS = replace(STEEL, group="far", density=8500.0, youngs_modulus=110e9)
+PLAN = OwnMesh(
+    file="rig.vtu", unit=1e-3, materials=(STEEL,), clamp=("clamp",), contact=SurfaceMotion("end"), extent=None
+)  # fmt: skip
+VOLUME = float(np.prod(SIZE)) * 1e-9  # m³ of one box
+LEFT = [[0, 3, 7, 4]]  # face x = 0 of the first box
+
+
+def written(
+    folder: Path,
+    points: np.ndarray | None = None,
+    cells: Sequence[Sequence[int]] | None = None,
+    faces: Mapping[str, Sequence[Sequence[int]]] | None = None,
+    nodes: Mapping[str, Sequence[int]] | None = None,
+    regions: Mapping[str, Sequence[int]] | None = None,
+) -> None:
+    """A VTU file of the two boxes, or others, with faces, nodes and cells as groups by name."""
+    own, boxes = nodes_of("hexahedron")
+    points, cells = (own if points is None else points), (boxes if cells is None else cells)
+    faces = {"clamp": LEFT, "end": end_face(own, "hexahedron")[1]} if faces is None else faces
+    regions = {"far": [1]} if regions is None else regions
+    every = [face for each in faces.values() for face in each]
+    data = {
+        name: [np.zeros(len(cells), int), np.array([int(face in group) for face in every], dtype=int)]
+        for name, group in faces.items()
+    }
+    for name, indices in regions.items():
+        data[name] = [np.isin(np.arange(len(cells)), indices).astype(int), np.zeros(len(every), int)]
+    point_data = {name: np.isin(np.arange(len(points)), each).astype(int) for name, each in (nodes or {}).items()}
+    blocks = [("hexahedron", np.array(cells)), ("quad", np.array(every))]
+    meshio.Mesh(points, blocks, point_data=point_data, cell_data=data).write(folder / "rig.vtu")
+
+
+def read(folder: Path, **changes: Any) -> tuple[SolidBody, OwnRig]:
+    body, rig, faults = own_body(replace(PLAN, **changes), folder)
+    assert faults == ()
+    assert body is not None
+    assert rig is not None
+    return body, rig
+
+
+def faults(folder: Path, **changes: Any) -> list[str]:
+    body, _, found = own_body(replace(PLAN, **changes), folder)
+    assert body is None
+    return [f"{key}: {message}" for key, message in found]
+
+
+def test_groups_become_clamp_contact_materials_and_masses(tmp_path: Path) -> None:
+    written(tmp_path, nodes={"tip": [0, 4]})
+    mass = GroupMass(group="far", mass=0.2, rotary_inertia=1e-5)
+    body, rig = read(
+        tmp_path, materials=(STEEL, BRASS), masses=(mass,), outputs={"tip": SurfaceMotion("tip", "-z")}, base="z"
+    )
+    assert body.mass == pytest.approx(VOLUME * (7850 + 8500))
+    np.testing.assert_allclose(body.mesh.p[0][body.mesh.facets[:, body.patches["clamp"]]], 0)
+    ((facets, vertices, along, factor),) = rig.rows["contact"].parts
+    np.testing.assert_allclose(body.mesh.p[0][body.mesh.facets[:, facets]], 0.06)
+    np.testing.assert_array_equal(along, [1, 0, 0])
+    assert (len(vertices), factor, rig.rows["sensor"]) == (0, 1.0, rig.rows["contact"])
+    ((facets, vertices, along, _),) = rig.rows["tip"].parts
+    np.testing.assert_array_equal(along, [0, 0, -1])
+    np.testing.assert_allclose(np.sort(body.mesh.p[2][vertices]), [0, 0.01])
+    np.testing.assert_array_equal(rig.base, [0, 0, 1])
+    assert (body.masses[0].mass, body.masses[0].inertia, body.masses[0].rigid) == (0.2, 1e-5, True)
+    assert body.mesh.p[0][body.masses[0].vertices].min() == 0.03
+
+
+def test_nodes_that_hold_whole_faces_are_a_surface(tmp_path: Path) -> None:
+    own, _ = nodes_of("hexahedron")
+    written(tmp_path, nodes={"end nodes": [index for index, place in enumerate(own) if place[0] == 60]})
+    by_nodes, by_faces = (read(tmp_path, contact=SurfaceMotion(name))[1] for name in ("end nodes", "end"))
+    np.testing.assert_array_equal(by_nodes.rows["contact"].parts[0][0], by_faces.rows["contact"].parts[0][0])
+
+
+def test_half_of_a_body_is_turned_to_y_above_0(tmp_path: Path) -> None:
+    for place, group in ((0.0, "low"), (SIZE[2], "high")):
+        own, _ = nodes_of("hexahedron")
+        side = [[0, 1, 2, 3]] if group == "low" else [[4, 5, 6, 7]]
+        written(tmp_path, faces={"clamp": LEFT, "end": end_face(own, "hexahedron")[1], group: side})
+        body, rig = read(tmp_path, symmetry=group, base="y")
+        assert body.half
+        assert body.mass == pytest.approx(4 * VOLUME * 7850)
+        assert (body.mesh.p[1].min(), body.mesh.p[1].max()) == (0, pytest.approx(SIZE[2] * 1e-3))
+        np.testing.assert_allclose((body.mesh.p.T @ body.turn + body.origin)[:, 2].max(), SIZE[2] * 1e-3)
+        assert np.linalg.det(body.turn) == 1
+        np.testing.assert_array_equal(rig.base, body.turn @ [0, 1, 0])
+        assert place in (0.0, SIZE[2])
+        assert faults(tmp_path, symmetry=group, base="z") == [
+            "symmetry: the motion is across the plane of symmetry: mesh the whole body"
+        ]
+    written(
+        tmp_path,
+        faces={
+            "clamp": LEFT,
+            "end": end_face(own, "hexahedron")[1],
+            "inner": [[1, 2, 6, 5]],
+            "bent": [LEFT[0], [0, 1, 2, 3]],
+        },
+    )
+    said = "symmetry: 'inner' has the body on both sides: mesh one half alone"
+    assert faults(tmp_path, symmetry="inner", base="z")[0] == said
+    said = "symmetry: 'bent' lies in no plane normal to an axis, as the face of one half does"
+    assert faults(tmp_path, symmetry="bent", base="z")[0] == said
+
+
+def two_boxes(gap: float = 0.0) -> tuple[np.ndarray, list[list[int]]]:
+    """The two boxes with nodes of their own, ``gap`` mm between them."""
+    own, cells = nodes_of("hexahedron")
+    second = own[cells[1]] + [gap, 0, 0]
+    return np.vstack([own[cells[0]], second]), [list(range(8)), list(range(8, 16))]
+
+
+FACES = {"clamp": [[0, 3, 7, 4]], "end": [[9, 10, 14, 13]]}
+
+
+def test_bodies_that_only_touch(tmp_path: Path) -> None:
+    written(tmp_path, *two_boxes(), faces=FACES)
+    (said,) = faults(tmp_path)
+    assert said.startswith("clamp: does not hold a body of 1 cells of group 'far' at (45, 10, 5) mm, which touches no ")
+    assert "4 of its nodes lie on nodes of another body without being the same" in said
+    assert said.endswith('or write merge = "1 µm"')
+    body, _ = read(tmp_path, merge=1e-6)
+    assert (body.mesh.p.shape[1], body.mass) == (12, pytest.approx(2 * VOLUME * 7850))
+    assert faults(tmp_path, merge=6e-3) == ["merge: 0.006 m is no small part of the shortest edge, 0.01 m: write less"]
+    both = {**FACES, "clamp": [[0, 3, 7, 4], [9, 10, 14, 13]]}
+    written(tmp_path, *two_boxes(), faces=both)
+    (said,) = faults(tmp_path, contact=SurfaceMotion("clamp", "z"))
+    assert said.startswith("mesh: 4 pairs of its nodes lie on each other without being the same, the first at (30, ")
+
+
+def test_bodies_with_a_gap_and_bodies_in_contact(tmp_path: Path) -> None:
+    written(tmp_path, *two_boxes(0.5), faces=FACES)
+    (said,) = faults(tmp_path)
+    assert said.endswith("at (45.5, 10, 5) mm, whose nodes are 0.5 mm off any other: join them, or clamp it")
+    said = "merge: no two nodes of the mesh are nearer than 1e-06 m: leave it out, or write more"
+    assert faults(tmp_path, merge=1e-6) == [said]
+    meeting = {"clamp": [[0, 3, 7, 4], [9, 10, 14, 13]], "end": [[1, 2, 6, 5]], "anvil": [[8, 11, 15, 12]]}
+    for gap in (0.5, 0.0):
+        written(tmp_path, *two_boxes(gap), faces=meeting)
+        _, rig = read(tmp_path, opposite=SurfaceMotion("anvil"))
+        assert [part[3] for part in rig.rows["contact"].parts] == [1.0, -1.0]
+        assert [list(part[2]) for part in rig.rows["contact"].parts] == [[1, 0, 0], [1, 0, 0]]
+
+
+def test_bodies_whose_faces_do_not_match(tmp_path: Path) -> None:
+    points, cells = two_boxes()
+    points[8:, 1] *= 2
+    written(tmp_path, points, cells, faces=FACES)
+    assert faults(tmp_path, merge=1e-6) == [
+        "merge: the faces that touch at (30, 0, 0) mm do not match node by node: mesh the bodies together"
+    ]
+
+
+def test_groups_that_are_wrong(tmp_path: Path) -> None:
+    own, _ = nodes_of("hexahedron")
+    faces = {
+        "clamp": LEFT,
+        "end": end_face(own, "hexahedron")[1],
+        "lost": [[0, 1, 6, 7]],
+        "inner": [[1, 2, 6, 5]],
+        "round": [LEFT[0], end_face(own, "hexahedron")[1][0]],
+    }
+    written(tmp_path, np.vstack([own, [99, 99, 99]]), faces=faces, nodes={"none": [], "stray": [0, 12], "two": [0, 1]})
+    two = GroupMaterial(group="far", youngs_modulus=70e9, density=2700.0)
+    found = faults(
+        tmp_path,
+        clamp=("Clamp", "none"),
+        contact=SurfaceMotion("far"),
+        sensor=SurfaceMotion("stray"),
+        materials=(two, two, replace(two, group="end")),
+        masses=(GroupMass(group="mass", mass=1.0),),
+    )
+    assert found == [
+        "clamp.0: the mesh has no group 'Clamp': did you mean 'clamp'?",
+        "clamp.1: the group 'none' is empty",
+        "contact: the group 'far' is 1 cells of volume, and a surface is wanted: name a group of faces or nodes (Gmsh: "
+        "a Physical Surface)",
+        "sensor: 1 of the nodes of group 'stray' are of no cell of volume, and nothing moves them: name nodes of the "
+        "body",
+        "material.1.group: 1 cells of 'far' are of 'far' too: a cell has one material",
+        "material.2.group: the group 'end' has no cells of volume, which alone have a material",
+        "material: missing for 1 of 2 cells: add a material of their group, or one without group for all the rest",
+        "mass.0.group: the mesh has no group 'mass': known here: clamp, end, lost, inner, round, far, none, stray, two",
+    ]
+    found = faults(tmp_path, contact=SurfaceMotion("lost", "z"), sensor=SurfaceMotion("inner"))
+    assert found == [
+        "contact: 1 of the 1 faces of its group are no faces of the volume's cells: mesh surface and volume together",
+        "sensor: 1 of the 1 faces of its group lie inside the body: name faces of its surface",
+    ]
+    assert faults(tmp_path, contact=SurfaceMotion("round")) == [
+        'contact: the faces of \'round\' look in all directions: write { group = "round", direction = "z" }'
+    ]
+    assert faults(tmp_path, contact=SurfaceMotion("two")) == [
+        'contact: \'two\' is of nodes alone, which have no normal: write { group = "two", direction = "z" }'
+    ]
+
+
+def test_cells_that_are_wrong(tmp_path: Path) -> None:
+    own, cells = nodes_of("hexahedron")
+    first, second = cells
+    written(tmp_path, cells=[first, [second[each] for each in (4, 5, 6, 7, 0, 1, 2, 3)]])
+    inverted = "mesh: 1 of 2 cells is inverted or folded, of group 'far' at (45, 10, 5) mm: mesh again there"
+    assert faults(tmp_path)[0].startswith(inverted)
+    folded = own.copy()
+    folded[second[6]] = [31, 1, 1]
+    written(tmp_path, folded)
+    assert "1 of 2 cells is inverted or folded, of group 'far'" in faults(tmp_path)[0]
+    flat = own.copy()
+    flat[second[1]], flat[second[2]], flat[second[5]], flat[second[6]] = (own[second[each]] for each in (0, 3, 4, 7))
+    written(tmp_path, flat)
+    assert faults(tmp_path)[0].startswith("mesh: 1 of 2 cells is degenerate, without volume, of group 'far' at")
+    written(tmp_path, cells=[first, [*second[:6], second[5], second[7]]])
+    assert faults(tmp_path)[0].startswith("mesh: 1 of 2 cells is degenerate, with a corner named twice, of group 'far'")
+    mirrored = own * [1, -1, 1]  # all cells alike: only the numbering is left-handed
+    written(tmp_path, mirrored)
+    assert read(tmp_path)[0].mass == pytest.approx(2 * VOLUME * 7850)
+
+
+def test_middle_nodes_in_another_order(tmp_path: Path) -> None:
+    own, cells = nodes_of("hexahedron20")
+    shuffled = [[*cell[:12], *cell[16:20], *cell[12:16]] for cell in cells]  # as Nastran's, and not told so
+    blocks = [("hexahedron20", np.array(shuffled)), ("quad", np.array([*LEFT, *end_face(own, "hexahedron")[1]]))]
+    data = {"clamp": [[0, 0], [1, 0]], "end": [[0, 0], [0, 1]]}
+    meshio.Mesh(own, blocks, cell_data={name: list(map(np.array, each)) for name, each in data.items()}).write(
+        tmp_path / "rig.vtu"
+    )
+    assert faults(tmp_path)[0].startswith("mesh: 2 of 2 cells are with middle nodes far off their edges, the first at ")
+
+
+def test_unit_of_the_coordinates(tmp_path: Path) -> None:
+    written(tmp_path)
+    assert faults(tmp_path, unit=1.0) == [
+        'mesh_unit: the mesh is 60 m long: is mesh_unit = "mm" meant? Where it is, write extent = "60 m"'
+    ]
+    assert faults(tmp_path, extent=0.6) == ['extent: is 0.6 m, and the mesh is 0.06 m long: is mesh_unit = "cm" meant?']
+    points, cells = nodes_of("hexahedron")
+    written(tmp_path, points / 300, cells)
+    assert faults(tmp_path)[0].startswith('mesh_unit: the mesh is 0.0002 m long: is mesh_unit = "m" meant?')
+    written(tmp_path)
+    assert faults(tmp_path, extent=0.05)[0].endswith("long: one of mesh_unit and extent is wrong")
+    assert read(tmp_path, unit=1.0, extent=60.0)[0].mass == pytest.approx(2e9 * VOLUME * 7850)
+    assert faults(tmp_path, file="none.msh") == ["mesh: none.msh: no such file"]
