@@ -19,7 +19,7 @@ class GivenStructure:
     """A structure from elsewhere: ``digest`` stands for its content, by which two of them are compared.
 
     ``damping``: by modal ratios, None where C has it. ``carried``: mass in kg that a base would move with it, None
-    where that is not known. ``kind``: ``"matrices"`` or ``"modes"``.
+    where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or ``"solid"``, a mesh.
     """
 
     digest: str
@@ -41,12 +41,18 @@ class GivenScene(RigScene):
     @property
     def no_beam(self) -> str:
         """As ``AnyScene.no_beam``."""
-        return f"this case gives {self.given.kind} in place of a beam, there is no beam"
+        given = "a mesh" if self.given.kind == "solid" else self.given.kind
+        return f"this case gives {given} in place of a beam, there is no beam"
 
     @property
     def all_modes(self) -> bool:
         """As ``RigScene.all_modes``."""
-        return self.given.kind == "matrices"
+        return self.given.kind != "modes"
+
+    @property
+    def in_three_dimensions(self) -> bool:
+        """As ``AnyScene.in_three_dimensions``."""
+        return self.given.kind == "solid"
 
     def structural(self) -> GivenScene:
         """As ``RigScene.structural``: the given structure alone."""

@@ -25,7 +25,6 @@ class AnyScene(ABC):
 
     stop: Stop | None
     outputs: tuple[Output, ...] = ()
-    in_three_dimensions: ClassVar[bool] = False  #: its beam is a body of three-dimensional elasticity
 
     @property
     def harmonics(self) -> tuple[tuple[int, float, float], ...]:
@@ -53,6 +52,11 @@ class AnyScene(ABC):
     def no_beam(self) -> str:
         """Reason that there is no beam to speak of, as the end of a sentence; empty where there is one."""
         return ""
+
+    @property
+    def in_three_dimensions(self) -> bool:
+        """Test whether its structure is a body of three-dimensional elasticity."""
+        return False
 
     @property
     def bulk(self) -> tuple[tuple[float, ...], float, float]:
@@ -257,6 +261,11 @@ class Scene(RigScene):
         """(mass in kg, position in m) of everything attached, the mass first."""
         attached = () if self.mass is None else ((self.mass.mass, self.mass.position),)
         return (*attached, *(each for effect in self.of("beam") for each in effect.weights))
+
+
+def line_of(scene: AnyScene) -> Scene | None:
+    """The scene where its structure is a beam's line, whose elements can be refined; None of a solid, of matrices."""
+    return scene if isinstance(scene, Scene) and not scene.in_three_dimensions else None
 
 
 def _carried(beam: Beam, effects: tuple[Effect, ...]) -> Beam:

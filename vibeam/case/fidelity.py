@@ -65,6 +65,11 @@ class Fidelity:
         if (self.modes is not None) != REDUCTIONS[self.reduction].counts or (self.modes is not None and self.modes < 1):
             raise ValueError(f"fidelity {self.name!r}: modes = {self.modes} with reduction {self.reduction!r}")
 
+    @property
+    def rig(self) -> Mapping[str, Any]:
+        """Changes of the rig itself: those of [solid] say how its body is modelled."""
+        return {key: value for key, value in self.changes.items() if not key.startswith("solid.")}
+
 
 def reduced(structure: Structure, fidelity: Fidelity) -> Structure:
     """Reduce ``structure`` as ``fidelity`` says; ValueError for more modes than it has."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.case.case import units_of_output
+from vibeam.case.fineness import alike, finest
 from vibeam.case.held import held_of
 from vibeam.exchange.faults import suggest
 from vibeam.runs.comparison.differences import both_peaks
@@ -25,15 +26,12 @@ if TYPE_CHECKING:
 
 
 def finest_of(result: Result, beside: str | None = None) -> str:
-    """Fidelity with most modes, the first of several, among those with the same physics as ``beside``; of solids.
-
-    Three dimensions are above a beam of the same rig, whatever their modes.
+    """Finest fidelity, the first of several, among those with the same rig as ``beside`` (None: of all).
 
     A member of a family of curves (other gaps, other R) is no reference for another one's accuracy.
     """
-    own = result.case.fidelities
-    alike = [name for name in result if beside is None or own[name].changes == own[beside].changes]
-    return max(alike, key=lambda name: (result.case.scene_of(name).in_three_dimensions, modes_of(result[name])))
+    names = list(result) if beside is None else alike(result.case, result, beside)
+    return finest(result.case, {name: modes_of(result[name]) for name in names})
 
 
 def output_units(case: Case) -> OutputUnits:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import ClassVar
 
 from vibeam_models.beam import structure_of
 from vibeam_models.registry import loaded
@@ -24,12 +23,15 @@ class SolidScene(Scene):
     solid: Solid = field(default_factory=Solid)
     contraction: bool = True
 
-    in_three_dimensions: ClassVar[bool] = True
-
     @property
     def no_beam(self) -> str:
         """As ``AnyScene.no_beam``."""
         return 'model = "solid" is a three-dimensional body, which has no closed form'
+
+    @property
+    def in_three_dimensions(self) -> bool:
+        """As ``AnyScene.in_three_dimensions``."""
+        return True
 
 
 @structure_of.register

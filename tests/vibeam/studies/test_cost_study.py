@@ -26,7 +26,14 @@ from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost import study as study_module
 from vibeam.studies.cost.measure import Setting, measure, series_of
-from vibeam.studies.cost.planning import Planning, RunSchedule, finest, first_mode_restitution_of, models, run_schedule
+from vibeam.studies.cost.planning import (
+    Planning,
+    RunSchedule,
+    finest_model,
+    first_mode_restitution_of,
+    models,
+    run_schedule,
+)
 from vibeam.studies.cost.reference import bound
 from vibeam.studies.cost.row import LinkShare, part, shares, timed
 from vibeam.studies.cost.study import CostStudy, cost
@@ -211,7 +218,7 @@ def test_a_first_setting_that_takes_the_budget_is_left_out_and_said() -> None:
 
 
 def _plan(case: object) -> object:
-    return Planning(case, finest(models(case)[0])).plan  # type: ignore[arg-type]
+    return Planning(case, finest_model(case, models(case)[0])).plan  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")

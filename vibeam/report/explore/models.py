@@ -11,6 +11,7 @@ import numpy as np
 
 from vibeam.case.beam_field import held_at_zero, stations, stop_places
 from vibeam.case.fidelity import gap_drift, gap_wear, system
+from vibeam.case.fineness import alike, finest
 from vibeam.figures.style import looks_of, name_of
 from vibeam.flight.linear.held_planes import held_planes, roots_serve
 from vibeam.flight.readout import OUTCOMES
@@ -115,10 +116,9 @@ def plain_rows(found: ImpactSystem) -> dict[str, Any]:
 
 
 def _finest(case: Case, name: str) -> str:
-    """Fidelity with most modes, the first of several, among those with the same physics: as ``Result.finest``."""
-    own = case.fidelities
-    alike = [each for each in own if own[each].changes == own[name].changes]
-    return max(alike, key=_sizes(case).__getitem__)
+    """Finest fidelity, the first of several, among those of the same rig: as ``Result.finest``."""
+    sizes = _sizes(case)
+    return finest(case, {each: sizes[each] for each in alike(case, case.fidelities, name)})
 
 
 @lru_cache(maxsize=1)

@@ -20,7 +20,7 @@ from vibeam.case.fidelity import Fidelity, system
 from vibeam.case.held import holding
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.beam import structure_of
-from vibeam_models.scene import RigScene, Scene
+from vibeam_models.scene import RigScene, Scene, line_of
 
 LEAST, MOST = 16, 32  # modes of the limit: twice the fidelity's, within these
 RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
@@ -60,14 +60,15 @@ class Limit:
 def limit(scene: RigScene, modes: int) -> Limit:
     """Limit of a fidelity of ``modes`` modes, uncoupled; ValueError where the case has none.
 
-    Of given matrices, and of a solid, it is that of all of their modes: their mesh is not refined.
+    Of given matrices, and of a solid, it is that of all of their modes: their own mesh is not refined.
     """
     count = min(max(LEAST, 2 * modes), MOST)
-    if not isinstance(scene, Scene) or scene.in_three_dimensions:
+    line = line_of(scene)
+    if line is None:
         return _of_matrices(scene, count)
-    plain, elements = holding(scene, "contact"), resolving(scene, count).beam.elements
+    plain, elements = holding(line, "contact"), resolving(line, count).beam.elements
     fine, coarse = (
-        system(replace(plain, beam=replace(scene.beam, elements=each)), Fidelity("limit", "full"))
+        system(replace(plain, beam=replace(line.beam, elements=each)), Fidelity("limit", "full"))
         for each in (elements, elements // 2)
     )
     own, half = (each.mobility for each in (fine, coarse))

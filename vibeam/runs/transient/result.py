@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import plan_of_record
+from vibeam.case.fineness import alike, finest
 from vibeam.case.held import held_of
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.exchange.faults import suggest
@@ -80,12 +81,10 @@ class TransientResult(Mapping[str, Transient], LabelledData):
 
     @property
     def finest(self) -> dict[str, str]:
-        """Reference of each fidelity: the first with most modes among those of the same physics."""
-        own, found = self.case.fidelities, {}
-        for name in self:
-            alike = [each for each in self if own[each].changes == own[name].changes]
-            found[name] = max(alike, key=lambda each: self[each].modes)
-        return found
+        """Reference of each fidelity: the finest, the first of several, among those of the same rig."""
+        return {
+            name: finest(self.case, {each: self[each].modes for each in alike(self.case, self, name)}) for name in self
+        }
 
     @cached_property
     def comparison(self) -> dict[str, TransientComparison]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
+from vibeam.case.fineness import fineness
 from vibeam.observe.restitution import first_mode_restitution
 from vibeam.studies.cost.measure import Plan, Series, Setting, measure
 from vibeam.studies.cost.reference import FLIGHT, curve
@@ -57,7 +58,7 @@ def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Cost
         _add(found, same, CostModel(name, fidelity, case.system(name), like=name))
     if case.scene.given_mode is not None:
         return found, same
-    top = finest(found)
+    top = finest_model(case, found)
     for count in [n for n in COUNTS if n < top.system.size] if counts is None else counts:
         cut: dict[str, Any] = {"reduction": "modal", "modes": count, "parameters": {}}
         fidelity = replace(top.fidelity, name=f"modes_{count}", **cut)
@@ -70,9 +71,9 @@ def built(case: Case, fidelity: Fidelity, like: str) -> ImpactSystem:
     return system(case.scene_of(like), fidelity)
 
 
-def finest(found: list[CostModel]) -> CostModel:
-    """CostModel with most modes, the first of several."""
-    return max(found, key=lambda model: model.system.size)
+def finest_model(case: Case, found: list[CostModel]) -> CostModel:
+    """Finest CostModel, the first of several."""
+    return max(found, key=lambda model: fineness(case, model.like, model.system.size))
 
 
 def _add(found: list[CostModel], same: dict[str, str], new: CostModel) -> None:

@@ -26,7 +26,7 @@ from vibeam.studies.cost.planning import (
     Planning,
     RunSchedule,
     built,
-    finest,
+    finest_model,
     first_mode_restitution_of,
     models,
     run_schedule,
@@ -134,7 +134,7 @@ class _CostRuns:
         self.tell, self.progress = tell, progress
         self.all_in, self.budget = budget is not None, case.cost.budget if budget is None else budget
         self.models, self.same = models(case, self.asked.modes)
-        self.finest = finest(self.models)
+        self.finest = finest_model(case, self.models)
         self.named = {model.name: model for model in self.models}
         names = self.asked.solvers or SOLVERS
         self.pairs = [(model, name) for model in self.models for name in names if not model.cut or name in CUT_SOLVERS]

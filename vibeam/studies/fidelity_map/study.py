@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.fineness import fineness
 from vibeam.case.grid_keys import MapPlan
 from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import OutOfTime, ending_at
@@ -230,7 +231,7 @@ def compared_of(result: MapResult) -> FidelityMap:
         motions(name, case.system(name).size, dict(each.values), plan.quantity)
         for name, each in result.responses.items()
     ]
-    compared = ComparedModels(result, tuple(sorted(flown, key=lambda model: model.modes)))  # costs grow with modes
+    compared = ComparedModels(result, tuple(sorted(flown, key=lambda each: fineness(case, each.name, each.modes))))
     models, finest = compared.models, compared.finest
     drawn = flown if plan.boundaries else []
     bounds = run_parallel(lambda model, _: boundaries_of(case, model.name, plan.axes)[0], drawn)

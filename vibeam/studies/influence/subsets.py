@@ -14,6 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.case.case import Case
+from vibeam.case.fineness import plain
 from vibeam.casefile.read import case_of
 from vibeam.casefile.tables.table import content, note
 from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
@@ -168,9 +169,10 @@ def _reduced(case: Case) -> dict[str, Any]:
 
 
 def finest(case: Case) -> str:
-    """Fidelity with most modes, the first of several, among those that change nothing of the case's own physics."""
-    plain = [name for name, each in case.fidelities.items() if not (each.changes or each.without)]
-    return max(plain or case.fidelities, key=lambda name: case.system(name).size)
+    """Fidelity with most modes, the first of several, among beams that change nothing of the case's own rig."""
+    names = plain(case) or list(case.fidelities)
+    beams = [name for name in names if not case.scene_of(name).in_three_dimensions] or names
+    return max(beams, key=lambda name: case.system(name).size)
 
 
 def _own_modes(found: Subsets) -> dict[str, int]:

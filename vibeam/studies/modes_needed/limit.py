@@ -39,7 +39,7 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
-from vibeam_models.scene import AnyScene, RigScene, Scene
+from vibeam_models.scene import AnyScene, RigScene, line_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -137,7 +137,7 @@ def limit(case: Case, /, plan: ModesNeededPlan | None = None, **settings: Any) -
         return record_modes(case, asked.accuracy)
     if scene.given_mode is not None or not isinstance(scene, RigScene):
         raise ValueError("a single degree of freedom given directly has no more modes")
-    most = asked.modes if isinstance(scene, Scene) else min(asked.modes, structure_of(scene).size)
+    most = asked.modes if line_of(scene) else min(asked.modes, structure_of(scene).size)
     counts = tuple(2**k for k in range(most.bit_length()))
     at = float(np.median(case.sweep.frequency)) if asked.frequency is None else asked.frequency
     if scene.stop.law is not None:
@@ -174,10 +174,9 @@ def _other_coefficient(found: Sequence[ImpactSystem], held: str) -> tuple[str, s
 
 def models(scene: RigScene, counts: Sequence[int]) -> list[ImpactSystem]:
     """Systems of ``scene`` in so many modes, on elements that resolve them; ValueError where one cannot be built."""
+    line = line_of(scene)
     return [
-        system(
-            resolving(scene, count) if isinstance(scene, Scene) else scene, Fidelity(f"{count} modes", "modal", count)
-        )
+        system(scene if line is None else resolving(line, count), Fidelity(f"{count} modes", "modal", count))
         for count in counts
     ]
 

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import plan_of_record
+from vibeam.case.fineness import finest, plain
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.exchange.faults import CaseError, suggest
 from vibeam.runs.parallel import run_parallel
@@ -208,14 +209,14 @@ def require_usual(table: str, plan: Any, *names: str) -> None:
 
 
 def plain_finest(case: Case, named: str | None = None) -> str:
-    """Fidelity with most modes, the first of several, of those of the case's own rig, or the one that is ``named``.
+    """Finest fidelity, the first of several, of those of the case's own rig, or the one that is ``named``.
 
     ValueError where that changes the rig.
     """
-    plain = [name for name, each in case.fidelities.items() if not (each.changes or each.without)]
-    if named is not None and named not in plain:
+    names = plain(case)
+    if named is not None and named not in names:
         raise ValueError(f"fidelity {named!r} changes the rig: name one of the rig itself")
-    return named or max(plain or case.fidelities, key=lambda name: case.system(name).size)
+    return named or finest(case, {name: case.system(name).size for name in names or case.fidelities})
 
 
 def alone(case: Case, fidelity: str) -> Case:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.case import plan_of_record
+from vibeam.case.fineness import alike
 from vibeam.studies.record.ensembles import (
     Ensemble,
     Told,
@@ -111,8 +112,7 @@ def cheaper_mean(
 
     ``known`` (m,): the finest's numbers at ``inputs`` (m, d), each of which cost ``seconds``.
     """
-    own = case.fidelities
-    others = [name for name in own if name != finest and own[name].changes == own[finest].changes]
+    others = [name for name in alike(case, case.fidelities, finest) if name != finest]
     pilots = {name: flown.at(name, inputs[:PILOT]) for name in others}
     values = {finest: known[:PILOT]} | {name: found[0] for name, (found, _) in pilots.items()}
     costs = {finest: seconds} | {name: each for name, (_, each) in pilots.items()}

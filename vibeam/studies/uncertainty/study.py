@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.fineness import alike
 from vibeam.case.source import of_source
 from vibeam.runs.parallel import EVERY, heartbeat
 from vibeam.runs.result import finest_of
@@ -121,8 +122,7 @@ def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintySt
     with heartbeat(tell, lambda: "the case as it is"):
         nominal: Any = run(case, show=False, compare=True)
     finest = finest_of(nominal)
-    own = case.fidelities
-    names = [name for name in nominal if name != finest and own[name].changes == own[finest].changes] + [finest]
+    names = [name for name in alike(case, nominal, finest) if name != finest] + [finest]
     sampler = Sampler(case, tuple(each.key for each in case.uncertain))
     shares = saltelli(len(case.uncertain), samples, seed)
     inputs = inputs_of(case.uncertain, shares)
