@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import skfem
 
 from vibeam_models.base import Base
 from vibeam_models.beam import structure_of
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import Rectangle
+from vibeam_models.beams.stretch import Material
 from vibeam_models.effects.gravity import Gravity
 from vibeam_models.effects.masses import AddedMass, RigidZone, RotaryInertia
 from vibeam_models.effects.opposite import Opposite
@@ -19,6 +21,7 @@ from vibeam_models.effects.supports import BeamEnds, Clamp, FurtherSupport
 from vibeam_models.outputs import Output
 from vibeam_models.scene import Mass, Scene, Sensor
 from vibeam_models.solid.body import BodyMass
+from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.geometry.bodies import body_of
 from vibeam_models.solid.own_mesh import BodyRow, OwnRig
 from vibeam_models.solid.own_structure import body_structure
@@ -31,15 +34,9 @@ LENGTH = 0.2
 
 
 def scene(cls=Scene, *, mass=None, effects=(), outputs=(), stop=0.18, ratio=0.0, base=None, beam=None, **solid):
+    own = {"length": LENGTH, "shape": Rectangle(0.01, 0.004), "youngs_modulus": 210e9, "density": 7850.0}
     made = Beam(
-        LENGTH,
-        Rectangle(0.01, 0.004),
-        210e9,
-        7850.0,
-        Damping("constant", (0.01,)),
-        40,
-        poissons_ratio=ratio,
-        **(beam or {}),
+        **own | {"damping": Damping("constant", (0.01,)), "elements": 20, "poissons_ratio": ratio} | (beam or {})
     )
     rung = {"solid": Solid(**{"across": 2, **solid})} if cls is SolidScene else {}
     return cls(made, mass, Stop(stop, 0.0), Sensor(0.1), base or Base(), tuple(effects), tuple(outputs), **rung)
@@ -137,9 +134,29 @@ def test_a_support_inside_a_rigid_zone_is_said():
         structure_of(scene(SolidScene, mass=Mass(0.2, 0.15), effects=[RigidZone(0.06), BeamEnds("clamped-clamped")]))
 
 
+def test_frequencies_of_a_thin_solid_converge_with_the_fourth_power_of_its_elements():
+    """18 of 10 heights each; without the shear at two points along them the order would be two, the error 2 %."""
+    beam = {"shape": Rectangle(0.01, 0.001)}
+    coarse, fine, finest = (
+        structure_of(scene(SolidScene, beam=beam, ratio=0.3, along=along, clamp="sliding")).modes(3).frequency
+        for along in (10, 20, 80)
+    )
+    first, second = coarse / finest - 1, fine / finest - 1
+    assert abs(second).max() < 1e-3
+    assert (np.log2(first / second)[1:] > 3.7).all()  # round-off is in the first
+
+
+def test_shear_at_two_points_leaves_six_motions_without_force():
+    elements = SolidElements(skfem.MeshHex.init_tensor([0.0, 0.1, 0.3], [0.0, 0.1], [0.0, 0.02]))
+    stiffness = elements.stiffness((Material(210e9, 7850.0, 0.3),), np.zeros(2, dtype=int), slender=True)
+    values = np.linalg.eigvalsh(stiffness.toarray())
+    assert np.abs(values[:6]).max() < 1e-12 * values[-1]
+    assert values[6] > 1e-6 * values[-1]
+
+
 @pytest.mark.parametrize("whole", [None, True])
 def test_a_mesh_of_ones_own_is_the_scenes_structure(whole):
-    """The body of a scene, read and held by groups: frequencies, contact and load to round-off."""
+    """The body of a scene, read and held by groups; what remains is its shear, which is integrated in full here."""
     effects = [RotaryInertia(3e-5), RigidZone(0.0117)]
     rig = scene(SolidScene, mass=Mass(0.2, 0.15), effects=effects, ratio=0.3, whole=whole)
     body, none, up = body_of(rig), np.zeros(0, dtype=int), np.array([0.0, 0.0, 1.0])
@@ -149,10 +166,10 @@ def test_a_mesh_of_ones_own_is_the_scenes_structure(whole):
     one, other = structure_of(rig), body_structure(body, read)
     assert one.size == other.size
     count = 2  # a third of the whole body is its twist, whose inertia the scene has none of
-    np.testing.assert_allclose(other.modes(count).frequency, one.modes(count).frequency, rtol=1e-8)
+    np.testing.assert_allclose(other.modes(count).frequency, one.modes(count).frequency, rtol=1e-3)
     for name in ("contact", "load"):
         pushed = [each.contact @ each.deflection(getattr(each, name)) for each in (one, other)]
-        assert pushed[1] == pytest.approx(pushed[0], rel=1e-8)
+        assert pushed[1] == pytest.approx(pushed[0], rel=6e-4)
 
 
 def test_fields_expand_the_coordinates_of_both_bodies():

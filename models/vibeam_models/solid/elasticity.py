@@ -101,21 +101,28 @@ class SolidElements:
         points, weights = self.quadrature
         return np.asarray(np.abs(np.linalg.det(self.jacobian(points))) * weights)
 
-    def stiffness(self, materials: Sequence[Material], material: Index, contraction: bool = True) -> Any:
+    def stiffness(
+        self, materials: Sequence[Material], material: Index, contraction: bool = True, slender: bool = False
+    ) -> Any:
         """K (3 k, 3 k), sparse, N/m: the ``material`` (elements,) of each element is one of ``materials``.
 
         ``contraction`` False: σ_ii = E ε_ii, σ_ij = 2G ε_ij with the same E and G, as a beam's theory has it.
+        ``slender``: of hexahedra with one local axis along x, the shear of x with y and z at two points along it.
         """
         moduli = np.array([_moduli(each, contraction) for each in materials])[material]
 
-        def blocks(cells: slice) -> Iterator[tuple[int, int, Array]]:
-            products = self._products(cells)
+        def blocks(cells: Index) -> Iterator[tuple[int, int, Array]]:
+            products = self._products(cells, self.quadrature)
+            along = self._products_along(cells) if slender else products
             lame, shear, alone = moduli[cells].T[:, :, None, None]
-            trace = shear * sum(products[:, i, :, i] for i in range(3))
             for i in range(3):
-                for j in range(3):
-                    block = lame * products[:, i, :, j] + shear * products[:, j, :, i]
-                    yield i, j, block + trace + alone * products[:, i, :, i] if i == j else block
+                others = sum((along if 0 in (i, j) else products)[:, j, :, j] for j in range(3) if j != i)
+                yield i, i, (lame + 2 * shear + alone) * products[:, i, :, i] + shear * others
+                for j in range(i):
+                    sheared = (along if j == 0 else products)[:, j, :, i]
+                    block = lame * products[:, i, :, j] + shear * sheared
+                    yield i, j, block
+                    yield j, i, block.swapaxes(1, 2)
 
         return self._assembled(blocks)
 
@@ -128,46 +135,63 @@ class SolidElements:
     def initial_stress(self, stress: Array) -> Any:
         """∫ σ ∂u/∂x · ∂v/∂x (3 k, 3 k), sparse, N/m, of an axial ``stress`` σ (elements, q) Pa, tension positive."""
 
-        def along(cells: slice) -> Array:
-            slopes, volumes = self._gradients(cells)
+        def along(cells: Index) -> Array:
+            slopes, volumes = self._gradients(cells, self.quadrature)
             weighted = (stress[cells] * volumes)[:, :, None] * slopes[:, :, 0]
             return np.asarray(slopes[:, :, 0].swapaxes(1, 2) @ weighted)
 
         return self._alike(along)
 
-    def _gradients(self, cells: slice) -> tuple[Array, Array]:
-        """∂φ/∂x_i (elements, q, 3, nodes of an element) and dV (elements, q)."""
-        points, weights = self.quadrature
+    def _products_along(self, cells: Index) -> Array:
+        """As ``_products``, two points along the local axis that lies along x.
+
+        A quadratic deflection of a thin element bends it without shear at these two points alone; at three its shear
+        would stiffen it, and frequencies would converge with the square of its length in place of the fourth power.
+        """
+        axes = self.axes[cells]
+        nodes = len(self.nodes)
+        found = np.empty((len(cells), 3, nodes, 3, nodes))
+        for axis in np.unique(axes):
+            found[axes == axis] = self._products(cells[axes == axis], _two_points_along(int(axis)))
+        return found
+
+    @cached_property
+    def axes(self) -> Index:
+        """Local axis (elements,) that lies along x."""
+        return np.asarray(np.argmax(np.abs(self.jacobian(np.full((3, 1), 0.5))[:, 0, 0]), axis=1))
+
+    def _gradients(self, cells: Index, rule: tuple[Array, Array]) -> tuple[Array, Array]:
+        """∂φ/∂x_i (elements, q, 3, nodes of an element) and dV (elements, q) at the points of a ``rule``."""
+        points, weights = rule
         _, slopes = shape_functions(self.element, points)
         jacobian = self.jacobian(points, cells)
         gradients = np.linalg.inv(jacobian).swapaxes(2, 3) @ slopes.transpose(2, 0, 1)
         return gradients, np.abs(np.linalg.det(jacobian)) * weights
 
-    def _products(self, cells: slice) -> Array:
-        """∫ ∂φ_a/∂x_i ∂φ_b/∂x_j (elements, 3, a, 3, b)."""
-        gradients, volumes = self._gradients(cells)
+    def _products(self, cells: Index, rule: tuple[Array, Array]) -> Array:
+        """∫ ∂φ_a/∂x_i ∂φ_b/∂x_j (elements, 3, a, 3, b) by the quadrature ``rule``."""
+        gradients, volumes = self._gradients(cells, rule)
         count, points, _, nodes = gradients.shape
         flat = np.sqrt(volumes)[:, :, None] * gradients.reshape(count, points, 3 * nodes)
         products = flat.swapaxes(1, 2) @ flat  # symmetric to the bit
         return np.asarray(products.reshape(count, 3, nodes, 3, nodes))
 
-    def _alike(self, matrix: Callable[[slice], Array]) -> Any:
+    def _alike(self, matrix: Callable[[Index], Array]) -> Any:
         """The same element ``matrix`` (elements, a, b) for each of the three components, assembled."""
 
-        def blocks(cells: slice) -> Iterator[tuple[int, int, Array]]:
+        def blocks(cells: Index) -> Iterator[tuple[int, int, Array]]:
             made = matrix(cells)
             yield from ((i, i, made) for i in range(3))
 
         return self._assembled(blocks)
 
-    def _assembled(self, blocks: Callable[[slice], Iterator[tuple[int, int, Array]]]) -> Any:
+    def _assembled(self, blocks: Callable[[Index], Iterator[tuple[int, int, Array]]]) -> Any:
         """The sum over all elements of ``blocks``: components i, j and their matrix (elements, a, b)."""
         from scipy.sparse import bsr_array, csc_array
 
         places, columns, starts = self._pattern
         summed = np.zeros((3, 3, len(columns)))
-        for start in range(0, self.nodes.shape[1], CHUNK):
-            cells = slice(start, start + CHUNK)
+        for cells in np.array_split(every := np.arange(self.nodes.shape[1]), 1 + len(every) // CHUNK):
             at = places[cells].ravel()
             low, high = int(at.min()), int(at.max()) + 1
             for i, j, matrix in blocks(cells):
@@ -192,6 +216,14 @@ def shape_functions(element: Any, local: Array) -> tuple[Array, Array]:
     values = np.stack([np.broadcast_to(value, shape) for value, _ in both])
     slopes = np.stack([np.stack([np.broadcast_to(each, shape) for each in slope]) for _, slope in both], axis=1)
     return values, slopes
+
+
+def _two_points_along(axis: int) -> tuple[Array, Array]:
+    """Gauss' points (3, 18) and weights of the reference hexahedron, two along a local ``axis``, three across."""
+    rules = [np.polynomial.legendre.leggauss(2 if each == axis else 3) for each in range(3)]
+    points = np.meshgrid(*((1 + at) / 2 for at, _ in rules), indexing="ij")
+    weights = np.einsum("a,b,c->abc", *(weight / 2 for _, weight in rules))
+    return np.stack([each.ravel() for each in points]), weights.ravel()
 
 
 def _moduli(material: Material, contraction: bool) -> tuple[float, float, float]:

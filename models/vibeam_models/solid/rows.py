@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from vibeam_models.arrays import Array, Index
+from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.solid.body import SolidBody
 from vibeam_models.solid.elasticity import SolidElements, shape_functions
 
@@ -138,22 +138,22 @@ class SolidRows:
         return np.asarray(np.bincount(slab, self.elements.volumes().sum(axis=1) / length)[slab])
 
     @cached_property
-    def _axes(self) -> tuple[Index, Array]:
-        """Local axis (elements,) along x of each element, and ∂x/∂ξ along it."""
+    def _forward(self) -> Flags:
+        """Test of each element whether x grows along its local axis that lies along x."""
         slopes = self.elements.jacobian(np.full((3, 1), 0.5))[:, 0, X]
-        axis = np.argmax(np.abs(slopes), axis=1)
-        return np.asarray(axis, dtype=np.int64), slopes[np.arange(len(axis)), axis]
+        return np.asarray(slopes[np.arange(len(slopes)), self.elements.axes] > 0)
 
     def _slab(self, x: float) -> tuple[Array, Index, Array, Array]:
         """Quadrature points (3, e, q) of the section at x, nodes, shape functions and areas of the elements it cuts."""
-        (low, high), (axes, signs) = self._ranges, self._axes
+        low, high = self._ranges
         near = NEAR * float(np.nanmax(high) - np.nanmin(low))
         cut = (low < x - near) & (x <= high + near)
         cells = np.flatnonzero(cut if cut.any() else (low <= x + near) & (x < high))
         share = (x - low[cells]) / (high[cells] - low[cells])
-        local, weights = _across(axes[cells], np.where(signs[cells] > 0, share, 1 - share))
+        axes = self.elements.axes[cells]
+        local, weights = _across(axes, np.where(self._forward[cells], share, 1 - share))
         jacobian = self.elements.jacobian(local, cells)
-        first, second = ((axes[cells] + step) % 3 for step in (1, 2))
+        first, second = ((axes + step) % 3 for step in (1, 2))
         each = np.arange(len(cells))
         a, b = (jacobian[each, :, 1:, :][each, :, :, axis] for axis in (first, second))
         area = np.abs(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]) * weights

@@ -138,7 +138,7 @@ def _zones(scene: SolidScene, which: Which) -> Iterable[tuple[float, float]]:
 def _carrying(space: SolidSpace, scene: SolidScene, which: Which) -> SparseStructure:
     """One body with the springs of its supports and the masses on it; its contact its patch, its output the tip."""
     rows = space.rows
-    stiffness = rows.elements.stiffness(rows.body.materials, rows.body.material, scene.contraction)
+    stiffness = rows.elements.stiffness(rows.body.materials, rows.body.material, scene.contraction, True)
     if which == "beam":
         stiffness = sum((_bedding(rows, each.stiffness) for each in scene.named("clamp")), stiffness)
     structure = space.structure(stiffness, UP, space.reduced(rows.patch("contact")))
