@@ -18,13 +18,17 @@ import numpy as np
 from vibeam_models.arguments import real_array, refuse
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
-from vibeam_models.sparse_modes import SymmetricFactor, factor, lowest_modes
+from vibeam_models.sparse_factor import Symbolic, SymmetricFactor, factor, pattern_of, symbolic
+from vibeam_models.sparse_modes import lowest_modes
+from vibeam_models.sparse_ordering import is_net
 from vibeam_models.structure import FIELDS, FREE, MATRICES, Modes, Structure, elimination, signs
 
 MOST = 1 / 3  # share of all modes up to which Lanczos' method finds them
 STEPS = 300  # of Lanczos' method at most
+FLEXIBLE = 1e-3  # share of the twelfth natural frequency from which one is not a rigid motion's
 EVERY = 10  # of them the result is looked at
 SETTLED = 1e-9  # its change from one look to the next at which it ends
+FACTORED = ("fronts", "stiffness_factor", "mass_factor")  # what is known of M and K
 EXHAUSTED = 1e-10  # share of a vector that is left where the Krylov space is complete
 
 
@@ -42,9 +46,8 @@ class SparseStructure(Structure):
     def _settle(self, names: Collection[str]) -> None:
         faults: list[str] = []
         size = self.M.shape[0]
-        for name, factors in (("K", "stiffness_factor"), ("M", "mass_factor")):
-            if name in names:  # those of the structure that this one is made from
-                self.__dict__.pop(factors, None)
+        for name in FACTORED if {"M", "K"} & set(names) else ():  # of the structure that this one is made from
+            self.__dict__.pop(name, None)
         for name in (each for each in FIELDS if each in names):
             given: Any = getattr(self, name)
             if name in MATRICES:
@@ -57,14 +60,20 @@ class SparseStructure(Structure):
         refuse("structure", faults)
 
     @cached_property
+    def fronts(self) -> Symbolic | None:
+        """Fronts of K and M together; None of a net."""
+        pattern = pattern_of(self.K, self.M)
+        return None if is_net(pattern) else symbolic(pattern)
+
+    @cached_property
     def stiffness_factor(self) -> SymmetricFactor:
         """The factors of K."""
-        return factor(self.K)
+        return factor(self.K, self.fronts)
 
     @cached_property
     def mass_factor(self) -> SymmetricFactor:
         """The factors of M."""
-        return factor(self.M)
+        return factor(self.M, self.fronts)
 
     def modes(self, count: int | None = None) -> Modes:
         """As ``Structure.modes``; ValueError where so many are asked for that their shapes would be a dense matrix."""
@@ -143,8 +152,9 @@ def _square_root(structure: SparseStructure, basis: Array) -> Array:
     """Bᵀ M (M⁻¹K)^½ B."""
     shift, inverse = 0.0, structure.stiffness_factor
     if not inverse.regular:
-        shift = float(next((w for w in structure.modes(min(12, structure.size // 4)).omega if w > 0), 1.0)) ** 2
-        inverse = factor(structure.K + shift * structure.M)
+        omega = structure.modes(min(12, structure.size // 4)).omega
+        shift = float(next((w for w in omega if w > FLEXIBLE * omega[-1]), 1.0)) ** 2
+        inverse = factor(structure.K + shift * structure.M, structure.fronts)
     inertia = structure.M @ basis
     columns = [_applied(structure, shift, inverse, column) for column in basis.T]
     found = inertia.T @ np.column_stack(columns)

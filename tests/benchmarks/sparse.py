@@ -44,6 +44,7 @@ NETS = {
 
 CASE = """\
 [matrices]
+units = "SI"
 mass = "M.mtx"
 stiffness = "K.mtx"
 damping_ratio = 0.02

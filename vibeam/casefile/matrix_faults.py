@@ -100,13 +100,13 @@ def _below(matrix: Any, least: float, against: Any = None) -> str:
             if count
             else ""
         )
-    from vibeam_models.sparse_modes import factor
+    from vibeam_models.sparse_factor import factor
 
     scale = 0.0 if against is None else float(np.max(np.abs(matrix.diagonal()) / against.diagonal()))
-    factors = factor(matrix if against is None else matrix - (least * scale) * against)
+    factors = factor(matrix if against is None else matrix - (least * scale) * against, keep=against is None)
     if against is None and not factors.regular:
         return "it has no inverse"
-    count = factors.negative if factors.symmetric else 0
+    count = factors.negative
     return f"{count} of its {matrix.shape[0]} eigenvalues {_are(count, least)}" if count else ""
 
 
