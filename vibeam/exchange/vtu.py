@@ -1,4 +1,4 @@
-"""VTU files of lines and points, and PVD collections of them over time, for ParaView.
+"""VTU files of lines, points and cells of a solid, and PVD collections of them over time, for ParaView.
 
 meshio writes the VTU files; a PVD file is a list of their names, one for each step and piece.
 """
@@ -14,15 +14,19 @@ from xml.etree import ElementTree
 import numpy as np
 
 from vibeam.exchange.whole_files import write_whole
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
 class VtuPiece:
-    """Chain of ``points`` (k, 3) in m, joined by lines unless it is one point, with ``data`` (k,) or (k, 3) at each."""
+    """Points (k, 3) in m with ``data`` (k,) or (k, 3) at each.
+
+    ``cells``: meshio's name of their kind, and their nodes (c, nodes); None: the points are a chain of lines, or one.
+    """
 
     points: Array
     data: Mapping[str, Array]
+    cells: tuple[str, Index] | None = None
 
 
 Step = tuple[float, Mapping[str, VtuPiece]]  # time, and the pieces by name
@@ -34,7 +38,8 @@ def write_vtu(piece: VtuPiece, path: Path) -> None:
 
     count = len(piece.points)
     ends = np.arange(count)
-    cells = ("line", np.column_stack((ends[:-1], ends[1:]))) if count > 1 else ("vertex", ends[:, None])
+    chain = ("line", np.column_stack((ends[:-1], ends[1:]))) if count > 1 else ("vertex", ends[:, None])
+    cells = chain if piece.cells is None else piece.cells
     with TemporaryDirectory() as folder:  # meshio writes to a path alone
         place = Path(folder) / "piece.vtu"
         meshio.Mesh(piece.points, [cells], point_data=dict(piece.data)).write(place)

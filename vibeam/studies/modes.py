@@ -1,7 +1,8 @@
-"""Modes of the whole finite-element beam, the effect of truncation on the restitution, the structure's matrices."""
+"""Modes of the whole beam or solid, the effect of truncation on the restitution, the structure's matrices."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import nan
 from os import PathLike
@@ -24,6 +25,7 @@ from vibeam_models.structure import Modes, Structure
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.solid_shape import SolidShape
     from vibeam_models.scene import AnyScene
 
 
@@ -55,6 +57,7 @@ class ModeTable(ValueRecord, ViewedTable):
 
     ``load_unit``: that of the rows' loads, per base acceleration, or per force or moment on the beam. ``notes``:
     limits of the numbers, in sentences. ``beams``: shapes of all beams by name, deflections and slopes (points, modes).
+    ``bodies``: of a solid, by the modes; its beams are the means of its sections.
     """
 
     rows: tuple[ModeRow, ...]
@@ -63,6 +66,7 @@ class ModeTable(ValueRecord, ViewedTable):
     notes: tuple[str, ...] = ()
     load_unit: str = "kg^½"
     beams: Fields = field(default_factory=dict)
+    bodies: Mapping[str, SolidShape] = field(default_factory=dict, compare=False)
 
 
 LOAD_UNITS = {None: "kg^½", 0: "kg^-½", 1: "kg^-½ m^-1"}  #: of a base that moves, of a force, of a moment
@@ -109,8 +113,14 @@ def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
     if pointed is None:  # the coordinates have no places
         return ModeTable(tuple(rows), np.zeros(0), np.zeros((0, 0)), _notes(rig, rows), unit)
     beams = {name: _shaped(rows_of, modes) for name, rows_of in fields(pointed, structure).items()}
-    first = beams["beam"]
-    return ModeTable(tuple(rows), first.positions, first.deflection, _notes(rig, rows), unit, beams)
+    first, bodies = beams["beam"], _bodies(scene, modes) if scene.in_three_dimensions else {}
+    return ModeTable(tuple(rows), first.positions, first.deflection, _notes(rig, rows), unit, beams, bodies)
+
+
+def _bodies(scene: AnyScene, modes: Modes) -> dict[str, SolidShape]:
+    from vibeam.case.solid_shape import solid_shapes
+
+    return {name: body.by(modes.shapes) for name, body in solid_shapes(scene).items()}
 
 
 def _shaped(beam: BeamField, modes: Modes) -> BeamField:
@@ -144,10 +154,10 @@ def _restitutions(scene: RigScene, first: float, mobility: float) -> tuple[float
 
 
 def write_shapes(table: ModeTable, path: Path) -> None:
-    """Write the modes' shapes as lines along x that bend along z, the largest deflection of each mode 1 m.
+    """Write the modes' shapes as lines along x that bend along z, of a solid its cells; the largest of each mode 1 m.
 
-    A ``.vtu`` file has the first beam, with a vector field of each mode; a ``.pvd`` file is a series with a step for
-    each mode, every beam a piece, with the fields of ``shape_steps``.
+    A ``.vtu`` file has the first beam or the solid, with a vector field of each mode; a ``.pvd`` file is a series with
+    a step for each mode, every beam and the solid a piece, with the fields of ``shape_steps``.
 
     ValueError where there is no beam: the coordinates of given matrices have no places.
     """
@@ -156,30 +166,35 @@ def write_shapes(table: ModeTable, path: Path) -> None:
     if path.suffix == ".pvd":
         write_series(shape_steps(table), path)
         return
-    beam, data = table.beams["beam"], dict[str, Array]()
+    beam, body, data = table.beams["beam"], table.bodies.get("beam"), dict[str, Array]()
     for index, row in enumerate(table.rows):
         name = f"mode {row.number:02} ({row.frequency:.4g} Hz)"
+        if body is not None:
+            data[name] = _moved(table, body, index)
+            continue
         drawn = _fields(table, "beam", index)
         data |= {name: drawn["displacement"], f"{name}, rotation": drawn["rotation"]}
-    write_vtu(VtuPiece(_line(beam), data), path)
+    write_vtu(VtuPiece(_line(beam), data) if body is None else VtuPiece(body.points, data, body.vtk_cells), path)
 
 
 def shape_steps(table: ModeTable) -> list[Step]:
     """A step for each mode, its time the mode's number: ``displacement`` and ``rotation`` (k, 3), ``thickness``,
-    ``frequency`` (Hz) and ``damping_ratio`` (k,) of every beam."""
+    ``frequency`` (Hz) and ``damping_ratio`` (k,) of every beam; of a solid without rotation and thickness."""
     steps: list[Step] = []
     for index, row in enumerate(table.rows):
         pieces = {}
         for name, beam in table.beams.items():
-            count = len(beam.positions)
-            data = _fields(table, name, index) | {
-                "thickness": beam.height,
-                "frequency": np.full(count, row.frequency),
-                "damping_ratio": np.full(count, row.damping_ratio),
-            }
+            data = _fields(table, name, index) | {"thickness": beam.height} | _constant(row, len(beam.positions))
             pieces[name] = VtuPiece(_line(beam), data)
+        for name, body in table.bodies.items():
+            data = {"displacement": _moved(table, body, index), **_constant(row, len(body.points))}
+            pieces[f"solid {name}"] = VtuPiece(body.points, data, body.vtk_cells)
         steps.append((float(row.number), pieces))
     return steps
+
+
+def _constant(row: ModeRow, count: int) -> dict[str, Array]:
+    return {name: np.full(count, getattr(row, name)) for name in ("frequency", "damping_ratio")}
 
 
 def _line(beam: BeamField) -> Array:
@@ -187,10 +202,22 @@ def _line(beam: BeamField) -> Array:
 
 
 def _fields(table: ModeTable, name: str, index: int) -> dict[str, Array]:
-    """Fields of one mode of a beam, over the largest deflection of all beams."""
-    largest = max(float(np.abs(beam.deflection[:, index]).max()) for beam in table.beams.values())
-    beam, scale = table.beams[name], largest or 1.0  # a mode of torsion does not bend
+    """Fields of one mode of a beam, over its largest displacement."""
+    beam, scale = table.beams[name], _largest(table, index)
     return centre_line(beam.positions, 0.0, beam.deflection[:, index] / scale, beam.slope[:, index] / scale)
+
+
+def _moved(table: ModeTable, body: SolidShape, index: int) -> Array:
+    """Displacement (k, 3) of a solid in one mode, over its largest."""
+    return np.asarray(body.displacement(np.eye(len(table.rows))[index]) / _largest(table, index))
+
+
+def _largest(table: ModeTable, index: int) -> float:
+    """Largest displacement of a mode, of all beams, or of the solid; 1 where none is, as of torsion of a beam."""
+    if table.bodies:
+        mode = np.eye(len(table.rows))[index]
+        return max(float(np.linalg.norm(each.displacement(mode), axis=1).max()) for each in table.bodies.values())
+    return max(float(np.abs(beam.deflection[:, index]).max()) for beam in table.beams.values()) or 1.0
 
 
 @of_source

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import CaseFile, Overrides, load, option, out_option, output_path
+from vibeam.cli.arguments import CaseFile, Overrides, load, of_fidelities, option, out_option, output_path
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet
 from vibeam.cli.streams import say
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
+_FIDELITY = "Whose structure: of a solid the body itself; absent = the beam of the case."
 _MATRICES = "Write M, C, K and the rows too: .npz, .h5, .mat, .mtx or .npy."
 
 
@@ -25,6 +26,7 @@ def modes(
     out: Annotated[str | None, out_option("Mode shapes: .vtu, or .pvd with a step for each; or a folder.")] = None,
     matrices: Annotated[str | None, option(_MATRICES, "--matrices", metavar="FILE")] = None,
     count: Annotated[int, typer.Option("--count", metavar="N", min=1, help="How many modes.")] = 10,
+    fidelity: Annotated[str | None, option(_FIDELITY, "--fidelity", metavar="NAME")] = None,
 ) -> None:
     """Modal table; mode shapes and matrices as files.
 
@@ -34,6 +36,7 @@ def modes(
     Examples:
       vibeam modes mine.toml --count 4
       vibeam modes mine.toml --out shapes.pvd --matrices mine.npz
+      vibeam modes mine.toml --fidelity solid --out shapes.vtu
     """
     from vibeam.report.modes import sheet
     from vibeam.studies.modes import mode_table, write_shapes
@@ -41,7 +44,8 @@ def modes(
     loaded = load(case, set_)
     name, endings = f"{loaded.path.stem}_modes.vtu", (".vtu", ".pvd")
     files = [] if out is None else [output_path(out, name, endings, "a file of mode shapes")]
-    table = of_case(case, lambda: mode_table(loaded.scene, count))
+    scene = loaded.scene if fidelity is None else of_fidelities(loaded, [fidelity]).scene_of(fidelity)
+    table = of_case(case, lambda: mode_table(scene, count))
     if matrices is not None:
         export(loaded, matrices)
     for file in files:
