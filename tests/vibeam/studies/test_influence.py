@@ -523,3 +523,13 @@ def test_tables_and_plot_show_what_is_not_there(capsys: pytest.CaptureFixture[st
     widths = [patch.get_width() for patch in bars(shown).axes[0].patches]
     assert max(widths) == pytest.approx(1e3, rel=1e-3)
     assert all(isfinite(width) for width in widths)
+
+
+def test_a_solid_loses_an_effect_and_keeps_its_modes() -> None:
+    """How many modes a solid has is not known before it is meshed: their number is left as it is."""
+    own = '[fidelity.solid]\nmodel = "solid"\nreduction = "modal"\nmodes = 4\n'
+    found = subsets(parse(BEAM + ADDED + own, RIG, QUICK))
+    assert found.fidelity == "solid"
+    kept = [name for name in found.effects if not name.startswith("added_mass")]
+    assert len(kept) < len(found.effects)
+    assert found.case(kept).fidelities["solid"].modes == 4

@@ -117,7 +117,7 @@ class Subsets:
     def _modes_without(self, settings: dict[str, Any], wanted: int) -> int:
         """Number of modes wanted, or that of the model where it has fewer."""
         other = self.whole.with_keys(settings | {self._modes_key: 1})
-        return min(wanted, other.model(self.fidelity).most_modes)
+        return min(wanted, other.model(self.fidelity).most_modes or wanted)
 
     @property
     def _modes_key(self) -> str:

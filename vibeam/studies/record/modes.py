@@ -88,7 +88,8 @@ def record_modes(
     if own.modes is None:
         raise ValueError(f'fidelity {name}: reduction = "{own.reduction}" says its modes itself: take one with modes')
     whole = alone(case, name)
-    top = min(whole.model(name).most_modes, max(BEYOND * own.modes, LEAST))
+    wanted = max(BEYOND * own.modes, LEAST)
+    top = min(whole.model(name).most_modes or wanted, wanted)
     numbers = [*(count for count in STEPS if count < top), top]
     if len(numbers) < 2:
         raise ValueError(f"fidelity {name}: its rig has {top} mode: there are no fewer to compare with")
