@@ -178,26 +178,32 @@ class SolidElements:
 
     def _alike(self, matrix: Callable[[Index], Array]) -> Any:
         """The same element ``matrix`` (elements, a, b) for each of the three components, assembled."""
+        from scipy.sparse import csr_array, kron
 
-        def blocks(cells: Index) -> Iterator[tuple[int, int, Array]]:
-            made = matrix(cells)
-            yield from ((i, i, made) for i in range(3))
-
-        return self._assembled(blocks)
+        (summed,) = self._summed(1, lambda cells: iter([(0, matrix(cells))]))
+        _, columns, starts = self._pattern
+        return kron(csr_array((summed, columns, starts)), np.eye(3), format="csc")
 
     def _assembled(self, blocks: Callable[[Index], Iterator[tuple[int, int, Array]]]) -> Any:
         """The sum over all elements of ``blocks``: components i, j and their matrix (elements, a, b)."""
         from scipy.sparse import bsr_array, csc_array
 
-        places, columns, starts = self._pattern
-        summed = np.zeros((3, 3, len(columns)))
+        summed = self._summed(9, lambda cells: ((3 * i + j, matrix) for i, j, matrix in blocks(cells)))
+        _, columns, starts = self._pattern
+        shape = (self.size, self.size)
+        rows = bsr_array((summed.reshape(3, 3, -1).transpose(2, 0, 1), columns, starts), shape=shape).tocsr()
+        return csc_array((rows.data, rows.indices, rows.indptr), shape=shape)  # symmetric: its rows are its columns
+
+    def _summed(self, count: int, matrices: Callable[[Index], Iterator[tuple[int, Array]]]) -> Array:
+        """Sums (count, pairs of nodes) over all elements of numbered ``matrices`` (elements, a, b)."""
+        places, columns, _ = self._pattern
+        summed = np.zeros((count, len(columns)))
         for cells in np.array_split(every := np.arange(self.nodes.shape[1]), 1 + len(every) // CHUNK):
             at = places[cells].ravel()
             low, high = int(at.min()), int(at.max()) + 1
-            for i, j, matrix in blocks(cells):
-                summed[i, j, low:high] += np.bincount(at - low, matrix.ravel(), high - low)
-        rows = bsr_array((summed.transpose(2, 0, 1), columns, starts), shape=(self.size, self.size)).tocsr()
-        return csc_array((rows.data, rows.indices, rows.indptr), shape=rows.shape)  # symmetric: its rows are columns
+            for number, matrix in matrices(cells):
+                summed[number, low:high] += np.bincount(at - low, matrix.ravel(), high - low)
+        return summed
 
     @cached_property
     def _pattern(self) -> tuple[Index, Index, Index]:

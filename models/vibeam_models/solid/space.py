@@ -41,7 +41,7 @@ class BodySpace:
     def congruent(self, matrix: Any) -> Any:
         """Matrix (n, n), sparse, of one (3 k, 3 k) of the displacements; that of half a body counts twice."""
         basis = self.coordinates.basis
-        return (2.0 if self.rows.body.half else 1.0) * (basis.T @ (matrix @ basis)).tocsc()
+        return (2.0 if self.rows.body.half else 1.0) * (basis.T.tocsc() @ (matrix @ basis))
 
     def structure(self, stiffness: Any, direction: Array, contact: Array) -> SparseStructure:
         """The structure with ``stiffness`` (3 k, 3 k) on a base that moves along ``direction`` (3,).
