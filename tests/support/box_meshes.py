@@ -40,10 +40,10 @@ def bent(points: np.ndarray) -> np.ndarray:
     return np.column_stack((points[:, :2], points[:, 2] + BEND * points[:, 0] ** 2 / SIZE[0]))
 
 
-def end_face(points: np.ndarray, kind: str) -> tuple[str, list[list[int]]]:
-    """The face x = 2 of the two boxes, by its corners."""
+def end_face(points: np.ndarray, kind: str, x: int = 2) -> tuple[str, list[list[int]]]:
+    """The face at ``x`` of the two boxes, by its corners."""
     at = {tuple(point): index for index, point in enumerate(points)}
-    corners = [at[tuple(np.array(each) * SIZE)] for each in ((2, 0, 0), (2, 1, 0), (2, 1, 1), (2, 0, 1))]
+    corners = [at[tuple(np.array(each) * SIZE)] for each in ((x, 0, 0), (x, 1, 0), (x, 1, 1), (x, 0, 1))]
     if kind.startswith("hexa"):
         return "quad", [corners]
     return "triangle", [[corners[0], corners[1], corners[2]], [corners[0], corners[2], corners[3]]]

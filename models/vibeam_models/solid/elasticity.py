@@ -63,7 +63,8 @@ class SolidElements:
         parts = (np.arange(len(chosen))[None], self.mesh.edges, self.mesh.facets, self.mesh.t)
         numbers = (self.dofs.nodal_dofs, self.dofs.edge_dofs, self.dofs.facet_dofs, self.dofs.interior_dofs)
         for corners, nodes in zip(parts, numbers, strict=True):
-            found[nodes] = chosen[corners].all(axis=0)
+            if nodes.size:  # of tetrahedra neither faces nor elements have nodes of their own
+                found[nodes] = chosen[corners].all(axis=0)
         return found
 
     @property

@@ -55,11 +55,10 @@ def _group(elements: SolidElements, mass: BodyMass, half: bool) -> tuple[Flags, 
 
 def _nodes(elements: SolidElements, facets: Any, vertices: Any) -> Flags:
     """Test of each node (k,) of the field whether it lies on these facets, or between these vertices."""
+    found = elements.among(np.zeros(0, int) if vertices is None else vertices)
     if facets is not None and len(facets):
-        found = np.zeros(elements.points.shape[1], dtype=bool)
         found[elements.dofs.get_facet_dofs(np.asarray(facets, dtype=np.int32)).flatten()] = True
-        return found
-    return elements.among(np.zeros(0, int) if vertices is None else vertices)
+    return found
 
 
 def _over(rows: SolidRows, facets: Any, vertices: Any, component: int) -> Array:

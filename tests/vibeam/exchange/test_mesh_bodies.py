@@ -8,10 +8,11 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
-from box_meshes import SIZE, end_face, nodes_of
+from box_meshes import SIZE, bent, end_face, nodes_of
 
-from vibeam.exchange.meshes.own import own_body
+from vibeam.exchange.meshes.own import own_body, own_structure
 from vibeam_models.solid.body import SolidBody
+from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.own_mesh import OwnRig
 from vibeam_models.solid.plan import GroupMass, GroupMaterial, OwnMesh, SurfaceMotion
 
@@ -258,3 +259,77 @@ def test_unit_of_the_coordinates(tmp_path: Path) -> None:
     assert faults(tmp_path, extent=0.05)[0].endswith("long: one of mesh_unit and extent is wrong")
     assert read(tmp_path, unit=1.0, extent=60.0)[0].mass == pytest.approx(2e9 * VOLUME * 7850)
     assert faults(tmp_path, file="none.msh") == ["mesh: none.msh: no such file"]
+
+
+@pytest.mark.parametrize("kind", ["hexahedron", "hexahedron20", "hexahedron27", "tetra", "tetra10"])
+def test_patch_of_a_linear_displacement_on_every_kind(kind: str, tmp_path: Path) -> None:
+    """u = A x has the energy V σ:ε/2, on bent elements of the second order as on straight ones, to round-off."""
+    own, cells = nodes_of(kind)
+    points = own if kind in ("hexahedron", "tetra") else bent(own)
+    (called, right), (_, left) = end_face(own, kind), end_face(own, kind, 0)
+    blocks = [(kind, np.array(cells)), (called, np.array([*left, *right]))]
+    count = len(left)
+    data = {"clamp": [1] * count + [0] * count, "end": [0] * count + [1] * count}
+    none = np.zeros(len(cells), int)
+    arrays = {name: [none, np.array(each)] for name, each in data.items()}
+    meshio.Mesh(points, blocks, cell_data=arrays).write(tmp_path / "rig.vtu")
+    body, _ = read(tmp_path)
+    assert body.mass == pytest.approx(2 * VOLUME * 7850, rel=1e-12)
+    elements = SolidElements(body.mesh)
+    gradient = np.array([[1.0, 0.3, -0.2], [0.1, -0.7, 0.4], [0.6, 0.2, 0.5]]) * 1e-3
+    displacement = (gradient @ elements.points).T.ravel()
+    strain = (gradient + gradient.T) / 2
+    twice = 210e9 / 1.3
+    density = twice / 2 * np.sum(strain**2) + 0.3 * twice / 0.4 / 2 * np.trace(strain) ** 2
+    K = elements.stiffness(body.materials, body.material)
+    assert displacement @ (K @ displacement) / 2 == pytest.approx(2 * VOLUME * density, rel=1e-11)
+
+
+def gmsh_4(points: np.ndarray, cells: list[list[int]], faces: Mapping[str, list[int]]) -> str:
+    """As Gmsh writes format 4.1: groups are of entities, cells stand by entity; those of 8 nodes are of type 5."""
+    names = [f'2 {index} "{name}"' for index, name in enumerate(faces, 1)]
+    entities = [f"{index} 0 0 0 1 1 1 1 {index} 0" for index in range(1, len(faces) + 1)]
+    nodes = [
+        *(str(index) for index in range(1, len(points) + 1)),
+        *(" ".join(map(repr, each)) for each in points.tolist()),
+    ]
+    rows = [
+        line for index, each in enumerate(faces.values(), 1) for line in (f"2 {index} 3 1", f"{index} {_one(each)}")
+    ]
+    rows += [f"3 1 5 {len(cells)}", *(f"{10 + index} {_one(each)}" for index, each in enumerate(cells))]
+    size, count = len(points), len(faces) + len(cells)
+    sections = {
+        "MeshFormat": ["4.1 0 8"],
+        "PhysicalNames": [str(len(names) + 1), *names, '3 5 "strip"'],
+        "Entities": [f"0 0 {len(faces)} 1", *entities, "1 0 0 0 1 1 1 1 5 0"],
+        "Nodes": [f"1 {size} 1 {size}", f"3 1 0 {size}", *nodes],
+        "Elements": [f"{len(faces) + 1} {count} 1 {count}", *rows],
+    }
+    return "".join("\n".join([f"${name}", *lines, f"$End{name}\n"]) for name, lines in sections.items())
+
+
+def _one(nodes: Sequence[int]) -> str:
+    return " ".join(str(each + 1) for each in nodes)
+
+
+def test_structure_is_the_same_whatever_the_format(tmp_path: Path) -> None:
+    """Nodes in another order leave the frequencies, to round-off."""
+    own, cells = nodes_of("hexahedron")
+    faces = {"clamp": LEFT[0], "end": end_face(own, "hexahedron")[1][0]}
+    (tmp_path / "rig.msh").write_text(gmsh_4(own, cells, faces))
+    deck = ["*NODE", *(f"{index}, {x}, {y}, {z}" for index, (x, y, z) in enumerate(own, 1)), "*ELEMENT, TYPE=C3D8"]
+    deck += [f"{index}, {_one(each).replace(' ', ', ')}" for index, each in enumerate(cells[::-1], 1)]
+    deck += [line for name, each in faces.items() for line in (f"*NSET, NSET={name}", _one(each).replace(" ", ", "))]
+    (tmp_path / "rig.inp").write_text("\n".join(deck))
+    written(tmp_path)
+    found = []
+    for name in ("rig.msh", "rig.inp", "rig.vtu"):
+        given, said = own_structure(replace(PLAN, file=name, contact=SurfaceMotion("end", "z")), tmp_path)
+        assert said == ()
+        assert given is not None
+        assert (given.kind, given.carried) == ("solid", pytest.approx(2 * VOLUME * 7850))
+        found.append(given.structure.modes(4).omega)
+    np.testing.assert_allclose(found[1:], [found[0]] * 2, rtol=1e-9)
+    # the cantilever 60 × 20 × 10 mm of Euler and Bernoulli: 1.875² √(E/12ρ) h/L², of which shear takes some
+    beam = 1.8751**2 * np.sqrt(210e9 / (12 * 7850)) * 0.01 / 0.06**2
+    assert found[0][0] == pytest.approx(beam, rel=0.05)

@@ -140,7 +140,7 @@ def _read_nodes(deck: Deck, line: int, options: dict[str, str], rows: Rows) -> N
                 f"node {row[0]} is there twice: write the parts as one, with numbers of their own", number
             )
         deck.nodes[int(row[0])] = len(deck.places)
-        deck.places.append([float(each or 0) for each in (*row[1:4], "", "")[:3]])
+        deck.places.append([float(each or 0) for each in (*row[1:4], "", "", "")[:3]])
     if "NSET" in options:
         deck.node_sets.setdefault(options["NSET"], []).extend(int(row[0]) for _, row in rows)
 

@@ -94,9 +94,10 @@ def _content(
 
 def _cell(name: str, line: int, nodes: list[int]) -> tuple[str, list[int]]:
     """Kind of a cell and its nodes in the order of VTK; of a face its corners."""
-    if name in SKINS:
-        return {3: "triangle", 4: "quad"}[SKINS[name]], nodes[: SKINS[name]]
-    known = ELEMENTS[name]
+    corners = SKINS.get(name, 0)
+    if corners and len(nodes) >= corners:
+        return {3: "triangle", 4: "quad"}[corners], nodes[:corners]
+    known = ELEMENTS.get(name, {corners: ""})
     if len(nodes) not in known:
         raise FormatError(f"{name} has {len(nodes)} nodes: it must have {' or '.join(map(str, known))}", line)
     kind = known[len(nodes)]

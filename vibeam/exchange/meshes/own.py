@@ -24,7 +24,6 @@ from vibeam.exchange.meshes.read import read_mesh
 from vibeam_models.arrays import Array
 from vibeam_models.beams.stretch import Material
 from vibeam_models.given import GivenStructure
-from vibeam_models.registry import loaded
 from vibeam_models.solid.body import BodyMass, SolidBody
 from vibeam_models.solid.own_mesh import (
     IN_PLANE,
@@ -55,11 +54,12 @@ def own_structure(plan: OwnMesh, folder: Path) -> tuple[GivenStructure | None, t
     body, rig, faults = own_body(plan, folder)
     if body is None or rig is None:
         return None, faults
-    structure = loaded("vibeam_models.solid.structure:body_structure")(body, rig)
+    from vibeam_models.solid.own_structure import body_structure
+
     said = f"{digest_of(folder / plan.file)} {replace(plan, file='')!r}"
     carried = body.mass + sum(each.mass for each in body.masses)
     digest = sha256(said.encode()).hexdigest()
-    return GivenStructure(digest, "solid", structure, plan.damping, carried), ()
+    return GivenStructure(digest, "solid", body_structure(body, rig), plan.damping, carried), ()
 
 
 def own_body(plan: OwnMesh, folder: Path) -> tuple[SolidBody | None, OwnRig | None, tuple[OwnFault, ...]]:
