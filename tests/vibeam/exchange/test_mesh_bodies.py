@@ -333,3 +333,11 @@ def test_structure_is_the_same_whatever_the_format(tmp_path: Path) -> None:
     # the cantilever 60 × 20 × 10 mm of Euler and Bernoulli: 1.875² √(E/12ρ) h/L², of which shear takes some
     beam = 1.8751**2 * np.sqrt(210e9 / (12 * 7850)) * 0.01 / 0.06**2
     assert found[0][0] == pytest.approx(beam, rel=0.05)
+
+
+def test_masses_that_cannot_be_rigid(tmp_path: Path) -> None:
+    written(tmp_path, regions={"near": [0]})
+    given, ((key, message),) = own_structure(replace(PLAN, masses=(GroupMass(group="near", mass=0.1),)), tmp_path)
+    assert given is None
+    assert key == "mass"
+    assert "near" in message

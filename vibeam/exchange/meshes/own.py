@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.exchange.faults import suggest
-from vibeam.exchange.files import FormatError, State, digest_of, state_of
+from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.meshes.faults import (
     body_faults,
     cell_faults,
@@ -44,38 +44,50 @@ from vibeam_models.solid.plan import GroupMaterial, OwnMesh, SurfaceMotion
 from vibeam_models.solid.scene import assumed_poissons_ratio
 
 OwnFault = tuple[str, str]  # key in [solid], dotted, and message
-KEPT = 2  # meshes as they were read
+KEPT = 4  # structures
 NONE = np.empty(0, dtype=np.int64)
 LOOKS = 0.5  # share of a surface's area that its mean normal must have, to be one
 
 
 def own_structure(plan: OwnMesh, folder: Path) -> tuple[GivenStructure | None, tuple[OwnFault, ...]]:
     """Structure of a mesh (None: it cannot be made), and every complaint about it; ``plan.file`` is in ``folder``."""
-    body, rig, faults = own_body(plan, folder)
-    if body is None or rig is None:
-        return None, faults
+    try:
+        said = f"{digest_of(folder / plan.file)} {replace(plan, file='')!r}"
+    except FormatError as error:
+        return None, (("mesh", f"{plan.file}: {error}"),)
+    return _structure(_Asked(sha256(said.encode()).hexdigest(), plan, folder))
+
+
+@dataclass(frozen=True)
+class _Asked:
+    digest: str
+    plan: OwnMesh = field(compare=False)
+    folder: Path = field(compare=False)
+
+
+@lru_cache(maxsize=KEPT)
+def _structure(asked: _Asked) -> tuple[GivenStructure | None, tuple[OwnFault, ...]]:
     from vibeam_models.solid.own_structure import body_structure
 
-    said = f"{digest_of(folder / plan.file)} {replace(plan, file='')!r}"
+    body, rig, faults = own_body(asked.plan, asked.folder)
+    if body is None or rig is None:
+        return None, faults
+    try:
+        structure = body_structure(body, rig).with_(damping=asked.plan.damping)
+    except ValueError as error:
+        return None, (("mass", str(error)),)
     carried = body.mass + sum(each.mass for each in body.masses)
-    digest = sha256(said.encode()).hexdigest()
-    return GivenStructure(digest, "solid", body_structure(body, rig), plan.damping, carried), ()
+    return GivenStructure(asked.digest, "solid", structure, None, carried), ()
 
 
 def own_body(plan: OwnMesh, folder: Path) -> tuple[SolidBody | None, OwnRig | None, tuple[OwnFault, ...]]:
     """Body of a mesh with its drive and readings (None: there are faults), and every fault."""
     try:
-        path = folder / plan.file
-        mesh = _read(path, state_of(path))
+        mesh = read_mesh(folder / plan.file)
     except FormatError as error:
         return None, None, (("mesh", f"{plan.file}: {error}"),)
     made = BodyReading(plan, replace(mesh, points=mesh.points * plan.unit))
     return (*made.body_and_rig(), tuple(dict.fromkeys(made.faults)))
-
-
-@lru_cache(maxsize=KEPT)
-def _read(path: Path, state: State) -> FileMesh:
-    return read_mesh(path)
 
 
 @dataclass(frozen=True)
