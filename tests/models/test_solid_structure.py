@@ -13,6 +13,7 @@ from vibeam_models.beam import structure_of
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.beams.stretch import Material
+from vibeam_models.effects.field_points import FieldPoints
 from vibeam_models.effects.gravity import Gravity
 from vibeam_models.effects.masses import AddedMass, RigidZone, RotaryInertia
 from vibeam_models.effects.opposite import Opposite
@@ -170,6 +171,19 @@ def test_a_mesh_of_ones_own_is_the_scenes_structure(whole):
     for name in ("contact", "load"):
         pushed = [each.contact @ each.deflection(getattr(each, name)) for each in (one, other)]
         assert pushed[1] == pytest.approx(pushed[0], rel=6e-4)
+
+
+def test_readings_alone_make_no_new_matrices():
+    """Sensor, outputs and points of another scene share M, K and modes; another mass does not."""
+    rig = scene(SolidScene)
+    read = replace(rig, sensor=Sensor(0.05), outputs=(Output("turn", 0.1, "slope"),), effects=(FieldPoints((0.1,)),))
+    one, other, heavy = (structure_of(each) for each in (rig, read, replace(rig, mass=Mass(0.1, 0.1))))
+    assert other.K is one.K
+    assert other.modes(3).shapes is one.modes(3).shapes
+    assert heavy.M is not one.M
+    assert list(other.outputs) == ["sensor", "tip", "turn", "beam deflection 0", "beam slope 0"]
+    assert other.units["turn"] == "rad"
+    np.testing.assert_array_equal(other.outputs["turn"], other.outputs["beam slope 0"])
 
 
 def test_fields_expand_the_coordinates_of_both_bodies():

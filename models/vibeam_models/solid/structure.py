@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import inf
 from typing import Any
 
@@ -15,6 +16,7 @@ from vibeam_models.beams.beam import Beam
 from vibeam_models.effects.field_points import FieldPoints, output_names
 from vibeam_models.effects.gravity import AxialGravity
 from vibeam_models.outputs import Output, surface_distance
+from vibeam_models.scene import Sensor
 from vibeam_models.solid.constraints import RigidPart, SolidCoordinates, holding
 from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.geometry.bodies import Which, body_of
@@ -24,6 +26,7 @@ from vibeam_models.solid.space import BodySpace, RigidMass, SolidField, outer
 from vibeam_models.sparse import SparseStructure
 from vibeam_models.structure import side_by_side
 
+KEPT = 2  # structures, without what reads them: two fidelities of a case
 UP = np.array([0.0, 0.0, 1.0])  # the base's motion
 
 
@@ -31,18 +34,50 @@ def solid_structure(scene: SolidScene) -> SparseStructure:
     """The structure of a solid scene: as ``beam.assemble`` of the beam's, its coordinates y with u = Z y.
 
     The contact is the mean displacement toward the stop over its patch; sensor, tip and outputs read the surface on
-    the line y = 0, a strain over a gauge as long as the section is high. ValueError as ``beam.assemble``.
+    the line y = 0, a strain over a gauge as long as the section is high. Scenes that differ in these alone share M, K
+    and modes. ValueError as ``beam.assemble``.
     """
     check_positions(scene)
-    space = solid_space(scene)
-    structure = _weighed(_observed(_carrying(space, scene, "beam"), space, scene), space, scene)
+    plain = _without_readings(scene)
+    structure, spaces = _unread(plain), _spaces(plain)
+    own = _readings(scene, spaces["beam"])
+    rows = {name: np.pad(row, (0, structure.size - len(row))) for name, row in own.items()}
+    rows.update(structure.outputs)
+    for points in scene.named(FieldPoints.name):
+        for which, space in spaces.items():
+            rest = structure.size - space.size
+            around = (0, rest) if which == "beam" else (rest, 0)
+            found = space.field_rows(which, points.positions if which == "beam" else points.opposite)
+            rows.update((name, np.pad(row, around)) for name, row in found.items())
+    units = dict.fromkeys(rows, "m") | {each.name: each.kind.unit for each in scene.outputs}
+    return structure.with_(outputs=rows, units=units)
+
+
+def _without_readings(scene: SolidScene) -> SolidScene:
+    """The scene with nothing that only reads its motion."""
+    plain: SolidScene = scene.structural().without(FieldPoints.name)
+    return replace(plain, sensor=Sensor(scene.beam.length), outputs=())
+
+
+@lru_cache(maxsize=KEPT)
+def _unread(scene: SolidScene) -> SparseStructure:
+    """The structure without sensor and outputs of the case."""
+    space = _spaces(scene)["beam"]
+    structure = _weighed(_carrying(space, scene, "beam"), space, scene)
+    structure = structure.with_(outputs=_further(scene, space))
     for other in scene.named("opposite"):
-        structure = _meeting(structure, other, scene)
+        structure = _meeting(structure, _spaces(scene)["opposite"], other, scene)
     place = scene.base.on_beam
     if place is not None:
         load = -space.section_row(*place)
-        structure = structure.with_(load=np.concatenate([load, np.zeros(structure.size - len(load))]))
+        structure = structure.with_(load=np.pad(load, (0, structure.size - len(load))))
     return structure.with_(damping=scene.beam.damping)
+
+
+@lru_cache(maxsize=KEPT)
+def _spaces(scene: SolidScene) -> Mapping[Which, SolidSpace]:
+    bodies: tuple[Which, ...] = ("beam", "opposite") if scene.named("opposite") else ("beam",)
+    return {which: solid_space(scene, which) for which in bodies}
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,16 +151,12 @@ def solid_space(scene: SolidScene, which: Which = "beam") -> SolidSpace:
 
 def solid_fields(scene: SolidScene) -> dict[str, SolidField]:
     """Displacements of the body, ``"beam"``, and of the ``"opposite"`` one, by the coordinates of the structure."""
-    spaces = {which: solid_space(scene, which) for which in _bodies(scene)}
+    spaces = _spaces(_without_readings(scene))
     sizes = [space.size for space in spaces.values()]
     return {
         which: space.field(sum(sizes[:index]), sum(sizes[index + 1 :]))
         for index, (which, space) in enumerate(spaces.items())
     }
-
-
-def _bodies(scene: SolidScene) -> tuple[Which, ...]:
-    return ("beam", "opposite") if scene.named("opposite") else ("beam",)
 
 
 def _zones(scene: SolidScene, which: Which) -> Iterable[tuple[float, float]]:
@@ -136,7 +167,7 @@ def _zones(scene: SolidScene, which: Which) -> Iterable[tuple[float, float]]:
 
 
 def _carrying(space: SolidSpace, scene: SolidScene, which: Which) -> SparseStructure:
-    """One body with the springs of its supports and the masses on it; its contact its patch, its output the tip."""
+    """One body with the springs of its supports and the masses on it; its contact its patch."""
     rows = space.rows
     stiffness = rows.elements.stiffness(rows.body.materials, rows.body.material, scene.contraction, True)
     if which == "beam":
@@ -149,7 +180,7 @@ def _carrying(space: SolidSpace, scene: SolidScene, which: Which) -> SparseStruc
                 structure = structure.with_(K=structure.K + spring * outer(row))
     for x, carried in _masses(scene, which):
         structure = carried.on(structure, space.part(x), UP)
-    return structure.with_(outputs={"tip": space.surface_row(space.beam.length)}, units={"tip": "m"})
+    return structure
 
 
 def _bedding(rows: SolidRows, stiffness: float) -> Any:
@@ -174,19 +205,18 @@ def _masses(scene: SolidScene, which: Which) -> Iterator[tuple[float, RigidMass]
             yield each.position, RigidMass(each.mass, rotary, rotary)
 
 
-def _observed(structure: SparseStructure, space: SolidSpace, scene: SolidScene) -> SparseStructure:
-    """The first body with what reads it."""
-    outputs = {"sensor": space.surface_row(scene.sensor.position), **structure.outputs}
-    units = dict.fromkeys(outputs, "m")
-    for each in scene.outputs:
-        outputs[each.name], units[each.name] = space.output_row(each), each.kind.unit
-    further = {}
-    for each in scene.named("further_stop"):
-        sign = 1.0 if each.side == "above" else -1.0
-        further[each.output] = sign * space.reduced(space.rows.patch(each.output))
-    for each in scene.named(FieldPoints.name):
-        further |= space.field_rows("beam", each.positions)
-    return structure.with_(outputs=outputs | further, units=dict.fromkeys(further, "m") | units)
+def _readings(scene: SolidScene, space: SolidSpace) -> dict[str, Array]:
+    """Rows on the first body of sensor, tip and the case's outputs."""
+    own = {each.name: space.output_row(each) for each in scene.outputs}
+    return {"sensor": space.surface_row(scene.sensor.position), "tip": space.surface_row(space.beam.length), **own}
+
+
+def _further(scene: SolidScene, space: SolidSpace) -> dict[str, Array]:
+    """Rows on the first body that read the displacement toward each further stop."""
+    return {
+        each.output: (1.0 if each.side == "above" else -1.0) * space.reduced(space.rows.patch(each.output))
+        for each in scene.named("further_stop")
+    }
 
 
 def _weighed(structure: SparseStructure, space: SolidSpace, scene: SolidScene) -> SparseStructure:
@@ -212,17 +242,14 @@ def _weighed(structure: SparseStructure, space: SolidSpace, scene: SolidScene) -
     return structure
 
 
-def _meeting(structure: SparseStructure, other: Any, scene: SolidScene) -> SparseStructure:
+def _meeting(structure: SparseStructure, space: SolidSpace, other: Any, scene: SolidScene) -> SparseStructure:
     """Both bodies side by side: the contact reads w₁ − w₂ − a θ₂, with an arm a of the second's section."""
-    space = solid_space(scene, "opposite")
     second = _carrying(space, scene, "opposite")
     meeting = second.contact
     if other.arm:
         meeting = space.section_row(other.position) + other.arm * space.section_row(other.position, 1)
-    outputs = {"opposite": meeting, "opposite_tip": second.outputs["tip"]}
-    for each in scene.named(FieldPoints.name):
-        outputs |= space.field_rows("opposite", each.opposite)
-    second = second.with_(outputs=outputs, units=dict.fromkeys(outputs, "m"))
+    outputs = {"opposite": meeting, "opposite_tip": space.surface_row(space.beam.length)}
+    second = second.with_(outputs=outputs)
     for each in scene.named("gravity"):
         second = second.with_(static=second.static - each.acceleration * second.load)
     return joined(structure, second, np.concatenate([structure.contact, -meeting]))
