@@ -59,7 +59,8 @@ def answer(found: SolidVerdict) -> str:
     if step is None or abs(found.error(worst)) < DUST:
         return f"{said}."
     but = ", not resolved by this mesh" * _hidden(found, step, worst)
-    return f"{said}; {step.cause} is the largest part ({signed(step.changes[worst])} of {NAMES[worst]}{but})."
+    of = "the peak's frequency" if worst == "peak_frequency" else NAMES[worst]
+    return f"{said}; {step.cause} is the largest part ({signed(step.changes[worst])} of {of}{but})."
 
 
 def _frequencies(found: SolidVerdict) -> str:
@@ -95,7 +96,8 @@ def ladder(found: SolidVerdict) -> ReportTable:
     table.add_section()
     for step in found.steps:
         marks = (_change(found, step, name) for name in columns)
-        table.add_row(f"+ {step.cause}", *marks, _time(seconds[step.name]))
+        plus = "" if step.cause.startswith("less") else "+ "
+        table.add_row(plus + step.cause, *marks, _time(seconds[step.name]))
     table.add_section()
     table.add_row("the solid", *(_value(found.solid, name) for name in columns), "")
     table.add_row("the beam is off", *(_cell(found.error(name)) for name in columns), "")
@@ -145,15 +147,16 @@ def measured(found: SolidVerdict) -> Iterator[ReportTable]:
     """Table of measured natural frequencies beside beam and solid, where the case has any."""
     numbers = [
         each for each in found.case.measured.values()
-        if each.quantity == "mode_frequency" and each.number and each.unit == "Hz"
+        if each.quantity == "mode_frequency" and found.quantity(each.number) and not each.against
+        and found.case.scene_of(each.fidelity).platform is None  # whose own mode is numbered among them
     ]  # fmt: skip
-    if not numbers or isfinite(found.beam.twist):  # modes of torsion are numbered among them
+    if not numbers:
         return
     table = blank("Measured natural frequencies", "measured", "mode|", "value|", "beam|", "", "solid|", "")
     for each in numbers:
         cells = []
         for model in (found.beam, found.solid):
-            value, read = model.value(f"f{int(each.number or 0)}"), set(each.chose) - set(model.unread)
+            value, read = model.value(found.quantity(each.number)), set(each.chose) - set(model.unread)
             cells += [_cell(value / each.value - 1), "calibrated" if read else "predicted"]
         table.add_row(each.name, f"{each.number:g}", shown(each.value, "Hz"), *cells)
     table.caption = "calibrated: the number chose a key that the model reads, and tests nothing"
@@ -229,7 +232,7 @@ def _data(found: SolidVerdict) -> dict[str, Any]:
 
 
 def bars(found: SolidVerdict) -> Figure:
-    """Figure of the steps: a group of bars for each quantity that is judged."""
+    """Figure of the steps: a group of bars for each quantity that is judged, over the error of the solid's mesh."""
     from matplotlib.figure import Figure
 
     from vibeam.figures.style import COLOURS
@@ -237,7 +240,9 @@ def bars(found: SolidVerdict) -> Figure:
     named = [name for name in JUDGED if isfinite(found.error(name))]
     figure = Figure(figsize=(6.3, 3.2), layout="constrained")
     axes = figure.subplots()
-    width = 0.8 / max(len(found.steps), 1)
+    width = 0.8 / len(found.steps)
+    mesh = [100 * found.mesh_error(name) for name in named]
+    axes.bar(range(len(named)), [2 * each for each in mesh], 0.9, [-each for each in mesh], color="0.9", label="mesh")
     for place, step in enumerate(found.steps):
         left = [at + (place + 0.5) * width - 0.4 for at in range(len(named))]
         heights = [100 * step.changes[name] for name in named]

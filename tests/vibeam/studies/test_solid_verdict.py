@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from importlib import import_module
 from math import isnan, sqrt
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.cli.main import app
+from vibeam.report.run_answer import run_answer
 from vibeam.report.solid import sheet
 from vibeam.studies.solid.steps import ladder, solid_of
 from vibeam.studies.solid.study import JUDGED, QUANTITIES
@@ -53,7 +55,11 @@ RIGS = {
 
 @pytest.fixture(scope="module")
 def found() -> dict[str, vibeam.studies.SolidVerdict]:
-    return {name: vibeam.studies.solid_verdict(vibeam.load(tables)) for name, tables in RIGS.items()}
+    accuracy = {"wide strip": 0.03}
+    return {
+        name: vibeam.studies.solid_verdict(vibeam.load(tables), accuracy=accuracy.get(name, 0.05))
+        for name, tables in RIGS.items()
+    }
 
 
 def test_of_a_slender_beam_the_beam_is_enough(found: dict[str, vibeam.studies.SolidVerdict]) -> None:
@@ -61,7 +67,7 @@ def test_of_a_slender_beam_the_beam_is_enough(found: dict[str, vibeam.studies.So
     said = sheet(slender).answer
     assert slender.enough
     assert said.startswith("The beam is enough for 5 %: its first three natural frequencies are within ")
-    assert all(abs(slender.error(name)) < 0.01 for name in JUDGED[:-1])
+    assert all(abs(slender.error(name)) < 0.015 for name in JUDGED[:-1])
 
 
 def test_of_a_beam_of_ratio_three_shear_is_the_largest_part(found: dict[str, vibeam.studies.SolidVerdict]) -> None:
@@ -123,7 +129,7 @@ def test_the_way_to_the_solid_is_as_long_as_the_case_has_reasons() -> None:
     assert causes(**{"beam.ends": "pinned-pinned"}) == ["", "shear", "three dimensions", "plate stiffening"]
     assert "shear" not in causes(**{"beam.theory": "timoshenko", "beam.poissons_ratio": 0.3})
     twisted = {"torsion.eccentricity": "0.5 mm", "torsion.polar_inertia": "1e-6 kg m^2", "torsion.poissons_ratio": 0.3}
-    assert [causes(**twisted)[at] for at in (1, -1)] == ["St Venant's torsion", "torsion"]
+    assert [causes(**twisted)[at] for at in (1, -1)] == ["less St Venant's torsion", "torsion"]
 
 
 def test_models_that_the_budget_does_not_hold_are_left_out_and_their_steps_stand_in_the_next() -> None:
@@ -150,6 +156,76 @@ def test_the_command_has_table_page_and_json(tmp_path: Path, monkeypatch: pytest
     made = json.loads(CliRunner().invoke(app, ["verdict", "rig.toml", "--only", "solid", "--json"]).stdout)
     assert made["enough"] is True
     assert [step["cause"] for step in made["steps"]] == ["shear", "three dimensions", "plate stiffening", "the clamp"]
+
+
+SOLID = {"model": "solid", "reduction": "modal", "modes": 3}
+
+
+def with_solid(name: str, **settings: Any) -> vibeam.Case:
+    """A rig with a fidelity more, which is a solid."""
+    tables = RIGS[name]
+    return vibeam.load(tables | {"fidelity": tables["fidelity"] | {"body": SOLID}}, settings or None)
+
+
+def test_the_stage_joins_where_a_fidelity_is_a_solid(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(import_module("vibeam.studies.verdict"), "_record", lambda name, *given: name)
+
+    def stages(case: vibeam.Case, **settings: Any) -> list[str]:
+        return [stage.name for stage in vibeam.studies.verdict(case, **settings).stages]
+
+    beam, solid = vibeam.load(RIGS["slender"]), with_solid("slender")
+    assert stages(solid) == ["modes", "effects", "solvers", "map", "solid"]
+    assert stages(solid, only="modes") == ["modes"]
+    assert stages(beam) == ["modes", "effects", "solvers", "map"]
+    assert stages(beam, only=["modes", "solid"]) == ["modes", "solid"]
+
+
+def test_a_run_measures_the_beam_by_the_solid() -> None:
+    """With as many modes the beam is another model, less than the solid, and no other solver of it."""
+    result = vibeam.run(with_solid("slender"), compare=True)
+    assert result.finest == {"beam": "body", "body": "body"}
+    off = result["beam"].off(result["body"])
+    said = run_answer(result, accuracy=0.5)
+    way = "high" if off.peak > 0 else "low"
+    assert f"beam ({round(100 * abs(off.peak), 1):g} % too {way} at the peak" in said
+    few = run_answer(result, accuracy=abs(off.peak) / 2)
+    assert f"beam is {round(100 * abs(off.peak), 1):g} % too {way}" in few or "at the peak" in few
+
+
+def test_the_rigid_zone_that_a_measured_frequency_chose_calibrates_the_beam_and_blocks_predict() -> None:
+    zone = {
+        "mass": {"mass": "20 g", "position": "80 mm", "rotary_inertia": "6e-7 kg m^2", "rigid_half_width": "5 mm"},
+        "show": {"modes": {"kind": "modal"}},
+        "measured": {
+            "second": {
+                "fidelity": "beam", "show": "modes", "quantity": "mode_frequency", "number": 2, "value": "2100 Hz",
+                "source": "a test",
+            }
+        },
+        "chosen_by": {"mass.rigid_half_width": ["second"]},
+        "solid": {"mass_size": ["10 mm", "12 mm", "10 mm"], "along": 12, "across": 2},
+    }  # fmt: skip
+    case = vibeam.load(RIGS["slender"] | zone | {"fidelity": RIGS["slender"]["fidelity"] | {"body": SOLID}})
+    found = vibeam.studies.solid_verdict(case)
+    assert [step.cause for step in found.steps][-1] == "the mass as a block"
+    shown = sheet(found)
+    columns = enumerate(shown.tables[1].columns)
+    cells = {column.header or f"mark {at}": next(iter(column.cells)) for at, column in columns}
+    assert (cells["mark 4"], cells["mark 6"]) == ("calibrated", "predicted")
+    off = [100 * (model.frequencies[1] / 2100 - 1) for model in (found.beam, found.solid)]
+    assert [float(str(cells[name]).split()[0]) for name in ("beam", "solid")] == pytest.approx(off, rel=5e-3)
+    said = "the beam is calibrated by them; the solid reads no mass.rigid_half_width"
+    assert any(said in each for each in shown.details)
+
+
+def test_a_stop_off_the_axis_twists_the_solid_as_st_venant_has_it_of_a_square() -> None:
+    """Little warps in a square that its clamp could hold; two elements through it resolve what does."""
+    twisted = {"torsion.eccentricity": "1 mm", "torsion.polar_inertia": "1e-5 kg m^2", "torsion.poissons_ratio": 0.3}
+    case = with_solid("slender", **twisted, **{"solid.through": 2, "solid.along": 6, "solid.across": 2})
+    found = vibeam.studies.solid_verdict(case, budget=1e-9)
+    assert abs(found.error("twist")) < 0.015
+    assert found.quantity(found.beam.twist_number) == "twist"
+    assert found.quantity(found.beam.numbers[1]) == "f2"
 
 
 def test_a_case_without_a_beam_is_told_so() -> None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 FIRST = 3  # natural frequencies that are judged and shown
-PLACES = 41  # along each beam, at which shapes are compared
+PLACES = 25  # along each beam, at which shapes are compared
 UNSEEN = 1e-6  # of the contact's row times √(moving mass): a mode that the contact does not see
 CHANCE = "the motion there does not repeat"
 TWIST = 0.02  # the same, from which a mode that does not bend the mean line is one of twist
@@ -35,9 +35,10 @@ TWIST = 0.02  # the same, from which a mode that does not bend the mean line is 
 class LadderModel:
     """One model: natural ``frequencies`` (Hz) of the beam's bending modes, their ``likeness``; NaN without.
 
-    ``twist``: first natural frequency of torsion, Hz. ``flexibility``: of the contact, m/N; ``mobility``: of it in the
-    ``modes`` up to the partner of the beam's last, 1/kg; ``restitution`` of the contact and of mode 1, one of them the
-    case's. ``peak`` (m) of the sweep at ``peak_frequency`` (Hz). NaN: not known, ``why`` or ``why_no_peak``.
+    ``numbers``: of these modes among all. ``twist``: first natural frequency of torsion, Hz, mode ``twist_number``.
+    ``flexibility``: of the contact, m/N; ``mobility``: of it in the ``modes`` up to the partner of the beam's last,
+    1/kg; ``restitution`` of the contact and of mode 1, one of them the case's. ``peak`` (m) of the sweep at
+    ``peak_frequency`` (Hz). NaN: not known, ``why`` or ``why_no_peak``.
     ``unread``: keys of the case that it does not read; ``is_solid``: three-dimensional.
     """
 
@@ -45,7 +46,9 @@ class LadderModel:
     cause: str
     frequencies: tuple[float, ...] = ()
     likeness: tuple[float, ...] = ()
+    numbers: tuple[int, ...] = ()
     twist: float = nan
+    twist_number: int = 0
     flexibility: float = nan
     mobility: float = nan
     modes: int = 0
@@ -129,7 +132,8 @@ class SteppedModel:
             self.step.cause,
             tuple(float(omega[at]) / (2 * np.pi) if at >= 0 else nan for at in places),
             tuple(alike.tolist()),
-            self._twist(omega),
+            tuple((places + 1).tolist()),
+            *self._twist(omega),
             self._flexibility(),
             mobility,
             self.kept.size,
@@ -144,11 +148,13 @@ class SteppedModel:
         static = reduced_structure(self.pointed, "static_mode", None)[1]
         return swept(case, fidelity, system_of(self.pointed, self.kept, static))
 
-    def _twist(self, omega: Array) -> float:
-        if not self.step.scene.named("torsion"):
-            return nan
+    def _twist(self, omega: Array) -> tuple[float, int]:
+        """Frequency and number of the first mode that moves the contact and not the mean line; NaN and 0 of none."""
         turned = ~bending(self.shapes, self.mass) & (np.abs(self.reduced.contact) * np.sqrt(self.mass) > TWIST)
-        return float(omega[turned][0]) / (2 * np.pi) if turned.any() else nan
+        if not (self.step.scene.named("torsion") and turned.any()):
+            return nan, 0
+        first = int(np.argmax(turned))
+        return float(omega[first]) / (2 * np.pi), first + 1
 
     def _flexibility(self) -> float:
         """Static flexibility of the contact, that of the one static mode under a force on it; NaN of a free body."""

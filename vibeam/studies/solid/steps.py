@@ -56,7 +56,7 @@ def _steps(scene: SolidScene) -> Iterator[LadderStep]:
     yield LadderStep("beam", "", beam)
     if beam.named("torsion"):
         beam = beam.without("torsion")
-        yield LadderStep("beam met on its axis", "St Venant's torsion", beam)
+        yield LadderStep("beam met on its axis", "less St Venant's torsion", beam)
     if not beam.shaped_beam.shear:
         yield LadderStep("Timoshenko's beam", "shear", _with_shear(beam))
     free = replace(scene.without("torsion"), solid=replace(solid, clamp="sliding", mass_size=None))

@@ -110,15 +110,25 @@ class SolidVerdict(ValueRecord, ViewedTable):
 
     @property
     def worst(self) -> str:
-        """Quantity, of those judged, in which the beam is off most; empty where none is known."""
+        """Quantity, of those judged, in which the beam is off most; empty where none is known.
+
+        The peak's frequency where the amplitudes at the same frequencies are beyond the accuracy, and no other is.
+        """
         known = [name for name in JUDGED if isfinite(self.error(name))]
-        return max(known, key=lambda name: abs(self.error(name)), default="")
+        found = max(known, key=lambda name: abs(self.error(name)), default="")
+        shifted = self.rms > self.accuracy and isfinite(self.error("peak_frequency"))
+        return "peak_frequency" if shifted and found and abs(self.error(found)) <= self.accuracy else found
 
     @property
     def largest(self) -> StepChange | None:
         """Step that changes most in the quantity ``worst``."""
         known = [each for each in self.steps if isfinite(each.changes.get(self.worst, nan))]
         return max(known, key=lambda each: abs(each.changes[self.worst]), default=None)
+
+    def quantity(self, number: float | None) -> str:
+        """Quantity that is the natural frequency of the beam's mode ``number``; empty where it is none of them."""
+        named = {at: f"f{place}" for place, at in enumerate(self.beam.numbers, 1)} | {self.beam.twist_number: "twist"}
+        return named.get(int(number or -1), "")
 
     @property
     def rms(self) -> float:
