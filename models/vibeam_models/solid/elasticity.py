@@ -57,7 +57,7 @@ class SolidElements:
 
     def among(self, vertices: Index) -> Flags:
         """Test of each node (k,) of the field whether all vertices of its edge, face or element are of ``vertices``."""
-        chosen = np.zeros(self.mesh.p.shape[1], dtype=bool)
+        chosen = np.zeros(self.mesh.nvertices, dtype=bool)
         chosen[vertices] = True
         found = np.zeros(self.points.shape[1], dtype=bool)
         parts = (np.arange(len(chosen))[None], self.mesh.edges, self.mesh.facets, self.mesh.t)

@@ -275,6 +275,9 @@ def test_patch_of_a_linear_displacement_on_every_kind(kind: str, tmp_path: Path)
     meshio.Mesh(points, blocks, cell_data=arrays).write(tmp_path / "rig.vtu")
     body, _ = read(tmp_path)
     assert body.mass == pytest.approx(2 * VOLUME * 7850, rel=1e-12)
+    given, _ = own_structure(replace(PLAN, contact=SurfaceMotion("end", "z")), tmp_path)
+    assert given is not None
+    assert np.all(given.structure.modes(2).omega > 1e4)
     elements = SolidElements(body.mesh)
     gradient = np.array([[1.0, 0.3, -0.2], [0.1, -0.7, 0.4], [0.6, 0.2, 0.5]]) * 1e-3
     displacement = (gradient @ elements.points).T.ravel()

@@ -75,6 +75,8 @@ def _structure(asked: _Asked) -> tuple[GivenStructure | None, tuple[OwnFault, ..
     try:
         structure = body_structure(body, rig).with_(damping=asked.plan.damping)
     except ValueError as error:
+        if not body.masses:
+            raise
         return None, (("mass", str(error)),)
     carried = body.mass + sum(each.mass for each in body.masses)
     return GivenStructure(asked.digest, "solid", structure, None, carried), ()
