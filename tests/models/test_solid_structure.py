@@ -15,7 +15,7 @@ from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.beams.stretch import Material
 from vibeam_models.effects.field_points import FieldPoints
 from vibeam_models.effects.gravity import Gravity
-from vibeam_models.effects.masses import AddedMass, RigidZone, RotaryInertia
+from vibeam_models.effects.masses import AddedMass, MasslessBeam, RigidZone, RotaryInertia
 from vibeam_models.effects.opposite import Opposite
 from vibeam_models.effects.sections import Theory
 from vibeam_models.effects.supports import BeamEnds, Clamp, FurtherSupport
@@ -100,6 +100,7 @@ BODIES = {
     "held twice": ({}, [BeamEnds("clamped-clamped")]),
     "support": ({}, [FurtherSupport(0.12)]),
     "springs": ({}, [FurtherSupport(0.12, 2000.0, 5.0)]),
+    "on springs alone": ({}, [BeamEnds("free-free"), FurtherSupport(0.05, 3000.0), FurtherSupport(0.16, 2000.0, 5.0)]),
     "clamp": ({}, [Clamp(50.0)]),
     "hanging": ({}, [Gravity("hanging", 2e4)]),
     "standing": ({}, [Gravity("standing", 2e4)]),
@@ -128,6 +129,20 @@ def test_weight_across_and_a_force_on_the_beam():
 def test_a_slender_standing_solid_buckles():
     with pytest.raises(ValueError, match="buckles"):
         structure_of(scene(SolidScene, effects=[Gravity("standing", 1e7)]))
+
+
+@pytest.mark.parametrize("ends", ["pinned-pinned", "free-free"])
+def test_a_whole_body_is_held_across_too(ends):
+    """Half and whole have the same deflection; nothing of the whole is left free."""
+    effects = [BeamEnds(ends), FurtherSupport(0.06, 2000.0, 5.0)]
+    half, whole = (structure_of(scene(SolidScene, effects=effects, whole=each)) for each in (None, True))
+    assert whole.flexibility(whole.contact) == pytest.approx(half.flexibility(half.contact), rel=1e-7)
+    assert whole.modes(1).omega[0] > 10
+
+
+def test_an_effect_that_knows_beams_alone_is_refused():
+    with pytest.raises(ValueError, match="massless: is not known of a solid"):
+        structure_of(scene(SolidScene, mass=Mass(0.2, 0.15), effects=[MasslessBeam()]))
 
 
 def test_a_support_inside_a_rigid_zone_is_said():

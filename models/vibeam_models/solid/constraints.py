@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arrays import Array, Flags
-from vibeam_models.beams.beam import Beam, end_supports
+from vibeam_models.beams.beam import Beam, Support, end_supports
 from vibeam_models.solid.rows import NEAR, SolidRows, X, Y, Z
 from vibeam_models.structure import elimination
 
@@ -93,13 +93,13 @@ def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) ->
 
     A clamped end is held in all directions, where ``sliding`` along the beam and as a whole; a pinned one, and a rigid
     support between, as a whole: on a line, a solid would yield ever more the finer its mesh is. A guided end is held
-    along the beam, and so is the mean of the first support where no end is. ``bedded``: the clamp at x = 0 does not
-    hold it along x.
+    along the beam, and so is the mean of the first support where no end is. Springs leave their own direction free
+    alone. ``bedded``: the clamp at x = 0 does not hold it along x.
     """
     points = rows.elements.points
     near = NEAR * float(np.ptp(points[X]))
     held, tied = np.zeros(points.shape, dtype=bool), []
-    supports = [*end_supports(beam.ends, beam.length), *(each for each in beam.supports if each.stiffness == inf)]
+    supports = [*end_supports(beam.ends, beam.length), *beam.supports]
     along = bedded or any(each.rotational_stiffness == inf for each in supports)
     for support in sorted(supports, key=lambda each: each.position):
         face = np.abs(points[X] - support.position) <= near
@@ -107,14 +107,17 @@ def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) ->
         held[X] |= face & (clamped and not (bedded and support.position == 0))
         if clamped and support.stiffness == inf and not sliding:
             held[Y:] |= face
-        elif support.stiffness == inf:
-            tied += _as_a_whole(rows, support.position, not along)
+        else:
+            tied += _as_a_whole(rows, support, not along)
         along = True
     return held, tied
 
 
-def _as_a_whole(rows: SolidRows, x: float, along: bool) -> list[Array]:
-    """Mean deflection, lateral displacement and twist of a section, those that a body can have; its mean ``along``."""
-    section = rows.section(x)
-    across = [] if rows.body.half else [section.lateral, section.twist]
-    return [section.deflection, *across, *([section.along] if along else [])]
+def _as_a_whole(rows: SolidRows, support: Support, along: bool) -> list[Array]:
+    """Mean motions of a section that its support holds, those that a body can have, its mean ``along`` the beam too."""
+    section = rows.section(support.position)
+    found = [section.deflection] if support.stiffness == inf else []
+    if not rows.body.half:
+        found += [section.lateral, section.twist] if support.stiffness else []
+        found += [section.yaw] if 0 < support.rotational_stiffness < inf else []
+    return [*found, section.along] if along else found

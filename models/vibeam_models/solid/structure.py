@@ -16,7 +16,7 @@ from vibeam_models.beams.beam import Beam
 from vibeam_models.effects.field_points import FieldPoints, output_names
 from vibeam_models.effects.gravity import AxialGravity
 from vibeam_models.outputs import Output, surface_distance
-from vibeam_models.scene import Sensor
+from vibeam_models.scene import Effect, Sensor
 from vibeam_models.solid.constraints import RigidPart, SolidCoordinates, holding
 from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.geometry.bodies import Which, body_of
@@ -27,6 +27,11 @@ from vibeam_models.sparse import SparseStructure
 from vibeam_models.structure import side_by_side
 
 KEPT = 2  # structures, without what reads them: two fidelities of a case
+#: effects that are more than another beam
+KNOWN = (
+    *("added_mass", "mass.rotary_inertia", "mass.rigid_half_width", "torsion"),
+    *("further_stop", "opposite", "gravity", FieldPoints.name),
+)
 UP = np.array([0.0, 0.0, 1.0])  # the base's motion
 
 
@@ -38,6 +43,9 @@ def solid_structure(scene: SolidScene) -> SparseStructure:
     and modes. ValueError as ``beam.assemble``.
     """
     check_positions(scene)
+    for effect in scene.effects:
+        if type(effect).apply is not Effect.apply and effect.name not in KNOWN:
+            raise ValueError(f"{effect.name}: is not known of a solid: take it out, or leave the model a beam")
     plain = _without_readings(scene)
     structure, spaces = _unread(plain), _spaces(plain)
     own = _readings(scene, spaces["beam"])
