@@ -105,8 +105,8 @@ def finite_element_mesh(mesh: FileMesh) -> Any:
     """MeshHex or MeshTet of scikit-fem in the file's unit; MeshHex2 or MeshTet2 where an edge or a face is curved.
 
     The middle nodes are given to the edges and faces by their corners, whatever the orders of nodes are. Faces and
-    middle of a hexahedron of 20 nodes are where its shape functions have them: −¼ of the corners, +½ of the edges of a
-    face, +¼ of those of the cell.
+    middle of a hexahedron are where the shape functions of 20 nodes have them: −¼ of the corners, +½ of the edges of a
+    face, +¼ of those of the cell; the 7 nodes that one of 27 has there are not used.
     """
     from skfem import MeshHex, MeshHex2, MeshTet, MeshTet2
 
@@ -122,8 +122,8 @@ def finite_element_mesh(mesh: FileMesh) -> Any:
     edges = _found(made.edges, [numbering.corners[:, edge] for edge in np.array(mesh.edges)])
     places[:, dofs.edge_dofs[0, edges]] = mesh.points[mesh.middles.T].transpose(2, 0, 1)
     if hexahedra:
-        at = mesh.points[_with_faces(mesh)] if mesh.kind == "hexahedron27" else _serendipity(mesh)
         faces = _found(made.facets, [numbering.corners[:, face] for face in np.array(HEX_FACES)])
+        at = _serendipity(mesh)
         places[:, dofs.facet_dofs[0, faces]] = at[:, :6].transpose(2, 1, 0)
         places[:, dofs.interior_dofs[0]] = at[:, 6].T
     made.doflocs = places
@@ -133,16 +133,7 @@ def finite_element_mesh(mesh: FileMesh) -> Any:
 def _curved(mesh: FileMesh) -> bool:
     ends = mesh.points[mesh.corners[:, np.array(mesh.edges)]]
     off = np.linalg.norm(mesh.points[mesh.middles] - ends.mean(axis=2), axis=2)
-    curved = np.any(off > STRAIGHT * np.linalg.norm(ends[:, :, 0] - ends[:, :, 1], axis=2))
-    if curved or mesh.kind != "hexahedron27":
-        return bool(curved)
-    flat = mesh.points[mesh.corners[:, np.array(HEX_FACES)]].mean(axis=2)
-    away = np.linalg.norm(mesh.points[_with_faces(mesh)[:, :6]] - flat, axis=2)
-    return bool(np.any(away > STRAIGHT * np.linalg.norm(np.ptp(mesh.points[mesh.corners], axis=1), axis=1)[:, None]))
-
-
-def _with_faces(mesh: FileMesh) -> Indices:
-    return mesh.cells[:, 20:27]
+    return bool(np.any(off > STRAIGHT * np.linalg.norm(ends[:, :, 0] - ends[:, :, 1], axis=2)))
 
 
 def _serendipity(mesh: FileMesh) -> Array:
@@ -181,36 +172,15 @@ def surface_within(mesh: Any, vertices: Indices) -> Indices:
     return np.asarray(outside[np.all(among[mesh.facets[:, outside]], axis=0)])
 
 
-def outward_areas(mesh: Any, facets: Indices) -> Array:
-    """Area (3, k) of facets of the surface along their outward normals, plane through the corners, m²."""
-    corners = mesh.p[:, mesh.facets[:, facets]]
-    if len(mesh.facets) == 3:
-        area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], axis=0) / 2
-    else:
-        area = _quadrangles(corners)
-    inside = mesh.p[:, mesh.t[:, mesh.f2t[0, facets]]].mean(axis=1)
-    return np.asarray(area * np.sign(np.sum(area * (corners.mean(axis=1) - inside), axis=0)))
-
-
-def _quadrangles(corners: Array) -> Array:
-    """Areas of quadrangles whose corners (3, 4, k) may come in any order: the largest of the three ways round."""
-    ways = np.stack(
-        [
-            np.cross(corners[:, b] - corners[:, a], corners[:, d] - corners[:, c], axis=0) / 2
-            for a, b, c, d in ((0, 1, 2, 3), (0, 2, 1, 3), (0, 3, 1, 2))
-        ]
-    )
-    largest = np.argmax(np.linalg.norm(ways, axis=1), axis=0)
-    return np.asarray(np.take_along_axis(ways, largest[None, None, :], axis=0)[0])
-
-
 def mean_normal(mesh: Any, facets: Indices) -> tuple[Array, float]:
     """Outward unit normal (3,) of facets of the surface on the mean, and the share of their area that looks there."""
-    areas = outward_areas(mesh, facets)
-    mean = areas.sum(axis=1)
+    from skfem import FacetBasis
+
+    basis = FacetBasis(mesh, mesh.elem(), facets=np.asarray(facets, dtype=np.int32))
+    mean = np.sum(np.asarray(basis.normals) * basis.dx, axis=(1, 2))
     size = float(np.linalg.norm(mean))
     found = mean / size if size else mean
-    return np.where(np.abs(found) < IN_PLANE, 0.0, found), size / float(np.linalg.norm(areas, axis=0).sum())
+    return np.where(np.abs(found) < IN_PLANE, 0.0, found), size / float(np.sum(basis.dx))
 
 
 def half_turn(points: Array, nodes: Indices) -> tuple[Array, Array]:
