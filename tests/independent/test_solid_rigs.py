@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from make_solid_rigs import RIGS, SIZES
+from scipy.sparse.linalg import spsolve as solve_sparse
 from solid_rigs import answer
 
 from vibeam_models.base import Base
@@ -22,6 +23,9 @@ from vibeam_models.scene import Mass, Sensor
 from vibeam_models.solid.plan import Solid
 from vibeam_models.solid.scene import SolidScene
 from vibeam_models.stop import Stop
+from vibeam_reductions.modes import modal, residual_flexibility, static_correction
+from vibeam_reductions.static_shapes import craig_bampton
+from vibeam_reductions.subspaces import krylov
 
 TRUTH = json.loads((Path(__file__).parent / "solid_rigs.json").read_text(encoding="utf-8"))
 STRIP = Beam(0.12, Rectangle(0.024, 0.008), 210e9, 7850.0, Damping("constant", (0.01,)), poissons_ratio=0.3)
@@ -110,3 +114,36 @@ def test_fine_hexahedra_go_where_tetrahedra_go(name):
     assert (frequency < coarse).all()
     assert (frequency < TRUTH[name]["frequencies"]).all()
     assert (frequency > TRUTH[name]["limit"]).all()
+
+
+def receptance(structure, omega):
+    """Contact's displacement in m under a force of 1 N at ``omega`` on it, without damping."""
+    dynamic = structure.K - omega**2 * structure.M
+    return structure.contact @ (solve_sparse(dynamic.tocsc(), structure.contact))
+
+
+REDUCED = {
+    "modal": (lambda s: modal(s, 8), 2e-3),
+    "residual_flexibility": (lambda s: residual_flexibility(s, 4), 2e-7),
+    "static_correction": (lambda s: static_correction(s, 4), 1e-7),
+    "craig_bampton": (lambda s: craig_bampton(s, 6, ("contact",)), 1e-4),
+    "krylov": (lambda s: krylov(s, 5), 1e-8),
+}
+
+
+@pytest.fixture(scope="module")
+def zone():
+    return structure_of(SCENES["zone"])
+
+
+@pytest.mark.parametrize("name", REDUCED)
+def test_a_reduced_solid_answers_as_the_solid_solved_directly(name, zone):
+    """Contact's receptance at rest, below the first mode and between the first two, by sparse factors of K − ω²M."""
+    make, share = REDUCED[name]
+    reduced = make(zone).structure
+    first, second = zone.modes(2).omega
+    for omega in (0.0, 0.6 * first, 0.4 * second):
+        direct = receptance(zone, omega)
+        dynamic = reduced.K - omega**2 * reduced.M
+        found = reduced.contact @ np.linalg.solve(dynamic, reduced.contact) + reduced.contact_flexibility
+        assert found == pytest.approx(direct, rel=share), omega
