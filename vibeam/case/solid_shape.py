@@ -134,6 +134,14 @@ class SolidShape:
         found[..., self.mirrored, 1] *= -1
         return np.asarray(found)
 
+    @property
+    def surface(self) -> SolidShape:
+        """The outer surface alone: its nodes, with the same triangles."""
+        nodes, places = np.unique(self.triangles, return_inverse=True)
+        found = replace(self, points=self.points[nodes], source=self.source[nodes], mirrored=self.mirrored[nodes])
+        vars(found)["triangles"] = places.reshape(-1, 3)
+        return found
+
     @cached_property
     def triangles(self) -> Index:
         """Nodes (t, 3) of the triangles that its outer surface is drawn by, seen from outside."""

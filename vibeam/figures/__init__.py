@@ -283,6 +283,13 @@ FIGURES = Registry(
         reads={"mode_frequency": "Hz", "mode_damping": "1"},
         entries="mode",
     ),
+    _own(
+        "shapes",
+        "mode shapes of each fidelity to one scale, a solid shaded, a beam as its line",
+        derivatives=True,
+        record=True,
+        of_beam=True,
+    ),
 )
 
 #: units of what [expect.NAME] and [measured.NAME] can read off figures
