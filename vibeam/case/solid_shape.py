@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from vibeam_models.solid.space import SolidField
 
 
-class CellKind(NamedTuple):
+class VtkCell(NamedTuple):
     """Kind of cell: meshio's ``name``; places of the corners in the reference element; corners that each node is in the
     middle of; nodes of each face, corners and then middles of its edges, seen from outside."""
 
@@ -62,12 +62,12 @@ def _face(corners: Sequence[int], edges: Sequence[tuple[int, int]], faces: Seque
 
 
 KINDS = {
-    27: CellKind(
+    27: VtkCell(
         "hexahedron27", np.array(_HEX_CORNERS, dtype=float),
         (*((corner,) for corner in range(8)), *_HEX_EDGES, *_HEX_FACES, tuple(range(8))),
         tuple(_face(each, _HEX_EDGES, _HEX_FACES) for each in _HEX_FACES),
     ),
-    10: CellKind(
+    10: VtkCell(
         "tetra10", np.array(_TET_CORNERS, dtype=float), (*((corner,) for corner in range(4)), *_TET_EDGES),
         tuple(_face(each, _TET_EDGES, ()) for each in _TET_FACES),
     ),
@@ -114,7 +114,7 @@ class SolidShape:
         return cls(points[whole] * signs, np.concatenate([cells, other]), basis, whole, mirrored)
 
     @property
-    def kind(self) -> CellKind:
+    def kind(self) -> VtkCell:
         """Kind of its cells."""
         return KINDS[self.cells.shape[1]]
 

@@ -19,7 +19,7 @@ FINER = 2  # pixels made for one shown, along each side
 AT_ONCE = 4_000_000  # pixels of triangles
 
 
-class Picture(NamedTuple):
+class ShadedPicture(NamedTuple):
     """Pixels (rows, columns, 4) from above, and where they lie: left, right, bottom, top in m of the projection."""
 
     pixels: Array
@@ -38,7 +38,7 @@ def projected(points: Array) -> Array:
     return np.asarray(points @ axes_of_view().T)
 
 
-def picture(points: Array, triangles: Index, colours: Array, pixel: float) -> Picture:
+def picture(points: Array, triangles: Index, colours: Array, pixel: float) -> ShadedPicture:
     """Picture of the ``triangles`` (t, 3) of ``points`` (k, 3), seen from outside, in ``colours`` (k, 3) of 0 … 1.
 
     ``pixel``: side of a pixel as shown, m.
@@ -58,7 +58,7 @@ def picture(points: Array, triangles: Index, colours: Array, pixel: float) -> Pi
     image = found.reshape(rows // FINER, FINER, columns // FINER, FINER, 4).mean(axis=(1, 3))
     image[..., :3] /= np.maximum(image[..., 3:], 1e-12)  # an edge is as transparent as it is empty
     extent = (low[0], low[0] + pixel * image.shape[1], low[1], low[1] + pixel * image.shape[0])
-    return Picture(image[::-1], tuple(map(float, extent)))  # type: ignore[arg-type]
+    return ShadedPicture(image[::-1], tuple(map(float, extent)))  # type: ignore[arg-type]
 
 
 def _boxes(corners: Array) -> tuple[Index, Index]:
