@@ -19,7 +19,7 @@ class GivenStructure:
     """A structure from elsewhere: ``digest`` stands for its content, by which two of them are compared.
 
     ``damping``: by modal ratios, None where C has it. ``carried``: mass in kg that a base would move with it, None
-    where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or ``"solid"``, a mesh.
+    where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or ``"solid"``, a mesh; ``assumed``: as of a scene.
     """
 
     digest: str
@@ -27,6 +27,7 @@ class GivenStructure:
     structure: Structure = field(compare=False, repr=False)
     damping: Damping | None = field(default=None, compare=False)
     carried: float | None = field(default=None, compare=False)
+    assumed: tuple[str, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)
@@ -53,6 +54,11 @@ class GivenScene(RigScene):
     def in_three_dimensions(self) -> bool:
         """As ``AnyScene.in_three_dimensions``."""
         return self.given.kind == "solid"
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """As ``AnyScene.assumed``."""
+        return self.given.assumed
 
     def structural(self) -> GivenScene:
         """As ``RigScene.structural``: the given structure alone."""

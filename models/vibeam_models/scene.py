@@ -59,6 +59,11 @@ class AnyScene(ABC):
         return False
 
     @property
+    def assumed(self) -> tuple[str, ...]:
+        """Sentences about what its structure assumes where the case says nothing."""
+        return ()
+
+    @property
     def bulk(self) -> tuple[tuple[float, ...], float, float]:
         """Lengths of the beam in m, its length first; its mass and the moving mass in kg. Empty, NaN: not known."""
         return (), nan, nan

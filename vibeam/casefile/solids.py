@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path as File
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -22,13 +22,12 @@ from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.keys import keys_of
 from vibeam_models.outputs import DISPLACEMENT
-from vibeam_models.registry import loaded
 from vibeam_models.scene import Scene
 from vibeam_models.solid.plan import CLAMPS, GroupMass, GroupMaterial, OwnMesh, Solid, SurfaceMotion
-from vibeam_models.solid.scene import SolidScene
+from vibeam_models.solid.scene import SolidScene, assumption
 
 if TYPE_CHECKING:
-    from vibeam_models.given import GivenStructure
+    pass
 
 OURS = "vibeam_models."  # effects of this package, which a solid knows
 WHOLE = ("full", "pod")  # reductions that need all modes, or a flight of them
@@ -169,14 +168,9 @@ def _mesh_faults(case: Any, folder: File) -> Iterator[Complaint]:
     whole = all(None not in (each.youngs_modulus, each.density) for each in said.material)
     whole = whole and all(None not in (each.group, each.mass) for each in said.mass)
     if readable and whole and (said.material or _beams_material(case)):
-        yield from ((("solid", *key.split(".")), message) for key, message in _given(case, folder)[1])
+        from vibeam.exchange.meshes.own import own_body
 
-
-def _given(case: Any, folder: File) -> tuple[GivenStructure | None, tuple[tuple[str, str], ...]]:
-    found: tuple[GivenStructure | None, tuple[tuple[str, str], ...]] = loaded(
-        "vibeam.exchange.meshes.own:own_structure"
-    )(own_mesh(case), folder)
-    return found
+        yield from ((("solid", *key.split(".")), said) for key, said in own_body(own_mesh(case), folder)[2])
 
 
 def own_mesh(case: Any) -> OwnMesh:
@@ -214,18 +208,23 @@ def _beams_material(case: Any) -> tuple[GroupMaterial, ...]:
 
 def mesh_scene(case: Any, folder: File) -> Any:
     """The scene of a mesh of the user's own: a given structure at the case's stop."""
+    from vibeam.exchange.meshes.own import own_structure
     from vibeam_models.given import GivenScene
 
-    given, faults = _given(case, folder)
+    plan = own_mesh(case)
+    given, faults = own_structure(plan, folder)
     if given is None:
         raise ValueError("; ".join(f"solid.{key}: {message}" for key, message in faults))
-    on_structure = {"at": None if case.solid.force is None else 0.0}
-    base = base_of(case, **on_structure)
-    return GivenScene(given, stop_of(case.stop, 0.0, getattr(case, "beam", None)), base, _on_base(case))
+    moduli = [each.youngs_modulus for each in plan.materials if each.poissons_ratio is None]
+    assumed = (assumption(each, "solid.material.poissons_ratio") for each in dict.fromkeys(moduli))
+    stop, base = stop_of(case.stop, 0.0, getattr(case, "beam", None)), base_of(case, **_place(case))
+    carried = tuple(each for each in effects_of_scene(case) if each.name in ("platform", "shaker"))
+    return GivenScene(replace(given, assumed=tuple(assumed)), stop, base, carried)
 
 
-def _on_base(case: Any) -> tuple[Any, ...]:
-    return tuple(each for each in effects_of_scene(case) if each.name in ("platform", "shaker"))
+def _place(case: Any) -> dict[str, float | None]:
+    """The place of a force on the mesh, which has one alone."""
+    return {"at": None if case.solid.force is None else 0.0}
 
 
 def solid_scene(case: Any, folder: File, beam: Scene) -> Any:

@@ -13,6 +13,7 @@ from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.report.transient_answer import DUST, ENSEMBLE, USUAL, answers, difference_text, time_text, transient_answer
 from vibeam.runs.comparison.differences import listed
+from vibeam.runs.summary import assumed
 from vibeam.runs.transient.motions import SCALED
 from vibeam.runs.transient.statistics import SampleMean, mean_of, mean_of_series, windowed_rate
 from vibeam.system.number_text import percent, with_unit
@@ -227,6 +228,7 @@ def remarks(result: TransientResult) -> Iterator[str]:
         yield f"{listed(chaotic)}: single motions part by chaos, and peaks after that say nothing of a model: {cure}"
     if len(result.seeds) == 1:
         yield "one realisation of a random input: peaks have no sampling error: give record.realisations"
+    yield from assumed(result.case)
 
 
 def _details() -> Iterator[str]:

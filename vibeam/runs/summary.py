@@ -12,6 +12,7 @@ from vibeam.runs.comparison.differences import listed
 from vibeam.system.response import Difference, Peak, complete, modes_of
 
 if TYPE_CHECKING:
+    from vibeam.case.case import Case
     from vibeam.runs.result import Result
     from vibeam.runs.systems import Overview
     from vibeam.system.response import Branches
@@ -93,11 +94,16 @@ NEGATIVE = (
 
 
 def remarks(result: Result) -> list[str]:
-    """Remarks on fidelities that never touch the stop, and on those whose mode 1 sees R₁ < 0."""
+    """Remarks on fidelities that never touch the stop, and on those whose mode 1 sees R₁ < 0; what is assumed."""
     clear = [name for name, branches in result.items() if stays_clear(branches)]
     notes = [f"{listed(clear)}: no impact at any frequency: {_cure(result.overview)}"] if clear else []
     below = {row.fidelity: row.first_mode_restitution for row in compare(result)}
-    return [*notes, *ill_posed(below, result.case.scene)]
+    return [*notes, *ill_posed(below, result.case.scene), *assumed(result.case)]
+
+
+def assumed(case: Case) -> list[str]:
+    """Sentences about what the structures of a case's fidelities assume, each once."""
+    return list(dict.fromkeys(said for name in case.fidelities for said in case.scene_of(name).assumed))
 
 
 def _cure(overview: Overview | None) -> str:

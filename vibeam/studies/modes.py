@@ -129,18 +129,18 @@ def _shaped(beam: BeamField, modes: Modes) -> BeamField:
 
 
 def _notes(scene: RigScene, rows: list[ModeRow]) -> tuple[str, ...]:
-    """Notes on an impossible restitution at the end of the table."""
+    """Notes on what is assumed, and on an impossible restitution at the end of the table."""
     from vibeam.runs.summary import beyond, ill_posed
 
     if scene.stop.law is not None:
-        return ()
+        return scene.assumed
     below = next((row for row in rows if row.first_mode_restitution < 0 or row.contact_restitution > 1), None)
     if below is None:
-        return ()
+        return scene.assumed
     where = f"from {below.number} modes on"
     if below.contact_restitution > 1:
-        return (beyond(where, below.contact_restitution, scene),)
-    return tuple(ill_posed({where: below.first_mode_restitution}, scene))
+        return (*scene.assumed, beyond(where, below.contact_restitution, scene))
+    return (*scene.assumed, *ill_posed({where: below.first_mode_restitution}, scene))
 
 
 def _restitutions(scene: RigScene, first: float, mobility: float) -> tuple[float, float]:

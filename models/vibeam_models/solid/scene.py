@@ -24,14 +24,14 @@ class SolidScene(Scene):
     contraction: bool = True
 
     @property
-    def no_beam(self) -> str:
-        """As ``AnyScene.no_beam``."""
-        return 'model = "solid" is a three-dimensional body, which has no closed form'
-
-    @property
     def in_three_dimensions(self) -> bool:
         """As ``AnyScene.in_three_dimensions``."""
         return True
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """As ``AnyScene.assumed``."""
+        return tuple(assumptions(self))
 
 
 @structure_of.register
@@ -55,20 +55,17 @@ def assumed_poissons_ratio(youngs_modulus: float) -> tuple[float, str]:
     return USUAL, ""
 
 
-def assumption(youngs_modulus: float) -> str:
-    """Sentence that says which Poisson's ratio is assumed for a modulus in Pa, and why."""
+def assumption(youngs_modulus: float, key: str = "beam.poissons_ratio") -> str:
+    """Sentence that says which Poisson's ratio is assumed for a modulus in Pa, why, and which ``key`` says it."""
     ratio, material = assumed_poissons_ratio(youngs_modulus)
     of = f"of {material} by" if material else "as of most metals, for"
-    return (
-        f"Poisson's ratio {ratio:g}, {of} E = {youngs_modulus / 1e9:.4g} GPa, is assumed: beam.poissons_ratio says it"
-    )
+    return f"Poisson's ratio {ratio:g}, {of} E = {youngs_modulus / 1e9:.4g} GPa, is assumed: {key} says it"
 
 
 def assumptions(scene: SolidScene) -> Iterator[str]:
-    """Sentences about every Poisson's ratio that a solid assumes: of beam, sections and plates that say none."""
-    beam = scene.shaped_beam
-    said = [
-        (each.youngs_modulus, each.poissons_ratio) for each in (beam.material, *(s.material for s in beam.sections))
-    ]
-    moduli = [modulus for modulus, ratio in said if ratio is None] + [plate.youngs_modulus for plate in beam.plates]
+    """Sentences about every Poisson's ratio that a solid assumes: of beams, sections and plates that say none."""
+    beams = [scene.shaped_beam, *(each.beam(scene) for each in scene.named("opposite"))]
+    materials = [each for beam in beams for each in (beam.material, *(part.material for part in beam.sections))]
+    moduli = [each.youngs_modulus for each in materials if each.poissons_ratio is None]
+    moduli += [plate.youngs_modulus for beam in beams for plate in beam.plates]
     yield from map(assumption, dict.fromkeys(moduli))
