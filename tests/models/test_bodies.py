@@ -11,7 +11,7 @@ import vibeam
 from vibeam_models.solid.body import SolidBody, jacobians
 from vibeam_models.solid.geometry.bodies import body_of
 from vibeam_models.solid.geometry.lines import continued_lines
-from vibeam_models.solid.plan import Solid
+from vibeam_models.solid.plan import CLAMPS, Solid
 from vibeam_models.solid.scene import SolidScene
 
 BEAM: dict[str, Any] = {
@@ -161,3 +161,11 @@ def test_circular_bodies_converge_to_their_mass_with_the_fourth_power(
         off.append(abs(body.mass / made.carrier.mass - 1))
     assert off[0] < 3e-4
     assert off[1] < off[0] / 12  # 16 with h⁴
+
+
+def test_held_faces_have_planes_in_their_boundary_layer() -> None:
+    """A quarter of the height from the clamp and on, where elements are longer; none where the clamp slides."""
+    thin = {"thickness": "1 mm"}
+    planes = {clamp: np.unique(body_of(scene(thin, plan=Solid(clamp=clamp))).mesh.p[0]) for clamp in CLAMPS}
+    assert np.isin(np.round([0.00025, 0.00075, 0.0017, 0.0035], 9), np.round(planes["held"], 9)).all()
+    assert planes["sliding"][1] > 0.01

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -17,9 +17,11 @@ from vibeam_models.solid.geometry.flat import FlatFamily
 from vibeam_models.solid.geometry.grid import SolidGrid, drawn
 from vibeam_models.solid.geometry.parts import CIRCULAR, FLAT, MassBlocks, Piece, filled, known
 from vibeam_models.solid.geometry.patches import Patch, plane
+from vibeam_models.solid.plan import Solid
 from vibeam_models.solid.scene import SolidScene
 
 SAME = 1e-9  # of the length: places along x that are one
+LAYER = (0.25, 0.75, 1.7, 3.5)  # of the section's height, from what holds its contraction
 QUARTER = 0.5**0.5  # of the diameter: width of the quarter of a circular section that faces the stop
 
 Which = Literal["beam", "opposite"]
@@ -91,11 +93,26 @@ def _planes(
         places += [each.position for each in scene.named("opposite")]
     places += [x for middle, half in zones for x in (middle - half, middle, middle + half)]
     places += [x for patch in patches for x in (patch.start, patch.end)] + ([mass.start, mass.end] if mass else [])
+    places += _layer_planes(beam, scene.solid, [*zones, *([mass.extent] if mass else [])])
     found: list[float] = []
     for x in sorted(x for x in places if 0 <= x <= beam.length):
         if not found or x - found[-1] > SAME * beam.length:
             found.append(x)
     return found
+
+
+def _layer_planes(beam: Beam, solid: Solid, stiff: Iterable[tuple[float, float]]) -> Iterator[float]:
+    """Planes of the boundary layer, as deep as the section is high, beside what holds the section's contraction.
+
+    That are clamped ends that hold it, and both sides of what is stiff, each by its middle and half-width in m.
+    """
+    ends = zip((0.0, beam.length), (1, -1), beam.ends.split("-"), strict=True)
+    held = [(x, way) for x, way, how in ends if how == "clamped" and solid.clamp == "held"]
+    held += [(middle + way * half, way) for middle, half in stiff if half for way in (1, -1)]
+    for x, way in held:
+        depth = float(_section(beam, min(max(x, 0.0), beam.length)).height or np.nan)
+        away = (share * depth for share in LAYER)
+        yield from (x + way * each for each in away if each < beam.length / (solid.along or beam.elements))
 
 
 def _taper_planes(beam: Beam, along: int) -> Iterator[float]:

@@ -81,6 +81,11 @@ class MassBlocks:
     height: float
     material: Material
 
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Middle and half-length in m."""
+        return (self.start + self.end) / 2, (self.end - self.start) / 2
+
 
 def filled(stretch: Stretch, upward: float, mass: MassBlocks | None = None) -> Iterator[SolidBlock]:
     """Blocks of a stretch of the beam, of the plates bonded to it, and of the mass where that is.
