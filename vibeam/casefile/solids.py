@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import fields, replace
+from dataclasses import fields
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from vibeam.casefile.coordinates import digests
 from vibeam.casefile.quantities import LENGTH, to_si
@@ -24,10 +24,7 @@ from vibeam_models.keys import keys_of
 from vibeam_models.outputs import DISPLACEMENT
 from vibeam_models.scene import Scene
 from vibeam_models.solid.plan import CLAMPS, GroupMass, GroupMaterial, OwnMesh, Solid, SurfaceMotion
-from vibeam_models.solid.scene import SolidScene, assumption
-
-if TYPE_CHECKING:
-    pass
+from vibeam_models.solid.scene import SolidScene
 
 OURS = "vibeam_models."  # effects of this package, which a solid knows
 WHOLE = ("full", "pod")  # reductions that need all modes, or a flight of them
@@ -170,7 +167,7 @@ def _mesh_faults(case: Any, folder: File) -> Iterator[Complaint]:
     if readable and whole and (said.material or _beams_material(case)):
         from vibeam.exchange.meshes.own import own_body
 
-        yield from ((("solid", *key.split(".")), said) for key, said in own_body(own_mesh(case), folder)[2])
+        yield from ((("solid", *key.split(".")), said) for key, said in own_body(own_mesh(case), folder).faults)
 
 
 def own_mesh(case: Any) -> OwnMesh:
@@ -215,11 +212,9 @@ def mesh_scene(case: Any, folder: File) -> Any:
     given, faults = own_structure(plan, folder)
     if given is None:
         raise ValueError("; ".join(f"solid.{key}: {message}" for key, message in faults))
-    moduli = [each.youngs_modulus for each in plan.materials if each.poissons_ratio is None]
-    assumed = (assumption(each, "solid.material.poissons_ratio") for each in dict.fromkeys(moduli))
     stop, base = stop_of(case.stop, 0.0, getattr(case, "beam", None)), base_of(case, **_place(case))
     carried = tuple(each for each in effects_of_scene(case) if each.name in ("platform", "shaker"))
-    return GivenScene(replace(given, assumed=tuple(assumed)), stop, base, carried)
+    return GivenScene(given, stop, base, carried)
 
 
 def _place(case: Any) -> dict[str, float | None]:

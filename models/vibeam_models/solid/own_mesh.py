@@ -34,6 +34,11 @@ class MeshGroup:
     faces: tuple[Indices, ...]
     nodes: Indices
 
+    @property
+    def on_surface(self) -> bool:
+        """Test whether it has faces."""
+        return any(map(len, self.faces))
+
 
 @dataclass(frozen=True, eq=False)
 class FileMesh:

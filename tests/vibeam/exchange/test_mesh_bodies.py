@@ -51,17 +51,17 @@ def written(
 
 
 def read(folder: Path, **changes: Any) -> tuple[SolidBody, OwnRig]:
-    body, rig, faults = own_body(replace(PLAN, **changes), folder)
-    assert faults == ()
-    assert body is not None
-    assert rig is not None
-    return body, rig
+    made = own_body(replace(PLAN, **changes), folder)
+    assert made.faults == ()
+    assert made.body is not None
+    assert made.rig is not None
+    return made.body, made.rig
 
 
 def faults(folder: Path, **changes: Any) -> list[str]:
-    body, _, found = own_body(replace(PLAN, **changes), folder)
-    assert body is None
-    return [f"{key}: {message}" for key, message in found]
+    made = own_body(replace(PLAN, **changes), folder)
+    assert made.body is None
+    return [f"{key}: {message}" for key, message in made.faults]
 
 
 def test_groups_become_clamp_contact_materials_and_masses(tmp_path: Path) -> None:
@@ -103,6 +103,9 @@ def test_half_of_a_body_is_turned_to_y_above_0(tmp_path: Path) -> None:
         np.testing.assert_allclose((body.mesh.p.T @ body.turn + body.origin)[:, 2].max(), SIZE[2] * 1e-3)
         assert np.linalg.det(body.turn) == 1
         np.testing.assert_array_equal(rig.base, body.turn @ [0, 1, 0])
+        ((facets, _, along, _),) = rig.rows["contact"].parts
+        np.testing.assert_array_equal(body.turn.T @ along, [1, 0, 0])
+        assert np.ptp(along @ body.mesh.p[:, body.mesh.facets[:, facets].ravel()]) == 0
         assert place in (0.0, SIZE[2])
         assert faults(tmp_path, symmetry=group, base="z") == [
             "symmetry: the motion is across the plane of symmetry: mesh the whole body"
@@ -175,7 +178,7 @@ def test_groups_that_are_wrong(tmp_path: Path) -> None:
     faces = {
         "clamp": LEFT,
         "end": end_face(own, "hexahedron")[1],
-        "lost": [[0, 1, 6, 7]],
+        "off": [[0, 1, 6, 7]],
         "inner": [[1, 2, 6, 5]],
         "round": [LEFT[0], end_face(own, "hexahedron")[1][0]],
     }
@@ -199,12 +202,12 @@ def test_groups_that_are_wrong(tmp_path: Path) -> None:
         "material.1.group: 1 cells of 'far' are of 'far' too: a cell has one material",
         "material.2.group: the group 'end' has no cells of volume, which alone have a material",
         "material: missing for 1 of 2 cells: add a material of their group, or one without group for all the rest",
-        "mass.0.group: the mesh has no group 'mass': known here: clamp, end, lost, inner, round, far, none, stray, two",
+        "mass.0.group: the mesh has no group 'mass': known here: clamp, end, off, inner, round, far, none, stray, two",
     ]
-    found = faults(tmp_path, contact=SurfaceMotion("lost", "z"), sensor=SurfaceMotion("inner"))
+    found = faults(tmp_path, contact=SurfaceMotion("off", "z"), sensor=SurfaceMotion("inner"))
     assert found == [
-        "contact: 1 of the 1 faces of its group are no faces of the volume's cells: mesh surface and volume together",
-        "sensor: 1 of the 1 faces of its group lie inside the body: name faces of its surface",
+        "contact: 1 of the 1 faces of group 'off' are no faces of the volume's cells: mesh surface and volume together",
+        "sensor: 1 of the 1 faces of group 'inner' lie inside the body: name faces of its surface",
     ]
     assert faults(tmp_path, contact=SurfaceMotion("round")) == [
         'contact: the faces of \'round\' look in all directions: write { group = "round", direction = "z" }'
@@ -339,8 +342,21 @@ def test_structure_is_the_same_whatever_the_format(tmp_path: Path) -> None:
 
 
 def test_masses_that_cannot_be_rigid(tmp_path: Path) -> None:
-    written(tmp_path, regions={"near": [0]})
-    given, ((key, message),) = own_structure(replace(PLAN, masses=(GroupMass(group="near", mass=0.1),)), tmp_path)
-    assert given is None
-    assert key == "mass"
-    assert "near" in message
+    written(tmp_path, regions={"near": [0], "far": [1]})
+    masses = tuple(GroupMass(group=name, mass=0.1) for name in ("near", "far"))
+    cure = "write rigid = false, or make the group smaller"
+    assert faults(tmp_path, masses=masses) == [
+        f"mass.0.group: 4 nodes of the rigid group 'near' are of the clamp too: {cure}",
+        f"mass.1.group: 4 nodes of the rigid group 'far' are of 'near' too: {cure}",
+    ]
+    assert len(read(tmp_path, masses=(replace(masses[0], rigid=False), masses[1]))[0].masses) == 2
+
+
+def test_what_is_assumed_is_said(tmp_path: Path) -> None:
+    written(tmp_path)
+    given, _ = own_structure(replace(PLAN, materials=(replace(STEEL, poissons_ratio=None),)), tmp_path)
+    assert given is not None
+    assert given.assumed == (
+        "solid.contact is read along (1, 0, 0), the outward normal of 'end'",
+        "Poisson's ratio 0.3, of steel by E = 210 GPa, is assumed: solid.material.poissons_ratio says it",
+    )
