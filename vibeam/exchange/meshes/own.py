@@ -51,7 +51,7 @@ LOOKS = 0.5  # share of a surface's area that its mean normal must have, to be o
 
 @dataclass(frozen=True)
 class OwnBody:
-    """Body of a mesh with its drive and readings (None: there are ``faults``); ``assumed``: what its case did not say."""
+    """Body of a mesh with its drive and readings, None where there are ``faults``; ``assumed``: what no key says."""
 
     digest: str = ""
     body: SolidBody | None = field(default=None, compare=False)
@@ -128,7 +128,7 @@ class BodyReading:
         names |= {"symmetry": self.plan.symmetry} if self.plan.symmetry else {}
         known = [key for key, name in names.items() if self._group(key, name, surface=True)]
         self.faults.extend(size_faults(self.mesh, self.plan.unit, self.plan.extent))
-        material = self._material()
+        materials, material = tuple(map(self._made, self.plan.materials)), self._material()
         for index, each in enumerate(self.plan.masses):
             self._group(f"mass.{index}.group", each.group)
         wrong = [("mesh", fault) for fault in cell_faults(self.mesh)]
@@ -148,7 +148,7 @@ class BodyReading:
             return None, None
         clamps = zip(*held, strict=True)
         facets, vertices = ({"clamp": np.unique(np.concatenate(each)).astype(np.int64)} for each in clamps)
-        half, materials = self.plan.symmetry is not None, tuple(map(self._made, self.plan.materials))
+        half = self.plan.symmetry is not None
         body = SolidBody(
             self.volume, material, materials, half, facets, vertices, None, masses, self.turn, self.origin
         )  # fmt: skip
