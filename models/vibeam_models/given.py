@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from math import nan
+from typing import TYPE_CHECKING
 
 from vibeam_models.base import Base
 from vibeam_models.beam import structure_of
@@ -13,13 +14,17 @@ from vibeam_models.scene import Effect, RigScene
 from vibeam_models.stop import Stop
 from vibeam_models.structure import Structure
 
+if TYPE_CHECKING:
+    from vibeam_models.solid.body import SolidBody
+
 
 @dataclass(frozen=True)
 class GivenStructure:
     """A structure from elsewhere: ``digest`` stands for its content, by which two of them are compared.
 
     ``damping``: by modal ratios, None where C has it. ``carried``: mass in kg that a base would move with it, None
-    where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or ``"solid"``, a mesh; ``assumed``: as of a scene.
+    where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or ``"solid"``, a mesh, which is that of ``body``.
+    ``assumed``: as of a scene.
     """
 
     digest: str
@@ -28,6 +33,7 @@ class GivenStructure:
     damping: Damping | None = field(default=None, compare=False)
     carried: float | None = field(default=None, compare=False)
     assumed: tuple[str, ...] = field(default=(), compare=False)
+    body: SolidBody | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ the cell. A half body is mirrored at y = 0.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -19,12 +19,15 @@ from vibeam.case.fidelity import parameters_of, system_of
 from vibeam.case.reduced_structure import static_at_contact
 from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.beam import structure_of
+from vibeam_models.given import GivenScene
+from vibeam_models.scene import Scene
+from vibeam_models.solid.own_mesh import HEX_EDGES, HEX_FACES, TET_EDGES
 from vibeam_reductions.declaration import REDUCTIONS
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.scene import AnyScene, Scene
+    from vibeam_models.scene import AnyScene
     from vibeam_models.solid.space import SolidField
 
 
@@ -44,10 +47,7 @@ class VtkCell(NamedTuple):
         return [int(np.argmin(np.abs(places - place).sum(axis=1))) for place in wanted]
 
 
-_HEX_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
-_HEX_FACES = ((0, 4, 7, 3), (1, 2, 6, 5), (0, 1, 5, 4), (3, 7, 6, 2), (0, 3, 2, 1), (4, 5, 6, 7))
 _HEX_CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
-_TET_EDGES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 _TET_FACES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2))
 _TET_CORNERS = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
 
@@ -64,12 +64,12 @@ def _face(corners: Sequence[int], edges: Sequence[tuple[int, int]], faces: Seque
 KINDS = {
     27: VtkCell(
         "hexahedron27", np.array(_HEX_CORNERS, dtype=float),
-        (*((corner,) for corner in range(8)), *_HEX_EDGES, *_HEX_FACES, tuple(range(8))),
-        tuple(_face(each, _HEX_EDGES, _HEX_FACES) for each in _HEX_FACES),
+        (*((corner,) for corner in range(8)), *HEX_EDGES, *HEX_FACES, tuple(range(8))),
+        tuple(_face(each, HEX_EDGES, HEX_FACES) for each in HEX_FACES),
     ),
     10: VtkCell(
-        "tetra10", np.array(_TET_CORNERS, dtype=float), (*((corner,) for corner in range(4)), *_TET_EDGES),
-        tuple(_face(each, _TET_EDGES, ()) for each in _TET_FACES),
+        "tetra10", np.array(_TET_CORNERS, dtype=float), (*((corner,) for corner in range(4)), *TET_EDGES),
+        tuple(_face(each, TET_EDGES, ()) for each in _TET_FACES),
     ),
 }  # fmt: skip
 #: triangles that a face is drawn by, of its nodes: of nine, around the middle; of six
@@ -84,7 +84,7 @@ class SolidShape:
     """Nodes (k, 3) m of a whole body at rest, ``cells`` (c, 27 or 10) in VTK's order.
 
     ``basis`` (3 j, n): displacements of the j nodes of what is meshed by n coordinates. ``source`` (k,): which of them
-    each node is, or is the image of where it is ``mirrored``.
+    each node is, or is the image of where it is ``mirrored``. ``turn`` (3, 3): to other axes.
     """
 
     points: Array
@@ -92,11 +92,12 @@ class SolidShape:
     basis: Any
     source: Index
     mirrored: Flags
+    turn: Array = field(default_factory=lambda: np.eye(3))
 
     @classmethod
-    def of(cls, field: SolidField) -> SolidShape:
+    def of(cls, moved: SolidField) -> SolidShape:
         """Shape of a body by the coordinates of its structure, of a half body with its other half."""
-        elements, basis, half = field.elements, field.basis, field.body.half
+        elements, basis, half = moved.elements, moved.basis, moved.body.half
         kind, places = KINDS[len(elements.nodes)], np.asarray(elements.element.doflocs)
         middle = places.mean(axis=0)[:, None]
         turned = np.linalg.det(elements.jacobian(middle)[:, 0]) < 0
@@ -132,7 +133,7 @@ class SolidShape:
         moved = np.asarray(self.basis @ coordinates)
         found = np.moveaxis(moved.reshape(-1, 3, *coordinates.shape[1:]), (0, 1), (-2, -1))[..., self.source, :]
         found[..., self.mirrored, 1] *= -1
-        return np.asarray(found)
+        return np.asarray(found @ self.turn)
 
     @property
     def surface(self) -> SolidShape:
@@ -155,13 +156,16 @@ class SolidShape:
 def solid_shapes(scene: AnyScene) -> dict[str, SolidShape]:
     """Shapes of a scene's bodies by the coordinates of its structure, ``"beam"`` and an ``"opposite"`` one.
 
-    The opposite body stands where it meets the stop, off by the gap. ValueError where the scene is no solid.
+    The opposite body stands where it meets the stop, off by the gap. A mesh of one's own is ``"mesh"``, in the axes of
+    its file. ValueError where the scene is no solid.
     """
     if not scene.in_three_dimensions:
         raise ValueError('no solid to draw: a fidelity with model = "solid" has one')
     from vibeam_models.solid.structure import solid_fields
 
     rig: Any = scene
+    if isinstance(scene, GivenScene):
+        return {"mesh": _own_shape(scene)}
     found = {name: SolidShape.of(field) for name, field in solid_fields(rig).items()}
     for other in rig.named("opposite"):
         along = rig.stop.position - other.position - other.arm
@@ -171,14 +175,24 @@ def solid_shapes(scene: AnyScene) -> dict[str, SolidShape]:
     return found
 
 
-def solid_system(scene: AnyScene, fidelity: Fidelity) -> tuple[ImpactSystem, Scene, dict[str, SolidShape]]:
-    """System of a fidelity with ``beam_field.fields``, the scene with its points, its shapes by the system's modes."""
-    pointed, shapes = with_points(scene), solid_shapes(scene)
-    structure = structure_of(pointed)
-    made = REDUCTIONS[fidelity.reduction].make(structure, fidelity.modes, **parameters_of(pointed, fidelity))
+def _own_shape(scene: GivenScene) -> SolidShape:
+    from vibeam_models.solid.own_structure import own_space
+
+    body = scene.given.body
+    assert body is not None
+    found = SolidShape.of(own_space(body).field())
+    return replace(found, points=found.points @ body.turn + body.origin, turn=body.turn)
+
+
+def solid_system(scene: AnyScene, fidelity: Fidelity) -> tuple[ImpactSystem, Any, dict[str, SolidShape]]:
+    """System of a fidelity, the scene, with points along its beam if it has one, its shapes by the system's modes."""
+    shapes, pointed = solid_shapes(scene), with_points(scene) if isinstance(scene, Scene) else scene
+    rig: Any = pointed
+    structure = structure_of(rig)
+    made = REDUCTIONS[fidelity.reduction].make(structure, fidelity.modes, **parameters_of(rig, fidelity))
     small = made.structure
     own = {f"coordinate {number}": row for number, row in enumerate(np.eye(small.size))}
     told = small.with_(outputs={**small.outputs, **own}, units={**small.units, **dict.fromkeys(own, "m")})
-    system = system_of(pointed, told, static_at_contact(structure))
+    system = system_of(rig, told, static_at_contact(structure))
     by = made.basis @ np.stack([system.output(name) for name in own])
     return system, pointed, {name: shape.by(by) for name, shape in shapes.items()}

@@ -288,7 +288,7 @@ FIGURES = Registry(
         "mode shapes of each fidelity to one scale, a solid shaded, a beam as its line",
         derivatives=True,
         record=True,
-        of_beam=True,
+        refuses=True,
     ),
 )
 

@@ -110,10 +110,11 @@ def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
         for number, (f, zeta, w, u, force, share, cut_off) in enumerate(columns.T.tolist(), 1)
     ]
     unit = LOAD_UNITS[None if rig.base.on_beam is None else rig.base.on_beam[1]]
-    if pointed is None:  # the coordinates have no places
-        return ModeTable(tuple(rows), np.zeros(0), np.zeros((0, 0)), _notes(rig, rows), unit)
+    bodies = _bodies(scene, modes) if scene.in_three_dimensions else {}
+    if pointed is None:  # the coordinates have no places along a beam
+        return ModeTable(tuple(rows), np.zeros(0), np.zeros((0, 0)), _notes(rig, rows), unit, bodies=bodies)
     beams = {name: _shaped(rows_of, modes) for name, rows_of in fields(pointed, structure).items()}
-    first, bodies = beams["beam"], _bodies(scene, modes) if scene.in_three_dimensions else {}
+    first = beams["beam"]
     return ModeTable(tuple(rows), first.positions, first.deflection, _notes(rig, rows), unit, beams, bodies)
 
 
@@ -159,14 +160,14 @@ def write_shapes(table: ModeTable, path: Path) -> None:
     A ``.vtu`` file has the first beam or the solid, with a vector field of each mode; a ``.pvd`` file is a series with
     a step for each mode, every beam and the solid a piece, with the fields of ``shape_steps``.
 
-    ValueError where there is no beam: the coordinates of given matrices have no places.
+    ValueError where there is none: the coordinates of given matrices have no places.
     """
-    if not table.beams:
+    if not (table.beams or table.bodies):
         raise ValueError("no shapes to draw: the case gives no places of its coordinates")
     if path.suffix == ".pvd":
         write_series(shape_steps(table), path)
         return
-    beam, body, data = table.beams["beam"], table.bodies.get("beam"), dict[str, Array]()
+    body, data = next(iter(table.bodies.values()), None), dict[str, Array]()
     for index, row in enumerate(table.rows):
         name = f"mode {row.number:02} ({row.frequency:.4g} Hz)"
         if body is not None:
@@ -174,7 +175,10 @@ def write_shapes(table: ModeTable, path: Path) -> None:
             continue
         drawn = _fields(table, "beam", index)
         data |= {name: drawn["displacement"], f"{name}, rotation": drawn["rotation"]}
-    write_vtu(VtuPiece(_line(beam), data) if body is None else VtuPiece(body.points, data, body.vtk_cells), path)
+    if body is None:
+        write_vtu(VtuPiece(_line(table.beams["beam"]), data), path)
+    else:
+        write_vtu(VtuPiece(body.points, data, body.vtk_cells), path)
 
 
 def shape_steps(table: ModeTable) -> list[Step]:

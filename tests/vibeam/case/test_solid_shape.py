@@ -11,15 +11,21 @@ import meshio
 import numpy as np
 import pytest
 import skfem
+from box_meshes import end_face, nodes_of
 from scipy.sparse import identity
 
 from vibeam.case.solid_shape import SolidShape, solid_shapes, solid_system
 from vibeam.casefile.read import parse
+from vibeam.exchange.meshes.own import own_structure
 from vibeam.exchange.vtu import VtuPiece, write_vtu
 from vibeam.studies.modes import mode_table, write_shapes
+from vibeam_models.base import Base
+from vibeam_models.given import GivenScene
 from vibeam_models.solid.body import SolidBody
 from vibeam_models.solid.elasticity import SolidElements
+from vibeam_models.solid.plan import GroupMaterial, OwnMesh, SurfaceMotion
 from vibeam_models.solid.space import SolidField
+from vibeam_models.stop import Stop
 
 #: places of the nodes in the reference cell, as VTK 9.7's GetParametricCoords prints them
 PLACES = {
@@ -169,6 +175,28 @@ def test_the_bodies_of_a_system_move_as_its_outputs_do() -> None:
     node = np.flatnonzero(np.all(np.isclose(shape.points, (0.1, 0.0, 0.002)), axis=1))
     moved = shape.displacement(np.eye(2))[:, node[0], 2]
     np.testing.assert_allclose(moved, system.output("tip"), rtol=1e-9)
+
+
+def test_a_mesh_of_ones_own_is_drawn_in_the_axes_of_its_file(tmp_path: Path) -> None:
+    """Two boxes clamped at x = 0: all nodes of the file are there, the largest displacement of each mode is 1 m."""
+    points, cells = nodes_of("hexahedron")
+    faces = [[0, 3, 7, 4], *end_face(points, "hexahedron")[1]]
+    groups = {"clamp": [np.zeros(2, int), np.array([1, 0])], "end": [np.zeros(2, int), np.array([0, 1])]}
+    blocks = [("hexahedron", np.array(cells)), ("quad", np.array(faces))]
+    meshio.Mesh(points, blocks, cell_data=groups).write(tmp_path / "rig.vtu")
+    steel = GroupMaterial(youngs_modulus=210e9, density=7850.0, poissons_ratio=0.3)
+    plan = OwnMesh(file="rig.vtu", unit=1e-3, materials=(steel,), clamp=("clamp",), contact=SurfaceMotion("end"))
+    given, faults = own_structure(plan, tmp_path)
+    assert given is not None, faults
+    table = mode_table(GivenScene(given, Stop(1e-4, 0.6), Base()), 2)
+    assert list(table.bodies) == ["mesh"]
+    write_shapes(table, tmp_path / "modes.pvd")
+    read = meshio.read(tmp_path / "modes" / "solid_mesh_0000.vtu")
+    for point in points:
+        assert np.min(np.linalg.norm(read.points - 1e-3 * point, axis=1)) < 1e-15
+    moved = np.linalg.norm(read.point_data["displacement"], axis=1)
+    assert moved.max() == pytest.approx(1, rel=1e-12)
+    assert moved[np.isclose(read.points[:, 0], 0)].max() == 0
 
 
 def test_an_opposite_body_stands_off_by_the_gap() -> None:

@@ -159,6 +159,7 @@ def test_pairs_are_made_by_shape_not_by_number() -> None:
     assert [_same(lead, mode, other) for mode in range(3)] == [1, None, 0]
 
 
-def test_a_case_without_a_beam_is_refused() -> None:
-    with pytest.raises(vibeam.CaseError, match='"shapes" shows a beam, and this case has none'):
-        vibeam.load("cases/matrices/frame.toml", {"show.a.kind": "shapes"})
+def test_what_has_neither_beam_nor_body_is_refused() -> None:
+    case = vibeam.load("cases/matrices/frame.toml", {"show.a.kind": "shapes"})
+    with pytest.raises(vibeam.CaseError, match="whole: no shapes to draw: this case gives matrices"):
+        vibeam.run(case)

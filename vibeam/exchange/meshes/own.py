@@ -98,7 +98,7 @@ def _structure(made: OwnBody, asked: _Asked) -> GivenStructure | None:
         return None
     structure = body_structure(made.body, made.rig).with_(damping=asked.plan.damping)
     carried = made.body.mass + sum(each.mass for each in made.body.masses)
-    return GivenStructure(made.digest, "solid", structure, None, carried, made.assumed)
+    return GivenStructure(made.digest, "solid", structure, None, carried, made.assumed, made.body)
 
 
 Surface = tuple[Indices, Indices]  # facets or, where there are none, vertices of the finite-element mesh

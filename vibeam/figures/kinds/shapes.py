@@ -18,6 +18,7 @@ from vibeam.figures.sheet import Column, Columns, Comparison, Sheet, sheet_of
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_for
 from vibeam_models.arrays import Array
+from vibeam_models.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.figures.units import DisplayUnits
+    from vibeam.system.impact_system import ImpactSystem
 
 MOST = 4  # modes of a fidelity
 ALIKE = 0.5  # of the criterion, from which on two modes are one
@@ -45,7 +47,7 @@ def _columns(case: Case, fidelity: str) -> Columns:
         from vibeam.case.solid_shape import solid_system
 
         system, pointed, bodies = solid_system(scene, case.fidelities[fidelity])
-        order, surface = np.argsort(system.omega)[:MOST], bodies["beam"].surface
+        order, surface = np.argsort(system.omega)[:MOST], next(iter(bodies.values())).surface
         moved = surface.displacement(np.eye(system.size)[:, order])
         found["surface_point"] = Column(surface.points, "m", "places (k, 3) on the surface of the body at rest")
         found["surface_triangle"] = Column(surface.triangles.astype(float), "1", "points (t, 3) of its triangles")
@@ -53,12 +55,20 @@ def _columns(case: Case, fidelity: str) -> Columns:
     else:
         system, pointed = field_system(scene, case.fidelities[fidelity])
         order = np.argsort(system.omega)[:MOST]
+    found["mode_frequency"] = Column(system.omega[order] / (2 * np.pi), "Hz", "natural frequency of the mode")
+    if not isinstance(pointed, Scene):  # a mesh of one's own has no line
+        return found
     line = fields(pointed, system)["beam"]
     return found | {
-        "mode_frequency": Column(system.omega[order] / (2 * np.pi), "Hz", "natural frequency of the mode"),
         "position": Column(line.positions, "m", "places along the beam"),
         "deflection": Column(line.deflection.T[order], "1", "of the sections (modes, k), mass-normalised, kg^-½"),
     }
+
+
+def refusal(case: Case, fidelity: str, system: ImpactSystem) -> str:
+    """Why a fidelity has no shapes: it has neither a beam nor a body; empty where it has."""
+    scene = case.scene_of(fidelity)
+    return "" if isinstance(scene, Scene) or scene.in_three_dimensions else f"no shapes to draw: {scene.no_beam}"
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:
@@ -79,7 +89,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
         return
     lead = next((sheet for sheet in known if "surface_point" in sheet.columns), known[0])
     grid = figure.subplots(len(lead["mode_frequency"]), len(known), squeeze=False)
-    length = float(np.ptp(lead["position"]))
+    length = max(float(np.ptp(each.of("position"))) if "position" in each.columns else _longest(each) for each in known)
     for row, axes in enumerate(grid):
         for panel, sheet in zip(axes, known, strict=True):
             mode = row if sheet is lead else _same(lead, row, sheet)
@@ -91,7 +101,12 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 
 def _same(lead: Sheet, row: int, other: Sheet) -> int | None:
-    """The mode of another sheet with the shape of mode ``row`` of ``lead``; None: there is none, as of torsion."""
+    """The mode of another sheet with the shape of mode ``row`` of ``lead``; None: there is none, as of torsion.
+
+    Of a mesh of one's own the mode of the same number.
+    """
+    if not {"position"} <= lead.columns.keys() & other.columns.keys():
+        return row if row < len(other["mode_frequency"]) else None
     own = np.interp(other["position"], lead["position"], lead["deflection"][row])
     if np.abs(own).max() < BENT * _largest(lead, row):
         return None
@@ -108,18 +123,24 @@ def _largest(sheet: Sheet, mode: int) -> float:
     return float(np.abs(sheet["deflection"][mode]).max()) or 1.0
 
 
+def _longest(sheet: Sheet) -> float:
+    """Longest side of a body, m."""
+    return float(np.ptp(sheet["surface_point"], axis=0).max())
+
+
 def _panel(axes: Axes, sheet: Sheet, mode: int | None, length: float, units: DisplayUnits) -> None:
     axes.set_axis_off()
     axes.set_aspect("equal")
-    rest = projected(np.array([[0.0, 0.0, 0.0], [length, 0.0, 0.0]]))
-    axes.plot(*rest.T[:2], color="0.5", linestyle=(0, (4, 3)), linewidth=0.6, zorder=0)
+    if "position" in sheet.columns:
+        rest = projected(np.array([[0.0, 0.0, 0.0], [length, 0.0, 0.0]]))
+        axes.plot(*rest.T[:2], color="0.5", linestyle=(0, (4, 3)), linewidth=0.6, zorder=0)
     if mode is None:
         axes.set_title("no such bending", fontsize="small", color="0.35")
         return
     frequency = sheet["mode_frequency"][mode] * units.frequency_factor
     axes.set_title(f"mode {mode + 1}, {frequency:.4g} {units.frequency}".rstrip(), fontsize="small")
-    line, largest = sheet["deflection"][mode], _largest(sheet, mode)
-    factor = (-1 if line[np.argmax(np.abs(line))] < 0 else 1) / largest
+    line = sheet["deflection"][mode] if "position" in sheet.columns else np.ones(1)
+    factor = (-1 if line[np.argmax(np.abs(line))] < 0 else 1) / _largest(sheet, mode)
     if "surface_point" in sheet.columns:
         _body(axes, sheet, factor * sheet["surface_displacement"][mode], length)
     else:
