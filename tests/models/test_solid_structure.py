@@ -22,12 +22,12 @@ from vibeam_models.effects.supports import BeamEnds, Clamp, FurtherSupport
 from vibeam_models.outputs import Output
 from vibeam_models.scene import Mass, Scene, Sensor
 from vibeam_models.solid.body import BodyMass
-from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.geometry.bodies import body_of
 from vibeam_models.solid.own_mesh import BodyRow, OwnRig
 from vibeam_models.solid.own_structure import body_structure
 from vibeam_models.solid.plan import Solid
 from vibeam_models.solid.scene import SolidScene
+from vibeam_models.solid.slender import SlenderElements
 from vibeam_models.solid.structure import solid_fields
 from vibeam_models.stop import Stop
 
@@ -162,12 +162,22 @@ def test_frequencies_of_a_thin_solid_converge_with_the_fourth_power_of_its_eleme
     assert (np.log2(first / second)[1:] > 3.7).all()  # round-off is in the first
 
 
-def test_shear_at_two_points_leaves_six_motions_without_force():
-    elements = SolidElements(skfem.MeshHex.init_tensor([0.0, 0.1, 0.3], [0.0, 0.1], [0.0, 0.02]))
-    stiffness = elements.stiffness((Material(210e9, 7850.0, 0.3),), np.zeros(2, dtype=int), slender=True)
-    values = np.linalg.eigvalsh(stiffness.toarray())
+def test_slender_elements_have_six_motions_without_force():
+    """Two points for the shear leave no motion of elements free; bases of planes are of the same displacements."""
+    elements = SlenderElements(skfem.MeshHex.init_tensor([0.0, 0.1, 0.3], [0.0, 0.1], [0.0, 0.02]))
+    inner = elements.stiffness((Material(210e9, 7850.0, 0.3),), np.zeros(2, dtype=int)).toarray()
+    back = np.linalg.inv(elements.relative.toarray())
+    values = np.linalg.eigvalsh(back.T @ inner @ back)
     assert np.abs(values[:6]).max() < 1e-12 * values[-1]
     assert values[6] > 1e-6 * values[-1]
+    assert len(np.unique(elements.bases)) == 5
+
+
+def test_a_strip_a_thousand_times_as_long_as_thick_keeps_its_stiffness():
+    """Without the bases of its planes round-off would take 3e-4 of its first frequency."""
+    beam, solid = both(beam={"shape": Rectangle(0.01, 0.0002)})
+    assert solid.modes(1).frequency[0] == pytest.approx(beam.modes(1).frequency[0], rel=4e-6)
+    assert solid.flexibility(solid.contact) == pytest.approx(beam.flexibility(beam.contact), rel=4e-6)
 
 
 @pytest.mark.parametrize("whole", [None, True])

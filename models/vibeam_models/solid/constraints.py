@@ -45,19 +45,24 @@ class RigidPart:
 class SolidCoordinates:
     """Coordinates y (n,) of a body: u = ``basis`` y, ``basis`` Z (3 k, n) sparse.
 
+    ``inner`` (3 k, n): T⁻¹ Z where displacements are counted from those of other nodes, u = T v, else Z.
     ``parts`` (3 or 6, n): rows that read the motions of each rigid part, in the order of ``RigidPart.motions``.
     """
 
     basis: Any
+    inner: Any
     parts: tuple[Array, ...]
 
     @classmethod
-    def of(cls, points: Array, half: bool, held: Flags, parts: Sequence[RigidPart]) -> SolidCoordinates:
+    def of(
+        cls, points: Array, half: bool, held: Flags, parts: Sequence[RigidPart], relative: Any = None
+    ) -> SolidCoordinates:
         """The coordinates of a body at ``points`` (3, k) whose components ``held`` (3, k) do not move.
 
-        ValueError where a support or another rigid part holds some of a rigid part.
+        ``relative``: T; what is held of a node is held of that which it is counted from. ValueError where a support or
+        another rigid part holds some of a rigid part.
         """
-        from scipy.sparse import csc_array
+        from scipy.sparse import csc_array, eye_array, hstack
 
         fixed = held.copy()
         if half:
@@ -69,23 +74,26 @@ class SolidCoordinates:
                 raise ValueError(f"{part.name}: a support or another rigid body holds part of it")
             gone |= own
         free = np.flatnonzero(~gone)
-        count, each = len(free), HALF if half else 2 * HALF
-        moved = [part.motions(points, half) for part in parts]
-        rows = np.concatenate([free, *(rows for rows, _, _ in moved)])
-        shifted = (count + each * number + columns for number, (_, columns, _) in enumerate(moved))
-        columns = np.concatenate([np.arange(count), *shifted])
-        values = np.concatenate([np.ones(count), *(values for _, _, values in moved)])
-        size = count + each * len(parts)
-        basis = csc_array((values, (rows, columns)), shape=(len(gone), size))
-        reading = (np.eye(each, size, count + each * number) for number in range(len(parts)))
-        return cls(basis, tuple(reading))
+        size, each = len(gone), HALF if half else 2 * HALF
+        identity = eye_array(size, format="csc")
+        back = identity if relative is None else 2 * identity - relative  # T = 1 + E with E² = 0
+        moved = [csc_array(_entries(part.motions(points, half)), shape=(size, each)) for part in parts]
+        inner = hstack([identity[:, free], *(back @ motions for motions in moved)], format="csc")
+        reading = (np.eye(each, inner.shape[1], len(free) + each * number) for number in range(len(parts)))
+        return cls(inner if relative is None else relative @ inner, inner, tuple(reading))
 
     def tied(self, rows: Sequence[Array]) -> SolidCoordinates:
         """The same where ``rows`` (3 k,) read nothing."""
         if not rows:
             return self
         further = elimination(np.stack([row @ self.basis for row in rows]))
-        return SolidCoordinates(self.basis @ further, tuple(part @ further for part in self.parts))
+        parts = tuple(part @ further for part in self.parts)
+        return SolidCoordinates(self.basis @ further, self.inner @ further, parts)
+
+
+def _entries(motions: tuple[Array, Array, Array]) -> tuple[Array, tuple[Array, Array]]:
+    rows, columns, values = motions
+    return values, (rows, columns)
 
 
 def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) -> tuple[Flags, list[Array]]:

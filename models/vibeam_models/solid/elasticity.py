@@ -20,6 +20,7 @@ from vibeam_models.beams.stretch import Material
 
 FIELDS = {"MeshHex1": "ElementHex2", "MeshHex2": "ElementHex2", "MeshTet1": "ElementTetP2", "MeshTet2": "ElementTetP2"}
 ORDER = 5  # of quadrature: exact for the mass of an element with flat faces, and all weights are positive
+Pairs = tuple[Index, Index, Index]
 CHUNK = 512  # elements at a time: 27 MB of products
 
 
@@ -102,26 +103,22 @@ class SolidElements:
         points, weights = self.quadrature
         return np.asarray(np.abs(np.linalg.det(self.jacobian(points))) * weights)
 
-    def stiffness(
-        self, materials: Sequence[Material], material: Index, contraction: bool = True, slender: bool = False
-    ) -> Any:
+    def stiffness(self, materials: Sequence[Material], material: Index, contraction: bool = True) -> Any:
         """K (3 k, 3 k), sparse, N/m: the ``material`` (elements,) of each element is one of ``materials``.
 
         ``contraction`` False: σ_ii = E ε_ii, σ_ij = 2G ε_ij with the same E and G, as a beam's theory has it.
-        ``slender``: of hexahedra with one local axis along x, the shear of x with y and z at two points along it.
         """
         moduli = np.array([_moduli(each, contraction) for each in materials])[material]
 
         def blocks(cells: Index) -> Iterator[tuple[int, int, Array]]:
             products = self._products(cells, self.quadrature)
-            along = self._products_along(cells) if slender else products
+            along = self._sheared_along(cells, products)
             lame, shear, alone = moduli[cells].T[:, :, None, None]
             for i in range(3):
                 others = sum((along if 0 in (i, j) else products)[:, j, :, j] for j in range(3) if j != i)
                 yield i, i, (lame + 2 * shear + alone) * products[:, i, :, i] + shear * others
                 for j in range(i):
-                    sheared = (along if j == 0 else products)[:, j, :, i]
-                    block = lame * products[:, i, :, j] + shear * sheared
+                    block = lame * products[:, i, :, j] + shear * (along if j == 0 else products)[:, j, :, i]
                     yield i, j, block
                     yield j, i, block.swapaxes(1, 2)
 
@@ -143,18 +140,9 @@ class SolidElements:
 
         return self._alike(along)
 
-    def _products_along(self, cells: Index) -> Array:
-        """As ``_products``, two points along the local axis that lies along x.
-
-        A quadratic deflection of a thin element bends it without shear at these two points alone; at three its shear
-        would stiffen it, and frequencies would converge with the square of its length in place of the fourth power.
-        """
-        axes = self.axes[cells]
-        nodes = len(self.nodes)
-        found = np.empty((len(cells), 3, nodes, 3, nodes))
-        for axis in np.unique(axes):
-            found[axes == axis] = self._products(cells[axes == axis], _two_points_along(int(axis)))
-        return found
+    def _sheared_along(self, cells: Index, products: Array) -> Array:
+        """The products that the shear of x with y and z has."""
+        return products
 
     @cached_property
     def axes(self) -> Index:
@@ -181,23 +169,28 @@ class SolidElements:
         """The same element ``matrix`` (elements, a, b) for each of the three components, assembled."""
         from scipy.sparse import csr_array, kron
 
-        (summed,) = self._summed(1, lambda cells: iter([(0, matrix(cells))]))
-        _, columns, starts = self._pattern
+        _, columns, starts = pairs = self._pairs(self.nodes)
+        (summed,) = self._summed(pairs, 1, lambda cells: iter([(0, matrix(cells))]))
         return kron(csr_array((summed, columns, starts)), np.eye(3), format="csc")
 
     def _assembled(self, blocks: Callable[[Index], Iterator[tuple[int, int, Array]]]) -> Any:
         """The sum over all elements of ``blocks``: components i, j and their matrix (elements, a, b)."""
         from scipy.sparse import bsr_array, csc_array
 
-        summed = self._summed(9, lambda cells: ((3 * i + j, matrix) for i, j, matrix in blocks(cells)))
-        _, columns, starts = self._pattern
+        _, columns, starts = pairs = self._pairs(self.stiff_nodes)
+        summed = self._summed(pairs, 9, lambda cells: ((3 * i + j, matrix) for i, j, matrix in blocks(cells)))
         shape = (self.size, self.size)
         rows = bsr_array((summed.reshape(3, 3, -1).transpose(2, 0, 1), columns, starts), shape=shape).tocsr()
         return csc_array((rows.data, rows.indices, rows.indptr), shape=shape)  # symmetric: its rows are its columns
 
-    def _summed(self, count: int, matrices: Callable[[Index], Iterator[tuple[int, Array]]]) -> Array:
+    @property
+    def stiff_nodes(self) -> Index:
+        """Nodes (a, elements) whose coordinates an element's stiffness is of."""
+        return self.nodes
+
+    def _summed(self, pairs: Pairs, count: int, matrices: Callable[[Index], Iterator[tuple[int, Array]]]) -> Array:
         """Sums (count, pairs of nodes) over all elements of numbered ``matrices`` (elements, a, b)."""
-        places, columns, _ = self._pattern
+        places, columns, _ = pairs
         summed = np.zeros((count, len(columns)))
         for cells in np.array_split(every := np.arange(self.nodes.shape[1]), 1 + len(every) // CHUNK):
             at = places[cells].ravel()
@@ -206,11 +199,9 @@ class SolidElements:
                 summed[number, low:high] += np.bincount(at - low, matrix.ravel(), high - low)
         return summed
 
-    @cached_property
-    def _pattern(self) -> tuple[Index, Index, Index]:
-        """Place (elements, a b) of each pair of nodes among the blocks; column of each block, first block of a row."""
-        count = self.points.shape[1]
-        here = self.nodes.T
+    def _pairs(self, nodes: Index) -> Pairs:
+        """Place (elements, a b) of each pair of ``nodes`` (a, elements); column of each, the first of each row."""
+        count, here = self.points.shape[1], nodes.T
         keys, places = np.unique((here[:, :, None] * count + here[:, None, :]).ravel(), return_inverse=True)
         starts = np.searchsorted(keys, count * np.arange(count + 1))
         return places.reshape(len(here), -1), keys % count, starts
@@ -223,14 +214,6 @@ def shape_functions(element: Any, local: Array) -> tuple[Array, Array]:
     values = np.stack([np.broadcast_to(value, shape) for value, _ in both])
     slopes = np.stack([np.stack([np.broadcast_to(each, shape) for each in slope]) for _, slope in both], axis=1)
     return values, slopes
-
-
-def _two_points_along(axis: int) -> tuple[Array, Array]:
-    """Gauss' points (3, 18) and weights of the reference hexahedron, two along a local ``axis``, three across."""
-    rules = [np.polynomial.legendre.leggauss(2 if each == axis else 3) for each in range(3)]
-    points = np.meshgrid(*((1 + at) / 2 for at, _ in rules), indexing="ij")
-    weights = np.einsum("a,b,c->abc", *(weight / 2 for _, weight in rules))
-    return np.stack([each.ravel() for each in points]), weights.ravel()
 
 
 def _moduli(material: Material, contraction: bool) -> tuple[float, float, float]:

@@ -25,8 +25,7 @@ def body_structure(body: SolidBody, rig: OwnRig) -> SparseStructure:
     space = own_space(body)
     rows = {name: space.reduced(_row(space.rows, each)) for name, each in rig.rows.items()}
     direction = np.zeros(3) if rig.base is None else rig.base
-    stiffness = space.rows.elements.stiffness(body.materials, body.material)
-    structure = space.structure(stiffness, direction, rows.pop("contact"))
+    structure = space.structure(direction, rows.pop("contact"))
     parts = iter(space.coordinates.parts)
     for mass in body.masses:
         part = next(parts) if mass.rigid else _mean(space, mass)

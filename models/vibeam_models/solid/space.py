@@ -43,18 +43,17 @@ class BodySpace:
         basis = self.coordinates.basis
         return (2.0 if self.rows.body.half else 1.0) * (basis.T.tocsc() @ (matrix @ basis))
 
-    def structure(self, stiffness: Any, direction: Array, contact: Array) -> SparseStructure:
-        """The structure with ``stiffness`` (3 k, 3 k) on a base that moves along ``direction`` (3,).
-
-        ``contact`` (n,): its row.
-        """
+    def structure(self, direction: Array, contact: Array, contraction: bool = True) -> SparseStructure:
+        """The structure on a base that moves along ``direction`` (3,); ``contact`` (n,): its row."""
         body, elements = self.rows.body, self.rows.elements
         density = np.array([each.density for each in body.materials])[body.material]
         mass = elements.mass(density)
         moved = mass @ np.tile(direction, elements.size // 3)
         load = -(2.0 if body.half else 1.0) * self.reduced(moved)
-        inner = self.congruent(mass)
-        return SparseStructure(inner, 0 * inner, self.congruent(stiffness), load, np.zeros(self.size), contact)
+        inertia, inner = self.congruent(mass), self.coordinates.inner
+        elastic = elements.stiffness(body.materials, body.material, contraction)
+        stiffness = (2.0 if body.half else 1.0) * (inner.T.tocsc() @ (elastic @ inner))
+        return SparseStructure(inertia, 0 * inertia, stiffness, load, np.zeros(self.size), contact)
 
     def field(self, before: int = 0, after: int = 0) -> SolidField:
         """Displacements of the body in a structure that has so many coordinates ``before`` and ``after`` its own."""

@@ -18,10 +18,10 @@ from vibeam_models.effects.gravity import AxialGravity
 from vibeam_models.outputs import Output, surface_distance
 from vibeam_models.scene import Effect, Sensor
 from vibeam_models.solid.constraints import RigidPart, SolidCoordinates, holding
-from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.geometry.bodies import Which, body_of
 from vibeam_models.solid.rows import NEAR, SolidRows, X
 from vibeam_models.solid.scene import SolidScene
+from vibeam_models.solid.slender import SlenderElements
 from vibeam_models.solid.space import BodySpace, RigidMass, SolidField, outer
 from vibeam_models.sparse import SparseStructure
 from vibeam_models.structure import side_by_side
@@ -142,7 +142,8 @@ class SolidSpace(BodySpace):
 def solid_space(scene: SolidScene, which: Which = "beam") -> SolidSpace:
     """The body of a scene, ``"beam"`` or ``"opposite"``, on its supports; nothing is assembled yet."""
     body = body_of(scene, which)
-    rows = SolidRows(body, SolidElements(body.mesh))
+    elements = SlenderElements(body.mesh)
+    rows = SolidRows(body, elements)
     beam = scene.shaped_beam if which == "beam" else scene.named("opposite")[0].beam(scene)
     bedded = which == "beam" and bool(scene.named("clamp"))
     held, tied = holding(rows, beam, scene.solid.clamp == "sliding", bedded)
@@ -153,7 +154,7 @@ def solid_space(scene: SolidScene, which: Which = "beam") -> SolidSpace:
         RigidPart(f"rigid zone at {at:g} m", np.abs(x - at) <= half + near, np.array([at, 0.0, 0.0]))
         for at, half in zones.items()
     ]
-    coordinates = SolidCoordinates.of(rows.elements.points, body.half, held, parts).tied(tied)
+    coordinates = SolidCoordinates.of(elements.points, body.half, held, parts, elements.relative).tied(tied)
     return SolidSpace(rows, coordinates, beam, tuple(zones))
 
 
@@ -177,10 +178,9 @@ def _zones(scene: SolidScene, which: Which) -> Iterable[tuple[float, float]]:
 def _carrying(space: SolidSpace, scene: SolidScene, which: Which) -> SparseStructure:
     """One body with the springs of its supports and the masses on it; its contact its patch."""
     rows = space.rows
-    stiffness = rows.elements.stiffness(rows.body.materials, rows.body.material, scene.contraction, True)
-    if which == "beam":
-        stiffness = sum((_bedding(rows, each.stiffness) for each in scene.named("clamp")), stiffness)
-    structure = space.structure(stiffness, UP, space.reduced(rows.patch("contact")))
+    structure = space.structure(UP, space.reduced(rows.patch("contact")), scene.contraction)
+    for clamp in scene.named("clamp") if which == "beam" else ():
+        structure = structure.with_(K=structure.K + space.congruent(_bedding(rows, clamp.stiffness)))
     for support in space.beam.supports:
         for derivative, spring in enumerate(support.each):
             if 0 < spring < inf:
