@@ -360,3 +360,39 @@ def test_what_is_assumed_is_said(tmp_path: Path) -> None:
         "Poisson's ratio 0.3, of steel by E = 210 GPa, is assumed: solid.material.poissons_ratio says it",
         "solid.contact is read along (1, 0, 0), the outward normal of 'end'",
     )
+
+
+def slab(folder: Path, across: int) -> None:
+    """VTU of a strip 60 × 20 × 4 mm of 6 × ``across`` × 1 cells; with one across that half of it with y ≥ 0."""
+    x, y, z = np.linspace(0, 60, 7), np.linspace(-10, 10, 3)[-across - 1 :], np.array([0.0, 4.0])
+    points = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
+    number = np.arange(len(points)).reshape(7, across + 1, 2)
+    at = (slice(None, -1), slice(1, None))
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+    cells = np.stack([number[at[a], at[b], at[c]].ravel() for a, b, c in corners], axis=1)
+    groups = {"clamp": points[:, 0] == 0, "end": points[:, 0] == 60, "middle": points[:, 1] == 0}
+    groups |= {"last": points[:, 0] >= 50}
+    groups["top"] = (points[:, 2] == 4) & (points[:, 0] >= 30)
+    data = {name: each.astype(int) for name, each in groups.items()}
+    meshio.Mesh(points, [("hexahedron", cells)], point_data=data).write(folder / f"slab{across}.vtu")
+
+
+@pytest.mark.parametrize("rigid", [True, False])
+def test_half_of_a_body_moves_as_the_whole(rigid: bool, tmp_path: Path) -> None:
+    """Its modes are those of the whole that are symmetric: frequency, contact, load; masses are said whole."""
+    plan = replace(PLAN, contact=SurfaceMotion("top"), masses=(GroupMass(group="end", mass=0.05, rigid=rigid),))
+    modes = []
+    for across in (1, 2):
+        slab(tmp_path, across)
+        said = replace(plan, file=f"slab{across}.vtu", symmetry="middle" if across == 1 else None)
+        given, found = own_structure(said, tmp_path)
+        assert found == ()
+        assert given is not None
+        assert given.carried == pytest.approx(0.05 + 60 * 20 * 4e-9 * 7850)
+        few, structure = given.structure.modes(8), given.structure
+        moved = np.abs(structure.load @ few.shapes), np.abs(structure.contact @ few.shapes)
+        modes.append(np.column_stack((few.omega, *moved)))
+    half, whole = modes
+    symmetric = [int(np.argmin(np.abs(whole[:, 0] / each - 1))) for each in half[:3, 0]]
+    np.testing.assert_allclose(whole[symmetric], half[:3], rtol=1e-6, atol=1e-9)
+    assert symmetric[1] > 1  # of the whole some are not
