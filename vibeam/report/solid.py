@@ -11,6 +11,7 @@ from vibeam.report.output import StudySheet
 from vibeam.report.reductions import shown
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.runs.comparison.differences import listed
+from vibeam.studies.solid.steps import LESS_TORSION
 from vibeam.studies.solid.study import JUDGED, QUANTITIES
 from vibeam.system.number_text import WORDS, begun, percent, signed
 from vibeam_models.arguments import counted
@@ -29,6 +30,7 @@ NAMES = {
     "f1": "f₁", "f2": "f₂", "f3": "f₃", "twist": "twist", "flexibility": "flexibility", "mobility": "mobility",
     "restitution": "R", "first_mode_restitution": "R₁", "peak": "peak", "peak_frequency": "at",
 }  # fmt: skip
+OF_BEAMS = ("shear", LESS_TORSION)  # steps between two beams, which the mesh has no part in
 DETAILS = ("flexibility", "peak_frequency")  # columns of -v and of the page
 FINE = 0.2  # of the accuracy: what the mesh may be off without a word
 LEAST, DUST = 1e-4, 1e-6  # share that is told in numbers; below which there is none
@@ -49,18 +51,19 @@ def sheet(found: SolidVerdict) -> StudySheet:
 
 def answer(found: SolidVerdict) -> str:
     """Sentence on whether the beam is enough: its frequencies, its peak, and the step that changes most."""
-    within, worst, step = percent(found.accuracy), found.worst, found.largest
+    within, worst, (causes, change) = percent(found.accuracy), found.worst, found.largest
     known = isfinite(found.error("peak"))
     verdict = "is enough" if found.enough else "is not enough" if found.beyond else "is not known to be enough"
     clauses = [_frequencies(found), f"the peak {_off(found.error('peak'))}" if known else "the peak is not known"]
     if found.rms > found.accuracy:
         clauses.append(f"its amplitudes at the same drive frequencies {_size(found.rms)} off (rms)")
     said = f"The beam {verdict} for {within}: {', '.join(filter(None, clauses))}"
-    if step is None or abs(found.error(worst)) < DUST:
+    if not causes or abs(found.error(worst)) < DUST:
         return f"{said}."
-    but = ", not resolved by this mesh" * _hidden(found, step, worst)
+    but = ", not resolved by this mesh" * (causes[-1] not in OF_BEAMS and abs(change) < found.mesh_error(worst))
     of = "the peak's frequency" if worst == "peak_frequency" else NAMES[worst]
-    return f"{said}; {step.cause} is the largest part ({signed(step.changes[worst])} of {of}{but})."
+    share = f"{'are' if len(causes) > 1 else 'is'} the largest part ({signed(change)} of {of}{but})"
+    return f"{said}; {listed(causes)}{' together' * (len(causes) > 1)} {share}."
 
 
 def _frequencies(found: SolidVerdict) -> str:
@@ -96,7 +99,7 @@ def ladder(found: SolidVerdict) -> ReportTable:
     table.add_section()
     for step in found.steps:
         marks = (_change(found, step, name) for name in columns)
-        plus = "" if step.cause.startswith("less") else "+ "
+        plus = "" if step.cause == LESS_TORSION else "+ "
         table.add_row(plus + step.cause, *marks, _time(seconds[step.name]))
     table.add_section()
     table.add_row("the solid", *(_value(found.solid, name) for name in columns), "")
@@ -129,14 +132,9 @@ def _cell(value: float) -> str:
 
 
 def _change(found: SolidVerdict, step: StepChange, name: str) -> str:
+    """Change as text, with a mark where the solid's mesh does not resolve it."""
     value = step.changes[name]
-    return _cell(value) + "*" * _hidden(found, step, name)
-
-
-def _hidden(found: SolidVerdict, step: StepChange, name: str) -> bool:
-    """Test whether a change is not resolved: a step of the solid's that is less than what the mesh changes."""
-    of_beams = not any(each.is_solid for each in found.models if each.name == step.name)
-    return not of_beams and DUST < abs(step.changes[name]) < found.mesh_error(name)
+    return _cell(value) + "*" * (step.cause not in OF_BEAMS and DUST < abs(value) < found.mesh_error(name))
 
 
 def _time(seconds: float) -> str:

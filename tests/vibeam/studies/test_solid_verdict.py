@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from importlib import import_module
-from math import isnan, sqrt
+from math import isnan, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -67,14 +67,13 @@ def test_of_a_slender_beam_the_beam_is_enough(found: dict[str, vibeam.studies.So
     said = sheet(slender).answer
     assert slender.enough
     assert said.startswith("The beam is enough for 5 %: its first three natural frequencies are within ")
-    assert all(abs(slender.error(name)) < 0.015 for name in JUDGED[:-1])
+    assert all(abs(slender.error(name)) < 0.02 for name in JUDGED[:-1])
 
 
 def test_of_a_beam_of_ratio_three_shear_is_the_largest_part(found: dict[str, vibeam.studies.SolidVerdict]) -> None:
     """The step is that of Timoshenko's beam, read off the case's own table."""
     short = found["ratio 3"]
-    assert short.largest is not None
-    assert (short.enough, short.worst, short.largest.cause) == (False, "f3", "shear")
+    assert (short.enough, short.worst, short.largest[0]) == (False, "f3", ("shear",))
     sheared = vibeam.load(RIGS["ratio 3"], {"beam.theory": "timoshenko", "beam.poissons_ratio": 0.3})
     third = vibeam.modes(sheared, 3).rows[2].frequency
     step = next(each for each in short.steps if each.cause == "shear")
@@ -92,9 +91,8 @@ def test_a_wide_strip_is_a_plate_and_bends_by_ei_over_one_less_the_square_of_the
     parts = {each.cause: each.changes["f1"] for each in wide.steps}
     before = wide.solid.frequencies[0] * (1 - parts["plate stiffening"] - parts["the clamp"])
     assert wide.solid.frequencies[0] / before == pytest.approx(1 / sqrt(1 - 0.3**2), abs=0.005)
-    assert wide.largest is not None
-    assert (wide.enough, wide.worst, wide.largest.cause) == (False, "f1", "plate stiffening")
-    assert abs(parts["three dimensions"]) < wide.mesh_error("f1")
+    assert (wide.enough, wide.worst, wide.largest[0]) == (False, "f1", ("plate stiffening",))
+    assert abs(parts["three dimensions"]) < 1e-3
 
 
 @pytest.mark.parametrize("name", list(RIGS))
@@ -106,6 +104,17 @@ def test_steps_add_up_to_what_the_beam_is_off(found: dict[str, vibeam.studies.So
     for quantity in known:
         parts = [step.changes[quantity] for step in case.steps if not isnan(step.changes[quantity])]
         assert sum(parts) == pytest.approx(-case.error(quantity), abs=1e-13)
+
+
+def test_the_error_of_the_mesh_holds_what_a_finer_one_changes(
+    found: dict[str, vibeam.studies.SolidVerdict],
+) -> None:
+    """Of the natural frequencies of the slender beam, on twice as many elements along it."""
+    finer = with_solid("slender", **{"solid.along": 24, "solid.across": 4, "solid.through": 3})
+    better = finer.system("body").omega / (2 * pi)
+    for place, name in enumerate(JUDGED[:-1]):
+        change = abs(float(better[place]) / found["slender"].solid.frequencies[place] - 1)
+        assert change < found["slender"].mesh_error(name) + 1e-5
 
 
 def test_what_is_held_is_held_in_every_model(found: dict[str, vibeam.studies.SolidVerdict]) -> None:
@@ -137,7 +146,10 @@ def test_models_that_the_budget_does_not_hold_are_left_out_and_their_steps_stand
     whole = vibeam.studies.solid_verdict(case, budget=1e-9)
     assert whole.left_out == 4  # shear, three dimensions, plate stiffening, the coarser mesh
     assert whole.steps[-1].changes["f1"] == pytest.approx(-whole.error("f1"), abs=1e-13)
-    assert "did not fit into 1e-09 s of CPU time: vibeam verdict" in sheet(whole).notes[0]
+    assert whole.largest[0] == ("shear", "three dimensions", "plate stiffening", "the clamp")
+    shown = sheet(whole)
+    assert "; shear, three dimensions, plate stiffening and the clamp together are the largest part (" in shown.answer
+    assert "did not fit into 1e-09 s of CPU time: vibeam verdict" in shown.notes[0]
 
 
 def test_the_command_has_table_page_and_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,7 +18,6 @@ from vibeam_models.arrays import Array
 from vibeam_models.effects.field_points import FieldPoints, output_names
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_models.scene import Scene
-from vibeam_models.solid.scene import SolidScene
 from vibeam_models.structure import Structure, in_coordinates
 
 if TYPE_CHECKING:
@@ -39,7 +38,7 @@ class LadderModel:
     ``flexibility``: of the contact, m/N; ``mobility``: of it in the ``modes`` up to the partner of the beam's last,
     1/kg; ``restitution`` of the contact and of mode 1, one of them the case's. ``peak`` (m) of the sweep at
     ``peak_frequency`` (Hz). NaN: not known, ``why`` or ``why_no_peak``.
-    ``unread``: keys of the case that it does not read; ``is_solid``: three-dimensional.
+    ``unread``: keys of the case that it does not read.
     """
 
     name: str
@@ -60,7 +59,6 @@ class LadderModel:
     why: str = ""
     why_no_peak: str = ""
     unread: tuple[str, ...] = ()
-    is_solid: bool = False
 
     def value(self, quantity: str) -> float:
         """Value of a quantity: ``"f1"`` … of the natural frequencies, else the field of that name."""
@@ -140,7 +138,6 @@ class SteppedModel:
             contact_r,
             first_r,
             unread=self.step.keys,
-            is_solid=isinstance(scene, SolidScene),
         )
 
     def curve(self, case: Case, fidelity: str) -> Curve:

@@ -30,6 +30,7 @@ class LadderStep:
     keys: tuple[str, ...] = ()
 
 
+LESS_TORSION = "less St Venant's torsion"
 BLOCK = ("mass.rigid_half_width", "mass.rotary_inertia")
 
 
@@ -43,12 +44,14 @@ def beam_of(scene: SolidScene) -> Scene:
     return Scene(**{each.name: getattr(scene, each.name) for each in fields(Scene)})
 
 
-def solid_of(scene: Scene, solid: Solid | None = None) -> SolidScene:
-    """The scene with a body in place of its beam; itself where it has one."""
-    if isinstance(scene, SolidScene):
-        return scene
+def solid_of(scene: Scene) -> SolidScene:
+    """The scene with a body in place of its beam, itself where it has one, on two elements through it at least.
+
+    One quadratic element has the same shear all through it, which leaves a sixth of the shear flexibility out.
+    """
+    solid = scene.solid if isinstance(scene, SolidScene) else Solid()
     given = {each.name: getattr(scene, each.name) for each in fields(Scene)}
-    return SolidScene(**given, solid=solid or Solid())
+    return SolidScene(**given, solid=replace(solid, through=max(solid.through, 2)))
 
 
 def _steps(scene: SolidScene) -> Iterator[LadderStep]:
@@ -56,7 +59,7 @@ def _steps(scene: SolidScene) -> Iterator[LadderStep]:
     yield LadderStep("beam", "", beam)
     if beam.named("torsion"):
         beam = beam.without("torsion")
-        yield LadderStep("beam met on its axis", "less St Venant's torsion", beam)
+        yield LadderStep("beam met on its axis", LESS_TORSION, beam)
     if not beam.shaped_beam.shear:
         yield LadderStep("Timoshenko's beam", "shear", _with_shear(beam))
     free = replace(scene.without("torsion"), solid=replace(solid, clamp="sliding", mass_size=None))

@@ -30,7 +30,7 @@ from vibeam_models.solid.scene import SolidScene, assumptions
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
-USUAL = 8  # modes of a beam whose fidelity does not count them
+USUAL, MOST = 8, 16  # modes of a beam whose fidelity does not count them, or counts more
 POINTS = 31  # frequencies of the sweep at most
 BUDGET = 20.0  # s
 QUANTITIES = (
@@ -120,10 +120,16 @@ class SolidVerdict(ValueRecord, ViewedTable):
         return "peak_frequency" if shifted and found and abs(self.error(found)) <= self.accuracy else found
 
     @property
-    def largest(self) -> StepChange | None:
-        """Step that changes most in the quantity ``worst``."""
-        known = [each for each in self.steps if isfinite(each.changes.get(self.worst, nan))]
-        return max(known, key=lambda each: abs(each.changes[self.worst]), default=None)
+    def largest(self) -> tuple[tuple[str, ...], float]:
+        """Causes of the largest change in the quantity ``worst``, several where what is between is not known."""
+        found: list[tuple[tuple[str, ...], float]] = []
+        causes: tuple[str, ...] = ()
+        for step in self.steps:
+            causes, change = (*causes, step.cause), step.changes.get(self.worst, nan)
+            if isfinite(change):
+                found.append((causes, change))
+                causes = ()
+        return max(found, key=lambda each: abs(each[1]), default=((), nan))
 
     def quantity(self, number: float | None) -> str:
         """Quantity that is the natural frequency of the beam's mode ``number``; empty where it is none of them."""
@@ -208,7 +214,7 @@ class _Ladder:
     ) -> None:  # fmt: skip
         self.case, self.fidelity, self.scene, self.budget, self.told = case, fidelity, scene, budget, told
         self.steps, self.begun, self.done = ladder(scene), begun, 0
-        self.count = case.fidelities[fidelity].modes or USUAL
+        self.count = min(case.fidelities[fidelity].modes or USUAL, MOST)
         self.curves: dict[str, Curve] = {}
         self.longest, self.left_out = 0.0, 0
 
