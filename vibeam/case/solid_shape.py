@@ -17,6 +17,7 @@ import numpy as np
 from vibeam.case.beam_field import with_points
 from vibeam.case.fidelity import parameters_of, system_of
 from vibeam.case.reduced_structure import static_at_contact
+from vibeam.exchange.vtu import cell_name
 from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.beam import structure_of
 from vibeam_models.given import GivenScene
@@ -32,10 +33,11 @@ if TYPE_CHECKING:
 
 
 class VtkCell(NamedTuple):
-    """Kind of cell: meshio's ``name``; places of the corners in the reference element; corners that each node is in the
-    middle of; nodes of each face, corners and then middles of its edges, seen from outside."""
+    """Kind of cell: places of the corners in the reference element; corners that each node is in the middle of.
 
-    name: str
+    ``faces``: nodes of each, corners and then middles of its edges and its own, seen from outside.
+    """
+
     corners: Array
     nodes: tuple[tuple[int, ...], ...]
     faces: tuple[tuple[int, ...], ...]
@@ -63,12 +65,12 @@ def _face(corners: Sequence[int], edges: Sequence[tuple[int, int]], faces: Seque
 
 KINDS = {
     27: VtkCell(
-        "hexahedron27", np.array(_HEX_CORNERS, dtype=float),
+        np.array(_HEX_CORNERS, dtype=float),
         (*((corner,) for corner in range(8)), *HEX_EDGES, *HEX_FACES, tuple(range(8))),
         tuple(_face(each, HEX_EDGES, HEX_FACES) for each in HEX_FACES),
     ),
     10: VtkCell(
-        "tetra10", np.array(_TET_CORNERS, dtype=float), (*((corner,) for corner in range(4)), *TET_EDGES),
+        np.array(_TET_CORNERS, dtype=float), (*((corner,) for corner in range(4)), *TET_EDGES),
         tuple(_face(each, TET_EDGES, ()) for each in _TET_FACES),
     ),
 }  # fmt: skip
@@ -122,7 +124,7 @@ class SolidShape:
     @property
     def vtk_cells(self) -> tuple[str, Index]:
         """Cells as ``exchange.vtu`` takes them."""
-        return self.kind.name, self.cells
+        return cell_name(self.cells), self.cells
 
     def by(self, shapes: Array) -> SolidShape:
         """The same by m other coordinates: ``shapes`` (n, m) has what these are."""

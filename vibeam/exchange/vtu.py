@@ -29,6 +29,11 @@ class VtuPiece:
     cells: tuple[str, Index] | None = None
 
 
+def cell_name(cells: Index) -> str:
+    """Kind of quadratic cells (c, nodes) by their number of nodes, as meshio calls it."""
+    return {27: "hexahedron27", 10: "tetra10"}[cells.shape[1]]
+
+
 Step = tuple[float, Mapping[str, VtuPiece]]  # time, and the pieces by name
 
 

@@ -14,10 +14,12 @@ import skfem
 from box_meshes import end_face, nodes_of
 from scipy.sparse import identity
 
+import vibeam
 from vibeam.case.solid_shape import SolidShape, solid_shapes, solid_system
 from vibeam.casefile.read import parse
 from vibeam.exchange.meshes.own import own_structure
-from vibeam.exchange.vtu import VtuPiece, write_vtu
+from vibeam.exchange.vtu import VtuPiece, write_series, write_vtu
+from vibeam.figures.kinds.vtu import steps_of
 from vibeam.studies.modes import mode_table, write_shapes
 from vibeam_models.base import Base
 from vibeam_models.given import GivenScene
@@ -175,6 +177,27 @@ def test_the_bodies_of_a_system_move_as_its_outputs_do() -> None:
     node = np.flatnonzero(np.all(np.isclose(shape.points, (0.1, 0.0, 0.002)), axis=1))
     moved = shape.displacement(np.eye(2))[:, node[0], 2]
     np.testing.assert_allclose(moved, system.output("tip"), rtol=1e-9)
+
+
+def test_a_motion_of_a_solid_is_that_of_its_beam_line(tmp_path: Path) -> None:
+    """Nodes of the tip's section move by the line's deflection, and as fast; cells, stops and line are pieces."""
+    loop = '[show.loop]\nkind = "vtu"\nfrequency = 240.0\nframes = 8\nfidelities = ["solid"]\n'
+    result = vibeam.run(parse(TEXT + loop))
+    (sheet,) = result.shown["loop"]
+    steps = steps_of([sheet])
+    assert sorted(steps[0][1]) == ["beam", "solid beam", "stop"]
+    size = np.abs(sheet["beam_deflection"]).max()
+    for _, pieces in steps:
+        line, body = pieces["beam"], pieces["solid beam"]
+        tip = np.isclose(body.points[:, 0], 0.1)
+        for what in ("displacement", "velocity"):
+            mean = (body.data[what][tip, 2].max() + body.data[what][tip, 2].min()) / 2
+            scale = np.abs(sheet["beam_deflection" if what == "displacement" else "beam_velocity"]).max()
+            assert mean == pytest.approx(line.data[what][-1, 2], abs=2e-3 * scale)
+    assert size > 1e-5
+    write_series(steps, tmp_path / "loop.pvd")
+    read = meshio.read(tmp_path / "loop" / "solid_beam_0000.vtu")
+    np.testing.assert_array_equal(read.point_data["velocity"], steps[0][1]["solid beam"].data["velocity"])
 
 
 def test_a_mesh_of_ones_own_is_drawn_in_the_axes_of_its_file(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """Figure kind ``shapes``: mode shapes of each fidelity, a solid shaded, a beam as its line, all to one scale.
 
-A row is a mode of the first solid, or of the first fidelity; beside it stand the modes of the others that have the same
-shape along the beam, by the modal assurance criterion |aᵀb|²/(aᵀa bᵀb) of the mean deflections of sections.
+A row is a mode of the solid with most modes, or of the beam with most; beside it stand the modes of the others that
+have the same shape along the beam, by the modal assurance criterion |aᵀb|²/(aᵀa bᵀb) of the sections' mean deflections.
 """
 
 from __future__ import annotations
@@ -48,8 +48,9 @@ def _columns(case: Case, fidelity: str) -> Columns:
 
         system, pointed, bodies = solid_system(scene, case.fidelities[fidelity])
         order, surface = np.argsort(system.omega)[:MOST], next(iter(bodies.values())).surface
-        moved = surface.displacement(np.eye(system.size)[:, order])
-        found["surface_point"] = Column(surface.points, "m", "places (k, 3) on the surface of the body at rest")
+        turn = np.eye(3) if isinstance(pointed, Scene) else _lying(surface.points)
+        moved = surface.displacement(np.eye(system.size)[:, order]) @ turn
+        found["surface_point"] = Column(surface.points @ turn, "m", "places (k, 3) on the surface of the body at rest")
         found["surface_triangle"] = Column(surface.triangles.astype(float), "1", "points (t, 3) of its triangles")
         found["surface_displacement"] = Column(moved, "1", "displacements (modes, k, 3), mass-normalised, kg^-½")
     else:
@@ -63,6 +64,12 @@ def _columns(case: Case, fidelity: str) -> Columns:
         "position": Column(line.positions, "m", "places along the beam"),
         "deflection": Column(line.deflection.T[order], "1", "of the sections (modes, k), mass-normalised, kg^-½"),
     }
+
+
+def _lying(points: Array) -> Array:
+    """Turn (3, 3) by whole axes that lays a body's longest side along x and its shortest along z."""
+    turn = np.eye(3)[:, np.argsort(-np.ptp(points, axis=0))]
+    return np.asarray(turn * [1, np.linalg.det(turn), 1])
 
 
 def refusal(case: Case, fidelity: str, system: ImpactSystem) -> str:
@@ -87,7 +94,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     if not known:
         say(figure.subplots(), shown[0].fault if shown else "nothing to show")
         return
-    lead = next((sheet for sheet in known if "surface_point" in sheet.columns), known[0])
+    lead = max(known, key=lambda sheet: ("surface_point" in sheet.columns, len(sheet["mode_frequency"])))
     grid = figure.subplots(len(lead["mode_frequency"]), len(known), squeeze=False)
     length = max(float(np.ptp(each.of("position"))) if "position" in each.columns else _longest(each) for each in known)
     for row, axes in enumerate(grid):

@@ -6,7 +6,7 @@ after the last is the first. All is seen from the base, as the beam's coordinate
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vibeam.case.beam_field import Fields, field_system, fields, stop_places
 from vibeam.case.plans import ShowPlan
-from vibeam.exchange.vtu import Step, VtuPiece, centre_line, write_series
+from vibeam.exchange.vtu import Step, VtuPiece, cell_name, centre_line, write_series
 from vibeam.figures.settled_motion import Settled, exact_motion, settled
 from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet
 from vibeam.flight.trajectory import Trajectory
@@ -26,6 +26,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.solid_shape import SolidShape
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import Scene
 
@@ -33,6 +34,7 @@ LONGEST = 8  # longest period, in drive periods, that a loop follows
 ENDLESS = 4  # drive periods shown of a motion that does not repeat
 REPEATS = 1e-3  # share of the motion by which it may miss its begin at the loop's end
 FRAMES, MOST = 36, 144  # frames a drive period, and most in all, where the table does not say
+MOST_MODES = 200  # of a solid whose motion is written
 MET = "where the opposite beam is met, and its arm"
 
 
@@ -58,14 +60,15 @@ class Recorded:
 
 def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     """Columns of one loop; NoMotion or ValueError, with the reason, where there is none or no beam."""
-    system, pointed = _field_system(case, name)
+    system, pointed, bodies = _field_system(case, name)
     begin = settled(case, name, frequency, plan, system=system, before=branch(case, name, frequency, plan))
     motion = _recorded(begin, 2 * max(LONGEST, plan.periods or 0) + 1)
     repeats = _period(motion)
     periods = plan.periods or repeats or ENDLESS
-    seamless = bool(repeats) and periods % repeats == 0
+    seamless, frames = bool(repeats) and periods % repeats == 0, plan.own["frames"] or _frames_for(periods)
     return {
-        **_frames(motion, fields(pointed, begin.system), periods, plan.own["frames"] or _frames_for(periods)),
+        **_frames(motion, fields(pointed, begin.system), periods, frames),
+        **_bodies(motion, bodies, periods, frames),
         **_impacts(motion, periods),
         **_stops(pointed, begin.system),
         "periods": Column(np.array([float(periods)]), "1", "drive periods of the loop"),
@@ -90,8 +93,14 @@ def branch(case: Case, name: str, frequency: float, plan: ShowPlan) -> list[floa
 
 
 @lru_cache(maxsize=8)
-def _field_system(case: Case, name: str) -> tuple[ImpactSystem, Scene]:
-    return field_system(case.scene_of(name), case.fidelities[name])
+def _field_system(case: Case, name: str) -> tuple[ImpactSystem, Scene, Mapping[str, SolidShape]]:
+    """System whose outputs hold the fields, scene with its points, and of a solid its bodies by the system's modes."""
+    scene, fidelity = case.scene_of(name), case.fidelities[name]
+    if not scene.in_three_dimensions:
+        return (*field_system(scene, fidelity), {})
+    from vibeam.case.solid_shape import solid_system
+
+    return solid_system(scene, fidelity)
 
 
 def _frames_for(periods: int) -> int:
@@ -136,6 +145,24 @@ def _frames(motion: Recorded, shapes: Fields, periods: int, each: int) -> Column
     return found
 
 
+def _bodies(motion: Recorded, bodies: Mapping[str, SolidShape], periods: int, each: int) -> Columns:
+    """Nodes and cells of a solid's bodies, displacements by modes, and the modes at each frame."""
+    if not bodies:
+        return {}
+    size = motion.begin.system.size
+    if size > MOST_MODES:
+        raise NoMotion(f"a solid in {size} modes, and files are written of {MOST_MODES} at most: write modes = …")
+    poses = motion.at(motion.begin.period / each * np.arange(periods * each, dtype=np.float64))
+    found = {"modes": Column(poses, "1", "modal displacements and velocities (frames, 2, modes), kg^½ m and kg^½ m/s")}
+    for name, body in bodies.items():
+        found |= {
+            f"{name}_node": Column(body.points, "m", f"places (k, 3) of the nodes of the {_called(name)}"),
+            f"{name}_cell": Column(body.cells.astype(float), "1", "nodes of its cells, in VTK's order"),
+            f"{name}_mode": Column(body.displacement(np.eye(size)), "1", "displacements (modes, k, 3) in each, kg^-½"),
+        }
+    return found
+
+
 def _called(beam: str) -> str:
     return "beam" if beam == "beam" else "opposite beam"
 
@@ -174,6 +201,7 @@ def steps_of(sheets: Sequence[Sheet]) -> list[Step]:
     ``impact`` (k,): on the point that is struck its velocity just before, in the frame nearest to the impact, else 0.
     Beams and stops stand on the x axis and their displacement is along z, a stop's that of a beam that touches it, so
     that "Warp By Vector" with any factor keeps the contact. The same of an opposite beam, which stands off by the gap.
+    The bodies of a solid are pieces of their own, of cells with the first two fields, each in its own thickness.
     """
     known = [sheet for sheet in sheets if not sheet.fault]
     times = np.unique(np.concatenate([np.empty(0), *(sheet["time"] for sheet in known)]))
@@ -196,7 +224,17 @@ def _pieces(sheet: Sheet, frame: int, named: bool) -> Mapping[str, VtuPiece]:
     if "met" in sheet.columns:
         lift = float(sheet["stop_height"][0])
         made[f"{prefix}opposite"] = _beam(sheet, "opposite", frame, _opposite_places(sheet), lift)
+    made |= {f"{prefix}solid {name}": piece for name, piece in _solid_pieces(sheet, frame)}
     return made | {f"{prefix}{name}": piece for name, piece in _stop_pieces(sheet, frame).items()}
+
+
+def _solid_pieces(sheet: Sheet, frame: int) -> Iterator[tuple[str, VtuPiece]]:
+    for name in ("beam", "opposite"):
+        if f"{name}_node" in sheet.columns:
+            place, rate = (np.einsum("m,mki->ki", pose, sheet[f"{name}_mode"]) for pose in sheet["modes"][frame])
+            cells = sheet[f"{name}_cell"].astype(np.int64)
+            data = {"displacement": place, "velocity": rate}
+            yield name, VtuPiece(sheet[f"{name}_node"], data, (cell_name(cells), cells))
 
 
 def _beam(sheet: Sheet, name: str, frame: int, places: Array, lift: float) -> VtuPiece:
