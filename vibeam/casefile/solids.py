@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Any
@@ -27,6 +27,7 @@ from vibeam_models.solid.plan import CLAMPS, GroupMass, GroupMaterial, OwnMesh, 
 from vibeam_models.solid.scene import SolidScene
 
 OURS = "vibeam_models."  # effects of this package, which a solid knows
+ON_BASE = ("platform", "shaker")  # effects that a mesh leaves to the case
 WHOLE = ("full", "pod")  # reductions that need all modes, or a flight of them
 
 
@@ -213,8 +214,17 @@ def mesh_scene(case: Any, folder: File) -> Any:
     if given is None:
         raise ValueError("; ".join(f"solid.{key}: {message}" for key, message in faults))
     stop, base = stop_of(case.stop, 0.0, getattr(case, "beam", None)), base_of(case, **_place(case))
-    carried = tuple(each for each in effects_of_scene(case) if each.name in ("platform", "shaker"))
-    return GivenScene(given, stop, base, carried)
+    carried = tuple(each for each in effects_of_scene(case) if each.name in ON_BASE)
+    return GivenScene(replace(given, assumed=(*given.assumed, *_replaced(case))), stop, base, carried)
+
+
+def _replaced(case: Any) -> Iterator[str]:
+    """Sentence that names the tables of a beam's case which a mesh stands for."""
+    if getattr(case, "beam", None) is not None:
+        on = (each.name for each in effects_of_scene(case) if each.name not in ON_BASE)
+        tables = dict.fromkeys(["beam", *(["mass"] if case.mass else []), *(name.partition(".")[0] for name in on)])
+        named = ", ".join(f"[{name}]" for name in tables)
+        yield f"the mesh {to_toml(case.solid.mesh)} stands for {named}: its groups say clamp, contact, sensor, masses"
 
 
 def _place(case: Any) -> dict[str, float | None]:

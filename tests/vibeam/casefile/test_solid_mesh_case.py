@@ -92,6 +92,8 @@ def test_a_mesh_is_a_rig(folder: Path) -> None:
 def test_a_mesh_flies_beside_its_beam(folder: Path) -> None:
     made = vibeam.Case.of(BARE | {"solid": MESH}, {"fidelity.solid.modes": 8})
     assert isinstance(made.scene_of("solid"), GivenScene)
+    replaced = 'the mesh "strip.msh" stands for [beam]: its groups say clamp, contact, sensor, masses'
+    assert replaced in made.scene_of("solid").assumed
     # A strip's plate stiffening and clamp are a few per cent.
     assert made.system("solid").omega[0] == pytest.approx(made.system("beam").omega[0], rel=0.05)
     strip(folder / "strip.msh", places=(0.12, 0.1))

@@ -357,7 +357,7 @@ def test_what_is_assumed_is_said(tmp_path: Path) -> None:
     given, _ = own_structure(replace(PLAN, materials=(replace(STEEL, poissons_ratio=None),)), tmp_path)
     assert given is not None
     assert given.assumed == (
-        "Poisson's ratio 0.3, of steel by E = 210 GPa, is assumed: solid.material.poissons_ratio says it",
+        "Poisson's ratio 0.3, of steel by E = 210 GPa, is assumed: poissons_ratio says it",
         "solid.contact is read along (1, 0, 0), the outward normal of 'end'",
     )
 

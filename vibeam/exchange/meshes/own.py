@@ -206,7 +206,7 @@ class BodyReading:
         ratio = said.poissons_ratio
         if ratio is None:
             ratio = assumed_poissons_ratio(said.youngs_modulus)[0]
-            self.assumed.append(assumption(said.youngs_modulus, "solid.material.poissons_ratio"))
+            self.assumed.append(assumption(said.youngs_modulus, "poissons_ratio"))
         return Material(said.youngs_modulus, said.density, ratio)
 
     def _of_bodies(self, clamps: Sequence[str]) -> list[OwnFault]:
