@@ -34,6 +34,7 @@ from vibeam.figures import COMMON, FIGURES
 
 if TYPE_CHECKING:
     from vibeam.observe.measuring_chain import Chain
+    from vibeam_models.scene import AnyScene
 
 
 def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] | None = None) -> Case:
@@ -87,7 +88,7 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
         own=own,
         title=declared.title or file.stem,
         source=declared.source,
-        scene=KINDS[declared.kind].scene_of(declared, folder),
+        scene=_scene(declared, changed, folder),
         fidelities={name: fidelity_of(name, table) for name, table in declared.fidelity.items()},
         swept=swept,
         references=_references(declared, folder, way),
@@ -126,6 +127,13 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
         keys=CaseKeys(declared, changed, file, case_of),
         locate=place.fault,
     )
+
+
+def _scene(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> AnyScene:
+    """The scene of a case: its beam, or where all of its fidelities fly the same solid, that."""
+    first, *others = case.fidelity
+    solid = all(is_solid(case.fidelity[name]) and name not in changed for name in (first, *others))
+    return fidelity_scene(case, folder, first) if solid else KINDS[case.kind].scene_of(case, folder)
 
 
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say

@@ -57,7 +57,7 @@ def models_of(case: Case, plan: MapPlan) -> MappedModels:
 def _compared(case: Case, plan: MapPlan) -> MappedModels:
     """Models that fly, those alone that change the rig no more than others do unless they are named."""
     built, found, notes = Systems(case), dict[str, list[str]](), list[str]()
-    usual = min((len(case.fidelities[name].changes) for name in case.fidelities), default=0)
+    usual = min((len(case.fidelities[name].rig) for name in case.fidelities), default=0)
     for name, fidelity in case.fidelities.items():
         if plan.fidelities and name not in plan.fidelities:
             continue
@@ -67,9 +67,9 @@ def _compared(case: Case, plan: MapPlan) -> MappedModels:
             found[twin].append(name)
         elif fidelity.solver != "flight":
             notes.append(f'{name}: left out, for its solver is "{fidelity.solver}" and not flight')
-        elif not plan.fidelities and len(fidelity.changes) > usual:
-            tables = Counter(key.partition(".")[0] for key in fidelity.changes)
-            keys = [key for key in fidelity.changes if tables[key.partition(".")[0]] == 1]
+        elif not plan.fidelities and len(fidelity.rig) > usual:
+            tables = Counter(key.partition(".")[0] for key in fidelity.rig)
+            keys = [key for key in fidelity.rig if tables[key.partition(".")[0]] == 1]
             changed = ", ".join([*keys, *(table for table, count in tables.items() if count > 1)])
             notes.append(f"{name}: left out, for it changes the rig ({changed}): name it by --fidelity")
         else:

@@ -8,8 +8,10 @@ from functools import partial
 from math import prod
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING
+from time import process_time
+from typing import TYPE_CHECKING, Any
 
+from vibeam.case.grid_keys import is_structural
 from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block, Grid
@@ -17,6 +19,7 @@ from vibeam.maps.cluster import Cluster, evaluate_here
 from vibeam.maps.evaluate import blocks_of, grids_of, key_of, lines_of_block, plan_of
 from vibeam.maps.gathered import Source, finished, gather, is_ours, read_map, stored_keys
 from vibeam.maps.result import MapResult
+from vibeam.runs.comparison.differences import listed
 from vibeam.runs.keys import digest_of_code
 from vibeam.runs.parallel import run_parallel
 from vibeam.store import blocks as files
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     from threading import Event
 
     from vibeam.case.case import Case
+    from vibeam.case.fidelity import Model
     from vibeam.case.grid_keys import MapPlan
 
 __all__ = ["MapResult", "run_map", "stored_map"]
@@ -78,6 +82,9 @@ def run_map(
         if not finished(place, keys):
             job = MapJob(case, plan, grids, keys, place)
             job.begin()
+            if tell is not None:
+                for said in bodies_told(case, plan):
+                    tell(said)
             _compute(job, told, workers, cluster)
             found = job.found
         else:
@@ -98,6 +105,29 @@ def stored_map(case: Case, name: str, path: Path) -> MapResult | None:
         return None
     points = sum(grid.lines * prod(grid.shape) for grid in grids.values())
     return MapResult(case, plan, read_map(place.target, grids), points, points, path)
+
+
+def bodies_told(case: Case, plan: MapPlan) -> Iterator[str]:
+    """Sentence on each solid that a map makes anew along its axes, with what the first of these bodies takes."""
+    for name in plan.fidelities or case.fidelities:
+        over = _making_bodies(case.model(name), plan) if case.scene_of(name).in_three_dimensions else {}
+        if over:
+            begun = process_time()
+            case.model(name).at({key: values[0] for key, values in over.items()}).system()
+            each, count = process_time() - begun, prod(map(len, over.values()))
+            bodies = f"{count} bodies over {listed(list(over))}, each meshed, factored and reduced"
+            yield f"{name}: {bodies}: {each:.2g} s of CPU time the first, some {count * each:.2g} s all"
+
+
+def _making_bodies(model: Model, plan: MapPlan) -> dict[str, tuple[float, ...]]:
+    """Keys and values of those axes along which the structure of a model changes."""
+    found: dict[str, tuple[float, ...]] = {}
+    for axis in plan.axes:
+        if is_structural(axis.key) and len(axis.values) > 1:
+            scenes: list[Any] = [model.at({axis.key: value}).scene() for value in axis.values[:2]]
+            if scenes[0].structural() != scenes[1].structural():
+                found[axis.key] = axis.values
+    return found
 
 
 def _set_aside(place: Place, keys: Mapping[str, str], tell: Tell) -> None:

@@ -102,7 +102,7 @@ def derive(case_or_scene: Any) -> DerivedTable:
     if not isinstance(scene, Scene):
         raise TypeError(f"derive takes a case or a scene, not {type(scene).__name__}")
     if scene.in_three_dimensions:
-        raise ValueError("nothing to derive: closed forms are of a beam, and this scene is a solid: take the beam's")
+        raise ValueError("nothing to derive: closed forms are of a beam, and this is a solid: add a fidelity of one")
     exact = _first_mode(scene)
     table = _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
     return _with_contacts(replace(table, rows=tuple(_explained(row, scene) for row in table)), scene)
