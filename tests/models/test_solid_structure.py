@@ -17,7 +17,7 @@ from vibeam_models.effects.field_points import FieldPoints
 from vibeam_models.effects.gravity import Gravity
 from vibeam_models.effects.masses import AddedMass, MasslessBeam, RigidZone, RotaryInertia
 from vibeam_models.effects.opposite import Opposite
-from vibeam_models.effects.sections import Theory
+from vibeam_models.effects.sections import Section, Theory
 from vibeam_models.effects.supports import BeamEnds, Clamp, FurtherSupport
 from vibeam_models.outputs import Output
 from vibeam_models.scene import Mass, Scene, Sensor
@@ -117,6 +117,14 @@ def test_what_a_solid_carries_and_what_holds_it_are_those_of_the_beam(of):
     assert solid.flexibility(solid.contact) == pytest.approx(beam.flexibility(beam.contact), rel=2e-2)
     drawn = [each.contact @ each.deflection(each.load) for each in (beam, solid)]
     assert drawn[1] == pytest.approx(drawn[0], rel=1e-3)
+
+
+def test_a_strain_gauge_follows_a_taper():
+    """The face of a wedge: strain c w″ with half of its height there, 1 % between gauge and point."""
+    wedge = [Section(0.0, 0.2, end_thickness=0.002)]
+    beam, solid = both(effects=wedge, outputs=(Output("strain", 0.1, "strain"),))
+    read = [each.outputs["strain"] @ each.deflection(each.contact) for each in (beam, solid)]
+    assert read[1] == pytest.approx(read[0], rel=1e-2)
 
 
 def test_weight_across_and_a_force_on_the_beam():

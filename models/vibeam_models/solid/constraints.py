@@ -25,20 +25,23 @@ class RigidPart:
     nodes: Flags
     centre: Array
 
-    def motions(self, points: Array, half: bool) -> tuple[Array, Array, Array]:
-        """Rows, columns and values of the displacements of its nodes by its coordinates.
+    def motions(self, points: Array, half: bool) -> Any:
+        """Displacements (3 k, 3 or 6), sparse, of its nodes by its coordinates.
 
         Displacement of the centre along x and z, slope −∂u_x/∂z; of a whole body also displacement along y, turn about
         z and twist about x.
         """
+        from scipy.sparse import csc_array
+
         at = np.flatnonzero(self.nodes)
         x, y, z = points[:, at] - self.centre[:, None]
         one = np.ones(len(at))
         entries = [(X, 0, one), (Z, 1, one), (X, 2, -z), (Z, 2, x)]
         entries += [] if half else [(Y, 3, one), (X, 4, -y), (Y, 4, x), (Y, 5, -z), (Z, 5, y)]
         rows = np.concatenate([3 * at + component for component, _, _ in entries])
-        columns = np.concatenate([np.full(len(at), column) for _, column, _ in entries])
-        return rows, columns, np.concatenate([values for _, _, values in entries])
+        columns = np.repeat([column for _, column, _ in entries], len(at))
+        values = np.concatenate([values for _, _, values in entries])
+        return csc_array((values, (rows, columns)), shape=(points.size, HALF if half else 2 * HALF))
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +65,7 @@ class SolidCoordinates:
         ``relative``: T; what is held of a node is held of that which it is counted from. ValueError where a support or
         another rigid part holds some of a rigid part.
         """
-        from scipy.sparse import csc_array, eye_array, hstack
+        from scipy.sparse import eye_array, hstack
 
         fixed = held.copy()
         if half:
@@ -74,11 +77,10 @@ class SolidCoordinates:
                 raise ValueError(f"{part.name}: a support or another rigid body holds part of it")
             gone |= own
         free = np.flatnonzero(~gone)
-        size, each = len(gone), HALF if half else 2 * HALF
-        identity = eye_array(size, format="csc")
+        each = HALF if half else 2 * HALF
+        identity = eye_array(len(gone), format="csc")
         back = identity if relative is None else 2 * identity - relative  # T = 1 + E with E² = 0
-        moved = [csc_array(_entries(part.motions(points, half)), shape=(size, each)) for part in parts]
-        inner = hstack([identity[:, free], *(back @ motions for motions in moved)], format="csc")
+        inner = hstack([identity[:, free], *(back @ part.motions(points, half) for part in parts)], format="csc")
         reading = (np.eye(each, inner.shape[1], len(free) + each * number) for number in range(len(parts)))
         return cls(inner if relative is None else relative @ inner, inner, tuple(reading))
 
@@ -89,11 +91,6 @@ class SolidCoordinates:
         further = elimination(np.stack([row @ self.basis for row in rows]))
         parts = tuple(part @ further for part in self.parts)
         return SolidCoordinates(self.basis @ further, self.inner @ further, parts)
-
-
-def _entries(motions: tuple[Array, Array, Array]) -> tuple[Array, tuple[Array, Array]]:
-    rows, columns, values = motions
-    return values, (rows, columns)
 
 
 def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) -> tuple[Flags, list[Array]]:
@@ -123,9 +120,9 @@ def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) ->
 
 def _as_a_whole(rows: SolidRows, support: Support, along: bool) -> list[Array]:
     """Mean motions of a section that its support holds, those that a body can have, its mean ``along`` the beam too."""
-    section = rows.section(support.position)
-    found = [section.deflection] if support.stiffness == inf else []
+    forth, up, _, lateral, turn, twist = rows.section(support.position)
+    found = [up] if support.stiffness == inf else []
     if not rows.body.half:
-        found += [section.lateral, section.twist] if support.stiffness else []
-        found += [section.yaw] if 0 < support.rotational_stiffness < inf else []
-    return [*found, section.along] if along else found
+        found += [lateral, twist] if support.stiffness else []
+        found += [turn] if 0 < support.rotational_stiffness < inf else []
+    return [*found, forth] if along else found

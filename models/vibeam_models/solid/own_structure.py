@@ -8,7 +8,7 @@ import numpy as np
 
 from vibeam_models.arrays import Array, Flags
 from vibeam_models.solid.body import BodyMass, SolidBody
-from vibeam_models.solid.constraints import RigidPart
+from vibeam_models.solid.constraints import RigidPart, SolidCoordinates
 from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.own_mesh import BodyRow, OwnRig
 from vibeam_models.solid.rows import SolidRows, X, Y, Z
@@ -40,7 +40,7 @@ def own_space(body: SolidBody) -> BodySpace:
     elements = SolidElements(body.mesh)
     held = np.tile(_nodes(elements, body.patches.get("clamp"), body.points.get("clamp")), (3, 1))
     rigid = [RigidPart(f"mass {each.name}", *_group(elements, each, body.half)) for each in body.masses if each.rigid]
-    return BodySpace.of(body, held, rigid)
+    return BodySpace(SolidRows(body, elements), SolidCoordinates.of(elements.points, body.half, held, rigid))
 
 
 def _group(elements: SolidElements, mass: BodyMass, half: bool) -> tuple[Flags, Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -18,23 +19,6 @@ STEPS = 20  # of Newton's method for the local place of a point
 SETTLED = 1e-13  # change of the local place at which it ends
 PATCH_ORDER = 4  # of the quadrature over a patch
 GAUSS = np.polynomial.legendre.leggauss(3)
-
-
-@dataclass(frozen=True, eq=False)
-class SectionRows:
-    """Rows (3 k,) of one section of a beam: its mean displacement ``along``, ``lateral`` and ``deflection`` (m), its
-    rotations by least squares: ``slope`` −∫z u_x/∫z², ``yaw`` −∫y u_x/∫y², ``twist`` ∫(y u_z − z u_y)/∫(y² + z²)
-    (rad). ``area`` m²; ``second_moment`` ∫z² in m⁴. Of a half body, those of the half.
-    """
-
-    along: Array
-    lateral: Array
-    deflection: Array
-    slope: Array
-    yaw: Array
-    twist: Array
-    area: float
-    second_moment: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,52 +44,39 @@ class SolidRows:
         at = self.elements.dofs.nodal_dofs[0, vertices]
         return self._row(component, at, np.full(len(at), 1 / len(at)))
 
-    def bed(self, facets: Index, component: int) -> tuple[Array, Array, Array]:
-        """∫ u v dA over ``facets`` of one component: rows, columns and values of a sparse matrix (3 k, 3 k), m²."""
+    def bed(self, facets: Index, component: int) -> Any:
+        """∫ u v dA over ``facets`` of one component (3 k, 3 k), sparse, m²."""
+        from scipy.sparse import csc_array
+
         nodes, values, areas, _ = self._on_facets(facets)
         shares = np.einsum("aeq,beq,eq->abe", values, values, areas, optimize=True)
         rows, columns = np.broadcast_arrays(nodes[:, None], nodes[None])
-        return 3 * rows.ravel() + component, 3 * columns.ravel() + component, shares.ravel()
+        places = 3 * rows.ravel() + component, 3 * columns.ravel() + component
+        return csc_array((shares.ravel(), places), shape=(self.elements.size,) * 2)
 
-    def point(self, place: tuple[float, float, float], component: int = Z) -> Array:
-        """A component at ``place`` m, by the shape functions of the element there; ValueError where there is none."""
-        cells, local = self._located(np.array(place))
+    def point(self, place: Array, component: int = Z) -> Array:
+        """A component at ``place`` (3,) m, by the shape functions of the element; ValueError where there is none."""
+        cells, local = self._located(place)
         values, _ = shape_functions(self.elements.element, local[:, None])
         return self._row(component, self.elements.nodes[:, cells], values[:, 0])
 
-    def section(self, x: float) -> SectionRows:
-        """Means over the beam's section at ``x`` m, of the elements before it where two meet."""
+    def section(self, x: float) -> Array:
+        """Motions (6, 3 k) of the beam's section at ``x`` m as a whole, in the order of ``RigidPart.motions``.
+
+        Mean displacements along x and z, slope −∫z u_x/∫z², mean along y, turn −∫y u_x/∫y² about z, twist
+        ∫(y u_z − z u_y)/∫(y² + z²): by least squares, of the elements before the section where two meet.
+        """
         places, nodes, values, area = self._slab(x)
-        total = float(area.sum())
-        y, z = places[Y], places[Z] - float((places[Z] * area).sum()) / total
-        yy, zz = float((y**2 * area).sum()), float((z**2 * area).sum())
+        mean = area / area.sum()
+        y, z = places[Y], places[Z] - (places[Z] * mean).sum()
+        yy, zz = (y**2 * area).sum(), (z**2 * area).sum()
 
         def row(weight: Array, component: int) -> Array:
             return self._row(component, nodes, np.einsum("aeq,eq->ae", values, weight))
 
-        mean = area / total
         twist = row(y * area / (yy + zz), Z) - row(z * area / (yy + zz), Y)
-        return SectionRows(
-            along=row(mean, X),
-            lateral=row(mean, Y),
-            deflection=row(mean, Z),
-            slope=-row(z * area / zz, X),
-            yaw=-row(y * area / yy, X),
-            twist=twist,
-            area=total,
-            second_moment=zz,
-        )
-
-    def gauge(self, x: float, z: float, length: float) -> Array:
-        """Mean strain ∂u_x/∂x over ``length`` m about ``x``, on the line y = 0 at the height ``z`` m."""
-        first, last = self.ends
-        low, high = max(first, x - length / 2), min(last, x + length / 2)
-        return np.asarray((self.point((high, 0.0, z), X) - self.point((low, 0.0, z), X)) / (high - low))
-
-    @cached_property
-    def ends(self) -> tuple[float, float]:
-        """Least and largest x of the beam in m."""
-        return float(np.nanmin(self._ranges[0])), float(np.nanmax(self._ranges[1]))
+        slope, turn = -row(z * area / zz, X), -row(y * area / yy, X)
+        return np.stack([row(mean, X), row(mean, Z), slope, row(mean, Y), turn, twist])
 
     def _row(self, component: int, nodes: Index, weights: Array) -> Array:
         found = np.zeros(self.elements.size)

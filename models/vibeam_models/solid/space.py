@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from vibeam_models.arrays import Array, Flags
+from vibeam_models.arrays import Array
 from vibeam_models.solid.body import SolidBody
-from vibeam_models.solid.constraints import RigidPart, SolidCoordinates
+from vibeam_models.solid.constraints import SolidCoordinates
 from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.rows import SolidRows, X, Y, Z
 from vibeam_models.sparse import SparseStructure
@@ -23,19 +22,13 @@ class BodySpace:
     rows: SolidRows
     coordinates: SolidCoordinates
 
-    @classmethod
-    def of(cls, body: SolidBody, held: Flags, parts: Sequence[RigidPart] = (), tied: Sequence[Array] = ()) -> BodySpace:
-        """The space of a body whose components ``held`` (3, k) and ``tied`` rows (3 k,) do not move."""
-        rows = SolidRows(body, SolidElements(body.mesh))
-        return cls(rows, SolidCoordinates.of(rows.elements.points, body.half, held, parts).tied(tied))
-
     @property
     def size(self) -> int:
         """Number of coordinates."""
         return int(self.coordinates.basis.shape[1])
 
     def reduced(self, row: Array) -> Array:
-        """Row (n,) on the coordinates of a row (3 k,) on the displacements."""
+        """Row (n,) on the coordinates of a row (3 k,) on the displacements, or several rows."""
         return np.asarray(row @ self.coordinates.basis)
 
     def congruent(self, matrix: Any) -> Any:
@@ -96,7 +89,7 @@ class RigidMass:
         """
         inertias = (self.mass, self.mass, self.about_y, self.mass, self.about_z, self.about_x)
         moves = (direction[X], direction[Z], 0.0, direction[Y], 0.0, 0.0)
-        attached = (*structure.attached, *(part[at] for at in range(len(part)) if moves[at] and self.mass))
+        attached = (*structure.attached, *(part[at] for at in range(len(part)) if moves[at]))
         attached += (part[2],) if self.about_y else ()
         mass, load = structure.M, structure.load
         for row, inertia, moved in zip(part, inertias, moves, strict=False):

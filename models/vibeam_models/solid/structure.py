@@ -17,9 +17,9 @@ from vibeam_models.effects.field_points import FieldPoints, output_names
 from vibeam_models.effects.gravity import AxialGravity
 from vibeam_models.outputs import Output, surface_distance
 from vibeam_models.scene import Effect, Sensor
-from vibeam_models.solid.constraints import RigidPart, SolidCoordinates, holding
+from vibeam_models.solid.constraints import HALF, RigidPart, SolidCoordinates, holding
 from vibeam_models.solid.geometry.bodies import Which, body_of
-from vibeam_models.solid.rows import NEAR, SolidRows, X
+from vibeam_models.solid.rows import NEAR, SolidRows, X, Z
 from vibeam_models.solid.scene import SolidScene
 from vibeam_models.solid.slender import SlenderElements
 from vibeam_models.solid.space import BodySpace, RigidMass, SolidField, outer
@@ -97,12 +97,11 @@ class SolidSpace(BodySpace):
 
     def section_row(self, x: float, derivative: int = 0) -> Array:
         """Row (n,) of mean deflection (0) or rotation (1) of the section at ``x`` m."""
-        section = self.rows.section(x)
-        return self.reduced(section.slope if derivative else section.deflection)
+        return self.reduced(self.rows.section(x)[1 + derivative])
 
     def surface_row(self, x: float) -> Array:
         """Row (n,) of the deflection of the upper surface at ``x`` m on the line y = 0."""
-        return self.reduced(self.rows.point((x, 0.0, self.height(x) / 2)))
+        return self.reduced(self.rows.point(np.array([x, 0.0, self.height(x) / 2])))
 
     def height(self, x: float) -> float:
         """Height of the beam's own section at ``x`` m."""
@@ -118,25 +117,32 @@ class SolidSpace(BodySpace):
         distance = surface_distance(self.beam, output.position) if output.distance is None else output.distance
         if distance is None:
             raise ValueError(f"output {output.name}: no distance from the neutral axis is given, nor known there")
-        return self.reduced(self.rows.gauge(output.position, -distance, self.height(output.position)))
+        return self.strain_row(output.position, distance)
+
+    def strain_row(self, x: float, distance: float) -> Array:
+        """Row (n,) of the mean strain of a gauge as long as the section is high, at that ``distance`` below the axis.
+
+        Along a taper the gauge stays in the same share of the height: (Δx Δu_x + Δz Δu_z)/(Δx² + Δz²).
+        """
+        height = self.height(x)
+        along = max(0.0, x - height / 2), min(self.beam.length, x + height / 2)
+        ends = np.array([(end, 0.0, -distance * self.height(end) / height) for end in along])
+        span = ends[1] - ends[0]
+        low, high = (span[X] * self.rows.point(end, X) + span[Z] * self.rows.point(end, Z) for end in ends)
+        return self.reduced((high - low) / (span @ span))
 
     def field_rows(self, name: str, positions: Iterable[float]) -> dict[str, Array]:
         """Rows of deflection (m) and rotation (rad) of sections at ``positions`` m, as ``FieldPoints`` names them."""
-        sections = [self.rows.section(x) for x in positions]
-        every = [each.deflection for each in sections], [each.slope for each in sections]
-        return {
-            output: self.reduced(row)
-            for derivative, rows in enumerate(every)
-            for output, row in zip(output_names(name, derivative, len(rows)), rows, strict=True)
-        }
+        found = [[self.reduced(row) for row in self.rows.section(x)[1:3]] for x in positions]
+        names = [output_names(name, derivative, len(found)) for derivative in (0, 1)]
+        return {names[which][at]: row for which in (0, 1) for at, row in enumerate(each[which] for each in found)}
 
     def part(self, x: float) -> Array:
         """Rows (3 or 6, n) of the motions of the rigid zone at ``x`` m, or of the section there as a whole."""
         if x in self.zones:
             return self.coordinates.parts[self.zones.index(x)]
-        read = self.rows.section(x)
-        every = (read.along, read.deflection, read.slope, read.lateral, read.yaw, read.twist)
-        return np.stack([self.reduced(each) for each in (every[:3] if self.rows.body.half else every)])
+        motions = self.rows.section(x)
+        return self.reduced(motions[: HALF if self.rows.body.half else None])
 
 
 def solid_space(scene: SolidScene, which: Which = "beam") -> SolidSpace:
@@ -193,11 +199,10 @@ def _carrying(space: SolidSpace, scene: SolidScene, which: Which) -> SparseStruc
 
 def _bedding(rows: SolidRows, stiffness: float) -> Any:
     """Stiffness (3 k, 3 k) of springs along x under the face at x = 0, ``stiffness`` N m/rad against its rotation."""
-    from scipy.sparse import csc_array
-
-    moment = rows.section(0.0).second_moment * (2 if rows.body.half else 1)
-    at, across, values = rows.bed(rows.body.patches["start"], X)
-    return csc_array((stiffness / moment * values, (at, across)), shape=(rows.elements.size,) * 2)
+    bed = rows.bed(rows.body.patches["start"], X)
+    heights = np.zeros(rows.elements.size)
+    heights[X::3] = rows.elements.points[Z]
+    return stiffness / (heights @ (bed @ heights) * (2 if rows.body.half else 1)) * bed
 
 
 def _masses(scene: SolidScene, which: Which) -> Iterator[tuple[float, RigidMass]]:
@@ -252,6 +257,8 @@ def _weighed(structure: SparseStructure, space: SolidSpace, scene: SolidScene) -
 
 def _meeting(structure: SparseStructure, space: SolidSpace, other: Any, scene: SolidScene) -> SparseStructure:
     """Both bodies side by side: the contact reads w₁ − w₂ − a θ₂, with an arm a of the second's section."""
+    from scipy.sparse import block_diag
+
     second = _carrying(space, scene, "opposite")
     meeting = second.contact
     if other.arm:
@@ -260,11 +267,5 @@ def _meeting(structure: SparseStructure, space: SolidSpace, other: Any, scene: S
     second = second.with_(outputs=outputs)
     for each in scene.named("gravity"):
         second = second.with_(static=second.static - each.acceleration * second.load)
-    return joined(structure, second, np.concatenate([structure.contact, -meeting]))
-
-
-def joined(one: SparseStructure, two: SparseStructure, contact: Array) -> SparseStructure:
-    """Both structures as one, as ``structure.side_by_side``."""
-    from scipy.sparse import block_diag
-
-    return side_by_side(one, two, contact, lambda a, b: block_diag((a, b), format="csc"))
+    contact = np.concatenate([structure.contact, -meeting])
+    return side_by_side(structure, second, contact, lambda one, two: block_diag((one, two), format="csc"))
