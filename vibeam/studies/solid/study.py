@@ -225,7 +225,7 @@ class _Ladder:
         ends = [self._made(step, reference) for step in (self.steps[0], self.steps[-1])]
         for each in ends:
             if each.why:
-                raise ValueError(f"{each.name}: {each.why}")
+                raise ValueError(f"{'no solid' if each.cause else 'no beam'}: {each.why}")
         rough = self._of(LadderStep("solid, half the elements", "the mesh", coarser(self.scene)), reference, True)
         between = [self._of(step, reference, True) for step in self.steps[1:-1]]
         chosen = {key for number in self.case.measured.values() for key in number.chose}
