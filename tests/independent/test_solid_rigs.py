@@ -63,13 +63,13 @@ def read(structure, count=3):
 
 @pytest.mark.parametrize("name", SCENES)
 def test_hexahedra_and_tetrahedra_agree(name):
-    """Frequencies, contact's flexibility, rows and load to 0.3 %: corners are sharp, both meshes are coarse."""
+    """Frequencies, rows and load to 0.3 %, flexibility to 0.5 %: corners are sharp, both meshes are coarse."""
     truth, structure = TRUTH[name], structure_of(SCENES[name])
     assert structure.size < 6000
     frequency, contact, load = read(structure)
     np.testing.assert_allclose(frequency, truth["frequencies"], rtol=3e-3)
     assert (frequency > truth["limit"]).all()
-    assert structure.flexibility(structure.contact) == pytest.approx(truth["flexibility"], rel=3e-3)
+    assert structure.flexibility(structure.contact) == pytest.approx(truth["flexibility"], rel=5e-3)
     np.testing.assert_allclose(np.abs(contact), truth["contact"], rtol=0, atol=3e-3 * max(truth["contact"]))
     seen = np.abs(contact) > 1e-2 * max(np.abs(contact))  # of a mode whose node is there the sign is open
     np.testing.assert_allclose(-load[seen], np.array(truth["load"])[seen], rtol=0, atol=2e-3 * max(truth["load"]))
