@@ -161,6 +161,7 @@ def test_bodies_with_a_gap_and_bodies_in_contact(tmp_path: Path) -> None:
         written(tmp_path, *two_boxes(gap), faces=meeting)
         _, rig = read(tmp_path, opposite=SurfaceMotion("anvil"))
         assert [part[3] for part in rig.rows["contact"].parts] == [1.0, -1.0]
+        assert rig.rows["sensor"].parts == rig.rows["contact"].parts[:1]
         assert [list(part[2]) for part in rig.rows["contact"].parts] == [[1, 0, 0], [1, 0, 0]]
 
 
@@ -396,3 +397,10 @@ def test_half_of_a_body_moves_as_the_whole(rigid: bool, tmp_path: Path) -> None:
     symmetric = [int(np.argmin(np.abs(whole[:, 0] / each - 1))) for each in half[:3, 0]]
     np.testing.assert_allclose(whole[symmetric], half[:3], rtol=1e-6, atol=1e-9)
     assert symmetric[1] > 1  # of the whole some are not
+
+
+def test_more_coordinates_than_are_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written(tmp_path)
+    monkeypatch.setattr("vibeam.exchange.meshes.own.COORDINATES", 134)
+    (said,) = faults(tmp_path, contact=SurfaceMotion("end", "x"))
+    assert said.startswith("mesh: makes 135 coordinates by quadratic elements, and 134 are the most that are taken")

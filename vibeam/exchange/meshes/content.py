@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vibeam.exchange.files import FormatError, require_coordinates
+from vibeam.exchange.files import COORDINATES, FormatError
 from vibeam_models.arrays import Array
 from vibeam_models.solid.own_mesh import KINDS, FileMesh, Indices, MeshGroup
 
@@ -39,7 +39,8 @@ def mesh_of(content: FileContent) -> FileMesh:
     """The mesh of volume: one kind of cells, each once, nodes that cells use, groups of these."""
     kind = _kind(content.blocks)
     blocks = {index: data for index, (name, data) in enumerate(content.blocks) if name == kind}
-    require_coordinates(len(content.points))
+    if len(content.points) > COORDINATES:
+        raise FormatError(f"has {len(content.points)} nodes; a mesh may have {COORDINATES} at most: mesh coarser")
     for _, data in content.blocks:
         if data.size and (data.min() < 0 or data.max() >= len(content.points)):
             raise FormatError("a cell names a node that is not there: the file is damaged")

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.exchange.faults import suggest
-from vibeam.exchange.files import FormatError, digest_of
+from vibeam.exchange.files import COORDINATES, FormatError, digest_of
 from vibeam.exchange.meshes.faults import (
     body_faults,
     cell_faults,
@@ -135,6 +135,8 @@ class BodyReading:
         self.faults.extend(wrong or self._of_bodies([names[key] for key in known if key.startswith("clamp")]))
         if self.plan.symmetry and not self.faults:
             self._halve(self.plan.symmetry)
+        if not self.faults:
+            self._sized()
         if self.faults:
             return None, None
         surfaces = {key: self._surface(key, name, key in motions) for key, name in names.items()}
@@ -233,6 +235,13 @@ class BodyReading:
         else:
             self.mesh = replace(self.mesh, points=turned(self.mesh.points, self.turn, self.origin))
 
+    def _sized(self) -> None:
+        parts = self.volume.nvertices + self.volume.nedges
+        parts += self.volume.nfacets + self.volume.nelements if self.mesh.corners.shape[1] == 8 else 0
+        if 3 * parts > COORDINATES:
+            said = f"makes {3 * parts} coordinates by quadratic elements, and {COORDINATES} are the most that are taken"
+            self.complain("mesh", f"{said}: mesh coarser")
+
     @cached_property
     def volume(self) -> Any:
         """The finite-element mesh."""
@@ -290,10 +299,10 @@ class BodyReading:
         for key, motion in motions.items():
             along = toward if motion.direction is None else self._direction(key, motion, surfaces[key])
             rows[key.removeprefix("outputs.")] = BodyRow(((*surfaces[key], along, 1.0),))
+        rows.setdefault("sensor", rows["contact"])
         if "opposite" in rows:
             meeting = BodyRow((*rows["contact"].parts, (*surfaces["opposite"], toward, -1.0)))
             rows = {name: row for name, row in rows.items() if name != "opposite"} | {"contact": meeting}
-        rows.setdefault("sensor", rows["contact"])
         base = toward if self.plan.base is None else self.turn @ axis(self.plan.base)
         if self.plan.symmetry and any(abs(each[1]) > IN_PLANE for each in (toward, base)):
             self.complain("symmetry", "the motion is across the plane of symmetry: mesh the whole body")
