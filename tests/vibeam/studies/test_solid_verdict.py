@@ -17,6 +17,7 @@ from vibeam.report.run_answer import run_answer
 from vibeam.report.solid import sheet
 from vibeam.studies.solid.steps import ladder, solid_of
 from vibeam.studies.solid.study import JUDGED, QUANTITIES
+from vibeam_models.beam import structure_of
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 STEEL = {"youngs_modulus": "210 GPa", "density": "7850 kg/m^3", "damping_ratio": 0.03}
@@ -124,6 +125,8 @@ def test_what_is_held_is_held_in_every_model(found: dict[str, vibeam.studies.Sol
     beam = vibeam.load(RIGS["slender"]).system("beam")
     assert models[0].restitution == pytest.approx(beam.restitution, rel=1e-9)
     assert models[0].mobility == pytest.approx(float((beam.contact**2).sum()), rel=1e-9)
+    structure = structure_of(vibeam.load(RIGS["slender"]).scene)
+    assert models[0].flexibility == pytest.approx(structure.flexibility(structure.contact), rel=1e-7)
     ratio = (1 + models[-1].restitution) / (1 + models[0].restitution)
     assert ratio == pytest.approx(models[-1].mobility / models[0].mobility, rel=0.01)  # c₁ is the same to 1 %
     assert all(isnan(model.restitution) for model in found["ratio 3"].models)

@@ -86,9 +86,17 @@ class SteppedModel:
         return replace(scene, effects=(*scene.effects, points))
 
     @cached_property
+    def found(self) -> tuple[Structure, float]:
+        """Structure in the lowest modes, with what they leave of the contact's flexibility; its static deflection."""
+        try:
+            return reduced_structure(self.pointed, "massless_boundary", self.modes)
+        except ValueError:  # a free body has no static deflection
+            return reduced_structure(self.pointed, "modal", self.modes)
+
+    @property
     def reduced(self) -> Structure:
         """Structure in the lowest modes, more of a solid, of which some do not bend the mean line."""
-        return reduced_structure(self.pointed, "modal", self.modes)[0]
+        return self.found[0]
 
     @cached_property
     def shapes(self) -> Array:
@@ -116,7 +124,7 @@ class SteppedModel:
         last = int(self.partners[0].max(initial=0))
         seen = np.abs(self.reduced.contact) * np.sqrt(self.mass) > UNSEEN
         chosen = np.flatnonzero(seen[: last + 1])
-        return in_coordinates(self.reduced, np.eye(self.reduced.size)[:, chosen])
+        return in_coordinates(self.reduced, np.eye(self.reduced.size)[:, chosen]).with_(contact_flexibility=0.0)
 
     def linear(self) -> LadderModel:
         """Its numbers but the peak; ValueError for an impossible model."""
@@ -132,7 +140,7 @@ class SteppedModel:
             tuple(alike.tolist()),
             tuple((places + 1).tolist()),
             *self._twist(omega),
-            self._flexibility(),
+            self._flexibility(omega),
             mobility,
             self.kept.size,
             contact_r,
@@ -142,8 +150,7 @@ class SteppedModel:
 
     def curve(self, case: Case, fidelity: str) -> Curve:
         """Its sweep, as that of a fidelity; ValueError for a restitution that no contact has."""
-        static = reduced_structure(self.pointed, "static_mode", None)[1]
-        return swept(case, fidelity, system_of(self.pointed, self.kept, static))
+        return swept(case, fidelity, system_of(self.pointed, self.kept, self.found[1]))
 
     def _twist(self, omega: Array) -> tuple[float, int]:
         """Frequency and number of the first mode that moves the contact and not the mean line; NaN and 0 of none."""
@@ -153,13 +160,11 @@ class SteppedModel:
         first = int(np.argmax(turned))
         return float(omega[first]) / (2 * np.pi), first + 1
 
-    def _flexibility(self) -> float:
-        """Static flexibility of the contact, that of the one static mode under a force on it; NaN of a free body."""
-        try:
-            single = reduced_structure(self.pointed, "static_mode", None)[0]
-        except ValueError:
+    def _flexibility(self, omega: Array) -> float:
+        """Σ c²/ω² of the modes and what these leave; NaN of a free body."""
+        if not omega[0] > 0:
             return nan
-        return float(single.contact[0] ** 2 / single.K[0, 0])
+        return float(np.sum((self.reduced.contact / omega) ** 2)) + self.reduced.contact_flexibility
 
 
 def _restitutions(scene: Scene, first: float, mobility: float) -> tuple[float, float]:
