@@ -200,10 +200,10 @@ def test_groups_that_are_wrong(tmp_path: Path) -> None:
         "a Physical Surface)",
         "sensor: 1 of the nodes of group 'stray' are of no cell of volume, and nothing moves them: name nodes of the "
         "body",
+        "mass.0.group: the mesh has no group 'mass': known here: clamp, end, off, inner, round, far, none, stray, two",
         "material.1.group: 1 cells of 'far' are of 'far' too: a cell has one material",
         "material.2.group: the group 'end' has no cells of volume, which alone have a material",
         "material: missing for 1 of 2 cells: add a material of their group, or one without group for all the rest",
-        "mass.0.group: the mesh has no group 'mass': known here: clamp, end, off, inner, round, far, none, stray, two",
     ]
     found = faults(tmp_path, contact=SurfaceMotion("off", "z"), sensor=SurfaceMotion("inner"))
     assert found == [

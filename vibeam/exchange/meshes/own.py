@@ -120,41 +120,45 @@ class BodyReading:
 
     def body_and_rig(self) -> tuple[SolidBody | None, OwnRig | None]:
         """The body, its drive and readings; None where there are faults."""
-        said = {name: getattr(self.plan, name) for name in ("contact", "opposite", "sensor", "force")}
-        said |= {f"outputs.{name}": motion for name, motion in self.plan.outputs.items()}
-        motions: dict[str, SurfaceMotion] = {key: motion for key, motion in said.items() if motion is not None}
         names = {f"clamp.{index}": name for index, name in enumerate(self.plan.clamp)}
-        names |= {key: motion.group for key, motion in motions.items()}
+        names |= {key: motion.group for key, motion in self.motions.items()}
         names |= {"symmetry": self.plan.symmetry} if self.plan.symmetry else {}
-        known = [key for key, name in names.items() if self._group(key, name, surface=True)]
-        self.faults.extend(size_faults(self.mesh, self.plan.unit, self.plan.extent))
+        self._check(names)
         materials, material = tuple(map(self._made, self.plan.materials)), self._material()
-        for index, each in enumerate(self.plan.masses):
-            self._group(f"mass.{index}.group", each.group)
-        wrong = [("mesh", fault) for fault in cell_faults(self.mesh)]
-        self.faults.extend(wrong or self._of_bodies([names[key] for key in known if key.startswith("clamp")]))
         if self.plan.symmetry and not self.faults:
             self._halve(self.plan.symmetry)
         if not self.faults:
-            self._sized()
+            self._check_size()
         if self.faults:
             return None, None
-        surfaces = {key: self._surface(key, name, key in motions) for key, name in names.items()}
-        masses = tuple(
-            BodyMass(each.group, *self._carrying(each.group), each.mass, each.rotary_inertia or 0.0, each.rigid)
-            for each in self.plan.masses
+        surfaces = {key: self._surface(key, name) for key, name in names.items()}
+        clamps = [surface for key, surface in surfaces.items() if key.startswith("clamp")]
+        masses = self._masses(clamps)
+        rig = None if self.faults else self._rig(surfaces)
+        if self.faults:
+            return None, None
+        patches, points = (
+            {"clamp": np.unique(np.concatenate(each)).astype(np.int64)} for each in zip(*clamps, strict=True)
         )
-        held = [surface for key, surface in surfaces.items() if key.startswith("clamp")]
-        rig = None if self.faults or self._shared(masses, held) else self._rig(motions, surfaces)
-        if self.faults:
-            return None, None
-        clamps = zip(*held, strict=True)
-        facets, vertices = ({"clamp": np.unique(np.concatenate(each)).astype(np.int64)} for each in clamps)
         half = self.plan.symmetry is not None
-        body = SolidBody(
-            self.volume, material, materials, half, facets, vertices, None, masses, self.turn, self.origin
-        )  # fmt: skip
-        return body, rig
+        made = (self.volume, material, materials, half, patches, points, None, masses, self.turn, self.origin)
+        return SolidBody(*made), rig
+
+    @cached_property
+    def motions(self) -> dict[str, SurfaceMotion]:
+        """Motions of groups that are read or driven, by their keys."""
+        said = {name: getattr(self.plan, name) for name in ("contact", "opposite", "sensor", "force")}
+        said |= {f"outputs.{name}": motion for name, motion in self.plan.outputs.items()}
+        return {key: motion for key, motion in said.items() if motion is not None}
+
+    def _check(self, names: Mapping[str, str]) -> None:
+        """Complain about groups, size, cells and bodies."""
+        known = [key for key, name in names.items() if self._group(key, name, surface=True)]
+        for index, each in enumerate(self.plan.masses):
+            self._group(f"mass.{index}.group", each.group)
+        self.faults.extend(size_faults(self.mesh, self.plan.unit, self.plan.extent))
+        wrong = [("mesh", fault) for fault in cell_faults(self.mesh)]
+        self.faults.extend(wrong or self._of_bodies([names[key] for key in known if key.startswith("clamp")]))
 
     def complain(self, key: str, message: str) -> None:
         """Complain about a key of [solid]."""
@@ -235,7 +239,7 @@ class BodyReading:
         else:
             self.mesh = replace(self.mesh, points=turned(self.mesh.points, self.turn, self.origin))
 
-    def _sized(self) -> None:
+    def _check_size(self) -> None:
         parts = self.volume.nvertices + self.volume.nedges
         parts += self.volume.nfacets + self.volume.nelements if self.mesh.corners.shape[1] == 8 else 0
         if 3 * parts > COORDINATES:
@@ -252,8 +256,8 @@ class BodyReading:
         """Its vertices by the nodes of the file."""
         return Numbering(self.mesh)
 
-    def _surface(self, key: str, name: str, read: bool = False) -> Surface:
-        """A group as facets or vertices; of a surface that is ``read`` none inside of the body."""
+    def _surface(self, key: str, name: str) -> Surface:
+        """A group as facets or vertices; of a surface that is read none inside of the body."""
         group = self.mesh.groups[name]
         if not group.on_surface:
             vertices = self.numbering.of(group.nodes)
@@ -266,7 +270,7 @@ class BodyReading:
         said = f"of the {len(found)} faces of group '{name}'"
         if lost:
             self.complain(key, f"{lost} {said} are no faces of the volume's cells: mesh surface and volume together")
-        elif read and inside:
+        elif inside and key in self.motions:
             self.complain(key, f"{inside} {said} lie inside the body: name faces of its surface")
         return np.unique(found), NONE
 
@@ -277,26 +281,29 @@ class BodyReading:
             return NONE, np.unique(self.numbering.corners[group.cells])
         return self._surface("mass", name)
 
-    def _shared(self, masses: Sequence[BodyMass], clamps: Sequence[Surface]) -> bool:
-        """Test whether a rigid mass has vertices that another or the clamp has, which is complained of."""
+    def _masses(self, clamps: Sequence[Surface]) -> tuple[BodyMass, ...]:
+        """The masses on groups, of which rigid ones share no vertex with another or the clamp."""
         taken = {"the clamp": np.concatenate([self._vertices(*each) for each in clamps])}
-        for number, mass in enumerate(masses):
-            own = self._vertices(mass.facets, mass.vertices)
-            for name, others in taken.items() if mass.rigid else ():
+        made = []
+        for number, each in enumerate(self.plan.masses):
+            on = self._carrying(each.group)
+            made.append(BodyMass(each.group, *on, each.mass, each.rotary_inertia or 0.0, each.rigid))
+            own = self._vertices(*on)
+            for name, others in taken.items() if each.rigid else ():
                 if shared := int(np.isin(own, others).sum()):
-                    said = f"{shared} nodes of the rigid group '{mass.name}' are of {name} too"
+                    said = f"{shared} nodes of the rigid group '{each.group}' are of {name} too"
                     self.complain(f"mass.{number}.group", f"{said}: write rigid = false, or make the group smaller")
-            taken |= {f"'{mass.name}'": own} if mass.rigid else {}
-        return bool(self.faults)
+            taken |= {f"'{each.group}'": own} if each.rigid else {}
+        return tuple(made)
 
     def _vertices(self, facets: Any, vertices: Any) -> Indices:
         return np.union1d(self.volume.facets[:, facets].ravel() if len(facets) else NONE, vertices)
 
-    def _rig(self, motions: Mapping[str, SurfaceMotion], surfaces: Mapping[str, Surface]) -> OwnRig:
+    def _rig(self, surfaces: Mapping[str, Surface]) -> OwnRig:
         """Rows of what is read, and the direction of the base, in the axes of the body."""
-        toward = self._direction("contact", motions["contact"], surfaces["contact"])
+        toward = self._direction("contact", self.plan.contact, surfaces["contact"])
         rows = {}
-        for key, motion in motions.items():
+        for key, motion in self.motions.items():
             along = toward if motion.direction is None else self._direction(key, motion, surfaces[key])
             rows[key.removeprefix("outputs.")] = BodyRow(((*surfaces[key], along, 1.0),))
         rows.setdefault("sensor", rows["contact"])
