@@ -43,6 +43,7 @@ PAGES = (
     "cases/grazing/README.md",
     "cases/reductions/README.md",
     "cases/inputs/README.md",
+    "cases/solid/README.md",
     "vibeam/studies/README.md",
 )
 

@@ -26,6 +26,7 @@ PLACES = {
     "ball-in-cavity": "rigs/ball_in_cavity.toml",
     "frame": "matrices/frame.toml",
     "modes": "matrices/dtu_modes.toml",
+    "solid": "solid/dtu.toml",
     "shock": "inputs/half_sine.toml",
     "plucked": "inputs/plucked.toml",
     "truck": "inputs/truck.toml",

@@ -22,6 +22,7 @@ WHOLE = 201  # points of a sweep up to which it is run as it is
 FILES = SWEPT
 SLOW = ("two_stops", "dtu_harmonic", "fig27_drive", "fig27_damping", "fig27_mass")  # 10 to 30 s each; fig27 stays
 SLOW += ("fig22_gap", "fig28_mass")  # fig22 and fig28 stay
+SLOW += ("hammer", "discs", "stuttgart_left")  # solids of more than 5000 coordinates
 JUMPING = ("sdof_nominal", "sdof_methods")  # which of two motions is met hangs on the points between
 
 
