@@ -2,15 +2,15 @@
 
 Damping ratios say C = M f(M⁻¹K) of matrices: 2ζω of every mode alike is f(ω²) = 2ζω, ratios in proportion to the
 frequency C = (2ζ₁/ω₁) K, Rayleigh's C = αM + DK, a list the first of these for its last ratio and a correction for each
-mode before that. f(M⁻¹K) b is found in the Krylov space of (K + s M)⁻¹ M and b, where M⁻¹K is a small tridiagonal
-matrix (N. J. Higham, Functions of Matrices, SIAM 2008, §13.2).
+mode before that. BᵀM f(M⁻¹K) B is found in the Krylov space of (K + s M)⁻¹ M and B, where M⁻¹K is a small matrix: by
+Gauss' quadrature, with an error the square of that of f(M⁻¹K) B (G. Golub & G. Meurant, Matrices, Moments and
+Quadrature, Princeton 2010, ch. 7).
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Collection
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,18 +18,17 @@ import numpy as np
 from vibeam_models.arguments import real_array, refuse
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
+from vibeam_models.phases import phase
 from vibeam_models.sparse_factor import Symbolic, SymmetricFactor, factor, pattern_of, symbolic
-from vibeam_models.sparse_modes import lowest_modes
+from vibeam_models.sparse_modes import krylov_spaces, lowest_modes
 from vibeam_models.sparse_ordering import is_net
 from vibeam_models.structure import FIELDS, FREE, MATRICES, Modes, Structure, elimination, signs
 
 MOST = 1 / 3  # share of all modes up to which Lanczos' method finds them
-STEPS = 300  # of Lanczos' method at most
 FLEXIBLE = 1e-3  # share of the twelfth natural frequency from which one is not a rigid motion's
-EVERY = 10  # of them the result is looked at
-SETTLED = 1e-9  # its change from one look to the next at which it ends
-FACTORED = ("fronts", "stiffness_factor", "mass_factor")  # what is known of M and K
-EXHAUSTED = 1e-10  # share of a vector that is left where the Krylov space is complete
+SETTLED = 1e-9  # change from one step of Lanczos' method to the next, as a share of the damping, at which it ends
+LIKE = 10  # modes are found by as many, so that fidelities which take a few more or fewer share them
+ENOUGH, EXACT = 400, 1e-10  # steps of conjugate gradients with M, and the residual, a share, at which they end
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,13 +40,14 @@ class SparseStructure(Structure):
     """
 
     damping: Damping | None = None
+    _found: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
     __eq__, __hash__ = object.__eq__, object.__hash__  # of so many entries none is compared
 
     def _settle(self, names: Collection[str]) -> None:
         faults: list[str] = []
         size = self.M.shape[0]
-        for name in FACTORED if {"M", "K"} & set(names) else ():  # of the structure that this one is made from
-            self.__dict__.pop(name, None)
+        if {"M", "K"} & set(names):
+            self.__dict__["_found"] = {}  # not that of the structure which this one is made from
         for name in (each for each in FIELDS if each in names):
             given: Any = getattr(self, name)
             if name in MATRICES:
@@ -59,37 +59,58 @@ class SparseStructure(Structure):
             faults += [] if fine else [f"{name}: must be {size} finite numbers, or {size} × {size}"]
         refuse("structure", faults)
 
-    @cached_property
+    def _once(self, name: str, make: Callable[[], Any]) -> Any:
+        """What is found of M and K, once for all structures that share these and differ in their rows."""
+        if name not in self._found:
+            self._found[name] = make()
+        return self._found[name]
+
+    @property
     def fronts(self) -> Symbolic | None:
         """Fronts of K and M together; None of a net."""
+        fronts: Symbolic | None = self._once("fronts", self._ordered)
+        return fronts
+
+    def _ordered(self) -> Symbolic | None:
+        phase("ordering", self.size)
         pattern = pattern_of(self.K, self.M)
         return None if is_net(pattern) else symbolic(pattern)
 
-    @cached_property
+    @property
     def stiffness_factor(self) -> SymmetricFactor:
         """The factors of K."""
-        return factor(self.K, self.fronts)
+        found: SymmetricFactor = self._once("K", self._factored)
+        return found
 
-    @cached_property
+    def _factored(self) -> SymmetricFactor:
+        fronts = self.fronts
+        phase("factoring", self.size)
+        return factor(self.K, fronts)
+
+    @property
     def mass_factor(self) -> SymmetricFactor:
         """The factors of M."""
-        return factor(self.M, self.fronts)
+        found: SymmetricFactor = self._once("M", lambda: factor(self.M))
+        return found
 
     def modes(self, count: int | None = None) -> Modes:
         """As ``Structure.modes``; ValueError where so many are asked for that their shapes would be a dense matrix."""
         wanted = self.size if count is None else count
-        if f"{wanted} modes" not in self._known:
-            self._known[f"{wanted} modes"] = self._lowest(wanted)
-        return self._known[f"{wanted} modes"]
-
-    def _lowest(self, count: int) -> Modes:
-        if count > MOST * self.size:
+        most = int(MOST * self.size)
+        if wanted > most:
             raise ValueError(
-                f"structure: the shapes of {count} modes in {self.size} coordinates are "
-                f"{8e-9 * count * self.size:.2g} GB: take the lowest few, {int(MOST * self.size)} at most"
+                f"structure: the shapes of {wanted} modes in {self.size} coordinates are "
+                f"{8e-9 * wanted * self.size:.2g} GB: take the lowest few, {most} at most"
             )
-        squared, shapes = lowest_modes(self.K, self.M, count, self.stiffness_factor)
-        return Modes(np.sqrt(np.maximum(squared, 0.0)), shapes * signs(shapes, self.contact))
+        found = min(-(-wanted // LIKE) * LIKE, most)
+        squared, shapes = self._once(f"{found} modes", lambda: self._lowest(found))
+        shapes = shapes[:, :wanted]
+        return Modes(np.sqrt(np.maximum(squared[:wanted], 0.0)), shapes * signs(shapes, self.contact))
+
+    def _lowest(self, count: int) -> tuple[Array, Array]:
+        inverse = self.stiffness_factor
+        phase(f"{count} modes", self.size)
+        return lowest_modes(self.K, self.M, count, inverse)
 
     def deflection(self, force: Array) -> Array:
         """As ``Structure.deflection``."""
@@ -99,7 +120,22 @@ class SparseStructure(Structure):
 
     def mobility(self, row: Array) -> float:
         """As ``Structure.mobility``."""
-        return float(row @ self.mass_factor.solve(row))
+        return float(row @ self._accelerated(np.asarray(row, dtype=float)))
+
+    def _accelerated(self, force: Array) -> Array:
+        """M⁻¹ force, by conjugate gradients: the mass of a fine mesh is as well conditioned as that of a coarse one.
+
+        By its factors where that is not so (A. J. Wathen, IMA J. Numer. Anal. 7, 1987).
+        """
+        from scipy.sparse import diags_array
+        from scipy.sparse.linalg import cg
+
+        diagonal = self.M.diagonal()
+        if diagonal.min() > 0:
+            found, fault = cg(self.M, force, rtol=EXACT, maxiter=ENOUGH, M=diags_array(1 / diagonal))
+            if not fault:
+                return np.asarray(found)
+        return self.mass_factor.solve(force)
 
     def held(self, rows: Array) -> tuple[Structure, Any]:
         """As ``Structure.held``, sparse."""
@@ -155,43 +191,13 @@ def _square_root(structure: SparseStructure, basis: Array) -> Array:
         omega = structure.modes(min(12, structure.size // 4)).omega
         shift = float(next((w for w in omega if w > FLEXIBLE * omega[-1]), 1.0)) ** 2
         inverse = factor(structure.K + shift * structure.M, structure.fronts)
-    inertia = structure.M @ basis
-    columns = [_applied(structure, shift, inverse, column) for column in basis.T]
-    found = inertia.T @ np.column_stack(columns)
+    found = np.zeros((basis.shape[1],) * 2)
+    for space, start in krylov_spaces(structure.M, inverse, basis):
+        values, vectors = np.linalg.eigh(space)
+        root = np.sqrt(np.maximum(1 / np.maximum(values, np.finfo(float).tiny) - shift, 0.0))
+        along = vectors[: len(start)].T @ start
+        before, found = found, along.T @ (root[:, None] * along)
+        sizes = np.sqrt(np.diag(found))
+        if (np.abs(found - before) <= SETTLED * np.outer(sizes, sizes)).all():
+            break
     return np.asarray((found + found.T) / 2)
-
-
-def _applied(structure: SparseStructure, shift: float, inverse: SymmetricFactor, b: Array) -> Array:
-    """(M⁻¹K)^½ b by Lanczos' method in the inner product of M, each vector made orthogonal to all before it."""
-    size = float(np.sqrt(b @ (structure.M @ b)))
-    vectors, inertias = (np.empty((STEPS + 1, len(b))) for _ in range(2))
-    vectors[0], inertias[0] = b / size, structure.M @ b / size
-    diagonal: list[float] = []
-    beside: list[float] = []
-    before = now = np.zeros(0)
-    for step in range(STEPS):
-        new = inverse.solve(inertias[step])
-        scale = float(np.linalg.norm(new))
-        diagonal.append(float(new @ inertias[step]))
-        for _ in range(2):
-            new = new - (inertias[: step + 1] @ new) @ vectors[: step + 1]
-        complete = float(np.linalg.norm(new)) <= EXHAUSTED * scale
-        if complete or step % EVERY == EVERY - 1:
-            before, now = now, _root_of_tridiagonal(diagonal, beside, shift)
-            change = np.linalg.norm(now - np.pad(before, (0, len(now) - len(before))))
-            if complete or change <= SETTLED * np.linalg.norm(now):
-                break
-        inertia = structure.M @ new
-        rest = float(np.sqrt(new @ inertia))
-        beside.append(rest)
-        vectors[step + 1], inertias[step + 1] = new / rest, inertia / rest
-    return np.asarray(size * (now @ vectors[: len(now)]))
-
-
-def _root_of_tridiagonal(diagonal: list[float], beside: list[float], shift: float) -> Array:
-    """g(T) e₁ with g(μ) = (1/μ − s)^½."""
-    from scipy.linalg import eigh_tridiagonal
-
-    mu, vectors = eigh_tridiagonal(diagonal, beside[: len(diagonal) - 1])
-    root = np.sqrt(np.maximum(1 / np.maximum(mu, np.finfo(float).tiny) - shift, 0.0))
-    return np.asarray(vectors @ (root * vectors[0]))

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arrays import Array, Index
+from vibeam_models.memory import check_room
 from vibeam_models.sparse_ordering import compressed, dissection, is_net
 
 WEAK = 1e-8  # share of its diagonal entry below which a pivot may be round-off
@@ -50,14 +51,13 @@ class Symbolic:
         """Number of entries of the factor."""
         return sum((f.end - f.begin) * (f.end - f.begin + len(f.border)) for f in self.fronts)
 
-    @property
-    def bytes(self) -> int:
-        """Largest memory of the factor while it is made: entries, and Schur complements that wait."""
+    def bytes(self, keep: bool = True) -> int:
+        """Largest memory in bytes while the matrix is factored: entries, if they are kept, and what waits."""
         most = kept = waiting = 0
         for front in self.fronts:
             own, border = front.end - front.begin, len(front.border)
             most = max(most, kept + waiting + 2 * own * own + own * border + border * border)
-            kept += own * (own + border)
+            kept += own * (own + border) * keep
             waiting += border * border - sum(len(self.fronts[child].border) ** 2 for child, *_ in front.children)
         return 8 * most
 
@@ -185,6 +185,8 @@ def factor(matrix: Any, known: Symbolic | None = None, keep: bool = True) -> Sym
 
 
 def _by_fronts(matrix: Any, known: Symbolic, keep: bool) -> SymmetricFactor:
+    coordinates = f"a structure of {len(known.order)} coordinates"
+    check_room(coordinates, known.bytes(keep), "take a coarser mesh, or half of it where it is symmetric")
     sizes = _sizes(matrix)[known.order]
     waiting: dict[int, Array] = {}
     blocks: list[FrontFactor] = []
@@ -224,9 +226,9 @@ def _of_net(matrix: Any) -> SymmetricFactor | None:
 
 
 def _sizes(matrix: Any) -> Array:
-    """Sizes of the diagonal's entries, the largest where one is 0."""
+    """Sizes of the diagonal's entries; where one is 0, the largest, or 1."""
     diagonal = np.abs(matrix.diagonal())
-    return np.asarray(np.where(diagonal == 0, diagonal.max(), diagonal))
+    return np.asarray(np.where(diagonal == 0, diagonal.max() or 1.0, diagonal))
 
 
 def _judged(found: SymmetricFactor, matrix: Any, weak: int) -> SymmetricFactor:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -64,15 +66,52 @@ def _lanczos(
     """
     n = M.shape[0]
     aside = np.zeros((n, 0)) if known is None else known
-    width, most = min(BLOCK, count), n - aside.shape[1]
-    begin = np.random.default_rng(aside.shape[1]).standard_normal((n, width))  # the same every time
-    vectors = np.empty((n, aside.shape[1] + count + 4 * width), order="F")
-    vectors[:, : aside.shape[1]] = aside
-    first = filled = aside.shape[1]
-    block, _, _ = _orthonormal(M, inverse.solve(M @ begin), vectors[:, :filled])
-    projected = np.zeros((0, 0))
+    begin = np.random.default_rng(aside.shape[1]).standard_normal((n, min(BLOCK, count)))  # the same every time
     look = count
-    while True:
+    for space in _spaces(M, inverse, inverse.solve(M @ begin), aside):
+        size = len(space.projected)
+        if size < look and len(space.rest) and size + aside.shape[1] < n:
+            continue
+        values, shares = np.linalg.eigh(space.projected)
+        values, shares = values[::-1][:count], shares[:, ::-1][:, :count]
+        wrong = np.linalg.norm(space.rest @ shares[size - space.rest.shape[1] :], axis=0)
+        allowed = np.where(np.arange(count) < count - SPARE, SETTLED, NEAR) * values + ROUND_OFF * values[0]
+        if bool((wrong <= allowed).all()):
+            break
+        look = int(size * (1 + GROWTH)) + 1
+    squared = 1 / values - shift
+    order = np.argsort(squared)
+    return squared[order], space.vectors @ shares[:, order]
+
+
+def krylov_spaces(M: Any, inverse: SymmetricFactor, block: Array) -> Iterator[tuple[Array, Array]]:
+    """(K + s M)⁻¹ M in growing Krylov spaces of a ``block`` (n, k), and the block in the first of their coordinates."""
+    for space in _spaces(M, inverse, block, np.zeros((len(block), 0))):
+        yield space.projected, space.start
+
+
+@dataclass(frozen=True, eq=False)
+class KrylovSpace:
+    """M-orthonormal ``vectors`` (n, m), (K + s M)⁻¹ M in them ``projected`` (m, m).
+
+    ``rest`` (left, k): what the image of the last k vectors has beyond them; without rows where the space is complete.
+    ``start``: the block it began with in the first vectors.
+    """
+
+    vectors: Array
+    projected: Array
+    rest: Array
+    start: Array
+
+
+def _spaces(M: Any, inverse: SymmetricFactor, block: Array, aside: Array) -> Iterator[KrylovSpace]:
+    """Spaces that grow by a block at a time, M-orthogonal to the vectors ``aside`` (n, k), until they are complete."""
+    first = filled = aside.shape[1]
+    vectors = np.empty((len(aside), first + 8 * block.shape[1]), order="F")
+    vectors[:, :first] = aside
+    block, _, start = _orthonormal(M, block, vectors[:, :filled])
+    projected = np.zeros((0, 0))
+    while block.shape[1] and filled < len(aside):
         width = block.shape[1]
         vectors = _with_room(vectors, filled + width)
         vectors[:, filled : filled + width] = block
@@ -80,17 +119,9 @@ def _lanczos(
         block, along, rest = _orthonormal(M, inverse.solve(M @ block), vectors[:, :filled])
         projected = np.pad(projected, ((0, width), (0, width)))
         projected[:, -width:] = along[first:]
-        size, ended = filled - first, block.shape[1] == 0 or filled - first >= most
-        if size >= look or ended:
-            values, shares = np.linalg.eigh(projected, UPLO="U")
-            values, shares = values[::-1][:count], shares[:, ::-1][:, :count]
-            wrong = np.linalg.norm(rest @ shares[-width:], axis=0)
-            allowed = np.where(np.arange(count) < count - SPARE, SETTLED, NEAR) * values + ROUND_OFF * values[0]
-            if ended or bool((wrong <= allowed).all()):
-                squared = 1 / values - shift
-                order = np.argsort(squared)
-                return squared[order], vectors[:, first:filled] @ shares[:, order]
-            look = int(size * (1 + GROWTH)) + 1
+        projected[-width:] = along[first:].T
+        projected[-width:, -width:] = (along[-width:] + along[-width:].T) / 2
+        yield KrylovSpace(vectors[:, first:filled], projected, rest, start)
 
 
 def _with_room(vectors: Array, columns: int) -> Array:
@@ -104,17 +135,29 @@ def _with_room(vectors: Array, columns: int) -> Array:
 def _orthonormal(M: Any, block: Array, before: Array) -> tuple[Array, Array, Array]:
     """M-orthonormal Q of what is left of a ``block`` beside the vectors ``before`` V; A and R of block = V A + Q R."""
     along, rest = np.zeros((before.shape[1], block.shape[1])), np.eye(block.shape[1])
-    least = EXHAUSTED**2 * float(np.max(np.sum(block * (M @ block), axis=0), initial=0.0))
+    sizes = np.sqrt(np.sum(block * (M @ block), axis=0))
     for _ in range(2):
         share = before.T @ (M @ block)
-        block = block - before @ share
         along += share @ rest
-        squares, turn = np.linalg.eigh(block.T @ (M @ block))
-        left = squares > least
-        turn, lengths = turn[:, left], np.sqrt(squares[left])
-        block = block @ (turn / lengths)
-        rest, least = lengths[:, None] * (turn.T @ rest), EXHAUSTED**2
+        block, turn = _side_by_side(M, block - before @ share, sizes)
+        rest, sizes = turn @ rest, np.ones(len(turn))
     return block, along, rest
+
+
+def _side_by_side(M: Any, block: Array, sizes: Array) -> tuple[Array, Array]:
+    """M-orthonormal Q and R of a ``block`` Q R, by Gram and Schmidt; without what is round-off beside ``sizes``."""
+    columns, momenta, shares = list[Array](), list[Array](), np.zeros((block.shape[1],) * 2)
+    for number, column in enumerate(block.T):
+        for i, (other, momentum) in enumerate(zip(columns, momenta, strict=True)):
+            shares[i, number] = momentum @ column
+            column = column - shares[i, number] * other
+        momentum = M @ column
+        length = float(np.sqrt(max(column @ momentum, 0.0)))
+        if length > EXHAUSTED * sizes[number]:
+            shares[len(columns), number] = length
+            columns.append(column / length)
+            momenta.append(momentum / length)
+    return np.array(columns).reshape(-1, len(block)).T, shares[: len(columns)]
 
 
 def _missing(K: Any, M: Any, squared: Array, count: int, inverse: SymmetricFactor) -> int:

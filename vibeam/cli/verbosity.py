@@ -11,6 +11,8 @@ from typing import Annotated, Any
 
 import typer
 
+from vibeam_models.phases import phases_told
+
 
 @dataclass(frozen=True)
 class Verbosity:
@@ -31,6 +33,12 @@ def verbosity() -> Verbosity:
     return _CURRENT.get()
 
 
+def _tell_phase(said: str) -> None:
+    from vibeam.cli.progress import stderr
+
+    stderr().print(said)
+
+
 _OPTIONS = {
     "json": ("--json", "Print one JSON object in place of text."),
     "quiet": ("--quiet,-q", "Print the answer alone, and no progress."),
@@ -48,7 +56,8 @@ def with_verbosity(command: Callable[..., None]) -> Callable[..., None]:
         asked = {key: given.pop(key) for key in _OPTIONS}
         token = _CURRENT.set(Verbosity(name, **asked))
         try:
-            command(**given)
+            with phases_told(_tell_phase):
+                command(**given)
         finally:
             _CURRENT.reset(token)
 
