@@ -19,6 +19,7 @@ from vibeam.cli.commands import case_files, checks, maps, measured, modes, pages
 from vibeam.cli.errors import UsageError, mistakes
 from vibeam.cli.streams import put, say, standard_streams
 from vibeam.cli.verbosity import with_verbosity
+from vibeam_models.phases import phases_told
 
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "How much model": (runs.run, studies.verdict, maps.map),
@@ -116,8 +117,14 @@ def _options(
         raise typer.Exit
 
 
+def _tell_phase(said: str) -> None:
+    from vibeam.cli.progress import stderr
+
+    stderr().print(said)
+
+
 for group in GROUPS.values():
     for each in group:
         if each is not studies.study:
-            app.command()(with_verbosity(mistakes()(each)))
+            app.command()(with_verbosity(phases_told(_tell_phase)(mistakes()(each))))
 app.add_typer(studies.registered, name="study")

@@ -11,8 +11,6 @@ from typing import Annotated, Any
 
 import typer
 
-from vibeam_models.phases import phases_told
-
 
 @dataclass(frozen=True)
 class Verbosity:
@@ -33,12 +31,6 @@ def verbosity() -> Verbosity:
     return _CURRENT.get()
 
 
-def _tell_phase(said: str) -> None:
-    from vibeam.cli.progress import stderr
-
-    stderr().print(said)
-
-
 _OPTIONS = {
     "json": ("--json", "Print one JSON object in place of text."),
     "quiet": ("--quiet,-q", "Print the answer alone, and no progress."),
@@ -56,8 +48,7 @@ def with_verbosity(command: Callable[..., None]) -> Callable[..., None]:
         asked = {key: given.pop(key) for key in _OPTIONS}
         token = _CURRENT.set(Verbosity(name, **asked))
         try:
-            with phases_told(_tell_phase):
-                command(**given)
+            command(**given)
         finally:
             _CURRENT.reset(token)
 
