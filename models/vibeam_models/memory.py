@@ -31,7 +31,7 @@ def _limits() -> Iterator[float]:
 
 
 def _of_process() -> Iterator[float]:
-    """What ``ulimit -v`` leaves."""
+    """Memory that ``ulimit -v`` leaves."""
     try:
         from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
     except ImportError:  # Windows

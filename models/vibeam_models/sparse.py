@@ -60,7 +60,7 @@ class SparseStructure(Structure):
         refuse("structure", faults)
 
     def _once(self, name: str, make: Callable[[], Any]) -> Any:
-        """What is found of M and K, once for all structures that share these and differ in their rows."""
+        """Property of M and K, found once for all structures that share these and differ in their rows."""
         if name not in self._found:
             self._found[name] = make()
         return self._found[name]
