@@ -6,6 +6,7 @@ have the same shape along the beam, by the modal assurance criterion |aᵀb|²/(
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,17 +17,19 @@ from vibeam.figures.panels import say
 from vibeam.figures.shading import picture, projected
 from vibeam.figures.sheet import Column, Columns, Comparison, Sheet, sheet_of
 from vibeam.figures.style import name_of
-from vibeam.figures.units import units_for
+from vibeam.figures.units import units_of
 from vibeam_models.arrays import Array
 from vibeam_models.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, FigureBase
 
     from vibeam.case.case import Case
+    from vibeam.case.fidelity import Fidelity
     from vibeam.figures.units import DisplayUnits
     from vibeam.system.impact_system import ImpactSystem
+    from vibeam_models.scene import AnyScene
 
 MOST = 4  # modes of a fidelity
 ALIKE = 0.5  # of the criterion, from which on two modes are one
@@ -38,15 +41,20 @@ DARKEST = 0.25  # of cividis, even in brightness, also to the colour-blind: dark
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One sheet, by frequency."""
-    return [sheet_of(fidelity, lambda: _columns(case, fidelity))]
+    return [shapes_of(fidelity, case.scene_of(fidelity), case.fidelities[fidelity])]
 
 
-def _columns(case: Case, fidelity: str) -> Columns:
-    scene, found = case.scene_of(fidelity), dict[str, Column]()
+def shapes_of(name: str, scene: AnyScene, fidelity: Fidelity) -> Sheet:
+    """Sheet of a ``scene`` reduced as a fidelity says, by frequency."""
+    return sheet_of(name, lambda: _columns(scene, fidelity))
+
+
+def _columns(scene: AnyScene, fidelity: Fidelity) -> Columns:
+    found = dict[str, Column]()
     if scene.in_three_dimensions:
         from vibeam.case.solid_shape import solid_system
 
-        system, pointed, bodies = solid_system(scene, case.fidelities[fidelity])
+        system, pointed, bodies = solid_system(scene, fidelity)
         order, surface = np.argsort(system.omega)[:MOST], next(iter(bodies.values())).surface
         turn = np.eye(3) if isinstance(pointed, Scene) else _lying(surface.points)
         moved = surface.displacement(np.eye(system.size)[:, order]) @ turn
@@ -54,7 +62,7 @@ def _columns(case: Case, fidelity: str) -> Columns:
         found["surface_triangle"] = Column(surface.triangles.astype(float), "1", "points (t, 3) of its triangles")
         found["surface_displacement"] = Column(moved, "1", "displacements (modes, k, 3), mass-normalised, kg^-½")
     else:
-        system, pointed = field_system(scene, case.fidelities[fidelity])
+        system, pointed = field_system(scene, fidelity)
         order = np.argsort(system.omega)[:MOST]
     found["mode_frequency"] = Column(system.omega[order] / (2 * np.pi), "Hz", "natural frequency of the mode")
     if not isinstance(pointed, Scene):  # a mesh of one's own has no line
@@ -90,6 +98,11 @@ def caption(plan: ShowPlan) -> str:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw a panel for each mode of each fidelity; dashed: the axis of the beam at rest."""
+    draw_modes(figure, result.case, shown)
+
+
+def draw_modes(figure: FigureBase, case: Case, shown: Sequence[Sheet]) -> None:
+    """Draw these sheets in a figure or a part of one, a column each under the name of a fidelity."""
     known = [sheet for sheet in shown if not sheet.fault]
     if not known:
         say(figure.subplots(), shown[0].fault if shown else "nothing to show")
@@ -100,9 +113,9 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     for row, axes in enumerate(grid):
         for panel, sheet in zip(axes, known, strict=True):
             mode = row if sheet is lead else _same(lead, row, sheet)
-            _panel(panel, sheet, mode, length, units_for(result))
+            _panel(panel, sheet, mode, length, units_of(case))
     for panel, sheet in zip(grid[0], known, strict=True):
-        panel.set_title(f"{name_of(result.case, sheet.fidelity)}\n{panel.get_title()}", fontsize="medium")
+        panel.set_title(f"{name_of(case, sheet.fidelity)}\n{panel.get_title()}", fontsize="medium")
     _share_limits(grid.ravel().tolist())
     _scale_of_colours(figure, grid.ravel().tolist())
 
@@ -195,7 +208,7 @@ def _share_limits(panels: list[Axes]) -> None:
         axes.set_ylim(low[1] - edge, high[1] + edge)
 
 
-def _scale_of_colours(figure: Figure, panels: list[Axes]) -> None:
+def _scale_of_colours(figure: FigureBase, panels: list[Axes]) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
