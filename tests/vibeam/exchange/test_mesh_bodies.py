@@ -353,6 +353,22 @@ def test_masses_that_cannot_be_rigid(tmp_path: Path) -> None:
     assert len(read(tmp_path, masses=(replace(masses[0], rigid=False), masses[1]))[0].masses) == 2
 
 
+def test_what_is_held_on_a_line_can_turn(tmp_path: Path) -> None:
+    written(tmp_path, nodes={"line": [0, 3], "one": [1]})
+    assert faults(tmp_path, clamp=("line",), outputs={"force": SurfaceMotion("end")}) == [
+        "outputs.force: 'force' is a name of its own in [solid]: call the output otherwise",
+        "clamp: holds a body of 2 cells at (30, 10, 5) mm on a line or in a point alone, about which it turns: hold a "
+        "face",
+    ]
+    assert faults(tmp_path, masses=(GroupMass(group="one", mass=0.1),)) == [
+        "mass.0.group: the group 'one' is a line or a point, which cannot turn as a body does: write rigid = false, or "
+        "name a face"
+    ]
+    given, _ = own_structure(replace(PLAN, masses=(GroupMass(group="one", mass=0.1, rigid=False),)), tmp_path)
+    assert given is not None
+    assert given.structure.modes(3).omega[0] > 1e3
+
+
 def test_what_is_assumed_is_said(tmp_path: Path) -> None:
     written(tmp_path)
     given, _ = own_structure(replace(PLAN, materials=(replace(STEEL, poissons_ratio=None),)), tmp_path)

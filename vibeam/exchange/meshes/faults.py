@@ -147,36 +147,40 @@ def merged(mesh: FileMesh, tolerance: float, free: Indices) -> FileMesh:
     return made
 
 
-def body_faults(mesh: FileMesh, held: Indices, free: Indices) -> Iterator[tuple[str, str]]:
-    """Complaints about bodies that do not hang together, with their keys.
+def on_line(points: Array) -> bool:
+    """Test whether points (n, 3) lie on a line, or are one, so that what is held there can turn."""
+    apart = points - points.mean(axis=0)
+    return int(np.linalg.matrix_rank(apart, tol=SAME * max(1.0, float(np.abs(points).max())))) < 2
 
-    ``held``: nodes of the clamp; ``free``: those of a contact between two bodies, which may lie on each other.
+
+def body_faults(mesh: FileMesh, held: Indices, free: Indices, half: bool) -> Iterator[tuple[str, str]]:
+    """Complaints about bodies that do not hang together, or can turn, with their keys.
+
+    ``held``: nodes of the clamp; ``free``: those of a contact between two bodies, which may lie on each other; a
+    ``half`` is held by its plane of symmetry too.
     """
     bodies = bodies_of(mesh)
     count = int(bodies.max()) + 1
     pairs = coincident(mesh, SAME * float(np.ptp(mesh.points, axis=0).max()), free)
     cure = 'mesh them together (Gmsh: fragments; Abaqus: merge the instances), or write merge = "1 µm"'
     loose = [body for body in range(count) if len(held) and body not in bodies[held]]
-    for body in loose:
+    for body in range(count):
         own = np.flatnonzero(bodies[mesh.cells[:, 0]] == body)
-        name = (
-            f"a body of {len(own)} cells{group_of(mesh, own)} at {place_of(mesh.points[bodies == body].mean(axis=0))}"
-        )
+        at = place_of(mesh.points[bodies == body].mean(axis=0))
+        name = f"a body of {len(own)} cells{group_of(mesh, own)} at {at}"
         on = pairs[(bodies[pairs] == body).sum(axis=1) == 1]
-        if len(on):
+        if body not in loose:
+            if len(held) and not half and on_line(mesh.points[held[bodies[held] == body]]):
+                yield "clamp", f"holds {name} on a line or in a point alone, about which it turns: hold a face"
+        elif len(on):
             lies = f"{len(on)} of its nodes lie on nodes of another body without being the same: {cure}"
             yield "clamp", f"does not hold {name}, which touches no other: {lies}"
         else:
             yield "clamp", f"does not hold {name}, {_gap(mesh, bodies, body)}: join them, or clamp it"
     rest = pairs[~np.isin(bodies[pairs], loose).any(axis=1)]
     if len(rest):
-        yield (
-            "mesh",
-            (
-                f"{len(rest)} pairs of its nodes lie on each other without being the same, the first at "
-                f"{place_of(mesh.points[rest[0, 0]])}: {cure}; a slit needs a width"
-            ),
-        )
+        said = f"{len(rest)} pairs of its nodes lie on each other without being the same, the first at"
+        yield "mesh", f"{said} {place_of(mesh.points[rest[0, 0]])}: {cure}; a slit needs a width"
 
 
 def _gap(mesh: FileMesh, bodies: Indices, body: int) -> str:

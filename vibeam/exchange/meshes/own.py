@@ -18,6 +18,7 @@ from vibeam.exchange.meshes.faults import (
     cell_faults,
     group_of,
     merged,
+    on_line,
     size_faults,
 )
 from vibeam.exchange.meshes.read import read_mesh
@@ -46,6 +47,7 @@ from vibeam_models.solid.scene import assumed_poissons_ratio, assumption
 OwnFault = tuple[str, str]  # key in [solid], dotted, and message
 KEPT = 4  # structures
 NONE = np.empty(0, dtype=np.int64)
+OF_RIG = {"contact", "opposite", "sensor", "force"}  # what no further output is called
 LOOKS = 0.5  # share of a surface's area that its mean normal must have, to be one
 
 
@@ -154,6 +156,8 @@ class BodyReading:
     def _check(self, names: Mapping[str, str]) -> None:
         """Complain about groups, size, cells and bodies."""
         known = [key for key, name in names.items() if self._group(key, name, surface=True)]
+        for name in OF_RIG & self.plan.outputs.keys():
+            self.complain(f"outputs.{name}", f"'{name}' is a name of its own in [solid]: call the output otherwise")
         for index, each in enumerate(self.plan.masses):
             self._group(f"mass.{index}.group", each.group)
         self.faults.extend(size_faults(self.mesh, self.plan.unit, self.plan.extent))
@@ -223,7 +227,8 @@ class BodyReading:
                 self.mesh = merged(self.mesh, self.plan.merge, self._nodes(touching))
             except ValueError as error:
                 return [("merge", str(error))]
-        return list(body_faults(self.mesh, self._nodes(clamps), self._nodes(touching)))
+        half = self.plan.symmetry is not None
+        return list(body_faults(self.mesh, self._nodes(clamps), self._nodes(touching), half))
 
     def _nodes(self, names: Sequence[str]) -> Indices:
         """All nodes of groups, those of their faces among them; of no group where it is not there."""
@@ -289,6 +294,9 @@ class BodyReading:
             on = self._carrying(each.group)
             made.append(BodyMass(each.group, *on, each.mass, each.rotary_inertia or 0.0, each.rigid))
             own = self._vertices(*on)
+            if each.rigid and on_line(self.volume.p[:, own].T):
+                said = f"the group '{each.group}' is a line or a point, which cannot turn as a body does"
+                self.complain(f"mass.{number}.group", f"{said}: write rigid = false, or name a face")
             for name, others in taken.items() if each.rigid else ():
                 if shared := int(np.isin(own, others).sum()):
                     said = f"{shared} nodes of the rigid group '{each.group}' are of {name} too"
