@@ -28,6 +28,7 @@ from vibeam_models.solid.scene import SolidScene
 
 OURS = "vibeam_models."  # effects of this package, which a solid knows
 ON_BASE = ("platform", "shaker")  # effects that a mesh leaves to the case
+SAME = 1e-9  # share of a length that is round-off
 WHOLE = ("full", "pod")  # reductions that need all modes, or a flight of them
 
 
@@ -40,6 +41,7 @@ def solid_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
                 yield ("solid", name), f"beam.{name} says it: leave it out here"
         if case.solid.mass_size is not None and case.mass is None:
             yield ("solid", "mass_size"), "is of an attached mass: add [mass], or leave it out"
+        yield from _patch(case)
     flown = {name: each for name, each in case.fidelity.items() if is_solid(each)}
     if any(not (getattr(each, "set", None) or getattr(each, "without", None)) for each in flown.values()):
         yield from _of_mesh(case, folder) if _has_mesh(case) else _refused(case)
@@ -47,6 +49,20 @@ def solid_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         if fidelity.reduction in WHOLE:
             said = f'a solid has too many coordinates for reduction = "{fidelity.reduction}"'
             yield ("fidelity", name, "reduction"), f'{said}: write reduction = "modal", modes = 20'
+
+
+def _patch(case: Any) -> Iterator[Complaint]:
+    """Complaints about a patch that the beam is too short or too narrow for; one at the tip is half there."""
+    patch, length, width = case.solid.contact, case.beam.length, getattr(case.beam, "width", None)
+    at = case.stop.position or (case.mass and case.mass.position)
+    if not isinstance(patch, tuple) or len(patch) != 2 or None in (at, length):
+        return
+    beyond = max(at + patch[0] / 2 - length, patch[0] / 2 - at)
+    if at < length and beyond > SAME * length:
+        cure = "take it shorter, or move stop.position, which is its middle"
+        yield ("solid", "contact"), f"reaches {beyond:.4g} m beyond the beam's end: {cure}"
+    if width is not None and not case.section and patch[1] > width * (1 + SAME):
+        yield ("solid", "contact"), f"is {patch[1]:g} m wide on a beam {width:g} m wide: take it narrower"
 
 
 def _has_mesh(case: Any) -> bool:
@@ -58,7 +74,10 @@ def _said(table: Any) -> Iterator[Complaint]:
     for name, count in {"contact": 2, "mass_size": 3}.items():
         given = getattr(table, name)
         if isinstance(given, tuple) and len(given) != count:
-            yield ("solid", name), f"{len(given)} numbers, and it is {count}: {keys_of(Solid)[name].meaning}"
+            yield (
+                ("solid", name),
+                f"takes {count} numbers, not {len(given)}: {keys_of(Solid)[name].meaning.partition(';')[0]}",
+            )
     if table.mesh is None:
         yield from _said_of_body(table)
         return

@@ -17,7 +17,7 @@ SYNONYMS = {
     "a": ("beam.area",), "i": ("beam.second_moment",), "radius": ("beam.diameter",),
     "d": ("beam.diameter", "beam.outer_diameter"), "wall_thickness": ("beam.wall",),
     "boundary": ("beam.ends",), "boundary_conditions": ("beam.ends",), "bc": ("beam.ends",), "supports": ("beam.ends",),
-    "mesh": ("beam.elements",), "fluid": ("beam.added_mass_per_length",), "second_beam": ("opposite",),
+    "mesh": ("beam.elements", "solid.mesh"), "fluid": ("beam.added_mass_per_length",), "second_beam": ("opposite",),
     "m": ("mass.mass",), "inertia": ("mass.rotary_inertia", "beam.second_moment"), "tip_mass": ("mass",),
     "payload": ("mass",), "x": ("mass.position", "stop.position"), "location": ("mass.position", "stop.position"),
     "clearance": ("stop.gap",), "distance": ("stop.gap",), "cor": ("stop.restitution",), "r": ("stop.restitution",),
@@ -38,7 +38,9 @@ SYNONYMS = {
     "f": ("drive.force",), "frequencies": ("sweep.frequency",), "freq": ("sweep.frequency",),
     "omega": ("sweep.frequency",), "transient": ("sweep.settle", "record"), "periods": ("sweep.hold",),
     "method": ("fidelity.reduction", "fidelity.solver"), "model": ("fidelity.reduction",), "models": ("fidelity",),
-    "n": ("fidelity.modes",), "order": ("fidelity.modes",), "plot": ("show",), "plots": ("show",),
+    "gmsh": ("solid.mesh",), "hexahedra": ("solid",), "three_dimensional": ("solid",), "patch": ("solid.contact",),
+    "block": ("solid.mass_size",), "n": ("fidelity.modes",),
+    "order": ("fidelity.modes",), "plot": ("show",), "plots": ("show",),
 }  # fmt: skip
 
 

@@ -26,8 +26,8 @@ class Solid:
     through: int = count(1, MOST, "finite elements through each layer, a plate or the beam; absent = 1", 1, 1)
     contact: tuple[float, ...] | None = quantity(
         "m",
-        "length along the beam and width of the patch that the stop meets; absent = as long as the section is high, "
-        "as wide as it, with [torsion] as wide as it is high",
+        "length and width of the patch that the stop meets, half of it at the tip; absent = as long as "
+        "the section is high, as wide as it, with [torsion] as wide as it is high",
         ["6 mm", "20 mm"],
         None,
         above=0,

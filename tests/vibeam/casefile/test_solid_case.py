@@ -91,9 +91,11 @@ def test_the_text_of_a_case_says_its_solid_again() -> None:
     ("changes", "said"),
     [
         ({"beam__massless": True, "fidelity__beam__modes": 1}, "beam.massless: a solid has the mass of its material"),
-        ({"solid__contact": [0.006]}, "solid.contact: 1 numbers, and it is 2: length along the beam"),
+        ({"solid__contact": [0.006]}, "solid.contact: takes 2 numbers, not 1: length and width of the patch"),
+        ({"solid__contact": [0.006, 0.03]}, "solid.contact: is 0.03 m wide on a beam 0.025 m wide"),
+        ({"solid__contact": [0.1, 0.01]}, "solid.contact: reaches 0.002 m beyond the beam's end"),
         ({"solid__contact": "tip"}, "solid.contact: is a group of a mesh: write length and width"),
-        ({"solid__mass_size": [0.02, 0.02]}, "solid.mass_size: 2 numbers, and it is 3"),
+        ({"solid__mass_size": [0.02, 0.02]}, "solid.mass_size: takes 3 numbers, not 2: length, width and height"),
         ({"mass": None, "stop__position": 0.1, "solid__mass_size": [0.02, 0.02, 0.1]}, "is of an attached mass: add"),
         ({"solid__clamp": "loose"}, "solid.clamp: must be one of held, sliding"),
         ({"solid__symmetry": "middle"}, "solid.symmetry: goes with a mesh of your own alone"),
