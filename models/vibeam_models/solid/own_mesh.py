@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -131,8 +131,7 @@ def finite_element_mesh(mesh: FileMesh) -> Any:
         at = _serendipity(mesh)
         places[:, dofs.facet_dofs[0, faces]] = at[:, :6].transpose(2, 1, 0)
         places[:, dofs.interior_dofs[0]] = at[:, 6].T
-    made.doflocs = places
-    return made
+    return replace(made, doflocs=places)
 
 
 def _curved(mesh: FileMesh) -> bool:
