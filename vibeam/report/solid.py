@@ -11,6 +11,7 @@ from vibeam.report.output import StudySheet
 from vibeam.report.reductions import shown
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.runs.comparison.differences import listed
+from vibeam.studies.solid.model import FIRST
 from vibeam.studies.solid.steps import LESS_TORSION, beam_of, solid_of
 from vibeam.studies.solid.study import JUDGED, QUANTITIES
 from vibeam.system.number_text import WORDS, begun, percent, signed
@@ -28,9 +29,10 @@ UNITS = {
 }  # fmt: skip
 NAMES = {
     "f1": "f₁", "f2": "f₂", "f3": "f₃", "twist": "twist", "flexibility": "flexibility", "mobility": "mobility",
-    "restitution": "R", "first_mode_restitution": "R₁", "peak": "peak", "peak_frequency": "at",
+    "restitution": "R", "first_mode_restitution": "R₁", "peak": "peak", "peak_frequency": "at", "rms": "rms",
 }  # fmt: skip
 OF_BEAMS = ("shear", LESS_TORSION)  # steps between two beams, which the mesh has no part in
+FREQUENCIES = JUDGED[:FIRST]
 DETAILS = ("flexibility", "peak_frequency")  # columns of -v and of the page
 PICTURED = 10.0  # s of CPU time of the solid's modes beyond which they are not made again for a picture
 FINE = 0.2  # of the accuracy: what the mesh may be off without a word
@@ -56,20 +58,19 @@ def answer(found: SolidVerdict) -> str:
     known = isfinite(found.error("peak"))
     verdict = "is enough" if found.enough else "is not enough" if found.beyond else "is not known to be enough"
     clauses = [_frequencies(found), f"the peak {_off(found.error('peak'))}" if known else "the peak is not known"]
-    if found.rms > found.accuracy:
-        clauses.append(f"its amplitudes at the same drive frequencies {_size(found.rms)} off (rms)")
+    if found.error("rms") > found.accuracy:
+        clauses.append(f"its amplitudes at the same drive frequencies {_size(found.error('rms'))} off (rms)")
     said = f"The beam {verdict} for {within}: {', '.join(filter(None, clauses))}"
     if not causes or abs(found.error(worst)) < DUST:
         return f"{said}."
     but = ", not resolved by this mesh" * (causes[-1] not in OF_BEAMS and abs(change) < found.mesh_error(worst))
-    of = "the peak's frequency" if worst == "peak_frequency" else NAMES[worst]
-    share = f"{'are' if len(causes) > 1 else 'is'} the largest part ({signed(change)} of {of}{but})"
+    share = f"{'are' if len(causes) > 1 else 'is'} the largest part ({signed(change)} of {NAMES[worst]}{but})"
     return f"{said}; {listed(causes)}{' together' * (len(causes) > 1)} {share}."
 
 
 def _frequencies(found: SolidVerdict) -> str:
     """Clause on the natural frequencies; empty where none is known."""
-    errors = [found.error(name) for name in JUDGED[:-1] if isfinite(found.error(name))]
+    errors = [found.error(name) for name in FREQUENCIES if isfinite(found.error(name))]
     if not errors:
         return ""
     worst, several = max(errors, key=abs), len(errors) > 1
@@ -94,7 +95,7 @@ def ladder(found: SolidVerdict) -> ReportTable:
     table = blank("From the beam to the solid", "step")
     for name in columns:
         table.add(f"{NAMES[name]}|", detail=name in DETAILS)
-    table.add("CPU|")
+    table.add("CPU|", detail=True)
     seconds = {model.name: model.cpu_seconds for model in found.models}
     table.add_row("the beam", *(_value(found.beam, name) for name in columns), _time(found.beam.cpu_seconds))
     table.add_section()
@@ -112,7 +113,7 @@ def ladder(found: SolidVerdict) -> ReportTable:
         "steps: change over the solid's number, their sum is what the beam is off with the other sign; –: not known, "
         "the next step has it; "
         f"mobility: of the contact in the beam's {counted(found.beam.modes, 'mode')}; mesh: half of what one twice as "
-        "coarse changes; *: smaller than that, not resolved"
+        "coarse changes; rms: of the amplitudes at the same drive frequencies from the solid's; *: not resolved"
     )
     return table
 
@@ -125,6 +126,8 @@ def _varies(found: SolidVerdict, name: str) -> bool:
 
 def _value(model: LadderModel, name: str) -> str:
     value = model.value(name)
+    if name == "rms":
+        return percent(value)
     return coefficient(value) if UNITS[name] == "1" else shown(value, UNITS[name])
 
 
@@ -201,10 +204,6 @@ def details(found: SolidVerdict) -> Iterator[str]:
     for model in found.models:
         if model.why:
             yield f"{begun(model.name)}: {model.why}."
-    rms = found.distance.rms
-    if isfinite(rms):
-        points = f"{found.distance.points} of {found.distance.total} points"
-        yield f"At the same drive frequencies the beam's amplitudes are {percent(rms)} off (rms, {points})."
     yield (
         "The mobility of a patch in all modes grows without limit as the mesh is refined; natural frequencies, "
         "flexibility, and the mobility of a number of modes converge."
@@ -225,7 +224,7 @@ def rows(found: SolidVerdict) -> Iterator[Mapping[str, Any]]:
 
 
 def _data(found: SolidVerdict) -> dict[str, Any]:
-    names = ("fidelity", "accuracy", "held", "enough", "worst", "models", "steps", "coarser", "distance", "chosen")
+    names = ("fidelity", "accuracy", "held", "enough", "worst", "models", "steps", "coarser", "chosen")
     errors = {name: found.error(name) for name in QUANTITIES}
     return {name: getattr(found, name) for name in (*names, "seconds", "left_out")} | {"errors": errors}
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vibeam.studies.solid.pairing import bending, likeness, partners
+import vibeam
+from vibeam.studies.solid.model import SteppedModel
+from vibeam.studies.solid.pairing import bending, inertias_along, likeness, partners
+from vibeam.studies.solid.steps import ladder, solid_of
 
 X = np.linspace(0, 1, 41)
 ROOTS = np.array([1.875104068711961, 4.694091132974175, 7.854757438237613, 10.995540734875467])
@@ -44,4 +47,16 @@ def test_a_shape_that_the_other_has_not_finds_no_partner() -> None:
 
 def test_modes_that_leave_the_mean_line_at_rest_do_not_bend_it() -> None:
     shapes = np.column_stack([BEAM[:, 0], np.full(41, 1e-3)])
-    assert bending(shapes, mass=1.0).tolist() == [True, False]
+    assert bending(shapes).tolist() == [True, False]
+
+
+def test_each_place_is_weighed_by_what_moves_there() -> None:
+    """Modes of one beam with a heavy mass and its inertia are alike to themselves alone: they are M-orthogonal."""
+    case = vibeam.load("cases/dtu_neutral.toml")
+    masses, turned = inertias_along(case.scene, "beam", 25)
+    assert masses.sum() == pytest.approx(case.scene.moving_mass, rel=1e-12)
+    assert (turned.sum(), masses.argmax(), turned.argmax()) == (2.988e-5, 18, 18)  # 132 mm of 180 mm
+    beam = SteppedModel(ladder(solid_of(case.scene))[0], 6)
+    assert likeness(beam.shapes, beam.shapes) == pytest.approx(
+        np.eye(6), abs=0.05
+    )  # of 25 places: the mass is 3 mm aside

@@ -69,7 +69,7 @@ def test_of_a_slender_beam_the_beam_is_enough(found: dict[str, vibeam.studies.So
     said = sheet(slender).answer
     assert slender.enough
     assert said.startswith("The beam is enough for 5 %: its first three natural frequencies are within ")
-    assert all(abs(slender.error(name)) < 0.02 for name in JUDGED[:-1])
+    assert all(abs(slender.error(name)) < 0.02 for name in JUDGED[:3])
 
 
 def test_of_a_beam_of_ratio_three_shear_is_the_largest_part(found: dict[str, vibeam.studies.SolidVerdict]) -> None:
@@ -93,7 +93,7 @@ def test_a_wide_strip_is_a_plate_and_bends_by_ei_over_one_less_the_square_of_the
     parts = {each.cause: each.changes["f1"] for each in wide.steps}
     before = wide.solid.frequencies[0] * (1 - parts["plate stiffening"] - parts["the clamp"])
     assert wide.solid.frequencies[0] / before == pytest.approx(1 / sqrt(1 - 0.3**2), abs=0.005)
-    assert (wide.enough, wide.worst, wide.largest[0]) == (False, "f1", ("plate stiffening",))
+    assert (wide.enough, max(parts, key=lambda cause: abs(parts[cause]))) == (False, "plate stiffening")
     assert abs(parts["three dimensions"]) < 1e-3
 
 
@@ -114,7 +114,7 @@ def test_the_error_of_the_mesh_holds_what_a_finer_one_changes(
     """Of the natural frequencies of the slender beam, on twice as many elements along it."""
     finer = with_solid("slender", **{"solid.along": 24, "solid.across": 4, "solid.through": 3})
     better = finer.system("body").omega / (2 * pi)
-    for place, name in enumerate(JUDGED[:-1]):
+    for place, name in enumerate(JUDGED[:3]):
         change = abs(float(better[place]) / found["slender"].solid.frequencies[place] - 1)
         assert change < found["slender"].mesh_error(name) + 1e-5
 
@@ -260,3 +260,5 @@ def test_the_picture_has_the_modes_of_beam_and_solid_below_the_steps(
 def test_a_case_without_a_beam_is_told_so() -> None:
     with pytest.raises(ValueError, match="no beam to compare with a solid"):
         vibeam.studies.solid_verdict("cases/sdof_nominal.toml")
+    with pytest.raises(ValueError, match="a massless beam has no solid: take"):
+        vibeam.studies.solid_verdict("cases/paper/eq38.toml")

@@ -12,7 +12,7 @@ import numpy as np
 from vibeam.case.fidelity import system_of
 from vibeam.case.reduced_structure import reduced_structure
 from vibeam.studies.influence.curve import Curve, refined_peak, swept
-from vibeam.studies.solid.pairing import bending, partners
+from vibeam.studies.solid.pairing import bending, inertias_along, partners
 from vibeam.studies.solid.steps import LadderStep
 from vibeam_models.arrays import Array
 from vibeam_models.effects.field_points import FieldPoints, output_names
@@ -37,7 +37,8 @@ class LadderModel:
     ``numbers``: of these modes among all. ``twist``: first natural frequency of torsion, Hz, mode ``twist_number``.
     ``flexibility``: of the contact, m/N; ``mobility``: of it in the ``modes`` up to the partner of the beam's last,
     1/kg; ``restitution`` of the contact and of mode 1, one of them the case's. ``peak`` (m) of the sweep at
-    ``peak_frequency`` (Hz). NaN: not known, ``why`` or ``why_no_peak``.
+    ``peak_frequency`` (Hz); ``rms``: of its amplitudes from the solid's at the same drive frequencies. NaN: not known,
+    ``why`` or ``why_no_peak``.
     ``unread``: keys of the case that it does not read.
     """
 
@@ -55,6 +56,7 @@ class LadderModel:
     first_mode_restitution: float = nan
     peak: float = nan
     peak_frequency: float = nan
+    rms: float = nan
     cpu_seconds: float = 0.0
     why: str = ""
     why_no_peak: str = ""
@@ -100,20 +102,19 @@ class SteppedModel:
 
     @cached_property
     def shapes(self) -> Array:
-        """Deflections (k, modes) of the mean lines."""
-        named = {name for beam in ("beam", "opposite") for name in output_names(beam, 0, PLACES)}
-        return np.array([row for name, row in self.reduced.outputs.items() if name in named])
-
-    @cached_property
-    def mass(self) -> float:
-        """Moving mass in kg."""
-        return self.step.scene.moving_mass
+        """Deflections and slopes (k, modes) of the mean lines, times the roots of what inertia each moves."""
+        rows, scene = [], self.step.scene
+        for name in ("beam", *("opposite" for _ in scene.named("opposite"))):
+            for order, inertias in enumerate(inertias_along(scene, name, PLACES)):
+                named = output_names(name, order, PLACES)
+                rows += [size * self.reduced.outputs[each] for each, size in zip(named, np.sqrt(inertias), strict=True)]
+        return np.array(rows)
 
     @cached_property
     def partners(self) -> tuple[np.ndarray, Array]:
         """Places of the modes that are those of the beam, −1 without one, and their likeness."""
         if self.beam is None:
-            own = np.flatnonzero(bending(self.shapes, self.mass))
+            own = np.flatnonzero(bending(self.shapes))
             return own, np.ones(len(own))
         theirs = self.beam
         return partners(theirs.shapes[:, theirs.partners[0]], self.shapes)
@@ -122,7 +123,7 @@ class SteppedModel:
     def kept(self) -> Structure:
         """Structure in the modes that the contact sees, up to the partner of the beam's last."""
         last = int(self.partners[0].max(initial=0))
-        seen = np.abs(self.reduced.contact) * np.sqrt(self.mass) > UNSEEN
+        seen = np.abs(self.reduced.contact) * np.sqrt(self.step.scene.moving_mass) > UNSEEN
         chosen = np.flatnonzero(seen[: last + 1])
         return in_coordinates(self.reduced, np.eye(self.reduced.size)[:, chosen]).with_(contact_flexibility=0.0)
 
@@ -154,7 +155,8 @@ class SteppedModel:
 
     def _twist(self, omega: Array) -> tuple[float, int]:
         """Frequency and number of the first mode that moves the contact and not the mean line; NaN and 0 of none."""
-        turned = ~bending(self.shapes, self.mass) & (np.abs(self.reduced.contact) * np.sqrt(self.mass) > TWIST)
+        moved = np.abs(self.reduced.contact) * np.sqrt(self.step.scene.moving_mass) > TWIST
+        turned = ~bending(self.shapes) & moved
         if not (self.step.scene.named("torsion") and turned.any()):
             return nan, 0
         first = int(np.argmax(turned))

@@ -20,7 +20,7 @@ from vibeam.case.source import of_source
 from vibeam.studies.influence.curve import Curve
 from vibeam.studies.solid.model import FIRST, LadderModel, SteppedModel, with_peak
 from vibeam.studies.solid.steps import LadderStep, coarser, ladder, solid_of
-from vibeam.system.curves import Difference, evenly
+from vibeam.system.curves import evenly
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 from vibeam_models.arrays import ValueRecord
@@ -35,9 +35,9 @@ POINTS = 31  # frequencies of the sweep at most
 BUDGET = 20.0  # s
 QUANTITIES = (
     *(f"f{number}" for number in range(1, FIRST + 1)), "twist", "flexibility", "mobility", "restitution",
-    "first_mode_restitution", "peak", "peak_frequency",
+    "first_mode_restitution", "peak", "peak_frequency", "rms",
 )  # fmt: skip
-JUDGED = (*QUANTITIES[:FIRST], "peak")
+JUDGED = (*QUANTITIES[:FIRST], "peak", "rms")
 SAFE = 0.5  # of the change: ⅓ of it is the error where that is of second order, as in flat elements and at clamps
 LEFT_OUT = "left out: over the budget"
 MORE = (3, 8)  # halves of the beam's number of modes, in which the first ones are looked for
@@ -60,10 +60,9 @@ class StepChange:
 class SolidVerdict(ValueRecord, ViewedTable):
     """Beam and solid of a rig and what is between them: ``models``, the beam first, the solid last.
 
-    ``coarser``: the solid with half as many elements in each direction; ``distance``: of the beam's amplitudes from the
-    solid's at the same frequencies; ``held``: the restitution; ``assumed``: sentences on what the case does not say;
-    ``chosen``: keys that measured numbers chose; ``accuracy``: the largest error allowed. ``left_out`` models did not
-    fit into ``budget`` s of CPU time of the ``seconds`` spent.
+    ``coarser``: the solid with half as many elements in each direction; ``held``: the restitution; ``assumed``:
+    sentences on what the case does not say; ``chosen``: keys that measured numbers chose; ``accuracy``: the largest
+    error allowed. ``left_out`` models did not fit into ``budget`` s of CPU time of the ``seconds`` spent.
     """
 
     case: Case
@@ -72,7 +71,6 @@ class SolidVerdict(ValueRecord, ViewedTable):
     held: Held
     models: tuple[LadderModel, ...]
     coarser: LadderModel
-    distance: Difference
     assumed: tuple[str, ...] = ()
     chosen: tuple[str, ...] = ()
     seconds: float = nan
@@ -91,33 +89,32 @@ class SolidVerdict(ValueRecord, ViewedTable):
 
     def error(self, quantity: str) -> float:
         """Error of the beam in a quantity, relative to the solid's; NaN where one of the two has none."""
-        return _over(self.beam.value(quantity), self.solid.value(quantity), self.solid.value(quantity))
+        return self._over(self.beam, self.solid.value(quantity), quantity)
 
     def mesh_error(self, quantity: str) -> float:
         """Error of the solid's quantity by its mesh, relative: ``SAFE`` times what half as many elements change."""
-        return SAFE * abs(_over(self.coarser.value(quantity), self.solid.value(quantity), self.solid.value(quantity)))
+        return SAFE * abs(self._over(self.coarser, self.solid.value(quantity), quantity))
 
     @property
     def steps(self) -> tuple[StepChange, ...]:
         """Change by each step; of every quantity they add up to what the beam is off, with the other sign."""
         found, before = [], {name: self.beam.value(name) for name in QUANTITIES}
         for model in self.models[1:]:
-            values = {name: model.value(name) for name in QUANTITIES}
-            changes = {name: _over(values[name], before[name], self.solid.value(name)) for name in QUANTITIES}
-            before |= {name: value for name, value in values.items() if isfinite(value)}
+            changes = {name: self._over(model, before[name], name) for name in QUANTITIES}
+            before |= {name: model.value(name) for name in QUANTITIES if isfinite(model.value(name))}
             found.append(StepChange(model.name, model.cause, changes))
         return tuple(found)
 
+    def _over(self, model: LadderModel, other: float, quantity: str) -> float:
+        """Difference of a model's value from another one over the solid's; of the rms distance as it is."""
+        whole = 1.0 if quantity == "rms" else self.solid.value(quantity)
+        return (model.value(quantity) - other) / whole if whole else nan
+
     @property
     def worst(self) -> str:
-        """Quantity, of those judged, in which the beam is off most; empty where none is known.
-
-        The peak's frequency where the amplitudes at the same frequencies are beyond the accuracy, and no other is.
-        """
+        """Quantity, of those judged, in which the beam is off most; empty where none is known."""
         known = [name for name in JUDGED if isfinite(self.error(name))]
-        found = max(known, key=lambda name: abs(self.error(name)), default="")
-        shifted = self.rms > self.accuracy and isfinite(self.error("peak_frequency"))
-        return "peak_frequency" if shifted and found and abs(self.error(found)) <= self.accuracy else found
+        return max(known, key=lambda name: abs(self.error(name)), default="")
 
     @property
     def largest(self) -> tuple[tuple[str, ...], float]:
@@ -137,14 +134,9 @@ class SolidVerdict(ValueRecord, ViewedTable):
         return named.get(int(number or -1), "")
 
     @property
-    def rms(self) -> float:
-        """Distance of the beam's amplitudes at the same frequencies, rms; NaN where fewer than half can be compared."""
-        return self.distance.rms if 2 * self.distance.points >= self.distance.total else nan
-
-    @property
     def beyond(self) -> bool:
-        """Test whether the beam is beyond the accuracy: in a frequency or the peak by more than the mesh error, rms."""
-        return self.rms > self.accuracy or any(self._off(name, -1) > self.accuracy for name in JUDGED)
+        """Test whether the beam is beyond the accuracy by more than the mesh error."""
+        return any(self._off(name, -1) > self.accuracy for name in JUDGED)
 
     @property
     def enough(self) -> bool:
@@ -156,10 +148,6 @@ class SolidVerdict(ValueRecord, ViewedTable):
         """Error of the beam in size with the mesh error, where that is known, on this side."""
         mesh = self.mesh_error(quantity)
         return abs(self.error(quantity)) + side * (mesh if isfinite(mesh) else 0.0)
-
-
-def _over(one: float, other: float, whole: float) -> float:
-    return (one - other) / whole if whole else nan
 
 
 @of_source
@@ -194,6 +182,8 @@ def _solid(case: Case, fidelity: str) -> tuple[SolidScene, str]:
     scene = case.scene_of(chosen)
     if not isinstance(scene, Scene):
         raise ValueError(f"no beam to compare with a solid: {scene.no_beam or 'the case gives no sections'}")
+    if not scene.carrier.density:
+        raise ValueError("a massless beam has no solid: take beam.massless out")
     return solid_of(scene), chosen
 
 
@@ -230,8 +220,8 @@ class _Ladder:
         between = [self._of(step, reference, True) for step in self.steps[1:-1]]
         chosen = {key for number in self.case.measured.values() for key in number.chose}
         return SolidVerdict(
-            self.case, self.fidelity, accuracy, held_of(self.scene), (ends[0], *between, ends[1]), rough,
-            self._distance(),
+            self.case, self.fidelity, accuracy, held_of(self.scene),
+            tuple(map(self._with_distance, (ends[0], *between, ends[1]))), self._with_distance(rough),
             tuple(assumptions(self.scene)), tuple(sorted(chosen)), process_time() - self.begun, self.budget,
             self.left_out,
         )  # fmt: skip
@@ -270,10 +260,13 @@ class _Ladder:
         first, last = (SteppedModel(step, times * self.count // 2 + 4, beam) for times in MORE)
         return first if min(first.partners[0][:FIRST], default=0) >= 0 else last
 
-    def _distance(self) -> Difference:
-        """Distance of the beam's amplitudes from the solid's."""
-        ours, theirs = (self.curves.get(self.steps[at].name) for at in (0, -1))
-        return Difference() if ours is None or theirs is None else ours.swept.off(theirs.swept)
+    def _with_distance(self, model: LadderModel) -> LadderModel:
+        """The model with its distance from the solid's amplitudes, where at least half of them can be compared."""
+        ours, solid = (self.curves.get(name) for name in (model.name, self.steps[-1].name))
+        if ours is None or solid is None:
+            return model
+        off = ours.swept.off(solid.swept)
+        return replace(model, rms=off.rms if 2 * off.points >= off.total else nan)
 
     def _told(self) -> None:
         self.told(min(self.done, len(self.steps) + 1), len(self.steps) + 1)
