@@ -97,7 +97,7 @@ FLAT = {
     "taper": {"section": [{"start": "20 mm", "end": "200 mm", "end_width": "8 mm", "end_thickness": "1 mm"}]},
     "tapered hollow": {
         "beam": {"shape": "hollow rectangle", "thickness": "10 mm", "wall": "2 mm"},
-        "section": [{"start": "0 mm", "end": "180 mm", "end_width": "10 mm", "end_thickness": "6 mm"}],
+        "section": [{"start": "20 mm", "end": "200 mm", "end_width": "10 mm", "end_thickness": "6 mm"}],
     },
     "plates": {
         "plate": [plate(), plate(sides="both", width="26 mm", start="90 mm"), plate(stiffens=False, end="200 mm")]
@@ -142,7 +142,7 @@ def test_the_stop_meets_the_block_where_the_mass_is() -> None:
             {"diameter": "10 mm"},
             {
                 "section": [
-                    {"start": "60 mm", "end": "140 mm", "shape": "tube", "outer_diameter": "14 mm", "wall": "2 mm"}
+                    {"start": "60 mm", "end": "140 mm", "shape": "tube", "outer_diameter": "14 mm", "wall": "3 mm"}
                 ]
             },
         ),
@@ -169,3 +169,32 @@ def test_held_faces_have_planes_in_their_boundary_layer() -> None:
     planes = {clamp: np.unique(body_of(scene(thin, plan=Solid(clamp=clamp))).mesh.p[0]) for clamp in CLAMPS}
     assert np.isin(np.round([0.00025, 0.00075, 0.0017, 0.0035], 9), np.round(planes["held"], 9)).all()
     assert planes["sliding"][1] > 0.01
+
+
+def test_sections_that_touch_in_a_line_alone_are_refused() -> None:
+    bar = {key: value for key, value in BEAM.items() if key not in ("width", "thickness")} | {"shape": "round"}
+    tube = {"start": "90 mm", "end": "200 mm", "shape": "tube", "outer_diameter": "16 mm", "wall": "2 mm"}
+    with pytest.raises(ValueError, match="before and after 90 mm share no area"):
+        body_of(scene_of({**bar, "diameter": "12 mm"}, section=[tube]))
+    body_of(scene_of({**bar, "diameter": "12.1 mm"}, section=[tube]))
+
+
+MASS = {"mass": "1 kg", "position": "100 mm"}
+TAPER = {"start": "50 mm", "end": "110 mm", "end_width": "3 mm"}
+
+
+@pytest.mark.parametrize(
+    ("beam", "further", "plan", "told"),
+    [
+        ({"shape": "general", "area": "20 mm^2", "second_moment": "2 mm^4"}, {}, {}, "no geometry"),
+        ({"shape": "round", "diameter": "9 mm"}, {"mass": MASS}, {"mass_size": (0.01, 0.01, 0.01)}, "circular"),
+        ({"width": "9 mm", "thickness": "3 mm"}, {}, {"contact": (0.01, 0.01)}, "reaches 5 mm off the axis"),
+        ({"width": "9 mm", "thickness": "3 mm"}, {"plate": [plate(width="6 mm")], "section": [TAPER]}, {}, "cross"),
+    ],
+)  # fmt: skip
+def test_what_has_no_structured_mesh_is_said(
+    beam: dict[str, Any], further: dict[str, Any], plan: dict[str, Any], told: str
+) -> None:
+    bar = {key: value for key, value in BEAM.items() if key not in ("width", "thickness")}
+    with pytest.raises(ValueError, match=told):
+        body_of(scene_of({**bar, **beam}, plan=Solid(**plan), **further))

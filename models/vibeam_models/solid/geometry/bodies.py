@@ -48,10 +48,10 @@ def body_of(scene: SolidScene, which: Which = "beam") -> SolidBody:
 def _meshed(scene: SolidScene, beam: Beam, patches: Sequence[Patch], which: Which, half: bool) -> tuple[Any, SolidGrid]:
     solid, length = scene.solid, beam.length
     mass = _mass_blocks(scene, beam) if which == "beam" else None
+    made = FlatFamily if _flat(beam, mass) else CircularFamily
     pairs = list(pairwise(_planes(scene, beam, patches, mass, which)))
     counts = [max(1, round((solid.along or beam.elements) * (end - start) / length)) for start, end in pairs]
     pieces = [_piece(beam, start, end, patches, mass, which) for start, end in pairs]
-    made = FlatFamily if _flat(beam, mass) else CircularFamily
     family = made.of(pieces, -(-solid.across // 2), solid.through)
     grid = drawn(pieces, counts, family.section())
     grid = grid if half else grid.whole()

@@ -57,8 +57,15 @@ class SolidGrid:
 
 
 def drawn(pieces: Sequence[Piece], counts: Sequence[int], section: CrossSection) -> SolidGrid:
-    """SolidGrid of ``pieces`` in so many cells each along x; linear between the planes."""
+    """SolidGrid of ``pieces`` in so many cells each along x; linear between the planes.
+
+    ValueError where two that follow one another do not touch in an area.
+    """
     blocks = [_covering(piece, section.middles[i : i + 2].mean(axis=0)) for i, piece in enumerate(pieces)]
+    for piece, found, following in zip(pieces[1:], blocks, blocks[1:], strict=False):
+        if not any(one and other for one, other in zip(found, following, strict=True)):
+            at = f"{1e3 * piece.start:g} mm"
+            raise ValueError(f"solid: the sections before and after {at} share no area: let one reach into the other")
     layers = [found for found, count in zip(blocks, counts, strict=True) for _ in range(count)]
     nodes = section.places.shape[2]
     cells, kinds = [], []
