@@ -13,6 +13,7 @@ from hypothesis import settings
 
 # before numpy is imported: OpenBLAS's further threads wait by spinning, most of the CPU time of small matrices
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ["VIBEAM_CACHE"] = ""  # a reduced solid of another run would hide a change
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.load_profile("fixed")

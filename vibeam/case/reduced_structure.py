@@ -1,6 +1,6 @@
 """Reduced structure of a scene, kept for the next case with the same one; the flight that some reductions are made of.
 
-Gap, law and size of the drive are no part of it.
+Gap, law and size of the drive are no part of it. That of a solid is kept on disk too (``kept_structures``).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.kept_structures import keep, kept, place_of
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene
@@ -50,7 +51,13 @@ def reduced_structure(
 def _kept(
     scene: RigScene, declared: ReductionDeclaration, modes: int | None, parameters: Parameters
 ) -> tuple[Structure, float]:
-    return _made(*_kept_structure(scene), declared, modes, parameters)
+    place = place_of(scene, declared.name, modes, parameters) if scene.in_three_dimensions else None
+    if place is not None and (known := kept(place)):
+        return known
+    structure, static = _made(*_kept_structure(scene), declared, modes, parameters)
+    if place is not None:
+        keep(place, structure, static)
+    return structure, static
 
 
 def _made(

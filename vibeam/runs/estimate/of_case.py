@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from vibeam.system.response import Branches
 
 LARGEST = 1500  # coordinates of a structure all of whose modes are computed
+MANY = 41  # coordinates that stand for all modes of a larger one: 40 modes, and the rest of the contact's flexibility
 
 
 DEAR = "flights of the full model, of {} modes, take too long beside the run's own"
@@ -45,15 +46,19 @@ def without_orbits(scene: AnyScene) -> str:
 
 
 def full_model(scene: AnyScene) -> ImpactSystem:
-    """Impact system with all modes of a scene; ValueError says why no periodic motions of it are known."""
+    """Impact system with all modes of a scene; ValueError says why no periodic motions of it are known.
+
+    Of a solid, or of very many coordinates, ``MANY`` modes, the contact's residual flexibility among them, stand for
+    all.
+    """
     if why := without_orbits(scene):
         raise ValueError(why)
     if scene.given_mode is not None or not isinstance(scene, RigScene):
         raise ValueError("a single degree of freedom given directly has no fuller model")
     if not scene.all_modes:
         raise ValueError("the case gives a few modes, and no structure that has more")
-    if (size := structure_of(scene).size) > LARGEST:
-        raise ValueError(f"the full model has {size} coordinates, too many to know all of its modes")
+    if scene.in_three_dimensions or structure_of(scene).size > LARGEST:
+        return system(scene, Fidelity("full model", "residual_flexibility", modes=MANY))
     return system(scene, Fidelity("full model", "full"))
 
 
