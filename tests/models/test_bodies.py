@@ -116,12 +116,12 @@ def test_flat_bodies_have_the_mass_of_their_beam(name: str, whole: bool | None) 
 
 
 def test_a_mass_of_blocks_weighs_what_the_case_says() -> None:
-    made = scene(mass={"mass": "0.2 kg", "position": "195 mm"}, plan=Solid(mass_size=(0.02, 0.03, 0.01)))
+    made = scene(mass={"mass": "0.2 kg", "position": "190 mm"}, plan=Solid(mass_size=(0.02, 0.03, 0.01)))
     body = body_of(made)
     assert_sound(body)
     assert body.mass == pytest.approx(made.carrier.mass + 0.2, rel=1e-9)
     blocks = body.mesh.p[:, body.mesh.t[:, ~body.beam]]
-    assert blocks[0].min() == pytest.approx(0.185)  # cut at the tip
+    assert blocks[0].min() == pytest.approx(0.18)
     assert blocks[0].max() == pytest.approx(0.2)
     assert blocks[2].max() == pytest.approx(0.012)
 
@@ -188,6 +188,7 @@ TAPER = {"start": "50 mm", "end": "110 mm", "end_width": "3 mm"}
     [
         ({"shape": "general", "area": "20 mm^2", "second_moment": "2 mm^4"}, {}, {}, "no geometry"),
         ({"shape": "round", "diameter": "9 mm"}, {"mass": MASS}, {"mass_size": (0.01, 0.01, 0.01)}, "circular"),
+        ({"width": "9 mm", "thickness": "3 mm"}, {"mass": MASS}, {"mass_size": (0.3, 0.01, 0.01)}, "300 mm about"),
         ({"width": "9 mm", "thickness": "3 mm"}, {}, {"contact": (0.01, 0.01)}, "reaches 5 mm off the axis"),
         ({"width": "9 mm", "thickness": "3 mm"}, {"plate": [plate(width="6 mm")], "section": [TAPER]}, {}, "cross"),
     ],

@@ -165,7 +165,9 @@ def _mass_blocks(scene: SolidScene, beam: Beam) -> MassBlocks | None:
     if scene.solid.mass_size is None or scene.mass is None:
         return None
     length, width, height = scene.solid.mass_size
-    start, end = max(0.0, scene.mass.position - length / 2), min(beam.length, scene.mass.position + length / 2)
+    start, end = scene.mass.position - length / 2, scene.mass.position + length / 2
+    if start < 0 or end > beam.length * (1 + SAME):
+        raise ValueError(f"solid.mass_size: {1e3 * length:g} mm about mass.position reach beyond an end of the beam")
     density = scene.mass.mass / (2 * (end - start) * width * height)
     modulus = scene.solid.mass_youngs_modulus or beam.youngs_modulus
     ratio = beam.poissons_ratio if modulus == beam.youngs_modulus else None
