@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.figures.kinds.shapes import _same
+from vibeam.figures.kinds.shapes import pairs_of
 from vibeam.figures.shading import AMBIENT, LIGHT, axes_of_view, picture, projected
 from vibeam.figures.sheet import Column, Sheet, sheets
 from vibeam.report.figures import figure
@@ -120,8 +120,8 @@ def test_bodies_and_lines_show_the_same_bending(case: vibeam.Case) -> None:
     line, body = sheets(case, case.shows["forms"])
     assert (line.fidelity, body.fidelity, line.fault, body.fault) == ("line", "body", "", "")
     assert body["mode_frequency"][0] == pytest.approx(line["mode_frequency"][0], rel=0.03)
-    own, other = (each["deflection"][0] / each["deflection"][0][-1] for each in (line, body))
-    np.testing.assert_allclose(np.interp(body["position"], line["position"], own), other, atol=0.02)
+    own, other = (each["beam_deflection"][0] / each["beam_deflection"][0][-1] for each in (line, body))
+    np.testing.assert_allclose(np.interp(body["beam_position"], line["beam_position"], own), other, atol=0.02)
     assert body["surface_displacement"].shape == (3, len(body["surface_point"]), 3)
     a, b, c = (body["surface_point"][each.astype(int)] for each in body["surface_triangle"].T)
     assert np.sum(a * np.cross(b, c)) / 6 == pytest.approx(0.1 * 0.02 * 0.004, rel=1e-9)
@@ -150,13 +150,48 @@ def test_pairs_are_made_by_shape_not_by_number() -> None:
     places, x = Column(np.linspace(0, 1, 9), "m", ""), np.linspace(0, 1, 9)
     bent, twice = x**2, x**2 - 1.4 * x**3
     body = {
-        "position": places,
-        "deflection": Column(np.stack([bent, 1e-3 * x, twice]), "1", ""),
+        "beam_position": places,
+        "beam_deflection": Column(np.stack([bent, 1e-3 * x, twice]), "1", ""),
         "surface_displacement": Column(np.ones((3, 4, 3)), "1", ""),
     }
-    line = {"position": places, "deflection": Column(np.stack([1.1 * twice + 0.01 * x, -bent]), "1", "")}
+    body["mode_frequency"] = Column(np.arange(3.0), "Hz", "")
+    line = {
+        "mode_frequency": Column(np.arange(2.0), "Hz", ""),
+        "beam_position": places,
+        "beam_deflection": Column(np.stack([1.1 * twice + 0.01 * x, -bent]), "1", ""),
+    }
     lead, other = Sheet("body", 0.0, body), Sheet("line", 0.0, line)
-    assert [_same(lead, mode, other) for mode in range(3)] == [1, None, 0]
+    assert pairs_of(lead, other) == {0: 1, 2: 0}
+    assert pairs_of(lead, lead) == {0: 0, 1: 1, 2: 2}
+    nearly = {**body, "beam_deflection": Column(np.stack([bent, bent + 0.1 * x, twice]), "1", "")}
+    assert pairs_of(Sheet("body", 0.0, nearly), other) == {0: 1, 2: 0}  # one mode of the beam stands beside one alone
+
+
+def test_modes_of_an_opposite_body_are_its_own_not_round_off(tmp_path: Path) -> None:
+    """Where the second body alone moves the first stands still, and the picture has both."""
+    opposite = "[opposite]\nposition = 0.06\nlength = 0.06\nwidth = 0.02\nthickness = 0.002\n"
+    path = tmp_path / "case.toml"
+    path.write_text(TEXT + opposite, encoding="utf-8")
+    case = vibeam.load(path)
+    line, body = sheets(case, case.shows["forms"])
+    for sheet in (line, body):
+        sizes = [np.abs(sheet[f"{name}_deflection"]).max(axis=1) for name in ("beam", "opposite")]
+        assert sorted(np.argmax(sizes, axis=0).tolist())[::2] == [0, 1]
+    count = np.count_nonzero(body["surface_point"][:, 2] <= 0.002)
+    mode = int(np.argmax(np.abs(body["opposite_deflection"]).max(axis=1) > np.abs(body["beam_deflection"]).max(axis=1)))
+    pairs = pairs_of(body, line)
+    assert abs(line["mode_frequency"][pairs[mode]] / body["mode_frequency"][mode] - 1) < 0.05
+    moved = np.linalg.norm(body["surface_displacement"][mode], axis=1)
+    assert moved[:count].max() < 1e-6 * moved.max()
+
+
+def test_a_case_under_a_record_has_shapes_too(tmp_path: Path) -> None:
+    record = TEXT.replace("amplitude = 1e-5", 'shape = "half_sine"\nacceleration = 30.0\nduration = 3e-3')
+    before, rest = record.split("[sweep]")
+    path = tmp_path / "case.toml"
+    path.write_text(f"{before}[record]\nduration = 0.01\n[solid]{rest.partition('[solid]')[2]}", encoding="utf-8")
+    result = vibeam.run(vibeam.load(path))
+    assert figure(result, result.case.shows["forms"]).axes[0].get_title().startswith("line\nmode 1, ")
 
 
 def test_what_has_neither_beam_nor_body_is_refused() -> None:

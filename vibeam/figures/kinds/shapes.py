@@ -17,7 +17,7 @@ from vibeam.figures.panels import say
 from vibeam.figures.shading import picture, projected
 from vibeam.figures.sheet import Column, Columns, Comparison, Sheet, sheet_of
 from vibeam.figures.style import name_of
-from vibeam.figures.units import units_of
+from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
 from vibeam_models.scene import Scene
 
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Fidelity
-    from vibeam.figures.units import DisplayUnits
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import AnyScene
 
@@ -35,6 +34,7 @@ MOST = 4  # modes of a fidelity
 ALIKE = 0.5  # of the criterion, from which on two modes are one
 BENT = 0.05  # share of the largest displacement below which the sections' mean is not deflected
 SIZE = 0.15  # of the largest displacement, in lengths of the beam
+LINES = {f"{beam}_position": f"{beam}_deflection" for beam in ("beam", "opposite")}
 PIXELS = 900  # along the beam
 DARKEST = 0.25  # of cividis, even in brightness, also to the colour-blind: darker colours hide the shade
 
@@ -55,23 +55,29 @@ def _columns(scene: AnyScene, fidelity: Fidelity) -> Columns:
         from vibeam.case.solid_shape import solid_system
 
         system, pointed, bodies = solid_system(scene, fidelity)
-        order, surface = np.argsort(system.omega)[:MOST], next(iter(bodies.values())).surface
-        turn = np.eye(3) if isinstance(pointed, Scene) else _lying(surface.points)
-        moved = surface.displacement(np.eye(system.size)[:, order]) @ turn
-        found["surface_point"] = Column(surface.points @ turn, "m", "places (k, 3) on the surface of the body at rest")
-        found["surface_triangle"] = Column(surface.triangles.astype(float), "1", "points (t, 3) of its triangles")
-        found["surface_displacement"] = Column(moved, "1", "displacements (modes, k, 3), mass-normalised, kg^-½")
+        order = np.argsort(system.omega)[:MOST]
+        surfaces = [body.surface for body in bodies.values()]
+        points = np.concatenate([each.points for each in surfaces])
+        before = np.cumsum([0, *(len(each.points) for each in surfaces)])
+        triangles = np.concatenate([each.triangles + at for each, at in zip(surfaces, before, strict=False)])
+        turn = np.eye(3) if isinstance(pointed, Scene) else _lying(points)
+        moved = np.concatenate([each.displacement(np.eye(system.size)[:, order]) for each in surfaces], axis=1)
+        found["surface_point"] = Column(points @ turn, "m", "places (k, 3) on the surfaces of the bodies at rest")
+        found["surface_triangle"] = Column(triangles.astype(float), "1", "points (t, 3) of their triangles")
+        found["surface_displacement"] = Column(moved @ turn, "1", "displacements (modes, k, 3), mass-normalised, kg^-½")
     else:
         system, pointed = field_system(scene, fidelity)
         order = np.argsort(system.omega)[:MOST]
     found["mode_frequency"] = Column(system.omega[order] / (2 * np.pi), "Hz", "natural frequency of the mode")
-    if not isinstance(pointed, Scene):  # a mesh of one's own has no line
-        return found
-    line = fields(pointed, system)["beam"]
-    return found | {
-        "position": Column(line.positions, "m", "places along the beam"),
-        "deflection": Column(line.deflection.T[order], "1", "of the sections (modes, k), mass-normalised, kg^-½"),
-    }
+    lines = fields(pointed, system) if isinstance(pointed, Scene) else {}  # a mesh of one's own has none
+    for name, line in lines.items():
+        found[f"{name}_position"] = Column(line.positions, "m", "places along it")
+        found[f"{name}_deflection"] = Column(line.deflection.T[order], "1", "of its sections (modes, k), kg^-½")
+    for other in pointed.named("opposite") if lines else ():
+        along, across = pointed.stop.position - other.position - other.arm, pointed.stop.gap
+        across += sum(float(np.nanmax(line.height, initial=0.0)) / 2 for line in lines.values())
+        found["opposite_place"] = Column(np.array([along, across]), "m", "of the opposite beam, along and across")
+    return found
 
 
 def _lying(points: Array) -> Array:
@@ -109,38 +115,44 @@ def draw_modes(figure: FigureBase, case: Case, shown: Sequence[Sheet]) -> None:
         return
     lead = max(known, key=lambda sheet: ("surface_point" in sheet.columns, len(sheet["mode_frequency"])))
     grid = figure.subplots(len(lead["mode_frequency"]), len(known), squeeze=False)
-    length = max(float(np.ptp(each.of("position"))) if "position" in each.columns else _longest(each) for each in known)
-    for row, axes in enumerate(grid):
-        for panel, sheet in zip(axes, known, strict=True):
-            mode = row if sheet is lead else _same(lead, row, sheet)
-            _panel(panel, sheet, mode, length, units_of(case))
-    for panel, sheet in zip(grid[0], known, strict=True):
-        panel.set_title(f"{name_of(case, sheet.fidelity)}\n{panel.get_title()}", fontsize="medium")
+    length = max(float(np.ptp(each["beam_position"])) if _has_line(each) else _longest(each) for each in known)
+    for column, sheet in zip(grid.T, known, strict=True):
+        pairs = pairs_of(lead, sheet)
+        for row, panel in enumerate(column):
+            _panel(panel, sheet, pairs.get(row), length)
+        column[0].set_title(f"{name_of(case, sheet.fidelity)}\n{column[0].get_title()}", fontsize="medium")
     _share_limits(grid.ravel().tolist())
     _scale_of_colours(figure, grid.ravel().tolist())
 
 
-def _same(lead: Sheet, row: int, other: Sheet) -> int | None:
-    """The mode of another sheet with the shape of mode ``row`` of ``lead``; None: there is none, as of torsion.
-
-    Of a mesh of one's own the mode of the same number.
-    """
-    if not {"position"} <= lead.columns.keys() & other.columns.keys():
-        return row if row < len(other["mode_frequency"]) else None
-    own = np.interp(other["position"], lead["position"], lead["deflection"][row])
-    if np.abs(own).max() < BENT * _largest(lead, row):
-        return None
-    each = other["deflection"]
-    alike = (each @ own) ** 2 / np.maximum(np.sum(each**2, axis=1) * (own @ own), 1e-300)
-    best = int(np.argmax(alike))
-    return best if alike[best] >= ALIKE else None
+def _has_line(sheet: Sheet) -> bool:
+    return "beam_position" in sheet.columns
 
 
-def _largest(sheet: Sheet, mode: int) -> float:
-    """Largest displacement of a mode, of the body or of the line."""
+def pairs_of(lead: Sheet, other: Sheet) -> dict[int, int]:
+    """Mode of ``other`` by that of ``lead`` where each is the likest of the other; of a mesh of one's own by number."""
+    rows, columns = len(lead["mode_frequency"]), len(other["mode_frequency"])
+    if lead is other or not (_has_line(lead) and _has_line(other)):
+        return {mode: mode for mode in range(min(rows, columns))}
+    both = [(place, line) for place, line in LINES.items() if place in lead.columns and place in other.columns]
+    own = np.concatenate(
+        [[np.interp(other[place], lead[place], mode) for mode in lead[line]] for place, line in both], axis=1
+    )
+    each = np.concatenate([other[line] for _, line in both], axis=1)
+    sizes = np.sum(own**2, axis=1)[:, None] * np.sum(each**2, axis=1)
+    alike = (own @ each.T) ** 2 / np.maximum(sizes, 1e-300)
+    alike[[np.abs(line).max() < BENT * largest(lead, mode) for mode, line in enumerate(own)]] = 0
+    best = alike.argmax(axis=1)
+    return {
+        row: int(mode) for row, mode in enumerate(best) if alike[row, mode] >= max(ALIKE, float(alike[:, mode].max()))
+    }
+
+
+def largest(sheet: Sheet, mode: int) -> float:
+    """Largest displacement of a mode, of the bodies or of the lines."""
     if "surface_displacement" in sheet.columns:
         return float(np.linalg.norm(sheet["surface_displacement"][mode], axis=1).max())
-    return float(np.abs(sheet["deflection"][mode]).max()) or 1.0
+    return max(float(np.abs(sheet[name][mode]).max()) for name in LINES.values() if name in sheet.columns) or 1.0
 
 
 def _longest(sheet: Sheet) -> float:
@@ -148,23 +160,25 @@ def _longest(sheet: Sheet) -> float:
     return float(np.ptp(sheet["surface_point"], axis=0).max())
 
 
-def _panel(axes: Axes, sheet: Sheet, mode: int | None, length: float, units: DisplayUnits) -> None:
+def _panel(axes: Axes, sheet: Sheet, mode: int | None, length: float) -> None:
     axes.set_axis_off()
     axes.set_aspect("equal")
-    if "position" in sheet.columns:
+    if _has_line(sheet):
         rest = projected(np.array([[0.0, 0.0, 0.0], [length, 0.0, 0.0]]))
         axes.plot(*rest.T[:2], color="0.5", linestyle=(0, (4, 3)), linewidth=0.6, zorder=0)
     if mode is None:
         axes.set_title("no such bending", fontsize="small", color="0.35")
         return
-    frequency = sheet["mode_frequency"][mode] * units.frequency_factor
-    axes.set_title(f"mode {mode + 1}, {frequency:.4g} {units.frequency}".rstrip(), fontsize="small")
-    line = sheet["deflection"][mode] if "position" in sheet.columns else np.ones(1)
-    factor = (-1 if line[np.argmax(np.abs(line))] < 0 else 1) / _largest(sheet, mode)
+    axes.set_title(f"mode {mode + 1}, {with_unit(sheet['mode_frequency'][mode], 'Hz')}", fontsize="small")
+    line = sheet["beam_deflection"][mode] if _has_line(sheet) else np.ones(1)
+    factor = (-1 if line[np.argmax(np.abs(line))] < 0 else 1) / largest(sheet, mode)
     if "surface_point" in sheet.columns:
         _body(axes, sheet, factor * sheet["surface_displacement"][mode], length)
-    else:
-        _line(axes, sheet["position"], factor * line, length)
+        return
+    for position, deflection in LINES.items():
+        if position in sheet.columns:
+            place = sheet["opposite_place"] if position.startswith("opposite") else (0.0, 0.0)
+            _line(axes, sheet[position] + place[0], factor * sheet[deflection][mode], length, place[1])
 
 
 def _body(axes: Axes, sheet: Sheet, moved: Array, length: float) -> None:
@@ -183,11 +197,11 @@ def _colours() -> Any:
     return ListedColormap(colormaps["cividis"](np.linspace(DARKEST, 1.0, 256)))
 
 
-def _line(axes: Axes, positions: Array, deflection: Array, length: float) -> None:
+def _line(axes: Axes, positions: Array, deflection: Array, length: float, across: float) -> None:
     """Draw the line of a beam, in the same colours."""
     from matplotlib.collections import LineCollection
 
-    places = np.stack([positions, 0 * positions, SIZE * length * deflection], axis=1)
+    places = np.stack([positions, 0 * positions, across + SIZE * length * deflection], axis=1)
     at = projected(places)[:, :2]
     middle = np.abs(deflection[1:] + deflection[:-1]) / 2
     pieces = list(np.stack([at[:-1], at[1:]], axis=1))
