@@ -353,6 +353,14 @@ def test_masses_that_cannot_be_rigid(tmp_path: Path) -> None:
     assert len(read(tmp_path, masses=(replace(masses[0], rigid=False), masses[1]))[0].masses) == 2
 
 
+def test_no_more_groups_are_listed_than_are_read(tmp_path: Path) -> None:
+    written(tmp_path, nodes={f"set {index}": [index % 12] for index in range(40)})
+    (said,) = faults(tmp_path, sensor=SurfaceMotion("xyz"))
+    assert said.count("set ") == 9
+    assert said.endswith(", …")
+    assert "did you mean 'set 39'?" in faults(tmp_path, sensor=SurfaceMotion("set39"))[0]
+
+
 def test_what_is_held_on_a_line_can_turn(tmp_path: Path) -> None:
     written(tmp_path, nodes={"line": [0, 3], "one": [1]})
     assert faults(tmp_path, clamp=("line",), outputs={"force": SurfaceMotion("end")}) == [

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.faults import suggest
+from vibeam.exchange.faults import suggest, suggestion
 from vibeam.exchange.files import COORDINATES, FormatError, digest_of
 from vibeam.exchange.meshes.faults import (
     body_faults,
@@ -46,6 +46,7 @@ from vibeam_models.solid.scene import assumed_poissons_ratio, assumption
 
 OwnFault = tuple[str, str]  # key in [solid], dotted, and message
 KEPT = 4  # structures
+SHOWN = 12  # groups in a message
 NONE = np.empty(0, dtype=np.int64)
 OF_RIG = {"contact", "opposite", "sensor", "force"}  # what no further output is called
 LOOKS = 0.5  # share of a surface's area that its mean normal must have, to be one
@@ -172,7 +173,9 @@ class BodyReading:
         """A group of the mesh, or a complaint; cells of volume are no ``surface``."""
         group = self.mesh.groups.get(name)
         if group is None:
-            self.complain(key, f"the mesh has no group '{name}': {suggest(name, self.mesh.groups)}")
+            known = list(self.mesh.groups)
+            some = known if suggestion(name, known) or len(known) <= SHOWN else [*known[:SHOWN], "…"]
+            self.complain(key, f"the mesh has no group '{name}': {suggest(name, some)}")
         elif strays := (self.mesh.strays or {}).get(name, 0):
             said = f"{strays} of the nodes of group '{name}' are of no cell of volume, and nothing moves them"
             self.complain(key, f"{said}: name nodes of the body")

@@ -48,13 +48,15 @@ def read_by_meshio(path: Path, name: str) -> Any:
             return meshio.read(path, name)
     except (Exception, SystemExit) as error:
         lines = [line.strip() for line in said.getvalue().splitlines() if "Couldn't read" not in line]
-        why = next(filter(None, lines), str(error) if not isinstance(error, SystemExit) else "")
+        known = isinstance(error, SystemExit)
+        why = " ".join(next(filter(None, lines), "" if known else str(error)).split())[:200]
         if "Incompatible cell data" in why:
             why = "some of its cells are in no physical group and others are: save the groups alone, not all cells"
-        why = (
-            f"it has {why}, which is not known" if isinstance(error, KeyError) and why else " ".join(why.split())[:200]
-        )
-        raise FormatError(f"cannot be read as {name}: {why or 'it is damaged, or has elements not known'}") from None
+        elif isinstance(error, KeyError):
+            why = f"it has {why}, which is not known"
+        elif not known or not why:
+            why = f"it is damaged, or has what is not known{why and f' ({why})'}"
+        raise FormatError(f"cannot be read as {name}: {why}") from None
 
 
 def content_of(mesh: Any) -> FileContent:
