@@ -18,7 +18,7 @@ import numpy as np
 from vibeam_models.arguments import real_array, refuse
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
-from vibeam_models.phases import phase
+from vibeam_models.phases import LARGE, phase
 from vibeam_models.sparse_factor import Symbolic, SymmetricFactor, factor, pattern_of, symbolic
 from vibeam_models.sparse_modes import krylov_spaces, lowest_modes
 from vibeam_models.sparse_ordering import is_net
@@ -26,7 +26,7 @@ from vibeam_models.structure import FIELDS, FREE, MATRICES, Modes, Structure, el
 
 MOST = 1 / 3  # share of all modes up to which Lanczos' method finds them
 FLEXIBLE = 1e-3  # share of the twelfth natural frequency from which one is not a rigid motion's
-SETTLED = 1e-9  # change from one step of Lanczos' method to the next, as a share of the damping, at which it ends
+SETTLED, ROUGHLY = 1e-9, 1e-6  # change in one step of Lanczos' method, a share of the damping, at which it ends
 LIKE = 10  # modes are found by as many, so that fidelities which take a few more or fewer share them
 ENOUGH, EXACT = 400, 1e-10  # steps of conjugate gradients with M, and the residual, a share, at which they end
 
@@ -192,12 +192,13 @@ def _square_root(structure: SparseStructure, basis: Array) -> Array:
         shift = float(next((w for w in omega if w > FLEXIBLE * omega[-1]), 1.0)) ** 2
         inverse = factor(structure.K + shift * structure.M, structure.fronts)
     found = np.zeros((basis.shape[1],) * 2)
+    settled = SETTLED if structure.size < LARGE else ROUGHLY  # beyond what any damping is known to
     for space, start in krylov_spaces(structure.M, inverse, basis):
         values, vectors = np.linalg.eigh(space)
         root = np.sqrt(np.maximum(1 / np.maximum(values, np.finfo(float).tiny) - shift, 0.0))
         along = vectors[: len(start)].T @ start
         before, found = found, along.T @ (root[:, None] * along)
         sizes = np.sqrt(np.diag(found))
-        if (np.abs(found - before) <= SETTLED * np.outer(sizes, sizes)).all():
+        if (np.abs(found - before) <= settled * np.outer(sizes, sizes)).all():
             break
     return np.asarray((found + found.T) / 2)

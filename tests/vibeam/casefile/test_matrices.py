@@ -498,6 +498,19 @@ def test_a_full_model_of_very_many_coordinates_is_refused(tmp_path: Path) -> Non
         vibeam.load(path)
 
 
+def test_many_modes_and_the_rest_of_the_flexibility_stand_for_the_full_model(tmp_path: Path) -> None:
+    """Of 2000 coordinates: what is off is measured against 40 modes, in closed form, and all of the flexibility."""
+    from vibeam.runs.estimate.of_case import full_model
+
+    case = vibeam.load(membrane(tmp_path, 40, 50))
+    full = full_model(case.scene)
+    assert full.size == 41
+    np.testing.assert_allclose(np.sort(full.omega)[:40] ** 2, squared_frequencies(40, 50)[:40], rtol=1e-9)
+    whole = structure_of(case.scene)
+    steady = np.sum((full.contact / full.omega) ** 2)
+    assert steady == pytest.approx(whole.flexibility(whole.contact), rel=1e-9)
+
+
 def test_faults_of_sparse_matrices(tmp_path: Path) -> None:
     path = membrane(tmp_path, 40, 50)
     K = csc_array(mmread(tmp_path / "K.mtx")).tolil()
