@@ -37,6 +37,7 @@ DETAILS = ("flexibility", "peak_frequency")  # columns of -v and of the page
 PICTURED = 10.0  # s of CPU time of the solid's modes beyond which they are not made again for a picture
 FINE = 0.2  # of the accuracy: what the mesh may be off without a word
 LEAST, DUST = 1e-4, 1e-6  # share that is told in numbers; below which there is none
+SMALL = 0.1  # share up to which two digits do
 
 
 def sheet(found: SolidVerdict) -> StudySheet:
@@ -132,7 +133,9 @@ def _value(model: LadderModel, name: str) -> str:
 
 
 def _cell(value: float) -> str:
-    return signed(value) if isfinite(value) else "–"
+    """Share as text, to two digits where it is small; a dash for NaN."""
+    small = DUST <= abs(value) < SMALL
+    return f"{100 * value:+.2g} %" if small else signed(value) if isfinite(value) else "–"
 
 
 def _change(found: SolidVerdict, step: StepChange, name: str) -> str:
@@ -159,7 +162,7 @@ def measured(found: SolidVerdict) -> Iterator[ReportTable]:
         cells = []
         for model in (found.beam, found.solid):
             value, read = model.value(found.quantity(each.number)), set(each.chose) - set(model.unread)
-            cells += [_cell(value / each.value - 1), "calibrated" if read else "predicted"]
+            cells += [signed(value / each.value - 1), "calibrated" if read else "predicted"]
         table.add_row(each.name, f"{each.number:g}", shown(each.value, "Hz"), *cells)
     table.caption = "calibrated: the number chose a key that the model reads, and tests nothing"
     yield table
