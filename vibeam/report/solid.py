@@ -113,7 +113,7 @@ def ladder(found: SolidVerdict) -> ReportTable:
     table.caption = (
         "steps: change over the solid's number, their sum is what the beam is off with the other sign; –: not known, "
         "the next step has it; "
-        f"mobility: of the contact in the beam's {counted(found.beam.modes, 'mode')}; mesh: half of what one twice as "
+        f"mobility: of the contact up to the beam's mode {found.beam.modes}; mesh: half of what one twice as "
         "coarse changes; rms: of the amplitudes at the same drive frequencies from the solid's; *: not resolved"
     )
     return table
