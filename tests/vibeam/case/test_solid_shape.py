@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
@@ -13,10 +15,12 @@ import pytest
 import skfem
 from box_meshes import end_face, nodes_of
 from scipy.sparse import identity
+from typer.testing import CliRunner
 
 import vibeam
 from vibeam.case.solid_shape import SolidShape, solid_shapes, solid_system
 from vibeam.casefile.read import parse
+from vibeam.cli.main import app
 from vibeam.exchange.meshes.own import own_structure
 from vibeam.exchange.vtu import VtuPiece, write_series, write_vtu
 from vibeam.figures.kinds.vtu import steps_of
@@ -229,3 +233,22 @@ def test_an_opposite_body_stands_off_by_the_gap() -> None:
     assert shapes["opposite"].points[:, 2].min() == pytest.approx(shapes["beam"].points[:, 2].max() + 1e-4)
     with pytest.raises(ValueError, match="no solid to draw"):
         solid_shapes(replace(parse(TEXT).scene))
+
+
+def test_the_command_writes_the_modes_of_the_fidelity_that_is_named(tmp_path: Path) -> None:
+    case, runner = tmp_path / "case.toml", CliRunner()
+    case.write_text(TEXT, encoding="utf-8")
+    asked = ["modes", str(case), "--fidelity", "solid", "--count", "2", "--out", str(tmp_path / "a.vtu")]
+    said = runner.invoke(app, asked)
+    assert said.exit_code == 0, said.output
+    assert meshio.read(tmp_path / "a.vtu").cells[0].type == "hexahedron27"
+    said = runner.invoke(app, ["modes", str(case), "--fidelity", "nothing"])
+    assert said.exit_code == 2
+    assert "--fidelity nothing: no such fidelity" in said.output
+
+
+def test_modes_of_a_beam_import_nothing_of_solids() -> None:
+    code = "import sys, vibeam; vibeam.modes('cases/dtu_neutral.toml', 2); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "vibeam.studies.modes" in done.stdout.split()
+    assert "solid_shape" not in done.stdout
