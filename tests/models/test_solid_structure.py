@@ -207,12 +207,12 @@ def test_a_mesh_of_ones_own_is_the_scenes_structure(whole):
 
 
 def test_readings_alone_make_no_new_matrices():
-    """Sensor, outputs and points of another scene share M, K and modes; another mass does not."""
+    """Sensor, outputs and points of another scene share M, K and their factors; another mass does not."""
     rig = scene(SolidScene)
     read = replace(rig, sensor=Sensor(0.05), outputs=(Output("turn", 0.1, "slope"),), effects=(FieldPoints((0.1,)),))
     one, other, heavy = (structure_of(each) for each in (rig, read, replace(rig, mass=Mass(0.1, 0.1))))
     assert other.K is one.K
-    assert other.modes(3).shapes is one.modes(3).shapes
+    assert other.stiffness_factor is one.stiffness_factor
     assert heavy.M is not one.M
     assert list(other.outputs) == ["sensor", "tip", "turn", "beam deflection 0", "beam slope 0"]
     assert other.units["turn"] == "rad"
@@ -228,3 +228,9 @@ def test_fields_expand_the_coordinates_of_both_bodies():
     means = {name: field.expand(motion)[tips[name], 2].mean() for name, field in fields.items()}
     assert means["beam"] == pytest.approx(structure.outputs["tip"] @ motion, rel=1e-3)
     assert means["opposite"] == pytest.approx(structure.outputs["opposite_tip"] @ motion, rel=1e-3)
+
+
+def test_a_solid_too_large_for_the_memory_is_told_before_it_is_assembled(monkeypatch):
+    monkeypatch.setattr("vibeam_models.memory.free_bytes", lambda: 1e6)
+    with pytest.raises(ValueError, match=r"matrices of \d+ coordinates: needs .* GB of memory, 0\.001 GB are free"):
+        structure_of(scene(SolidScene, stop=0.1234))

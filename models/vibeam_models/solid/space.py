@@ -8,11 +8,15 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arrays import Array
+from vibeam_models.memory import check_room
+from vibeam_models.phases import phase
 from vibeam_models.solid.body import SolidBody
 from vibeam_models.solid.constraints import SolidCoordinates
 from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.rows import SolidRows, X, Y, Z
 from vibeam_models.sparse import SparseStructure
+
+AN_ENTRY = 330  # bytes at most in use for a pair of nodes of an element, measured at 100 000 coordinates
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +41,14 @@ class BodySpace:
         return (2.0 if self.rows.body.half else 1.0) * (basis.T.tocsc() @ (matrix @ basis))
 
     def structure(self, direction: Array, contact: Array, contraction: bool = True) -> SparseStructure:
-        """The structure on a base that moves along ``direction`` (3,); ``contact`` (n,): its row."""
+        """The structure on a base that moves along ``direction`` (3,); ``contact`` (n,): its row.
+
+        ValueError where the memory that is free does not hold its matrices while they are made.
+        """
         body, elements = self.rows.body, self.rows.elements
+        phase("stiffness and mass", self.size)
+        entries = elements.stiff_nodes.shape[0] ** 2 * elements.stiff_nodes.shape[1]
+        check_room(f"matrices of {self.size} coordinates", entries * AN_ENTRY, "take a coarser mesh of the solid")
         density = np.array([each.density for each in body.materials])[body.material]
         mass = elements.mass(density)
         moved = mass @ np.tile(direction, elements.size // 3)
