@@ -40,7 +40,7 @@ class SparseStructure(Structure):
     """
 
     damping: Damping | None = None
-    _found: dict[str, Any] = field(default_factory=dict, init=False, repr=False)
+    _found: dict[str | int, Any] = field(default_factory=dict, init=False, repr=False)
     __eq__, __hash__ = object.__eq__, object.__hash__  # of so many entries none is compared
 
     def _settle(self, names: Collection[str]) -> None:
@@ -59,7 +59,7 @@ class SparseStructure(Structure):
             faults += [] if fine else [f"{name}: must be {size} finite numbers, or {size} × {size}"]
         refuse("structure", faults)
 
-    def _once(self, name: str, make: Callable[[], Any]) -> Any:
+    def _once(self, name: str | int, make: Callable[[], Any]) -> Any:
         """Property of M and K, found once for all structures that share these and differ in their rows."""
         if name not in self._found:
             self._found[name] = make()
@@ -102,8 +102,9 @@ class SparseStructure(Structure):
                 f"structure: the shapes of {wanted} modes in {self.size} coordinates are "
                 f"{8e-9 * wanted * self.size:.2g} GB: take the lowest few, {most} at most"
             )
-        found = min(-(-wanted // LIKE) * LIKE, most)
-        squared, shapes = self._once(f"{found} modes", lambda: self._lowest(found))
+        known = [count for count in self._found if isinstance(count, int) and count >= wanted]
+        found = min(known, default=min(-(-wanted // LIKE) * LIKE, most))
+        squared, shapes = self._once(found, lambda: self._lowest(found))
         shapes = shapes[:, :wanted]
         return Modes(np.sqrt(np.maximum(squared[:wanted], 0.0)), shapes * signs(shapes, self.contact))
 

@@ -316,6 +316,19 @@ def sparse_table(found: dict[str, Any]) -> str:
     return f"{markdown(columns, rows)}\n\n{load}"
 
 
+def solid_table(found: dict[str, Any]) -> str:
+    """CPU time and memory of a solid's order, factors and modes, beside one factor by SuperLU."""
+    rows = (
+        [row["body"], row["by"], f"{row['coordinates']}"]
+        + [f"{row[part]:.1f}" if part in row else "–" for part in ("order", "factor", "modes", "gigabytes")]
+        for row in found["rows"]
+        if "coordinates" in row
+    )
+    columns = ["body", "factors", "coordinates", "order, s", "factor, s", "20 modes, s", "memory, GB"]
+    load = f"Load average {found['load']['before'][0]:.0f} before, {found['load']['after'][0]:.0f} after."
+    return f"{markdown(columns, rows)}\n\n{load}"
+
+
 def recommended_table(rows: list[Row]) -> str:
     """Recommended n by case and basis, and the worst and rms error of the amplitude flown with it."""
     flown = [row for row in rows if row["basis"]]
@@ -415,7 +428,13 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
     """The tables of the benchmark page by name, from the results files in a folder."""
     peers, modes = (_read(results, name) for name in ("peers", "modes"))
     tables = {name: table(peers, modes) for name, table in TABLES.items()}
-    single = {"limits": limits_table, "libraries": libraries_table, "startup": startup_table, "sparse": sparse_table}
+    single = {
+        "limits": limits_table,
+        "libraries": libraries_table,
+        "startup": startup_table,
+        "sparse": sparse_table,
+        "solid": solid_table,
+    }
     single |= {"recommended": recommended_table, "estimates": estimates_table}
     single |= {"recommended_beams": recommended_beams_table, "webassembly": webassembly_table}
     single |= {"page_frames": flying_table}
