@@ -92,7 +92,7 @@ GroupMassTable: Any = table("GroupMassTable", GroupMass.__doc__ or "", plan_keys
 
 class _Mesh(Table):
     mesh: Annotated[str | None, TEXT] = key(
-        "file of a mesh of your own (Gmsh, Abaqus, Nastran, VTK; pip install 'vibeam[mesh]'): beside [beam] what "
+        "file of a mesh of your own (Gmsh, Abaqus, CalculiX, Nastran, VTK, VTU, MED, Medit): beside [beam] what "
         "fidelities of a solid fly in place of the beam with all that is on it, without [beam] the whole rig",
         "rig.msh",
         None,
