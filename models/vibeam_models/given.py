@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import nan
 from typing import TYPE_CHECKING
@@ -22,18 +23,23 @@ if TYPE_CHECKING:
 class GivenStructure:
     """A structure from elsewhere: ``digest`` stands for its content, by which two of them are compared.
 
-    ``damping``: by modal ratios, None where C has it. ``carried``: mass in kg that a base would move with it, None
-    where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or ``"solid"``, a mesh, which is that of ``body``.
-    ``assumed``: as of a scene.
+    ``made``: the structure, or what makes it. ``damping``: by modal ratios, None where C has it. ``carried``: mass in
+    kg that a base would move with it, None where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or
+    ``"solid"``, a mesh, which is that of ``body``. ``assumed``: as of a scene.
     """
 
     digest: str
     kind: str
-    structure: Structure = field(compare=False, repr=False)
+    made: Structure | Callable[[], Structure] = field(compare=False, repr=False)
     damping: Damping | None = field(default=None, compare=False)
     carried: float | None = field(default=None, compare=False)
     assumed: tuple[str, ...] = field(default=(), compare=False)
     body: SolidBody | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def structure(self) -> Structure:
+        """The structure itself, which a mesh assembles where it is first asked for."""
+        return self.made() if callable(self.made) else self.made
 
 
 @dataclass(frozen=True)

@@ -141,3 +141,16 @@ def test_what_a_mesh_beside_a_beam_cannot_have_is_said(folder: Path, changes: di
         vibeam.Case.of(BARE | {"solid": MESH}, changes)
     found = [str(each) for each in caught.value.faults]
     assert any(said in each for each in found), found
+
+
+def test_a_mesh_is_assembled_where_its_structure_is_first_asked_for(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from vibeam_models.solid import own_structure
+
+    made, assemble = [], own_structure.body_structure
+    monkeypatch.setattr(own_structure, "body_structure", lambda *given: made.append(given) or assemble(*given))
+    scene: Any = vibeam.Case.of(alone(), {"solid.material": [STEEL | {"density": 7801.0}]}).scene
+    assert made == []
+    assert scene.given.structure is scene.given.structure
+    assert len(made) == 1

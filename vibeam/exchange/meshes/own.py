@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -66,7 +66,11 @@ class OwnBody:
 def own_structure(plan: OwnMesh, folder: Path) -> tuple[GivenStructure | None, tuple[OwnFault, ...]]:
     """Structure of a mesh (None: it cannot be made), and every complaint about it; ``plan.file`` is in ``folder``."""
     made = own_body(plan, folder)
-    return (None, made.faults) if made.faults else (_structure(made, _Asked(made.digest, plan, folder)), ())
+    if made.faults or made.body is None:
+        return None, made.faults
+    carried = made.body.mass + sum(each.mass for each in made.body.masses)
+    asked = partial(_structure, _Asked(made.digest, plan, folder))
+    return GivenStructure(made.digest, "solid", asked, None, carried, made.assumed, made.body), ()
 
 
 def own_body(plan: OwnMesh, folder: Path) -> OwnBody:
@@ -94,14 +98,11 @@ def _body(asked: _Asked) -> OwnBody:
 
 
 @lru_cache(maxsize=KEPT)
-def _structure(made: OwnBody, asked: _Asked) -> GivenStructure | None:
+def _structure(asked: _Asked) -> Any:
     from vibeam_models.solid.own_structure import body_structure
 
-    if made.body is None or made.rig is None:
-        return None
-    structure = body_structure(made.body, made.rig).with_(damping=asked.plan.damping)
-    carried = made.body.mass + sum(each.mass for each in made.body.masses)
-    return GivenStructure(made.digest, "solid", structure, None, carried, made.assumed, made.body)
+    made: Any = _body(asked)  # without faults
+    return body_structure(made.body, made.rig).with_(damping=asked.plan.damping)
 
 
 Surface = tuple[Indices, Indices]  # facets or, where there are none, vertices of the finite-element mesh
