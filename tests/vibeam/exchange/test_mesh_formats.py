@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import h5py
 import meshio
 import numpy as np
 import pytest
@@ -261,6 +262,16 @@ def test_what_is_no_mesh(name: str, tmp_path: Path, capfd: pytest.CaptureFixture
     with pytest.raises(FormatError, match=DAMAGED[name][1]):
         read_mesh(path)
     assert capfd.readouterr() == ("", "")  # meshio prints
+
+
+def test_values_in_other_files_are_not_followed(tmp_path: Path) -> None:
+    points, cells = nodes_of("hexahedron")
+    path = tmp_path / "rig.med"
+    meshio.Mesh(points, [("hexahedron", np.array(cells))]).write(path)
+    with h5py.File(path, "r+") as file:
+        file["far"] = h5py.ExternalLink("other.h5", "/x")
+    with pytest.raises(FormatError, match="'far' lies in another file: copy it into this one"):
+        read_mesh(path)
 
 
 def test_elements_that_are_not_taken(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.files import LARGEST_TEXT, FormatError, state_of
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, reason, require_room, state_of
 from vibeam.exchange.meshes.content import FileContent, mesh_of
 from vibeam.exchange.meshes.groups import join_groups
 from vibeam_models.registry import loaded
@@ -23,7 +23,7 @@ FORMATS = {
     **dict.fromkeys((".bdf", ".nas", ".fem"), f"{HERE}.nastran:read_bulk"),
     ".vtk": "vtk",
     ".vtu": "vtu",
-    ".med": "med",
+    ".med": f"{HERE}.read:read_med",
     ".mesh": "medit",
 }
 
@@ -36,6 +36,24 @@ def read_mesh(path: Path) -> FileMesh:
     state_of(path, LARGEST_TEXT)
     reader = FORMATS[ending]
     return mesh_of(loaded(reader)(path) if ":" in reader else content_of(read_by_meshio(path, reader)))
+
+
+def read_med(path: Path) -> FileContent:
+    """The content of a MED file, whose values lie in it and are no more than can be read."""
+    import h5py
+
+    from vibeam.exchange.hdf5 import contents, is_own, opened
+
+    try:
+        with opened(path) as file:
+            for name, item, _ in contents(file):
+                values = isinstance(item, h5py.Dataset)
+                if item is None or (values and not is_own(item)):
+                    raise FormatError(f"'{name}' lies in another file: copy it into this one")
+                require_room((item.shape or ()) if values else ())
+    except OSError as error:
+        raise FormatError(f"cannot be read as med: {reason(error)}") from None
+    return content_of(read_by_meshio(path, "med"))
 
 
 def read_by_meshio(path: Path, name: str) -> Any:
