@@ -78,8 +78,8 @@ def test_hexahedra_and_tetrahedra_agree(name):
 @pytest.mark.parametrize("name", ["bare", "zone", "plate"])
 def test_a_half_is_the_whole(name):
     """The same mesh, one with its mirror image: modes, rows, flexibility alike; its other modes are new."""
-    half = structure_of(SCENES[name])
-    whole = structure_of(replace(SCENES[name], solid=replace(SCENES[name].solid, whole=True)))
+    coarse = replace(SCENES[name].solid, along=10, through=1)
+    half, whole = (structure_of(replace(SCENES[name], solid=replace(coarse, whole=each))) for each in (None, True))
     assert whole.size > 1.6 * half.size
     frequency, contact, load = read(half, 3)
     modes = whole.modes(6)
