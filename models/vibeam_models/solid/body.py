@@ -11,7 +11,6 @@ import numpy as np
 from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.beams.stretch import Material
 
-NEAR = 1e-9  # share of the body's length within which a node lies in a plane
 EXACT = 4  # degree of the polynomials that quadrature of the volume integrates exactly
 
 
@@ -60,12 +59,6 @@ class SolidBody:
         """kg of the whole body, without ``masses``."""
         density = np.array([each.density for each in self.materials])[self.material]
         return float((2 if self.half else 1) * density @ self.volumes)
-
-    def section(self, x: float) -> Index:
-        """Facets (k,) in the plane at ``x`` m, inside the body or at its end; empty where no plane of the mesh is."""
-        corners = self.mesh.p[0][self.mesh.facets]
-        near = NEAR * float(np.ptp(self.mesh.p[0]))
-        return np.asarray(np.flatnonzero(np.all(np.abs(corners - x) <= near, axis=0)))
 
 
 def volumes(mesh: Any) -> Array:
