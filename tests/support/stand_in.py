@@ -137,7 +137,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
 
 def plain(name: str = "") -> Any:
     """A fidelity with nothing of its own."""
-    return SimpleNamespace(name=name, solver="flight", options={}, changes={}, label=None)
+    return SimpleNamespace(name=name, solver="flight", options={}, changes={}, rig={}, without=(), label=None)
 
 
 def system(modes: int, gap: float = 1e-4) -> ImpactSystem:
