@@ -19,7 +19,7 @@ from vibeam_models.arguments import real_array, refuse
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
 from vibeam_models.phases import LARGE, phase
-from vibeam_models.sparse_factor import Symbolic, SymmetricFactor, factor, pattern_of, symbolic
+from vibeam_models.sparse_factor import Symbolic, SymmetricFactor, congruent_pattern, factor, pattern_of, symbolic
 from vibeam_models.sparse_modes import krylov_spaces, lowest_modes
 from vibeam_models.sparse_ordering import is_net
 from vibeam_models.structure import FIELDS, FREE, MATRICES, Modes, Structure, elimination, signs
@@ -73,7 +73,7 @@ class SparseStructure(Structure):
 
     def _ordered(self) -> Symbolic | None:
         phase("ordering", self.size)
-        pattern = pattern_of(self.K, self.M)
+        pattern = pattern_of(self.K, self.M, self.C)  # with entries that are 0 by chance: nodes stay alike
         return None if is_net(pattern) else symbolic(pattern)
 
     @property
@@ -143,7 +143,8 @@ class SparseStructure(Structure):
         basis = elimination(rows)
         M, K = (basis.T @ matrix @ basis for matrix in (self.M, self.K))
         load, static, contact = (row @ basis for row in (self.load, self.static, self.contact))
-        return SparseStructure(M, 0 * M, K, load, static, contact), basis
+        entries = congruent_pattern(pattern_of(self.K, self.M, self.C), basis)
+        return SparseStructure(M, entries, K, load, static, contact), basis
 
     def ritz_stiffness(self, basis: Array, forces: Array) -> Array:
         """As ``Structure.ritz_stiffness``, each entry from the force of the softer of its two shapes."""

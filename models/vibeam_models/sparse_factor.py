@@ -92,6 +92,16 @@ def pattern_of(*matrices: Any) -> Any:
     return sum(ones, start=csc_array(eye_array(matrices[0].shape[0], dtype=np.int8)))
 
 
+def congruent_pattern(pattern: Any, basis: Any) -> Any:
+    """Entries of BᵀAB of a ``pattern`` A (n, n) and a sparse ``basis`` B (n, m), all 0, those by chance among them."""
+    from scipy.sparse import csc_array
+
+    columns = csc_array(basis)
+    ones = csc_array((np.ones(columns.nnz), columns.indices, columns.indptr), shape=columns.shape)
+    entries = csc_array((np.ones(pattern.nnz), pattern.indices, pattern.indptr), shape=pattern.shape)
+    return 0.0 * (ones.T.tocsc() @ (entries @ ones))
+
+
 def _borders(near: Any, parts: list[Index], rank: Index, ends: Index) -> tuple[list[Index], list[list[int]]]:
     """Ranks of the later vertices that each front touches, and the fronts that end in each."""
     borders: list[Index] = []

@@ -19,6 +19,7 @@ from vibeam_models.arrays import Index
 
 LEAF = 200  # coordinates of a part that is cut no further
 SPARSE, WIDE = 12, 3  # entries a column of a net, and times √n coordinates at one distance, at most
+COVERED = 0.9  # share of the edges that lie in elements, where there are any; a mass on a section ties others
 LANDMARKS = 8  # far elements of a part, whose distances are compared in pairs
 LEAST = 0.3  # share of the coordinates that a half may have at least, where the distances allow it
 STRONG = 0.4  # share of the most coordinates an element has in common with another, from which the two are face to face
@@ -83,13 +84,13 @@ def _sorted(graph: Graph, fronts: list[Index]) -> list[Index]:
 def _elements(graph: Graph) -> tuple[Any, Any]:
     """Vertices of the elements (vertices, elements), and which of these are face to face.
 
-    Neighbourhoods that leave an edge out are none of a mesh: each vertex is then an element of its own.
+    Neighbourhoods that leave many edges out are none of a mesh: each vertex is then an element of its own.
     """
     from scipy.sparse import csr_array, eye_array
 
     near = csr_array((np.ones(graph.adjacent.nnz, dtype=np.int32), graph.adjacent.indices, graph.adjacent.indptr))
     found = near[:, _midpoints(near)].tocsr()
-    if (found @ found.T).multiply(near).nnz == near.nnz:
+    if (found @ found.T).multiply(near).nnz >= COVERED * near.nnz:
         return found, _faces(found.T @ found.multiply(graph.weight[:, None]))
     return csr_array(eye_array(len(graph.weight), dtype=np.int32)), _faces((near @ near).multiply(near))
 

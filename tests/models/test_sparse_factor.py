@@ -9,7 +9,7 @@ from scipy.sparse import csc_array, diags_array, eye_array, kron
 from vibeam_models import memory, sparse_factor
 from vibeam_models.phases import phase, phases_told
 from vibeam_models.sparse import SparseStructure
-from vibeam_models.sparse_factor import _by_fronts, factor, pattern_of, symbolic
+from vibeam_models.sparse_factor import _by_fronts, congruent_pattern, factor, pattern_of, symbolic
 from vibeam_models.sparse_ordering import compressed, dissection, is_net
 
 
@@ -81,6 +81,18 @@ def test_knots_are_vertices_and_every_front_borders_on_later_ones() -> None:
     fronts = symbolic(pattern_of(K)).fronts
     assert all((front.border >= front.end).all() for front in fronts)
     assert [front.begin for front in fronts[1:]] == [front.end for front in fronts[:-1]]
+
+
+def test_entries_that_are_zero_by_chance_stay_in_the_pattern() -> None:
+    """A tie between two coordinates of one knot cancels an entry: the pattern is that of any other numbers."""
+    A = csc_array(np.array([[2.0, 2.0, 1.0], [2.0, 4.0, -1.0], [1.0, -1.0, 2.0]]))
+    basis = csc_array(np.array([[1.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
+    assert (basis.T @ A @ basis).nnz == 2
+    found = congruent_pattern(pattern_of(A), basis)
+    assert found.nnz == 4
+    assert not found.data.any()
+    structure = SparseStructure(csc_array(eye_array(2)), found, basis.T @ A @ basis, *np.zeros((3, 2)))
+    assert pattern_of(structure.K, structure.C).nnz == 4
 
 
 def test_matrices_of_another_pattern_are_refused() -> None:

@@ -15,6 +15,7 @@ from vibeam_models.solid.constraints import SolidCoordinates
 from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.rows import SolidRows, X, Y, Z
 from vibeam_models.sparse import SparseStructure
+from vibeam_models.sparse_factor import congruent_pattern, pattern_of
 
 AN_ENTRY = 330  # bytes at most in use for a pair of nodes of an element, measured at 100 000 coordinates
 
@@ -56,7 +57,8 @@ class BodySpace:
         inertia, inner = self.congruent(mass), self.coordinates.inner
         elastic = elements.stiffness(body.materials, body.material, contraction)
         stiffness = (2.0 if body.half else 1.0) * (inner.T.tocsc() @ (elastic @ inner))
-        return SparseStructure(inertia, 0 * inertia, stiffness, load, np.zeros(self.size), contact)
+        undamped = congruent_pattern(pattern_of(elastic.tocsc()), inner)
+        return SparseStructure(inertia, undamped, stiffness, load, np.zeros(self.size), contact)
 
     def field(self, before: int = 0, after: int = 0) -> SolidField:
         """Displacements of the body in a structure that has so many coordinates ``before`` and ``after`` its own."""
