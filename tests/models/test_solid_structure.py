@@ -50,6 +50,15 @@ def both(**said):
     return structure_of(beam), structure_of(scene(SolidScene, **said))
 
 
+@pytest.mark.parametrize(("heights", "through"), [(29, 2), (31, 1)])
+def test_two_elements_bear_the_shear_of_a_beam_shorter_than_thirty_heights(heights, through):
+    def frequencies(**said):
+        made = scene(SolidScene, stop=0.1, beam={"shape": Rectangle(0.01, LENGTH / heights)}, along=6, **said)
+        return structure_of(made).modes(3).frequency
+
+    np.testing.assert_array_equal(frequencies(), frequencies(through=through))
+
+
 def test_a_slender_solid_without_contraction_is_timoshenkos_beam():
     """Length 50 heights, ν = 0: frequencies, flexibility, static deflection under the base's acceleration, outputs.
 

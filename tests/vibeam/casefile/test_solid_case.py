@@ -135,6 +135,15 @@ def test_poissons_ratio_is_that_of_the_material_and_said() -> None:
     assert not list(assumptions(known))
 
 
+def test_poissons_ratio_of_blocks_and_the_round_off_of_a_very_thin_beam_are_said() -> None:
+    blocks = {"solid.mass_size": [0.01, 0.02, 0.01], "solid.mass_youngs_modulus": 70e9, "beam.poissons_ratio": 0.28}
+    [said] = assumptions(vibeam.Case.of(TABLES, blocks).scene_of("solid"))  # type: ignore[arg-type]
+    assert said.startswith("Poisson's ratio 0.33, of aluminium")
+    for thickness, sentences in ((0.18 / 1990, 0), (0.18 / 2010, 1)):
+        thin: Any = case(beam__poissons_ratio=0.28, beam__thickness=thickness).scene_of("solid")
+        assert len(list(assumptions(thin))) == sentences
+
+
 def test_a_beams_case_imports_nothing_of_the_solid() -> None:
     code = """
 import sys, vibeam

@@ -51,7 +51,7 @@ def solid_of(scene: Scene) -> SolidScene:
     """
     solid = scene.solid if isinstance(scene, SolidScene) else Solid()
     given = {each.name: getattr(scene, each.name) for each in fields(Scene)}
-    return SolidScene(**given, solid=replace(solid, through=max(solid.through, 2)))
+    return SolidScene(**given, solid=replace(solid, through=max(solid.through or 2, 2)))
 
 
 def _steps(scene: SolidScene) -> Iterator[LadderStep]:
@@ -85,5 +85,5 @@ def _with_shear(scene: Scene) -> Scene:
 def coarser(scene: SolidScene) -> SolidScene:
     """The scene on a mesh of half as many elements in each direction, one at least."""
     solid, along = scene.solid, scene.solid.along or scene.beam.elements
-    along, across, through = (max(count // 2, 1) for count in (along, solid.across, solid.through))
+    along, across, through = (max(count // 2, 1) for count in (along, solid.across, solid.through or 2))
     return replace(scene, solid=replace(solid, along=along, across=across, through=through))

@@ -17,8 +17,8 @@ from vibeam_models.solid.geometry.flat import FlatFamily
 from vibeam_models.solid.geometry.grid import SolidGrid, drawn
 from vibeam_models.solid.geometry.parts import CIRCULAR, FLAT, MassBlocks, Piece, filled, known
 from vibeam_models.solid.geometry.patches import Patch, plane
-from vibeam_models.solid.plan import Solid
-from vibeam_models.solid.scene import SolidScene
+from vibeam_models.solid.plan import STUBBY, Solid
+from vibeam_models.solid.scene import SolidScene, heights
 
 SAME = 1e-9  # of the length: places along x that are one
 LAYER = (0.25, 0.75, 1.7, 3.5)  # of the section's height, from what holds its contraction
@@ -52,7 +52,8 @@ def _meshed(scene: SolidScene, beam: Beam, patches: Sequence[Patch], which: Whic
     pairs = list(pairwise(_planes(scene, beam, patches, mass, which)))
     counts = [max(1, round((solid.along or beam.elements) * (end - start) / length)) for start, end in pairs]
     pieces = [_piece(beam, start, end, patches, mass, which) for start, end in pairs]
-    family = made.of(pieces, -(-solid.across // 2), solid.through)
+    sheared = made is FlatFamily and length < STUBBY * max(heights(beam))  # a core and rings are several through it
+    family = made.of(pieces, -(-solid.across // 2), solid.through or (2 if sheared else 1))
     grid = drawn(pieces, counts, family.section())
     grid = grid if half else grid.whole()
     return family.mesh(grid), grid
