@@ -50,7 +50,7 @@ MACHINE, PLACES = "machine", "places"
 #: of the kernels, threads of linear algebra, caches, what is imported
 VARIABLES = (
     *("VIBEAM_KERNELS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"),
-    *("NUMBA_CACHE_DIR", "MPLCONFIGDIR", "MPLBACKEND", "TMPDIR", "PYTHONPATH"),
+    *("VIBEAM_CACHE", "NUMBA_CACHE_DIR", "MPLCONFIGDIR", "MPLBACKEND", "TMPDIR", "PYTHONPATH"),
 )
 
 
