@@ -68,7 +68,7 @@ def test_packages_that_cannot_be_imported_are_named_and_the_rest_is_examined() -
         assert found[name]["state"] == "fault"
         assert "cannot be imported" in found[name]["value"]
         assert found[name]["cure"].startswith(f"pip install --force-reinstall '{name}>=")
-    assert found["orbit of period 1 by flight"]["state"] == "ok"
+    assert found["impacts of an oscillator"]["state"] == "ok"
     assert found["results file"]["state"] == "fault"
     assert found["numpy"]["state"] == "ok"
 
