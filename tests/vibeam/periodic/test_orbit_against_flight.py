@@ -10,7 +10,7 @@ from typing import NamedTuple
 import mpmath as mp
 import numpy as np
 import pytest
-from case_files import SWEPT
+from case_files import COARSE, SWEPT
 from numpy.typing import NDArray
 
 import vibeam
@@ -39,6 +39,9 @@ WITHOUT = {
     "reductions",
     "dtu_harmonic",
     "linear_stop",
+    *("hammer", "discs"),  # the stop is out of reach
+    *("ratio_3", "stuttgart_left"),  # a linear stop
+    "slender",  # driven by an acceleration: a base of its own at every frequency
 }  # folders and cases that may have no closed orbit
 
 
@@ -48,7 +51,7 @@ def models(file: Path) -> tuple[tuple[ImpactSystem, float, tuple[float, ...]], .
 
     Those beside which period 1 gains or loses stability are always among them: there a motion settles most slowly.
     """
-    case = vibeam.load(file)
+    case = vibeam.load(file, set=COARSE.get(file.stem))
     grid = 2 * np.pi * case.sweep.frequency
     found: list[tuple[ImpactSystem, float]] = []
     for name in case.fidelities:
