@@ -28,6 +28,7 @@ from vibeam_models.solid.scene import SolidScene
 
 OURS = "vibeam_models."  # effects of this package, which a solid knows
 ON_BASE = ("platform", "shaker")  # effects that a mesh leaves to the case
+INCOMPRESSIBLE, MOST_RATIO = 0.5, 0.49
 SAME = 1e-9  # share of a length that is round-off
 WHOLE = ("full", "pod")  # reductions that need all modes, or a flight of them
 
@@ -45,6 +46,10 @@ def solid_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     flown = {name: each for name, each in case.fidelity.items() if is_solid(each)}
     if any(not (getattr(each, "set", None) or getattr(each, "without", None)) for each in flown.values()):
         yield from _of_mesh(case, folder) if _has_mesh(case) else _refused(case)
+        ratio = case.beam.poissons_ratio
+        if ratio is not None and ratio >= INCOMPRESSIBLE and not (case.solid and case.solid.material):
+            said = f"is {ratio:g}, and a solid's stiffness grows without limit toward 0.5"
+            yield ("beam", "poissons_ratio"), f"{said}: write {MOST_RATIO} at most"
     for name, fidelity in flown.items():
         if fidelity.reduction in WHOLE:
             said = f'a solid has too many coordinates for reduction = "{fidelity.reduction}"'

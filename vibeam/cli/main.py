@@ -49,6 +49,9 @@ class Commands(TyperGroup):
         """The command of the first word, by the name that it has now."""
         if args[-1:] == ["--from"]:
             args = [*args, "list"]
+        if args[:1] == ["new"] and any(each.partition("=")[0] == "--rig" for each in args):
+            say("vibeam new --rig is now: vibeam new --from")
+            args = [each.replace("--rig", "--from", 1) if each.startswith("--rig") else each for each in args]
         if args and args[0] in EARLIER:
             now, options = EARLIER[args[0]]
             say(f"vibeam {args[0]} is now: vibeam {now}{options}")

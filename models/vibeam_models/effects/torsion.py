@@ -30,7 +30,7 @@ class Torsion(Effect):
     eccentricity: float = quantity("m", "of the contact, across the beam", "1 mm")
     polar_inertia: float = quantity("kg m^2", "of the attached mass about the beam's axis", "2.988e-5 kg m^2", above=0)
     poissons_ratio: float | None = quantity(
-        "", "of the beam, gives its shear modulus; or say that", 0.3, None, least=0, most=1
+        "", "of the beam, gives its shear modulus; absent = beam's, or say that", 0.3, None, least=0, most=1
     )
     shear_modulus: float | None = quantity("Pa", "of the beam, instead of Poisson's ratio", "80 GPa", None, above=0)
 
@@ -46,8 +46,10 @@ class Torsion(Effect):
         given = [name for name in ("poissons_ratio", "shear_modulus") if getattr(table, name) is not None]
         if len(given) == 2:
             yield "poissons_ratio", "shear_modulus says it already: keep one of the two"
-        elif not given:
+        elif not given and case.beam.poissons_ratio is None:
             yield "poissons_ratio", "missing (or shear_modulus): write poissons_ratio = 0.3"
+        elif table.poissons_ratio is not None and case.beam.poissons_ratio not in (None, table.poissons_ratio):
+            yield "poissons_ratio", f"beam.poissons_ratio says {case.beam.poissons_ratio:g}: leave it out here"
         elif table.poissons_ratio is not None and table.poissons_ratio > 0.5:
             message = f"{table.poissons_ratio:g} is above 0.5, where the volume grows under pressure"
             yield "poissons_ratio", message
@@ -58,10 +60,11 @@ class Torsion(Effect):
             yield "eccentricity", f"{table.eccentricity:g} m is beside the beam: beam.width is {width:g} m"
 
     def modulus(self, beam: Beam) -> float:
-        """The shear modulus in Pa: as given, or E/2(1 + ν)."""
+        """The shear modulus in Pa: as given, or E/2(1 + ν) with ν of its own, else the beam's."""
         if self.shear_modulus is not None:
             return self.shear_modulus
-        return beam.youngs_modulus / (2 * (1 + (self.poissons_ratio or 0.0)))
+        ratio = beam.poissons_ratio if self.poissons_ratio is None else self.poissons_ratio
+        return beam.youngs_modulus / (2 * (1 + (ratio or 0.0)))
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
         """As ``StVenantTorsion.apply``; ValueError in a scene without an attached mass."""

@@ -68,6 +68,11 @@ def test_the_tables_are_the_scene():
     other = parse(TEXT + TORSION.replace("poissons_ratio = 0.25", 'shear_modulus = "80 GPa"')).scene
     assert other.effects == (Torsion(1e-3, 2.8e-5, shear_modulus=80e9),)
     assert other.effects[0].modulus(other.beam) == 80e9
+    by_beam = TORSION.replace("poissons_ratio = 0.25\n", "")
+    shared = parse(TEXT + by_beam, set={"beam.poissons_ratio": 0.25}).scene
+    assert shared.effects[0].modulus(shared.beam) == 84e9
+    with pytest.raises(CaseError, match=r"torsion.poissons_ratio: beam.poissons_ratio says 0.3: leave it out here"):
+        parse(TEXT + TORSION, set={"beam.poissons_ratio": 0.3})
 
 
 def test_a_case_without_tables_names_no_effect():

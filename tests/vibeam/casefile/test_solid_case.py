@@ -10,6 +10,7 @@ import pytest
 
 import vibeam
 from vibeam.exchange.faults import CaseError
+from vibeam.runs.estimate.records import estimate_texts
 from vibeam_models.scene import Scene
 from vibeam_models.solid.plan import Solid
 from vibeam_models.solid.scene import SolidScene, assumed_poissons_ratio, assumptions
@@ -108,6 +109,22 @@ def test_the_text_of_a_case_says_its_solid_again() -> None:
 def test_what_a_solid_cannot_have_is_said_at_its_key(changes: dict[str, Any], said: str) -> None:
     found = faults(**changes)
     assert any(said in each for each in found), found
+
+
+def test_a_material_that_keeps_its_volume_is_told_at_its_key() -> None:
+    beam: Any = TABLES["beam"]
+    [fault] = faults(beam=beam | {"poissons_ratio": 0.5})
+    assert "beam.poissons_ratio: is 0.5, and a solid's stiffness grows without limit toward 0.5: write 0.49" in fault
+    assert case(beam=beam | {"poissons_ratio": 0.49}).scene_of("solid").assumed == ()
+    alone = {"beam": {"reduction": "modal", "modes": 3}}
+    assert case(beam=beam | {"poissons_ratio": 0.5}, fidelity=alone).scene.in_three_dimensions is False
+
+
+def test_what_stands_for_the_full_model_of_a_solid_is_said() -> None:
+    made = case(stop={"gap": 1e-3, "restitution": 0.7}, sweep={"frequency": [14.0], "settle": 2, "hold": 2})
+    found = estimate_texts(vibeam.run(made, compare=True).estimates)
+    said = "of solid 40 modes and the rest of the contact's flexibility stand for the full model"
+    assert said in found.caption
 
 
 def test_a_general_section_has_no_form() -> None:

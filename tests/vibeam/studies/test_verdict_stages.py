@@ -90,6 +90,7 @@ def test_one_stage_is_its_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         (("reduce", "CASE", "--within=50"), "vibeam keys modes_needed"),
         (("cost", "CASE", "--budget", "0 s"), "vibeam cost is now: vibeam verdict --only solvers"),
         (("stability", "CASE", "--frequencies", "9"), "--points N,M stands for --frequencies"),
+        (("new", "--rig", "no such"), "vibeam new --rig is now: vibeam new --from"),
         (("verdict", "CASE", "--over", "restitution"), "vibeam map CASE --picture verdict --over restitution --from"),
     ],
 )

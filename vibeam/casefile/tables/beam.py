@@ -115,7 +115,7 @@ class _Made(Table):
     youngs_modulus: Annotated[float, Quantity(units.PRESSURE, POSITIVE)] = key("modulus of elasticity", "210 GPa")
     density: Annotated[float, Quantity(units.DENSITY, POSITIVE)] = key("mass per volume", "7850 kg/m^3")
     poissons_ratio: Annotated[float | None, Quantity(units.RATIO, Range(0, 0.5))] = key(
-        "of theory timoshenko, and of a stop that yields by shape and materials", 0.3, None
+        "of theory timoshenko, torsion, a solid, and of a stop that yields by shape and materials", 0.3, None
     )
     damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
         "of the first mode; for rayleigh a list of two, of modes 1 and 2; left away where damping is a list",

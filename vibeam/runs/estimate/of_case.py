@@ -19,7 +19,7 @@ from vibeam.runs.closed_motions import SEVERAL
 from vibeam.runs.estimate.by_orbits import looked_at
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.full_sweep import FullSweep, Motion, without_another_motion
-from vibeam.runs.estimate.records import Basis, ErrorEstimate, FidelityEstimate
+from vibeam.runs.estimate.records import MANY, Basis, ErrorEstimate, FidelityEstimate
 from vibeam.runs.estimate.work import LEAST, SHARE, CountedWork, TooDear, work_of
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import join
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from vibeam.system.response import Branches
 
 LARGEST = 1500  # coordinates of a structure all of whose modes are computed
-MANY = 41  # coordinates that stand for all modes of a larger one: 40 modes, and the rest of the contact's flexibility
-
 
 DEAR = "flights of the full model, of {} modes, take too long beside the run's own"
 SWEPT = 3.0  # times the work that is known before, a full model's sweep may take
@@ -57,9 +55,13 @@ def full_model(scene: AnyScene) -> ImpactSystem:
         raise ValueError("a single degree of freedom given directly has no fuller model")
     if not scene.all_modes:
         raise ValueError("the case gives a few modes, and no structure that has more")
-    if scene.in_three_dimensions or structure_of(scene).size > LARGEST:
+    if _is_large(scene):
         return system(scene, Fidelity("full model", "residual_flexibility", modes=MANY))
     return system(scene, Fidelity("full model", "full"))
+
+
+def _is_large(scene: AnyScene) -> bool:
+    return scene.in_three_dimensions or structure_of(scene).size > LARGEST
 
 
 def estimates(
@@ -75,9 +77,9 @@ def estimates(
     most = max(LEAST, SHARE * sum(work_of(systems[name], each) for name, each in branches.items()))
     shares = {name: CountedWork(most / len(branches)) for name in branches}
     for names in _scenes(case, branches):
-        begun = time.thread_time()
+        begun, scene = time.thread_time(), case.scene_of(names[0])
         try:
-            full = full_model(case.scene_of(names[0]))
+            full = full_model(scene)
         except ValueError as refusal:
             found |= dict.fromkeys(names, FidelityEstimate(0, {}, str(refusal)))
             continue
@@ -88,7 +90,8 @@ def estimates(
         left = sum(shares[name].most - shares[name].spent for name in names)
         made |= _of_own_motions(case, full, made, branches, left)
         each = (time.thread_time() - begun) / len(names)
-        found |= {name: replace(one, cpu_seconds=each) for name, one in made.items()}
+        short = full.size == MANY and _is_large(scene)
+        found |= {name: replace(one, cpu_seconds=each, short=short) for name, one in made.items()}
     return {name: found[name] for name in branches}
 
 

@@ -85,7 +85,7 @@ class FidelityEstimate:
     """Estimates of one fidelity, by direction; ``why``: there is none at all.
 
     Against a full model of ``modes`` modes; ``whole``: it is that model itself. ``swept``: its own sweep tells where
-    it makes another motion.
+    it makes another motion. ``short``: coordinates that stand for all modes of a large structure.
     """
 
     modes: int
@@ -94,6 +94,7 @@ class FidelityEstimate:
     whole: bool = False
     cpu_seconds: float = 0.0
     swept: bool = True
+    short: bool = False
 
 
 NAN = float("nan")
@@ -101,7 +102,8 @@ WHOLE = "it is the full model"
 COLUMN = "est. off"
 
 CAPTION = f"{COLUMN}: largest error against the full model; (k/n): known at k of n points with impacts"
-
+MANY = 41  # coordinates that stand for all modes of a large structure
+STAND = f"{MANY - 1} modes and the rest of the contact's flexibility stand for the full model"
 LEAST = 0.5  # share of the points with impacts at which an error must be known to be one of the curve
 
 
@@ -156,7 +158,9 @@ def estimate_texts(found: Mapping[str, FidelityEstimate]) -> EstimateTexts:
     known = any(row.total or row.why == WHOLE for row in rows)
     cells = {row.fidelity: row.cell for row in rows if known}
     unknown = tuple(row.fidelity for row in rows if known and row.why != WHOLE and row.total and not row.worst >= 0)
-    return EstimateTexts(rows, cells, tuple(_sentences(rows)), unknown)
+    short = [name for name, each in found.items() if each.short and not each.why]
+    stand = f"; of {', '.join(short)} {STAND}" if short else ""
+    return EstimateTexts(rows, cells, tuple(_sentences(rows)), unknown, caption=CAPTION + stand)
 
 
 def summary(name: str, found: FidelityEstimate) -> EstimateSummary:

@@ -146,7 +146,7 @@ ESTIMATE_ROWS = {
     "correction": "first Newton correction of the impacts, rad and share of the impulse",
     "basis": "what the estimate is of, or why there is none",
 }
-HEAD = ("modes", "whole", "cpu_seconds", "swept")
+HEAD = ("modes", "whole", "cpu_seconds", "swept", "short")
 
 
 def _write_estimates(home: h5py.Group, found: Mapping[str, FidelityEstimate]) -> None:
