@@ -3,28 +3,58 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
 
+from vibeam_models.arrays import Index
 from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.shapes import Shape
 from vibeam_models.beams.stretch import Material
 from vibeam_models.solid.body import SolidBody
-from vibeam_models.solid.geometry.circular import CircularFamily
-from vibeam_models.solid.geometry.flat import FlatFamily
+from vibeam_models.solid.geometry.families import CircularFamily, FlatFamily
 from vibeam_models.solid.geometry.grid import SolidGrid, drawn
 from vibeam_models.solid.geometry.parts import CIRCULAR, FLAT, MassBlocks, Piece, filled, known
-from vibeam_models.solid.geometry.patches import Patch, plane
 from vibeam_models.solid.plan import STUBBY, Solid
 from vibeam_models.solid.scene import SolidScene, heights
 
-SAME = 1e-9  # of the length: places along x that are one
+SAME = 1e-9  # of the length: places along x that are one, and how far a facet may stand out of its patch
 LAYER = (0.25, 0.75, 1.7, 3.5)  # of the section's height, from what holds its contraction
 QUARTER = 0.5**0.5  # of the diameter: width of the quarter of a circular section that faces the stop
 
 Which = Literal["beam", "opposite"]
+
+
+@dataclass(frozen=True)
+class Patch:
+    """From ``start`` to ``end`` m along x, from ``left`` to ``right`` m in y, on the ``side`` above (1) or below (−1).
+
+    ``edges``: half-widths (m) that need mesh lines of their own, inside the section.
+    """
+
+    name: str
+    start: float
+    end: float
+    left: float
+    right: float
+    side: float
+    edges: tuple[float, ...] = ()
+
+    def facets(self, mesh: Any) -> Index:
+        """Facets (k,) of the outer surface on its side that lie in it, of a half body those of y ≥ 0."""
+        outer = mesh.boundary_facets()
+        corners = mesh.p[:, mesh.facets[:, outer]]
+        middle = corners.mean(axis=1)
+        inside = mesh.p[:, mesh.t[:, mesh.f2t[0, outer]]].mean(axis=1)
+        near = SAME * float(np.ptp(mesh.p[0]))
+        level = np.ptp(corners[0], axis=0) > near
+        level &= np.ptp(corners[1], axis=0) > near
+        outward = self.side * (middle[2] - inside[2])
+        facing = level & (outward > 0) & (self.side * middle[2] > 0)
+        here = (middle[0] > self.start) & (middle[0] < self.end) & (middle[1] > self.left) & (middle[1] < self.right)
+        return np.asarray(outer[facing & here])
 
 
 def body_of(scene: SolidScene, which: Which = "beam") -> SolidBody:
@@ -38,7 +68,7 @@ def body_of(scene: SolidScene, which: Which = "beam") -> SolidBody:
     patches = list(_patches(scene, beam, which))
     half = not (scene.solid.whole or scene.named("torsion"))
     mesh, grid = _meshed(scene, beam, patches, which, half)
-    ends = {"start": plane(mesh, 0.0), "end": plane(mesh, beam.length)}
+    ends = {"start": _plane(mesh, 0.0), "end": _plane(mesh, beam.length)}
     held = [ends[end] for end, how in zip(ends, beam.ends.split("-"), strict=True) if how == "clamped"]
     found = {patch.name: patch.facets(mesh) for patch in patches}
     named = {**ends, "clamp": np.concatenate([np.empty(0, int), *held]), **found}
@@ -173,3 +203,10 @@ def _mass_blocks(scene: SolidScene, beam: Beam) -> MassBlocks | None:
     modulus = scene.solid.mass_youngs_modulus or beam.youngs_modulus
     ratio = beam.poissons_ratio if modulus == beam.youngs_modulus else None
     return MassBlocks(start, end, width, height, known(Material(modulus, density, ratio)))
+
+
+def _plane(mesh: Any, x: float) -> Index:
+    """Facets (k,) in the end plane at ``x`` m."""
+    outer = mesh.boundary_facets()
+    near = SAME * float(np.ptp(mesh.p[0]))
+    return np.asarray(outer[np.all(np.abs(mesh.p[0][mesh.facets[:, outer]] - x) <= near, axis=0)])

@@ -1,12 +1,14 @@
-"""Bodies of circular section: a square core and rings around it, or a tube's rings alone, as curved hexahedra.
+"""Families of sections: with flat faces, as straight hexahedra; circular ones, as curved ones.
 
-The cells are straight in a plane of parameters (u, v), where every circle is a square: the core is max(|u|, |v|) ≤ 1,
-the radii follow one another at 2, 3, …; a point of a square is carried to its circle at the angle π/4 · u/v.
+Flat: rectangles, hollow ones and I sections, with plates and blocks. Circular: a square core and rings around it, or a
+tube's rings alone. Their cells are straight in a plane of parameters (u, v), where every circle is a square: the core
+is max(|u|, |v|) ≤ 1, the radii follow one another at 2, 3, …; a point of a square is carried to its circle at the angle
+π/4 · u/v.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -14,14 +16,49 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arrays import Array
-from vibeam_models.solid.geometry.flat import subdivided
 from vibeam_models.solid.geometry.grid import CrossSection, SolidGrid
-from vibeam_models.solid.geometry.lines import continued_lines
+from vibeam_models.solid.geometry.lines import Line, continued_lines
 from vibeam_models.solid.geometry.parts import Piece
 
 CORE = 0.45  # half the core's side, of the innermost radius
 EIGHTH = np.pi / 4
 SLIVER = 0.02  # of an eighth: the edge of a patch on a taper is at one angle
+
+
+@dataclass(frozen=True, eq=False)
+class FlatFamily:
+    """Pieces with flat faces: lines ``y`` ≥ 0 and ``z`` (planes, lines) m of their cross-sections."""
+
+    y: Array
+    z: Array
+
+    @classmethod
+    def of(cls, pieces: Sequence[Piece], across: int, through: int) -> FlatFamily:
+        """The family with ``across`` cells over the beam's half-width, ``through`` over each layer."""
+        blocks = [block for piece in pieces for block in piece.blocks]
+        size = max(float(np.max(np.abs([block.across, block.height]))) for block in blocks)
+        y = continued_lines(
+            [[*_lines(piece, "across"), *((edge, edge) for edge in piece.edges)] for piece in pieces], size
+        )
+        z = continued_lines([list(_lines(piece, "height")) for piece in pieces], size)
+        half = max(float(np.max(block.across)) for block in blocks if block.beam)
+        shares = np.max(np.diff(y, axis=1), axis=0) / half
+        counts = np.maximum(1, np.round(shares * across)).astype(int)
+        return cls(_subdivided(y, counts.tolist()), _subdivided(z, [through] * (z.shape[1] - 1)))
+
+    def section(self) -> CrossSection:
+        """Cross-section of y ≥ 0."""
+        rows, columns = self.y.shape[1], self.z.shape[1]
+        places = np.stack([np.repeat(self.y, columns, axis=1), np.tile(self.z, (1, rows))], axis=1)
+        number = np.arange(rows * columns).reshape(rows, columns)
+        quads = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, :-1], number[1:, 1:]]).reshape(4, -1)
+        return CrossSection(places, quads, places[:, :, quads].mean(axis=2))
+
+    def mesh(self, grid: SolidGrid) -> Any:
+        """MeshHex of a grid of such a cross-section."""
+        from skfem import MeshHex
+
+        return MeshHex(grid.points, grid.cells.astype(np.int32))
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +85,7 @@ class CircularFamily:
     def section(self) -> CrossSection:
         """Cross-section of u ≥ 0 in the plane of parameters; its blocks are asked for by the radius."""
         across, height = self._lines()
-        rings = subdivided(np.arange(1.0, self.radii.shape[1] + 2)[None], [self.through] * self.radii.shape[1])[0]
+        rings = _subdivided(np.arange(1.0, self.radii.shape[1] + 2)[None], [self.through] * self.radii.shape[1])[0]
         core = _quads(across, height)
         edge = np.array([*((u, 1.0) for u in across), *((1.0, v) for v in height[-2::-1])])
         edge = np.array([*edge, *((u, -1.0) for u in across[-2::-1])])
@@ -102,12 +139,26 @@ class CircularFamily:
         return _filled(tops, self.across), np.concatenate([-v[:0:-1], v])
 
 
+def _lines(piece: Piece, name: str) -> Iterator[Line]:
+    for block in piece.blocks:
+        yield from (tuple(line) for line in getattr(block, name).tolist())
+
+
+def _subdivided(lines: Array, counts: Sequence[int]) -> Array:
+    """Places (planes, …) of lines (planes, k) with so many cells between each two."""
+    between = [
+        lines[:, i, None] + np.arange(count) / count * (lines[:, i + 1] - lines[:, i])[:, None]
+        for i, count in enumerate(counts)
+    ]
+    return np.hstack([*between, lines[:, -1:]])
+
+
 def _filled(lines: Sequence[float], count: int) -> Array:
     """Lines of a side of unit length with about so many cells over all of it; very near ones are one."""
     kept = [*(low for low, high in pairwise(lines) if high - low > SLIVER), lines[-1]]
     kept[0] = lines[0]
     counts = np.maximum(1, np.round(np.diff(kept) * count)).astype(int)
-    return np.ravel(subdivided(np.array([kept]), counts.tolist()))
+    return np.ravel(_subdivided(np.array([kept]), counts.tolist()))
 
 
 def _quads(u: Array, v: Array) -> Array:
