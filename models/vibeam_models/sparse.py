@@ -87,12 +87,6 @@ class SparseStructure(Structure):
         phase("factoring", self.size)
         return factor(self.K, fronts)
 
-    @property
-    def mass_factor(self) -> SymmetricFactor:
-        """The factors of M."""
-        found: SymmetricFactor = self._once("M", lambda: factor(self.M))
-        return found
-
     def modes(self, count: int | None = None) -> Modes:
         """As ``Structure.modes``; ValueError where so many are asked for that their shapes would be a dense matrix."""
         wanted = self.size if count is None else count
@@ -136,7 +130,7 @@ class SparseStructure(Structure):
             found, fault = cg(self.M, force, rtol=EXACT, maxiter=ENOUGH, M=diags_array(1 / diagonal))
             if not fault:
                 return np.asarray(found)
-        return self.mass_factor.solve(force)
+        return np.asarray(self._once("M", lambda: factor(self.M)).solve(force))
 
     def held(self, rows: Array) -> tuple[Structure, Any]:
         """As ``Structure.held``, sparse."""
@@ -195,10 +189,10 @@ def _square_root(structure: SparseStructure, basis: Array) -> Array:
         inverse = factor(structure.K + shift * structure.M, structure.fronts)
     found = np.zeros((basis.shape[1],) * 2)
     settled = SETTLED if structure.size < LARGE else ROUGHLY  # beyond what any damping is known to
-    for space, start in krylov_spaces(structure.M, inverse, basis):
-        values, vectors = np.linalg.eigh(space)
+    for space in krylov_spaces(structure.M, inverse, basis, basis[:, :0]):
+        values, vectors = np.linalg.eigh(space.projected)
         root = np.sqrt(np.maximum(1 / np.maximum(values, np.finfo(float).tiny) - shift, 0.0))
-        along = vectors[: len(start)].T @ start
+        along = vectors[: len(space.start)].T @ space.start
         before, found = found, along.T @ (root[:, None] * along)
         sizes = np.sqrt(np.diag(found))
         if (np.abs(found - before) <= settled * np.outer(sizes, sizes)).all():

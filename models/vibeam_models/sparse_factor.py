@@ -46,11 +46,6 @@ class Symbolic:
     place: Index
     fronts: tuple[Front, ...]
 
-    @property
-    def entries(self) -> int:
-        """Number of entries of the factor."""
-        return sum((f.end - f.begin) * (f.end - f.begin + len(f.border)) for f in self.fronts)
-
     def bytes(self, keep: bool = True) -> int:
         """Largest memory in bytes while the matrix is factored: entries, if they are kept, and what waits."""
         most = kept = waiting = 0

@@ -68,7 +68,7 @@ def _lanczos(
     aside = np.zeros((n, 0)) if known is None else known
     begin = np.random.default_rng(aside.shape[1]).standard_normal((n, min(BLOCK, count)))  # the same every time
     look = count
-    for space in _spaces(M, inverse, inverse.solve(M @ begin), aside):
+    for space in krylov_spaces(M, inverse, inverse.solve(M @ begin), aside):
         size = len(space.projected)
         if size < look and len(space.rest) and size + aside.shape[1] < n:
             continue
@@ -82,12 +82,6 @@ def _lanczos(
     squared = 1 / values - shift
     order = np.argsort(squared)
     return squared[order], space.vectors @ shares[:, order]
-
-
-def krylov_spaces(M: Any, inverse: SymmetricFactor, block: Array) -> Iterator[tuple[Array, Array]]:
-    """(K + s M)⁻¹ M in growing Krylov spaces of a ``block`` (n, k), and the block in the first of their coordinates."""
-    for space in _spaces(M, inverse, block, np.zeros((len(block), 0))):
-        yield space.projected, space.start
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,8 +98,11 @@ class KrylovSpace:
     start: Array
 
 
-def _spaces(M: Any, inverse: SymmetricFactor, block: Array, aside: Array) -> Iterator[KrylovSpace]:
-    """Spaces that grow by a block at a time, M-orthogonal to the vectors ``aside`` (n, k), until they are complete."""
+def krylov_spaces(M: Any, inverse: SymmetricFactor, block: Array, aside: Array) -> Iterator[KrylovSpace]:
+    """Spaces of (K + s M)⁻¹ M that grow from a ``block`` (n, k) by as much at a time, until they are complete.
+
+    They are M-orthogonal to the vectors ``aside`` (n, j).
+    """
     first = filled = aside.shape[1]
     vectors = np.empty((len(aside), first + 8 * block.shape[1]), order="F")
     vectors[:, :first] = aside

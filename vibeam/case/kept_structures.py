@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
 from contextlib import suppress
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -92,18 +91,8 @@ def _read(content: bytes) -> tuple[Structure, float]:
 @cache
 def _code() -> str:
     """Digest of the sources that make a structure and reduce it, and the versions of the libraries below them."""
-    found = sha256(" ".join(map(_version, LIBRARIES)).encode())
-    for file in _sources([*vibeam_models.__path__, *vibeam_reductions.__path__]):
-        found.update(file.read_bytes())
+    found = sha256(" ".join(map(version, LIBRARIES)).encode())
+    for folder in (*vibeam_models.__path__, *vibeam_reductions.__path__):
+        for file in sorted(Path(folder).rglob("*.py")):
+            found.update(file.read_bytes())
     return found.hexdigest()
-
-
-def _sources(folders: Iterable[str]) -> Iterable[Path]:
-    return (file for each in folders for file in sorted(Path(each).rglob("*.py")))
-
-
-def _version(library: str) -> str:
-    try:
-        return version(library)
-    except PackageNotFoundError:
-        return ""

@@ -10,8 +10,7 @@ import numpy as np
 
 from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.beams.stretch import Material
-
-EXACT = 4  # degree of the polynomials that quadrature of the volume integrates exactly
+from vibeam_models.solid.elasticity import SolidElements
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,25 +49,7 @@ class SolidBody:
     origin: Array = field(default_factory=lambda: np.zeros(3))
 
     @property
-    def volumes(self) -> Array:
-        """Volume (elements,) of each element in m³, of a half body its half."""
-        return volumes(self.mesh)
-
-    @property
     def mass(self) -> float:
         """kg of the whole body, without ``masses``."""
         density = np.array([each.density for each in self.materials])[self.material]
-        return float((2 if self.half else 1) * density @ self.volumes)
-
-
-def volumes(mesh: Any) -> Array:
-    """Volume (elements,) of each element of ``mesh``, m³."""
-    return np.asarray(np.abs(jacobians(mesh)[0]) @ jacobians(mesh)[1])
-
-
-def jacobians(mesh: Any) -> tuple[Array, Array]:
-    """Jacobian determinants (elements, points) of the elements at the points of a quadrature, and its weights."""
-    from skfem.quadrature import get_quadrature
-
-    points, weights = get_quadrature(mesh.elem.refdom, EXACT)
-    return np.asarray(mesh._mapping().detDF(points)), np.asarray(weights)
+        return float((2 if self.half else 1) * density @ SolidElements(self.mesh).volumes().sum(axis=1))

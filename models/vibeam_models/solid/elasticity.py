@@ -19,7 +19,7 @@ from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.beams.stretch import Material
 
 FIELDS = {"MeshHex1": "ElementHex2", "MeshHex2": "ElementHex2", "MeshTet1": "ElementTetP2", "MeshTet2": "ElementTetP2"}
-ORDER = 5  # of quadrature: exact for the mass of an element with flat faces, and all weights are positive
+ORDER = 5  # of quadrature: exact for the mass of a parallelepiped or a straight tetrahedron; all weights are positive
 Pairs = tuple[Index, Index, Index]
 CHUNK = 512  # elements at a time: 27 MB of products
 
@@ -111,7 +111,7 @@ class SolidElements:
         moduli = np.array([_moduli(each, contraction) for each in materials])[material]
 
         def blocks(cells: Index) -> Iterator[tuple[int, int, Array]]:
-            products = self._products(cells, self.quadrature)
+            products = self._products(cells)
             along = self._sheared_along(cells, products)
             lame, shear, alone = moduli[cells].T[:, :, None, None]
             for i in range(3):
@@ -157,13 +157,9 @@ class SolidElements:
         gradients = np.linalg.inv(jacobian).swapaxes(2, 3) @ slopes.transpose(2, 0, 1)
         return gradients, np.abs(np.linalg.det(jacobian)) * weights
 
-    def _products(self, cells: Index, rule: tuple[Array, Array]) -> Array:
-        """∫ ∂φ_a/∂x_i ∂φ_b/∂x_j (elements, 3, a, 3, b) by the quadrature ``rule``."""
-        gradients, volumes = self._gradients(cells, rule)
-        count, points, _, nodes = gradients.shape
-        flat = np.sqrt(volumes)[:, :, None] * gradients.reshape(count, points, 3 * nodes)
-        products = flat.swapaxes(1, 2) @ flat  # symmetric to the bit
-        return np.asarray(products.reshape(count, 3, nodes, 3, nodes))
+    def _products(self, cells: Index) -> Array:
+        """∫ ∂φ_a/∂x_i ∂φ_b/∂x_j (elements, 3, a, 3, b)."""
+        return products_of(*self._gradients(cells, self.quadrature))
 
     def _alike(self, matrix: Callable[[Index], Array]) -> Any:
         """The same element ``matrix`` (elements, a, b) for each of the three components, assembled."""
@@ -214,6 +210,13 @@ def shape_functions(element: Any, local: Array) -> tuple[Array, Array]:
     values = np.stack([np.broadcast_to(value, shape) for value, _ in both])
     slopes = np.stack([np.stack([np.broadcast_to(each, shape) for each in slope]) for _, slope in both], axis=1)
     return values, slopes
+
+
+def products_of(gradients: Array, volumes: Array) -> Array:
+    """Products (elements, 3, a, 3, b) of ``gradients`` (elements, q, 3, a), summed over ``volumes`` (elements, q)."""
+    count, points, _, nodes = gradients.shape
+    flat = np.sqrt(volumes)[:, :, None] * gradients.reshape(count, points, 3 * nodes)
+    return np.asarray((flat.swapaxes(1, 2) @ flat).reshape(count, 3, nodes, 3, nodes))  # symmetric to the bit
 
 
 def _moduli(material: Material, contraction: bool) -> tuple[float, float, float]:

@@ -37,19 +37,18 @@ def body_structure(body: SolidBody, rig: OwnRig) -> SparseStructure:
 
 def own_space(body: SolidBody) -> BodySpace:
     """Coordinates of a body with its held groups and rigid ones; nothing is assembled yet."""
-    elements = SolidElements(body.mesh)
+    rows = SolidRows(body, elements := SolidElements(body.mesh))
     held = np.tile(_nodes(elements, body.patches.get("clamp"), body.points.get("clamp")), (3, 1))
-    rigid = [RigidPart(f"mass {each.name}", *_group(elements, each, body.half)) for each in body.masses if each.rigid]
-    return BodySpace(SolidRows(body, elements), SolidCoordinates.of(elements.points, body.half, held, rigid))
+    rigid = [_rigid(rows, each) for each in body.masses if each.rigid]
+    return BodySpace(rows, SolidCoordinates.of(elements.points, body.half, held, rigid))
 
 
-def _group(elements: SolidElements, mass: BodyMass, half: bool) -> tuple[Flags, Array]:
-    """Nodes (k,) that a rigid mass holds together, and its centre (3,): the mean over its facets, or its vertices."""
-    nodes = _nodes(elements, mass.facets, mass.vertices)
-    rows = SolidRows(SolidBody(elements.mesh, np.zeros(0, int), (), half, {}), elements)
-    points = elements.points.T.ravel()
+def _rigid(rows: SolidRows, mass: BodyMass) -> RigidPart:
+    """The nodes that a rigid mass holds together, about the mean place of its facets, or of its vertices."""
+    points = rows.elements.points.T.ravel()
     centre = np.array([_over(rows, mass.facets, mass.vertices, component) @ points for component in range(3)])
-    return nodes, centre * [1, not half, 1]
+    nodes = _nodes(rows.elements, mass.facets, mass.vertices)
+    return RigidPart(f"mass {mass.name}", nodes, centre * [1, not rows.body.half, 1])
 
 
 def _nodes(elements: SolidElements, facets: Any, vertices: Any) -> Flags:

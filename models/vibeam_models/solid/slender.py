@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arrays import Array, Index
-from vibeam_models.solid.elasticity import SolidElements
+from vibeam_models.solid.elasticity import SolidElements, products_of
 
 NEAR = 1e-9  # share of the body's length within which nodes are in one plane
 PLANES = np.array([0.0, 0.5, 1.0])  # of an element's nodes, along its local axis
@@ -60,7 +60,7 @@ class SlenderElements(SolidElements):
         """Share (nodes of an element, 3) of each node in the three planes across a local ``axis``."""
         return np.asarray(self.element.doflocs[:, axis, None] == PLANES, dtype=float)
 
-    def _products(self, cells: Index, rule: tuple[Array, Array]) -> Array:
+    def _products(self, cells: Index) -> Array:
         return self._by_axis(cells, 3)
 
     def _sheared_along(self, cells: Index, products: Array) -> Array:
@@ -77,8 +77,7 @@ class SlenderElements(SolidElements):
             counted = np.where(self.bases[own] == own, 0.0, 1.0).T
             whole = gradients @ self._planes(int(axis)) * np.array([1.0, 0.0, 0.0])[:, None]  # of x alone
             together = np.concatenate([gradients * counted[:, None, None], whole], axis=3)
-            flat = np.sqrt(volumes)[:, :, None] * together.reshape(*volumes.shape, 3 * count)
-            found[here] = (flat.swapaxes(1, 2) @ flat).reshape(-1, 3, count, 3, count)
+            found[here] = products_of(together, volumes)
         return found
 
 

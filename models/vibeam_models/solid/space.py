@@ -38,7 +38,9 @@ class BodySpace:
 
     def congruent(self, matrix: Any) -> Any:
         """Matrix (n, n), sparse, of one (3 k, 3 k) of the displacements; that of half a body counts twice."""
-        basis = self.coordinates.basis
+        return self._congruent(matrix, self.coordinates.basis)
+
+    def _congruent(self, matrix: Any, basis: Any) -> Any:
         return (2.0 if self.rows.body.half else 1.0) * (basis.T.tocsc() @ (matrix @ basis))
 
     def structure(self, direction: Array, contact: Array, contraction: bool = True) -> SparseStructure:
@@ -52,13 +54,10 @@ class BodySpace:
         check_room(f"matrices of {self.size} coordinates", entries * AN_ENTRY, "take a coarser mesh of the solid")
         density = np.array([each.density for each in body.materials])[body.material]
         mass = elements.mass(density)
-        moved = mass @ np.tile(direction, elements.size // 3)
-        load = -(2.0 if body.half else 1.0) * self.reduced(moved)
-        inertia, inner = self.congruent(mass), self.coordinates.inner
-        elastic = elements.stiffness(body.materials, body.material, contraction)
-        stiffness = (2.0 if body.half else 1.0) * (inner.T.tocsc() @ (elastic @ inner))
-        undamped = congruent_pattern(pattern_of(elastic.tocsc()), inner)
-        return SparseStructure(inertia, undamped, stiffness, load, np.zeros(self.size), contact)
+        load = -(2.0 if body.half else 1.0) * self.reduced(mass @ np.tile(direction, elements.size // 3))
+        elastic, inner = elements.stiffness(body.materials, body.material, contraction), self.coordinates.inner
+        undamped, stiffness = congruent_pattern(pattern_of(elastic), inner), self._congruent(elastic, inner)
+        return SparseStructure(self.congruent(mass), undamped, stiffness, load, np.zeros(self.size), contact)
 
     def field(self, before: int = 0, after: int = 0) -> SolidField:
         """Displacements of the body in a structure that has so many coordinates ``before`` and ``after`` its own."""

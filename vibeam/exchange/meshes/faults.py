@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from vibeam_models.arrays import Array
-from vibeam_models.solid.body import EXACT
+from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.own_mesh import FileMesh, Indices, MeshGroup, Numbering, finite_element_mesh
 
 FLAT = 1e-10  # volume of a cell as a share of its size cubed below which it has none
@@ -47,12 +47,11 @@ def cell_faults(mesh: FileMesh) -> Iterator[str]:
 
 def _volumes(mesh: FileMesh) -> tuple[Array, Array, Array]:
     """Volume (k,) of the cells, signed, the least of their Jacobians in its sign, and the size of each."""
-    from skfem.quadrature import get_quadrature
-
-    made = finite_element_mesh(mesh)
-    points, weights = get_quadrature(made.elem.refdom, EXACT)
-    gradients = np.moveaxis(made._mapping().DF(points), (0, 1), (2, 3))
-    jacobian = -np.linalg.det(gradients)  # scikit-fem's hexahedra of right-handed corners have negative ones
+    elements = SolidElements(finite_element_mesh(mesh))
+    points, weights = elements.quadrature
+    jacobian = -np.linalg.det(
+        elements.jacobian(points)
+    )  # scikit-fem's hexahedra of right-handed corners have negative ones
     signed = jacobian @ weights
     least = (jacobian * np.sign(signed)[:, None]).min(axis=1)
     corners = mesh.points[mesh.corners]
