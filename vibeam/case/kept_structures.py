@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from hashlib import sha256
@@ -24,7 +25,7 @@ import vibeam_reductions
 from vibeam.exchange.whole_files import read_sealed, write_sealed
 from vibeam_models.structure import FIELDS, Structure
 
-OF = "reduced structure 1"  # what a file's seal says it is of
+OF, NUMBER = "reduced structure 1", "number of a structure 1"  # what a file's seal says it is of
 MOST = 500  # files, of some kilobytes each
 LIBRARIES = ("numpy", "scipy", "scikit-fem")
 UNKNOWN = (" at 0x", "...")  # in a repr that does not say all of a value
@@ -63,6 +64,20 @@ def keep(place: Path, structure: Structure, static: float) -> None:
         write_sealed(place, _written(structure, static), OF)
         for old in sorted(place.parent.glob("*.npz"), key=lambda each: each.stat().st_mtime)[:-MOST]:
             old.unlink(missing_ok=True)
+
+
+def kept_number(place: Path | None, make: Callable[[], float]) -> float:
+    """Number of a file, or what ``make`` gives, kept there where the disk takes it."""
+    with suppress(OSError, ValueError):
+        content = None if place is None else read_sealed(place, NUMBER)
+        if content is not None:
+            return float(content)
+    found = make()
+    if place is not None:
+        with suppress(OSError):
+            place.parent.mkdir(parents=True, exist_ok=True)
+            write_sealed(place, repr(found).encode(), NUMBER)
+    return found
 
 
 def _written(structure: Structure, static: float) -> bytes:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.kept_structures import keep, kept, place_of
+from vibeam.case.kept_structures import keep, kept, kept_number, place_of
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene
@@ -74,6 +74,18 @@ def static_at_contact(structure: Structure) -> float:
         return float((structure.contact @ static_shape(structure))[0])
     except ValueError:
         return nan
+
+
+def mobility_at_contact(scene: RigScene) -> float:
+    """Mobility w M⁻¹ wᵀ of all modes at the contact, 1/kg; that of a solid is kept on disk."""
+    own = scene.structural()
+    place = place_of(own, "mobility") if scene.in_three_dimensions else None
+
+    def mobility() -> float:
+        structure = _kept_structure(own)[0]
+        return float(structure.mobility(structure.contact))
+
+    return kept_number(place, mobility)
 
 
 def _structure(scene: RigScene) -> tuple[Structure, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Any
@@ -104,7 +104,7 @@ def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) ->
     points = rows.elements.points
     near = NEAR * float(np.ptp(points[X]))
     held, tied = np.zeros(points.shape, dtype=bool), []
-    supports = [*end_supports(beam.ends, beam.length), *beam.supports]
+    supports = _together([*end_supports(beam.ends, beam.length), *beam.supports])
     along = bedded or any(each.rotational_stiffness == inf for each in supports)
     for support in sorted(supports, key=lambda each: each.position):
         face = np.abs(points[X] - support.position) <= near
@@ -116,6 +116,16 @@ def holding(rows: SolidRows, beam: Beam, sliding: bool, bedded: bool = False) ->
             tied += _as_a_whole(rows, support, not along)
         along = True
     return held, tied
+
+
+def _together(supports: Iterable[Support]) -> list[Support]:
+    """The supports, those at one place as one by the stiffer of each kind."""
+    found: dict[float, Support] = {}
+    for each in supports:
+        other = found.get(each.position, each)
+        both = (max(pair) for pair in zip(each.each, other.each, strict=True))
+        found[each.position] = Support(each.position, *both)
+    return list(found.values())
 
 
 def _as_a_whole(rows: SolidRows, support: Support, along: bool) -> list[Array]:

@@ -18,6 +18,7 @@ import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.case.held import holding
+from vibeam.case.reduced_structure import mobility_at_contact
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene, Scene, line_of
@@ -88,9 +89,9 @@ def resolving(scene: Scene, modes: int) -> Scene:
 def _of_matrices(scene: RigScene, count: int) -> Limit:
     if not scene.all_modes:
         raise ValueError(f"{scene.no_beam} to be refined")
-    structure = structure_of(scene)
-    kept = system(holding(scene, "contact"), Fidelity("limit", "modal", min(count, structure.size)))
-    mobility = structure.mobility(structure.contact)
+    most = count if scene.in_three_dimensions else min(count, structure_of(scene).size)
+    kept = system(holding(scene, "contact"), Fidelity("limit", "modal", most))
+    mobility = mobility_at_contact(scene)
     share = kept.mobility / mobility
     if share < LEAST_SHARE:
         raise ValueError(FAR.format(modes=kept.size, share=share))
