@@ -96,7 +96,5 @@ def surface_distance(beam: Beam, x: float) -> float | None:
     Half the height of a section, which all shapes that know it have two axes of symmetry of; None beneath a bonded
     plate that stiffens. Where two stretches meet it is that of the later one.
     """
-    here = next(each for each in reversed(beam.stretches) if each.start <= x <= each.end)
-    height = here.section(np.array(x)).height
-    stiffened = any(plate.stiffens for plate in here.plates)
-    return None if height is None or stiffened else float(height) / 2
+    height, stiffened = beam.height_at(x), any(plate.stiffens for plate in beam.stretch_at(x).plates)
+    return None if np.isnan(height) or stiffened else height / 2

@@ -111,15 +111,14 @@ def _midpoints(near: Any) -> Index:
 
 
 def _faces(shared: Any) -> Any:
-    """Elements face to face."""
+    from scipy.sparse import csr_array
+
     pairs = shared.tocoo()
     apart = pairs.row != pairs.col
     row, column, common = pairs.row[apart], pairs.col[apart], pairs.data[apart]
     most = np.zeros(shared.shape[0], dtype=common.dtype)
     np.maximum.at(most, row, common)
     strong = common >= STRONG * np.minimum(most[row], most[column])
-    from scipy.sparse import csr_array
-
     return csr_array((np.ones(int(strong.sum()), dtype=np.int8), (row[strong], column[strong])), shape=shared.shape)
 
 
@@ -185,7 +184,6 @@ def _lower(height: Index, size: Any) -> Any:
 
 
 def _distances(faces: Any) -> list[Index]:
-    """Distances (elements,) from elements far from each other."""
     start = int(np.argmax(_distance(faces, 0)))
     found = [_distance(faces, start)]
     for _ in range(min(LANDMARKS, faces.shape[0]) - 1):

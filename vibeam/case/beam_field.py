@@ -73,14 +73,8 @@ def _field(name: str, positions: tuple[float, ...], beam: Beam, model: ImpactSys
         np.array([model.outputs[each] for each in output_names(name, order, len(positions))], dtype=float)
         for order in (0, 1)
     )
-    height = np.array([_height(beam, x) for x in positions])
+    height = np.array([beam.height_at(x) for x in positions])
     return BeamField(np.array(positions), deflection, slope, height)
-
-
-def _height(beam: Beam, x: float) -> float:
-    here = next(each for each in reversed(beam.stretches) if each.start <= x <= each.end)
-    found = here.section(np.array(x)).height
-    return float("nan") if found is None else float(found)
 
 
 def stop_places(scene: Scene, system: ImpactSystem) -> list[tuple[float, float, float]]:

@@ -151,6 +151,14 @@ class Beam:
         """The whole beam as stretches between its breaks."""
         return tuple(self._stretch(start, end) for start, end in pairwise(self.breaks))
 
+    def stretch_at(self, x: float) -> Stretch:
+        """The stretch at ``x`` m; where two meet the later one."""
+        return next(each for each in reversed(self.stretches) if each.start <= x <= each.end)
+
+    def height_at(self, x: float) -> float:
+        """Height in m of the beam's own section at ``x`` m; NaN where its shape does not say it."""
+        return float(self.stretch_at(x).section(np.array(x)).height or np.nan)
+
     def _stretch(self, start: float, end: float) -> Stretch:
         middle = (start + end) / 2
         own = Stretch(start, end, self.shape, self.material, added=self.added_mass_per_length)

@@ -48,7 +48,9 @@ def solid_structure(scene: SolidScene) -> SparseStructure:
             raise ValueError(f"{effect.name}: is not known of a solid: take it out, or leave the model a beam")
     plain = _without_readings(scene)
     structure, spaces = _unread(plain), _spaces(plain)
-    own = _readings(scene, spaces["beam"])
+    space = spaces["beam"]
+    own = {"sensor": space.surface_row(scene.sensor.position), "tip": space.surface_row(scene.beam.length)}
+    own.update((each.name, space.output_row(each)) for each in scene.outputs)
     rows = {name: np.pad(row, (0, structure.size - len(row))) for name, row in own.items()}
     rows.update(structure.outputs)
     for points in scene.named(FieldPoints.name):
@@ -62,17 +64,19 @@ def solid_structure(scene: SolidScene) -> SparseStructure:
 
 
 def _without_readings(scene: SolidScene) -> SolidScene:
-    """The scene with nothing that only reads its motion."""
     plain: SolidScene = scene.structural().without(FieldPoints.name)
     return replace(plain, sensor=Sensor(scene.beam.length), outputs=())
 
 
 @lru_cache(maxsize=KEPT)
 def _unread(scene: SolidScene) -> SparseStructure:
-    """The structure without sensor and outputs of the case."""
     space = _spaces(scene)["beam"]
     structure = _weighed(_carrying(space, scene, "beam"), space, scene)
-    structure = structure.with_(outputs=_further(scene, space))
+    further = {
+        each.output: (1.0 if each.side == "above" else -1.0) * space.reduced(space.rows.patch(each.output))
+        for each in scene.named("further_stop")
+    }
+    structure = structure.with_(outputs=further)
     for other in scene.named("opposite"):
         structure = _meeting(structure, _spaces(scene)["opposite"], other, scene)
     place = scene.base.on_beam
@@ -101,12 +105,7 @@ class SolidSpace(BodySpace):
 
     def surface_row(self, x: float) -> Array:
         """Row (n,) of the deflection of the upper surface at ``x`` m on the line y = 0."""
-        return self.reduced(self.rows.point(np.array([x, 0.0, self.height(x) / 2])))
-
-    def height(self, x: float) -> float:
-        """Height of the beam's own section at ``x`` m."""
-        here = next(each for each in reversed(self.beam.stretches) if each.start <= x <= each.end)
-        return float(here.section(np.array(x)).height)
+        return self.reduced(self.rows.point(np.array([x, 0.0, self.beam.height_at(x) / 2])))
 
     def output_row(self, output: Output) -> Array:
         """Row (n,) that an output reads; ValueError for a strain at no place of the body."""
@@ -124,9 +123,9 @@ class SolidSpace(BodySpace):
 
         Along a taper the gauge stays in the same share of the height: (Δx Δu_x + Δz Δu_z)/(Δx² + Δz²).
         """
-        height = self.height(x)
+        height = self.beam.height_at(x)
         along = max(0.0, x - height / 2), min(self.beam.length, x + height / 2)
-        ends = np.array([(end, 0.0, -distance * self.height(end) / height) for end in along])
+        ends = np.array([(end, 0.0, -distance * self.beam.height_at(end) / height) for end in along])
         span = ends[1] - ends[0]
         low, high = (span[X] * self.rows.point(end, X) + span[Z] * self.rows.point(end, Z) for end in ends)
         return self.reduced((high - low) / (span @ span))
@@ -216,20 +215,6 @@ def _masses(scene: SolidScene, which: Which) -> Iterator[tuple[float, RigidMass]
         if each.carried_by == which:
             rotary = each.rotary_inertia or 0.0
             yield each.position, RigidMass(each.mass, rotary, rotary)
-
-
-def _readings(scene: SolidScene, space: SolidSpace) -> dict[str, Array]:
-    """Rows on the first body of sensor, tip and the case's outputs."""
-    own = {each.name: space.output_row(each) for each in scene.outputs}
-    return {"sensor": space.surface_row(scene.sensor.position), "tip": space.surface_row(space.beam.length), **own}
-
-
-def _further(scene: SolidScene, space: SolidSpace) -> dict[str, Array]:
-    """Rows on the first body that read the displacement toward each further stop."""
-    return {
-        each.output: (1.0 if each.side == "above" else -1.0) * space.reduced(space.rows.patch(each.output))
-        for each in scene.named("further_stop")
-    }
 
 
 def _weighed(structure: SparseStructure, space: SolidSpace, scene: SolidScene) -> SparseStructure:

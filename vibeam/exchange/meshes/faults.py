@@ -49,9 +49,7 @@ def _volumes(mesh: FileMesh) -> tuple[Array, Array, Array]:
     """Volume (k,) of the cells, signed, the least of their Jacobians in its sign, and the size of each."""
     elements = SolidElements(finite_element_mesh(mesh))
     points, weights = elements.quadrature
-    jacobian = -np.linalg.det(
-        elements.jacobian(points)
-    )  # scikit-fem's hexahedra of right-handed corners have negative ones
+    jacobian = -np.linalg.det(elements.jacobian(points))  # scikit-fem's is negative in right-handed hexahedra
     signed = jacobian @ weights
     least = (jacobian * np.sign(signed)[:, None]).min(axis=1)
     corners = mesh.points[mesh.corners]

@@ -11,7 +11,6 @@ import numpy as np
 
 from vibeam_models.arrays import Index
 from vibeam_models.beams.beam import Beam
-from vibeam_models.beams.shapes import Shape
 from vibeam_models.beams.stretch import Material
 from vibeam_models.solid.body import SolidBody
 from vibeam_models.solid.geometry.families import CircularFamily, FlatFamily
@@ -141,7 +140,7 @@ def _layer_planes(beam: Beam, solid: Solid, stiff: Iterable[tuple[float, float]]
     held = [(x, way) for x, way, how in ends if how == "clamped" and solid.clamp == "held"]
     held += [(middle + way * half, way) for middle, half in stiff if half for way in (1, -1)]
     for x, way in held:
-        depth = float(_section(beam, min(max(x, 0.0), beam.length)).height or np.nan)
+        depth = beam.height_at(min(max(x, 0.0), beam.length))
         away = (share * depth for share in LAYER)
         yield from (x + way * each for each in away if each < beam.length / (solid.along or beam.elements))
 
@@ -155,7 +154,6 @@ def _taper_planes(beam: Beam, along: int) -> Iterator[float]:
 
 
 def _patches(scene: SolidScene, beam: Beam, which: Which) -> Iterator[Patch]:
-    """Patches that the stops meet."""
     if which == "opposite":
         yield _patch("contact", scene.named("opposite")[0].position, beam, scene, -1.0)
         return
@@ -166,8 +164,7 @@ def _patches(scene: SolidScene, beam: Beam, which: Which) -> Iterator[Patch]:
 
 def _patch(name: str, x: float, beam: Beam, scene: SolidScene, side: float) -> Patch:
     """Patch about ``x`` m as the case says, or as ``Solid.contact``; what of it is beyond the beam is cut off."""
-    section = _section(beam, x)
-    height, half, circular = float(section.height or np.nan), _half_width(section), section.name in CIRCULAR
+    height, half, circular = beam.height_at(x), _half_width(beam, x), beam.stretch_at(x).shape.name in CIRCULAR
     twisted = scene.named("torsion")
     usual = min(height, 2 * half) if twisted else 2 * half * (QUARTER if circular else 1)
     length, width = scene.solid.contact or (height, usual)
@@ -175,19 +172,15 @@ def _patch(name: str, x: float, beam: Beam, scene: SolidScene, side: float) -> P
     if scene.solid.contact and (reach := abs(middle) + width / 2) > half * (1 + SAME):
         raise ValueError(f"solid.contact: reaches {1e3 * reach:g} mm off the axis of a beam {2e3 * half:g} mm wide")
     start, end = max(0.0, x - length / 2), min(beam.length, x + length / 2)
-    widest = max(_half_width(_section(beam, each)) for each in (start, end)) * (QUARTER if circular else 1)
+    widest = max(_half_width(beam, each) for each in (start, end)) * (QUARTER if circular else 1)
     sides = [middle - width / 2, middle + width / 2]
     edges = tuple(abs(y) for y in sides if abs(y) < half * (1 - SAME) and y and not (circular and width == usual))
     left, right = (y if abs(y) in edges or not y else y / abs(y) * widest for y in sides)
     return Patch(name, start, end, left, right, side, edges)
 
 
-def _section(beam: Beam, x: float) -> Shape:
-    """Section at ``x`` m, where two stretches meet that of the later one."""
-    return next(each for each in reversed(beam.stretches) if each.start <= x <= each.end).section(np.array(x))
-
-
-def _half_width(section: Shape) -> float:
+def _half_width(beam: Beam, x: float) -> float:
+    section = beam.stretch_at(x).section(np.array(x))
     return float(getattr(section, "width", section.height) or np.nan) / 2
 
 
@@ -206,7 +199,6 @@ def _mass_blocks(scene: SolidScene, beam: Beam) -> MassBlocks | None:
 
 
 def _plane(mesh: Any, x: float) -> Index:
-    """Facets (k,) in the end plane at ``x`` m."""
     outer = mesh.boundary_facets()
     near = SAME * float(np.ptp(mesh.p[0]))
     return np.asarray(outer[np.all(np.abs(mesh.p[0][mesh.facets[:, outer]] - x) <= near, axis=0)])

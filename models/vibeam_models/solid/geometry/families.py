@@ -37,9 +37,8 @@ class FlatFamily:
         """The family with ``across`` cells over the beam's half-width, ``through`` over each layer."""
         blocks = [block for piece in pieces for block in piece.blocks]
         size = max(float(np.max(np.abs([block.across, block.height]))) for block in blocks)
-        y = continued_lines(
-            [[*_lines(piece, "across"), *((edge, edge) for edge in piece.edges)] for piece in pieces], size
-        )
+        edges = [[(edge, edge) for edge in piece.edges] for piece in pieces]
+        y = continued_lines([[*_lines(piece, "across"), *own] for piece, own in zip(pieces, edges, strict=True)], size)
         z = continued_lines([list(_lines(piece, "height")) for piece in pieces], size)
         half = max(float(np.max(block.across)) for block in blocks if block.beam)
         shares = np.max(np.diff(y, axis=1), axis=0) / half

@@ -89,7 +89,6 @@ def _covering(piece: Piece, middles: Array) -> list[SolidBlock | None]:
 
 
 def _points(pieces: Sequence[Piece], counts: Sequence[int], places: Array) -> Array:
-    """Nodes (3, n) of all cross-sections in turn."""
     x = [np.array([pieces[0].start])]
     rows = [places[:1]]
     for i, (piece, count) in enumerate(zip(pieces, counts, strict=True)):

@@ -139,6 +139,5 @@ def known(material: Material) -> Material:
 
 
 def _dimensions(stretch: Stretch) -> dict[str, Array]:
-    """Dimensions (2,) m of the section at both ends of a stretch."""
     ends = [stretch.section(np.array(x)) for x in (stretch.start, stretch.end)]
     return {name: np.array([float(getattr(each, name)) for each in ends]) for name in vars(ends[0])}
