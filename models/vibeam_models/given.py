@@ -25,7 +25,7 @@ class GivenStructure:
 
     ``made``: the structure, or what makes it. ``damping``: by modal ratios, None where C has it. ``carried``: mass in
     kg that a base would move with it, None where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or
-    ``"solid"``, a mesh, which is that of ``body``. ``assumed``: as of a scene.
+    ``"solid"``, a mesh, which is that of the ``body`` made. ``assumed``: as of a scene.
     """
 
     digest: str
@@ -34,7 +34,7 @@ class GivenStructure:
     damping: Damping | None = field(default=None, compare=False)
     carried: float | None = field(default=None, compare=False)
     assumed: tuple[str, ...] = field(default=(), compare=False)
-    body: SolidBody | None = field(default=None, compare=False, repr=False)
+    body: Callable[[], SolidBody] | None = field(default=None, compare=False, repr=False)
 
     @property
     def structure(self) -> Structure:

@@ -20,14 +20,16 @@ from typing import Any
 
 import numpy as np
 
+import vibeam.exchange.meshes
 import vibeam_models
 import vibeam_reductions
 from vibeam.exchange.whole_files import read_sealed, write_sealed
 from vibeam_models.structure import FIELDS, Structure
 
-OF, NUMBER = "reduced structure 1", "number of a structure 1"  # what a file's seal says it is of
+OF, NUMBER, NOTE = "reduced structure 1", "number of a structure 1", "note 1"  # what a file's seal says it is of
 MOST = 500  # files, of some kilobytes each
-LIBRARIES = ("numpy", "scipy", "scikit-fem")
+LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio")
+MAKERS = (vibeam_models, vibeam_reductions, vibeam.exchange.meshes)
 UNKNOWN = (" at 0x", "...")  # in a repr that does not say all of a value
 ROWS = FIELDS[:-1]
 
@@ -51,32 +53,53 @@ def place_of(*content: Any) -> Path | None:
 
 def kept(place: Path) -> tuple[Structure, float] | None:
     """Reduced structure and static deflection of a file; None where there is none, or a damaged one."""
-    with suppress(OSError):
-        content = read_sealed(place, OF)
-        return None if content is None else _read(content)
-    return None
+    content = _sealed(place, OF)
+    return None if content is None else _read(content)
 
 
 def keep(place: Path, structure: Structure, static: float) -> None:
     """Keep a reduced structure; nothing where the disk does not take it."""
+    _write(place, _written(structure, static), OF)
+
+
+def noted(*content: Any) -> Any:
+    """Value noted of ``content``, as JSON has it; None where there is none, or a damaged one."""
+    place = place_of(*content)
+    found = None if place is None else _sealed(place.with_suffix(".json"), NOTE)
+    return None if found is None else json.loads(found)
+
+
+def note(value: Any, *content: Any) -> None:
+    """Note a value of ``content``; nothing where the disk does not take it."""
+    place = place_of(*content)
+    if place is not None:
+        _write(place.with_suffix(".json"), json.dumps(value).encode(), NOTE)
+
+
+def _sealed(place: Path, of: str) -> bytes | None:
+    with suppress(OSError):
+        return read_sealed(place, of)
+    return None
+
+
+def _write(place: Path, content: bytes, of: str) -> None:
     with suppress(OSError):
         place.parent.mkdir(parents=True, exist_ok=True)
-        write_sealed(place, _written(structure, static), OF)
-        for old in sorted(place.parent.glob("*.npz"), key=lambda each: each.stat().st_mtime)[:-MOST]:
+        write_sealed(place, content, of)
+        files = place.parent.glob(f"*{place.suffix}")
+        for old in sorted(files, key=lambda each: each.stat().st_mtime)[:-MOST]:
             old.unlink(missing_ok=True)
 
 
 def kept_number(place: Path | None, make: Callable[[], float]) -> float:
     """Number of a file, or what ``make`` gives, kept there where the disk takes it."""
-    with suppress(OSError, ValueError):
-        content = None if place is None else read_sealed(place, NUMBER)
+    with suppress(ValueError):
+        content = None if place is None else _sealed(place, NUMBER)
         if content is not None:
             return float(content)
     found = make()
     if place is not None:
-        with suppress(OSError):
-            place.parent.mkdir(parents=True, exist_ok=True)
-            write_sealed(place, repr(found).encode(), NUMBER)
+        _write(place, repr(found).encode(), NUMBER)
     return found
 
 
@@ -105,9 +128,9 @@ def _read(content: bytes) -> tuple[Structure, float]:
 
 @cache
 def _code() -> str:
-    """Digest of the sources that make a structure and reduce it, and the versions of the libraries below them."""
+    """Digest of the sources that read a mesh, make and reduce a structure, and the versions of libraries below them."""
     found = sha256(" ".join(map(version, LIBRARIES)).encode())
-    for folder in (*vibeam_models.__path__, *vibeam_reductions.__path__):
+    for folder in (path for each in MAKERS for path in each.__path__):
         for file in sorted(Path(folder).rglob("*.py")):
             found.update(file.read_bytes())
     return found.hexdigest()

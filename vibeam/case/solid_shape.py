@@ -180,8 +180,8 @@ def solid_shapes(scene: AnyScene) -> dict[str, SolidShape]:
 def _own_shape(scene: GivenScene) -> SolidShape:
     from vibeam_models.solid.own_structure import own_space
 
-    body = scene.given.body
-    assert body is not None
+    assert scene.given.body is not None
+    body = scene.given.body()
     found = SolidShape.of(own_space(body).field())
     return replace(found, points=found.points @ body.turn + body.origin, turn=body.turn)
 

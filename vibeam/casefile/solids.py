@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vibeam.casefile.coordinates import digests
 from vibeam.casefile.quantities import LENGTH, to_si
@@ -25,6 +25,10 @@ from vibeam_models.outputs import DISPLACEMENT
 from vibeam_models.scene import Scene
 from vibeam_models.solid.plan import CLAMPS, GroupMass, GroupMaterial, OwnMesh, Solid, SurfaceMotion
 from vibeam_models.solid.scene import SolidScene
+
+if TYPE_CHECKING:
+    from vibeam.exchange.meshes.body import OwnFault
+    from vibeam_models.given import GivenStructure
 
 OURS = "vibeam_models."  # effects of this package, which a solid knows
 ON_BASE = ("platform", "shaker")  # effects that a mesh leaves to the case
@@ -50,6 +54,10 @@ def solid_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         if ratio is not None and ratio >= INCOMPRESSIBLE and not (case.solid and case.solid.material):
             said = f"is {ratio:g}, and a solid's stiffness grows without limit toward 0.5"
             yield ("beam", "poissons_ratio"), f"{said}: write {MOST_RATIO} at most"
+    yield from _reduced(flown)
+
+
+def _reduced(flown: Mapping[str, Any]) -> Iterator[Complaint]:
     for name, fidelity in flown.items():
         if fidelity.reduction in WHOLE:
             said = f'a solid has too many coordinates for reduction = "{fidelity.reduction}"'
@@ -162,10 +170,7 @@ def mesh_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         cure = 'add [[solid.material]] with youngs_modulus = "210 GPa", density = "7850 kg/m^3"'
         yield ("solid", "material"), f"missing (what the mesh is made of): {cure}"
     yield from given_rules(case, "solid")
-    for name, fidelity in case.fidelity.items():
-        if fidelity.reduction in WHOLE:
-            said = f'a solid has too many coordinates for reduction = "{fidelity.reduction}"'
-            yield ("fidelity", name, "reduction"), f'{said}: write reduction = "modal", modes = 20'
+    yield from _reduced(case.fidelity)
     yield from _mesh_faults(case, folder)
 
 
@@ -190,9 +195,15 @@ def _mesh_faults(case: Any, folder: File) -> Iterator[Complaint]:
     whole = all(None not in (each.youngs_modulus, each.density) for each in said.material)
     whole = whole and all(None not in (each.group, each.mass) for each in said.mass)
     if readable and whole and (said.material or _beams_material(case)):
-        from vibeam.exchange.meshes.own import own_body
+        yield from ((("solid", *key.split(".")), said) for key, said in _own(case, folder)[1])
 
-        yield from ((("solid", *key.split(".")), said) for key, said in own_body(own_mesh(case), folder).faults)
+
+def _own(case: Any, folder: File) -> tuple[GivenStructure | None, tuple[OwnFault, ...]]:
+    """Structure of a case's mesh, and its faults; that it has none is kept on disk, and it is not read again."""
+    from vibeam.case.kept_structures import note, noted
+    from vibeam.exchange.meshes.own import own_structure
+
+    return own_structure(own_mesh(case), folder, noted, note)
 
 
 def own_mesh(case: Any) -> OwnMesh:
@@ -230,11 +241,9 @@ def _beams_material(case: Any) -> tuple[GroupMaterial, ...]:
 
 def mesh_scene(case: Any, folder: File) -> Any:
     """The scene of a mesh of the user's own: a given structure at the case's stop."""
-    from vibeam.exchange.meshes.own import own_structure
     from vibeam_models.given import GivenScene
 
-    plan = own_mesh(case)
-    given, faults = own_structure(plan, folder)
+    given, faults = _own(case, folder)
     if given is None:
         raise ValueError("; ".join(f"solid.{key}: {message}" for key, message in faults))
     stop, base = stop_of(case.stop, 0.0, getattr(case, "beam", None)), base_of(case, **_place(case))

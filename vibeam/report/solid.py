@@ -63,10 +63,17 @@ def answer(found: SolidVerdict) -> str:
         clauses.append(f"its amplitudes at the same drive frequencies {_size(found.error('rms'))} off (rms)")
     said = f"The beam {verdict} for {within}: {', '.join(filter(None, clauses))}"
     if not causes or abs(found.error(worst)) < DUST:
-        return f"{said}."
+        return f"{said}.{_which(found)}"
     but = ", not resolved by this mesh" * (causes[-1] not in OF_BEAMS and abs(change) < found.mesh_error(worst))
     share = f"{'are' if len(causes) > 1 else 'is'} the largest part ({signed(change)} of {NAMES[worst]}{but})"
-    return f"{said}; {listed(causes)}{' together' * (len(causes) > 1)} {share}."
+    return f"{said}; {listed(causes)}{' together' * (len(causes) > 1)} {share}.{_which(found)}"
+
+
+def _which(found: SolidVerdict) -> str:
+    """Sentence on which solid it is, where fidelities of the case fly a mesh of the user's own."""
+    scenes = {name: found.case.scene_of(name) for name in found.case.fidelities}
+    own = [name for name, scene in scenes.items() if scene.in_three_dimensions and scene.no_beam]
+    return f" The solid is meshed from the case's tables; it is not the mesh of fidelity {listed(own)}." if own else ""
 
 
 def _frequencies(found: SolidVerdict) -> str:

@@ -11,6 +11,8 @@ import pytest
 import vibeam
 from tests.vibeam.casefile.test_solid_case import TABLES
 from vibeam.exchange.faults import CaseError
+from vibeam.exchange.meshes import own
+from vibeam.report.solid import answer
 from vibeam_models.given import GivenScene
 
 meshio = pytest.importorskip("meshio")
@@ -100,6 +102,39 @@ def test_a_mesh_flies_beside_its_beam(folder: Path) -> None:
     moved = vibeam.Case.of(BARE | {"solid": MESH}, {"fidelity.solid.modes": 8})
     assert moved.own["solid"] != made.own["solid"]
     assert moved.own["beam"] == made.own["beam"]
+
+
+def test_a_mesh_without_faults_is_read_once(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read again where the file changed, or what is kept of it is damaged, and where it has faults."""
+    monkeypatch.setenv("VIBEAM_CACHE", str(folder / "kept"))
+    read, files = own.read_mesh, []
+    monkeypatch.setattr(own, "read_mesh", lambda path: files.append(path.name) or read(path))
+
+    def counted(**changes: Any) -> tuple[GivenScene, int]:
+        own._body.cache_clear()
+        files.clear()
+        scene: Any = vibeam.Case.of(alone(), changes).scene
+        return scene, len(files)
+
+    (first, once), (second, none) = counted(), counted()
+    assert (once, none, second) == (1, 0, first)
+    assert (second.assumed, second.moving_mass) == (first.assumed, first.moving_mass)
+    for kept in (folder / "kept").rglob("*.json"):
+        kept.write_bytes(kept.read_bytes()[:-1])
+    assert counted()[1] == 1
+    strip(folder / "strip.msh", places=(0.12, 0.1))
+    assert counted()[1] == 1
+    with pytest.raises(CaseError, match=r"solid\.sensor"):
+        counted(**{"solid.sensor": "nowhere"})
+    with pytest.raises(CaseError, match=r"solid\.sensor"):
+        counted(**{"solid.sensor": "nowhere"})
+
+
+def test_the_verdict_on_a_beam_beside_a_mesh_says_which_solid_it_is_by(folder: Path) -> None:
+    said = "The solid is meshed from the case's tables; it is not the mesh of fidelity solid."
+    beside = vibeam.Case.of(BARE | {"solid": MESH}, {"fidelity.solid.modes": 8})
+    assert answer(vibeam.studies.solid_verdict(beside, budget=1e-9)).endswith(said)
+    assert said not in answer(vibeam.studies.solid_verdict(vibeam.Case.of(BARE), budget=1e-9))
 
 
 @pytest.mark.parametrize(

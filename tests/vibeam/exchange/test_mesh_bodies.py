@@ -425,6 +425,6 @@ def test_half_of_a_body_moves_as_the_whole(rigid: bool, tmp_path: Path) -> None:
 
 def test_more_coordinates_than_are_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written(tmp_path)
-    monkeypatch.setattr("vibeam.exchange.meshes.own.COORDINATES", 134)
+    monkeypatch.setattr("vibeam.exchange.meshes.body.COORDINATES", 134)
     (said,) = faults(tmp_path, contact=SurfaceMotion("end", "x"))
     assert said.startswith("mesh: makes 135 coordinates by quadratic elements, and 134 are the most that are taken")

@@ -187,6 +187,7 @@ def _solid(case: Case, fidelity: str) -> tuple[SolidScene, str]:
     names = [fidelity] if fidelity else list(case.fidelities)
     chosen = next((name for name in names if isinstance(case.scene_of(name), SolidScene)), "")
     if not chosen:
+        names = [name for name in names if isinstance(case.scene_of(name), Scene)] or names
         plain = [name for name in names if not (case.fidelities[name].changes or case.fidelities[name].without)]
         chosen = max(plain or names, key=lambda name: case.fidelities[name].modes or 0)
     scene = case.scene_of(chosen)
