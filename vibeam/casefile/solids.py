@@ -20,6 +20,7 @@ from vibeam.casefile.tables.sweep import is_solid
 from vibeam.casefile.tables.table import plan_of
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath
+from vibeam_models.beams.beam import Beam
 from vibeam_models.keys import keys_of
 from vibeam_models.outputs import DISPLACEMENT
 from vibeam_models.scene import Scene
@@ -271,7 +272,13 @@ def solid_scene(case: Any, folder: File, beam: Scene) -> Any:
         return mesh_scene(case, folder)
     own = {each.name: getattr(beam, each.name) for each in fields(Scene)}
     kept = tuple(each for each in beam.effects if each.name != "beam.theory")  # a solid needs no theory of shear
-    return SolidScene(**own | {"effects": kept}, solid=_plan(case.solid))
+    return SolidScene(**own | {"effects": kept, "beam": _contracting(beam)}, solid=_plan(case.solid))
+
+
+def _contracting(scene: Scene) -> Beam:
+    """The beam with the Poisson's ratio of [torsion] where it says none itself."""
+    ratios = [scene.beam.poissons_ratio, *(each.poissons_ratio for each in scene.named("torsion"))]
+    return replace(scene.beam, poissons_ratio=next((each for each in ratios if each is not None), None))
 
 
 def _plan(table: Any) -> Solid:

@@ -55,6 +55,20 @@ def test_a_fidelity_flies_the_rig_as_a_solid_beside_its_beam() -> None:
     assert made.system("solid").omega == pytest.approx(made.system("beam").omega, rel=0.12)
 
 
+def test_a_solid_takes_the_poissons_ratio_of_torsion_where_the_beam_says_none() -> None:
+    torsion = {"eccentricity": 0.001, "polar_inertia": 1e-5, "poissons_ratio": 0.25}
+    scene: Any = case(torsion=torsion).scene_of("solid")
+    assert scene.beam.poissons_ratio == 0.25
+    assert not scene.assumed
+    plain: Any = case(torsion=torsion).scene_of("beam")
+    assert plain.beam.poissons_ratio is None
+    of_shear: Any = case(torsion={"eccentricity": 0.001, "polar_inertia": 1e-5, "shear_modulus": 80e9}).scene_of(
+        "solid"
+    )
+    assert of_shear.beam.poissons_ratio is None
+    assert of_shear.assumed
+
+
 def test_a_case_without_the_table_flies_a_solid_too() -> None:
     scene: Any = case(solid=None).scene_of("solid")
     assert scene.solid == Solid()
