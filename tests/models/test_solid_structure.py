@@ -59,6 +59,14 @@ def test_two_elements_bear_the_shear_of_a_beam_shorter_than_thirty_heights(heigh
     np.testing.assert_array_equal(frequencies(), frequencies(through=through))
 
 
+def test_a_contact_ever_so_small_beside_the_body_is_read():
+    """1e-5 of the length: the local places of its facets are round-off from the last digit of x on."""
+    small, usual = (structure_of(scene(SolidScene, contact=size)) for size in ((2e-6, 0.01), (4e-3, 0.01)))
+    assert small.modes(1).frequency == pytest.approx(usual.modes(1).frequency, rel=1e-4)
+    shares = [each.contact @ each.modes(1).shapes for each in (small, usual)]
+    assert shares[0] == pytest.approx(shares[1], rel=1e-3)
+
+
 def test_a_slender_solid_without_contraction_is_timoshenkos_beam():
     """Length 50 heights, ν = 0: frequencies, flexibility, static deflection under the base's acceleration, outputs.
 

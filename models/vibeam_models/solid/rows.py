@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ NEAR = 1e-9  # share of the body's length within which two places are one
 INSIDE = 1e-6  # share of an element by which a point may lie outside of it and still be of it
 STEPS = 20  # of Newton's method for the local place of a point
 SETTLED = 1e-13  # change of the local place at which it ends
+FACET_SETTLED = 1e-9  # the same on facets: of an element 1e-5 as long as the body, 1e-11 of it is round-off
 PATCH_ORDER = 4  # of the quadrature over a patch
 GAUSS = np.polynomial.legendre.leggauss(3)
 
@@ -87,9 +89,14 @@ class SolidRows:
     def _on_facets(self, facets: Index) -> tuple[Index, Array, Array, Array]:
         """Nodes (a, m), shape functions (a, m, q), areas (m, q) m² and normals (3, m, q) of ``facets`` (m,)."""
         from skfem import FacetBasis
+        from skfem.mapping import MappingIsoparametric
 
         mesh, element = self.elements.mesh, type(self.elements.element)()
-        basis = FacetBasis(mesh, element, facets=np.asarray(facets, dtype=np.int32), intorder=PATCH_ORDER)
+        mapping: Any = copy(mesh._mapping())
+        if isinstance(mapping, MappingIsoparametric):
+            mapping.invF = partial(mapping.invF, newton_tol=FACET_SETTLED)
+        facets = np.asarray(facets, dtype=np.int32)
+        basis = FacetBasis(mesh, element, mapping, facets=facets, intorder=PATCH_ORDER)
         values = np.stack([np.asarray(each[0]) for each in basis.basis])
         return basis.element_dofs.astype(np.int64), values, np.asarray(basis.dx), np.asarray(basis.normals)
 
