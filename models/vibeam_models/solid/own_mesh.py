@@ -44,14 +44,13 @@ class MeshGroup:
 class FileMesh:
     """A mesh as its file has it: ``points`` (n, 3) in the file's unit, ``cells`` (k, nodes) of one of ``KINDS``.
 
-    All points are nodes of cells. ``unused``: how many were none; ``strays``: how many of them, by group.
+    All points are nodes of cells. ``strays``: how many nodes of a group were none.
     """
 
     points: Array
     kind: str
     cells: Indices
     groups: Mapping[str, MeshGroup]
-    unused: int = 0
     strays: Mapping[str, int] | None = None
 
     @property

@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from box_meshes import SIZE, bent, end_face, nodes_of
 
-from vibeam.exchange.meshes.own import own_body, own_structure
+from vibeam.exchange.meshes.body import BodyReading
+from vibeam.exchange.meshes.own import own_structure
+from vibeam.exchange.meshes.read import read_mesh
 from vibeam_models.solid.body import SolidBody
 from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.solid.own_mesh import OwnRig
@@ -51,17 +53,20 @@ def written(
 
 
 def read(folder: Path, **changes: Any) -> tuple[SolidBody, OwnRig]:
-    made = own_body(replace(PLAN, **changes), folder)
-    assert made.faults == ()
-    assert made.body is not None
-    assert made.rig is not None
-    return made.body, made.rig
+    plan = replace(PLAN, **changes)
+    mesh = read_mesh(folder / plan.file)
+    reading = BodyReading(plan, replace(mesh, points=mesh.points * plan.unit))
+    body, rig = reading.body_and_rig()
+    assert reading.faults == []
+    assert body is not None
+    assert rig is not None
+    return body, rig
 
 
 def faults(folder: Path, **changes: Any) -> list[str]:
-    made = own_body(replace(PLAN, **changes), folder)
-    assert made.body is None
-    return [f"{key}: {message}" for key, message in made.faults]
+    given, found = own_structure(replace(PLAN, **changes), folder)
+    assert given is None
+    return [f"{key}: {message}" for key, message in found]
 
 
 def test_groups_become_clamp_contact_materials_and_masses(tmp_path: Path) -> None:

@@ -47,9 +47,8 @@ def mesh_of(content: FileContent) -> FileMesh:
     together = np.concatenate(list(blocks.values()))
     bad = np.flatnonzero(~np.all(np.isfinite(content.points), axis=1))
     if len(bad):
-        raise FormatError(
-            f"{len(bad)} of its nodes have coordinates that are no finite numbers, the first node {bad[0] + 1}"
-        )
+        said = "of its nodes have coordinates that are no finite numbers"
+        raise FormatError(f"{len(bad)} {said}, the first node {bad[0] + 1}")
     # Gmsh writes a cell again for every group that it is in
     _, first, again = np.unique(np.sort(together, axis=1), axis=0, return_index=True, return_inverse=True)
     order = np.argsort(np.argsort(first))
@@ -62,9 +61,7 @@ def mesh_of(content: FileContent) -> FileMesh:
     groups, strays = {}, {}
     for name in dict.fromkeys([*content.members, *content.faces, *content.nodes]):
         groups[name], strays[name] = _group(content, name, {at: cell[start:] for at, start in starts.items()}, nodes)
-    return FileMesh(
-        content.points[used], kind, renumbered.reshape(cells.shape), groups, len(nodes) - len(used), strays
-    )  # fmt: skip
+    return FileMesh(content.points[used], kind, renumbered.reshape(cells.shape), groups, strays)
 
 
 def _kind(blocks: list[tuple[str, Indices]]) -> str:

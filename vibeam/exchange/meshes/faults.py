@@ -69,9 +69,7 @@ def _cells(mesh: FileMesh, cells: Indices, wrong: str) -> str:
 
 def group_of(mesh: FileMesh, cells: Indices) -> str:
     """The smallest group that has all of these cells, ``" of group 'block'"``; empty where none has."""
-    known = [
-        (len(group.cells), name) for name, group in mesh.groups.items() if np.isin(cells, group.cells).all()
-    ]  # fmt: skip
+    known = [(len(each.cells), name) for name, each in mesh.groups.items() if np.isin(cells, each.cells).all()]
     return f" of group '{min(known)[1]}'" if known else ""
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.meshes.body import BodyReading, OwnFault
@@ -21,15 +21,13 @@ KEPT = 4  # structures
 WHOLE = "mesh without faults"
 
 
-@dataclass(frozen=True)
-class OwnBody:
+class OwnBody(NamedTuple):
     """Body of a mesh with its drive and readings, None where there are ``faults``; ``assumed``: what no key says."""
 
-    digest: str = ""
-    body: SolidBody | None = field(default=None, compare=False)
-    rig: OwnRig | None = field(default=None, compare=False)
-    faults: tuple[OwnFault, ...] = ()
-    assumed: tuple[str, ...] = ()
+    body: SolidBody | None
+    rig: OwnRig | None
+    faults: tuple[OwnFault, ...]
+    assumed: tuple[str, ...]
 
 
 def own_structure(
@@ -44,7 +42,8 @@ def own_structure(
     is read where its structure is first asked for.
     """
     try:
-        asked = _asked(plan, folder)
+        said = f"{digest_of(folder / plan.file)} {replace(plan, file='')!r}"
+        asked = _Asked(sha256(said.encode()).hexdigest(), plan, folder)
         known = noted(WHOLE, asked.digest)
         if known is None:
             made = _body(asked)
@@ -53,27 +52,10 @@ def own_structure(
             known = made.body.mass + sum(each.mass for each in made.body.masses), made.assumed
             note(known, WHOLE, asked.digest)
     except FormatError as error:
-        return None, _unread(plan, error)
+        return None, (("mesh", f"{plan.file}: {error}"),)
     carried, assumed = known
     made_of = partial(_structure, asked), None, carried, tuple(assumed), partial(_solid_body, asked)
     return GivenStructure(asked.digest, "solid", *made_of), ()
-
-
-def own_body(plan: OwnMesh, folder: Path) -> OwnBody:
-    """Body of a mesh, kept by the content of its file; with every fault of it."""
-    try:
-        return _body(_asked(plan, folder))
-    except FormatError as error:
-        return OwnBody(faults=_unread(plan, error))
-
-
-def _unread(plan: OwnMesh, error: FormatError) -> tuple[OwnFault, ...]:
-    return (("mesh", f"{plan.file}: {error}"),)
-
-
-def _asked(plan: OwnMesh, folder: Path) -> _Asked:
-    said = f"{digest_of(folder / plan.file)} {replace(plan, file='')!r}"
-    return _Asked(sha256(said.encode()).hexdigest(), plan, folder)
 
 
 @dataclass(frozen=True)
@@ -88,7 +70,7 @@ def _body(asked: _Asked) -> OwnBody:
     mesh = read_mesh(asked.folder / asked.plan.file)
     made = BodyReading(asked.plan, replace(mesh, points=mesh.points * asked.plan.unit))
     body, rig = made.body_and_rig()
-    return OwnBody(asked.digest, body, rig, tuple(dict.fromkeys(made.faults)), tuple(dict.fromkeys(made.assumed)))
+    return OwnBody(body, rig, tuple(dict.fromkeys(made.faults)), tuple(dict.fromkeys(made.assumed)))
 
 
 @lru_cache(maxsize=KEPT)
