@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from hashlib import sha256
@@ -26,7 +25,7 @@ import vibeam_reductions
 from vibeam.exchange.whole_files import read_sealed, write_sealed
 from vibeam_models.structure import FIELDS, Structure
 
-OF, NUMBER, NOTE = "reduced structure 1", "number of a structure 1", "note 1"  # what a file's seal says it is of
+OF, NOTE = "reduced structure 1", "note 1"  # what a file's seal says it is of
 MOST = 500  # files, of some kilobytes each
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio")
 MAKERS = (vibeam_models, vibeam_reductions, vibeam.exchange.meshes)
@@ -89,18 +88,6 @@ def _write(place: Path, content: bytes, of: str) -> None:
         files = place.parent.glob(f"*{place.suffix}")
         for old in sorted(files, key=lambda each: each.stat().st_mtime)[:-MOST]:
             old.unlink(missing_ok=True)
-
-
-def kept_number(place: Path | None, make: Callable[[], float]) -> float:
-    """Number of a file, or what ``make`` gives, kept there where the disk takes it."""
-    with suppress(ValueError):
-        content = None if place is None else _sealed(place, NUMBER)
-        if content is not None:
-            return float(content)
-    found = make()
-    if place is not None:
-        _write(place, repr(found).encode(), NUMBER)
-    return found
 
 
 def _written(structure: Structure, static: float) -> bytes:

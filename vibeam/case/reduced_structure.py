@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.kept_structures import keep, kept, kept_number, place_of
+from vibeam.case.kept_structures import keep, kept, note, noted, place_of
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene
@@ -79,13 +79,14 @@ def static_at_contact(structure: Structure) -> float:
 def mobility_at_contact(scene: RigScene) -> float:
     """Mobility w M⁻¹ wᵀ of all modes at the contact, 1/kg; that of a solid is kept on disk."""
     own = scene.structural()
-    place = place_of(own, "mobility") if scene.in_three_dimensions else None
-
-    def mobility() -> float:
-        structure = _kept_structure(own)[0]
-        return float(structure.mobility(structure.contact))
-
-    return kept_number(place, mobility)
+    known = noted(own, "mobility") if scene.in_three_dimensions else None
+    if known is not None:
+        return float(known)
+    structure = _kept_structure(own)[0]
+    found = float(structure.mobility(structure.contact))
+    if scene.in_three_dimensions:
+        note(found, own, "mobility")
+    return found
 
 
 def _structure(scene: RigScene) -> tuple[Structure, float]:
