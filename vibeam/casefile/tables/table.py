@@ -170,6 +170,9 @@ def _outside(table: BaseModel, parts: Collection[str]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
+        for each in value if isinstance(value, tuple) else ():
+            if isinstance(each, BaseModel):
+                each.model_rebuild()  # pydantic 2.6 to 2.12 dump none of a list that is not built yet
         absent = note(field, "effect") and value == ()  # a list of tables of which the case names none
         if absent or any(note(field, part) is False for part in parts):
             found[name] = True
