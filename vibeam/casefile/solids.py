@@ -51,10 +51,11 @@ def solid_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     flown = {name: each for name, each in case.fidelity.items() if is_solid(each)}
     if any(not (getattr(each, "set", None) or getattr(each, "without", None)) for each in flown.values()):
         yield from _of_mesh(case, folder) if _has_mesh(case) else _refused(case)
-        ratio = case.beam.poissons_ratio
-        if ratio is not None and ratio >= INCOMPRESSIBLE and not (case.solid and case.solid.material):
-            said = f"is {ratio:g}, and a solid's stiffness grows without limit toward 0.5"
-            yield ("beam", "poissons_ratio"), f"{said}: write {MOST_RATIO} at most"
+        for name in ("beam", "torsion"):
+            ratio = getattr(getattr(case, name), "poissons_ratio", None)
+            if ratio is not None and ratio >= INCOMPRESSIBLE and not (case.solid and case.solid.material):
+                said = f"is {ratio:g}, and a solid's stiffness grows without limit toward 0.5"
+                yield (name, "poissons_ratio"), f"{said}: write {MOST_RATIO} at most"
     yield from _reduced(flown)
 
 

@@ -130,6 +130,8 @@ def test_a_material_that_keeps_its_volume_is_told_at_its_key() -> None:
     [fault] = faults(beam=beam | {"poissons_ratio": 0.5})
     assert "beam.poissons_ratio: is 0.5, and a solid's stiffness grows without limit toward 0.5: write 0.49" in fault
     assert case(beam=beam | {"poissons_ratio": 0.49}).scene_of("solid").assumed == ()
+    [fault] = faults(torsion={"eccentricity": 0.0, "polar_inertia": 1e-5, "poissons_ratio": 0.5})
+    assert "torsion.poissons_ratio: is 0.5" in fault
     alone = {"beam": {"reduction": "modal", "modes": 3}}
     assert case(beam=beam | {"poissons_ratio": 0.5}, fidelity=alone).scene.in_three_dimensions is False
 
