@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -60,3 +62,15 @@ def test_each_place_is_weighed_by_what_moves_there() -> None:
     assert likeness(beam.shapes, beam.shapes) == pytest.approx(
         np.eye(6), abs=0.05
     )  # of 25 places: the mass is 3 mm aside
+
+
+def test_a_model_has_the_modes_that_its_reference_chose_and_none_where_that_has_none() -> None:
+    step: Any = None
+    solid = SteppedModel(step, 2, SteppedModel(step, 2))
+    rough = SteppedModel(step, 2, solid)
+    solid.__dict__["partners"] = np.array([2, -1, 0]), np.array([0.9, np.nan, 0.8])
+    solid.__dict__["shapes"] = np.eye(3)
+    rough.__dict__["shapes"] = np.eye(3)[:, [1, 0, 2]]
+    places, alike = rough.partners
+    assert places.tolist() == [2, -1, 1]
+    assert np.array_equal(alike, [1.0, np.nan, 1.0], equal_nan=True)

@@ -116,8 +116,11 @@ class SteppedModel:
         if self.beam is None:
             own = np.flatnonzero(bending(self.shapes))
             return own, np.ones(len(own))
-        theirs = self.beam
-        return partners(theirs.shapes[:, theirs.partners[0]], self.shapes)
+        places = self.beam.partners[0]
+        known = places >= 0
+        found, near = np.full(len(places), -1), np.full(len(places), nan)
+        found[known], near[known] = partners(self.beam.shapes[:, places[known]], self.shapes)
+        return found, near
 
     @cached_property
     def kept(self) -> Structure:

@@ -227,7 +227,8 @@ class _Ladder:
         for each in ends:
             if each.why:
                 raise ValueError(f"{'no solid' if each.cause else 'no beam'}: {each.why}")
-        rough = self._of(LadderStep("solid, half the elements", "the mesh", coarser(self.scene)), reference, True)
+        fine = self._wide_enough(self.steps[-1], reference)  # of which the coarser mesh has the same modes
+        rough = self._of(LadderStep("solid, half the elements", "the mesh", coarser(self.scene)), fine, True)
         between = [self._of(step, reference, True) for step in self.steps[1:-1]]
         chosen = {key for number in self.case.measured.values() for key in number.chose}
         return SolidVerdict(
