@@ -97,7 +97,7 @@ def _written(structure: Structure, static: float) -> bytes:
     rows |= {f"output {i}": row for i, row in enumerate(structure.outputs.values())}
     rows |= {f"attached {i}": row for i, row in enumerate(structure.attached)}
     file = BytesIO()
-    np.savez(file, allow_pickle=False, names=np.array(json.dumps(names)), **rows)
+    np.savez(file, names=np.array(json.dumps(names)), **dict[str, Any](rows))
     return file.getvalue()
 
 

@@ -27,7 +27,7 @@ def write_block(path: Path, file: Path, of: str, values: Values) -> None:
     """Write the arrays of a block, sealed as what it is ``of``; StoreError, naming ``path``, where the disk fails."""
     content = BytesIO()
     arrays: dict[str, Any] = {**values}
-    np.savez(content, allow_pickle=False, **arrays)
+    np.savez(content, **dict(arrays))
     try:
         file.parent.mkdir(exist_ok=True)
         write_sealed(file, content.getvalue(), of)
