@@ -258,7 +258,7 @@ def test_the_picture_has_the_modes_of_beam_and_solid_below_the_steps(
 
 
 def test_a_case_without_a_beam_is_told_so() -> None:
-    with pytest.raises(ValueError, match="no beam to compare with a solid"):
+    with pytest.raises(ValueError, match="nothing to compare with a solid"):
         vibeam.studies.solid_verdict("cases/sdof_nominal.toml")
     with pytest.raises(ValueError, match="a massless beam has no solid: take"):
         vibeam.studies.solid_verdict("cases/paper/eq38.toml")

@@ -192,7 +192,7 @@ def _solid(case: Case, fidelity: str) -> tuple[SolidScene, str]:
         chosen = max(plain or names, key=lambda name: case.fidelities[name].modes or 0)
     scene = case.scene_of(chosen)
     if not isinstance(scene, Scene):
-        raise ValueError(f"no beam to compare with a solid: {scene.no_beam or 'the case gives no sections'}")
+        raise ValueError(f"nothing to compare with a solid: {scene.no_beam or 'the case gives no sections'}")
     if not scene.carrier.density:
         raise ValueError("a massless beam has no solid: take beam.massless out")
     return solid_of(scene), chosen
