@@ -50,38 +50,42 @@ def place_of(*content: Any) -> Path | None:
     return home / f"{sha256(f'{_code()} {text}'.encode()).hexdigest()[:40]}.npz"
 
 
-def kept(place: Path) -> tuple[Structure, float] | None:
+def kept(place: Path | None) -> tuple[Structure, float] | None:
     """Reduced structure and static deflection of a file; None where there is none, or a damaged one."""
     content = _sealed(place, OF)
     return None if content is None else _read(content)
 
 
-def keep(place: Path, structure: Structure, static: float) -> None:
+def keep(place: Path | None, structure: Structure, static: float) -> None:
     """Keep a reduced structure; nothing where the disk does not take it."""
     _write(place, _written(structure, static), OF)
 
 
 def noted(*content: Any) -> Any:
     """Value noted of ``content``, as JSON has it; None where there is none, or a damaged one."""
-    place = place_of(*content)
-    found = None if place is None else _sealed(place.with_suffix(".json"), NOTE)
+    found = _sealed(_note_of(*content), NOTE)
     return None if found is None else json.loads(found)
 
 
 def note(value: Any, *content: Any) -> None:
     """Note a value of ``content``; nothing where the disk does not take it."""
+    _write(_note_of(*content), json.dumps(value).encode(), NOTE)
+
+
+def _note_of(*content: Any) -> Path | None:
     place = place_of(*content)
-    if place is not None:
-        _write(place.with_suffix(".json"), json.dumps(value).encode(), NOTE)
+    return None if place is None else place.with_suffix(".json")
 
 
-def _sealed(place: Path, of: str) -> bytes | None:
+def _sealed(place: Path | None, of: str) -> bytes | None:
     with suppress(OSError):
-        return read_sealed(place, of)
+        return None if place is None else read_sealed(place, of)
     return None
 
 
-def _write(place: Path, content: bytes, of: str) -> None:
+def _write(place: Path | None, content: bytes, of: str) -> None:
+    if place is None:
+        return
     with suppress(OSError):
         place.parent.mkdir(parents=True, exist_ok=True)
         write_sealed(place, content, of)

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.kept_structures import keep, kept, note, noted, place_of
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene
@@ -51,13 +50,15 @@ def reduced_structure(
 def _kept(
     scene: RigScene, declared: ReductionDeclaration, modes: int | None, parameters: Parameters
 ) -> tuple[Structure, float]:
-    place = place_of(scene, declared.name, modes, parameters) if scene.in_three_dimensions else None
-    if place is not None and (known := kept(place)):
-        return known
-    structure, static = _made(*_kept_structure(scene), declared, modes, parameters)
-    if place is not None:
-        keep(place, structure, static)
-    return structure, static
+    if not scene.in_three_dimensions:
+        return _made(*_kept_structure(scene), declared, modes, parameters)
+    from vibeam.case.kept_structures import keep, kept, place_of
+
+    place = place_of(scene, declared.name, modes, parameters)
+    known = kept(place)
+    if known is None:
+        keep(place, *(known := _made(*_kept_structure(scene), declared, modes, parameters)))
+    return known
 
 
 def _made(
@@ -79,14 +80,19 @@ def static_at_contact(structure: Structure) -> float:
 def mobility_at_contact(scene: RigScene) -> float:
     """Mobility w M⁻¹ wᵀ of all modes at the contact, 1/kg; that of a solid is kept on disk."""
     own = scene.structural()
-    known = noted(own, "mobility") if scene.in_three_dimensions else None
-    if known is not None:
-        return float(known)
-    structure = _kept_structure(own)[0]
-    found = float(structure.mobility(structure.contact))
-    if scene.in_three_dimensions:
-        note(found, own, "mobility")
-    return found
+    if not scene.in_three_dimensions:
+        return _mobility(own)
+    from vibeam.case.kept_structures import note, noted
+
+    known = noted(own, "mobility")
+    if known is None:
+        note(known := _mobility(own), own, "mobility")
+    return float(known)
+
+
+def _mobility(scene: RigScene) -> float:
+    structure = _kept_structure(scene)[0]
+    return float(structure.mobility(structure.contact))
 
 
 def _structure(scene: RigScene) -> tuple[Structure, float]:
