@@ -16,7 +16,6 @@ from vibeam.report.transient_answer import is_chaotic
 from vibeam.runs.parallel import Interrupted
 from vibeam.runs.transient import motions, store
 from vibeam.runs.transient.result import TransientResult
-from vibeam.runs.transient.run import realised
 from vibeam.store.errors import StoreError
 
 TABLES: dict[str, Any] = {
@@ -74,7 +73,8 @@ def test_spectra_have_the_frequencies_of_their_own_motion(tmp_path: Path) -> Non
 
 def test_a_reading_is_that_of_the_motion(whole: TransientResult) -> None:
     """The peak as scanned at 40 000 times of the motion flown again, to the distance of two of them; impacts equal."""
-    path = realised(case(), "events", 1, 1)
+    maker = motions.MotionMaker(case(), "events")
+    path = maker.path(1, maker.load(1, 1))[0]
     times = np.linspace(0, 4, 40_001)
     own = whole["events"]
     assert own.greatest[1, 1, 0] == pytest.approx(0.01, rel=1e-9)  # the stop

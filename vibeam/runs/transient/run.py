@@ -22,7 +22,6 @@ from vibeam.system.response import Ended
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
-    from vibeam.observe.motion import Path as MotionPath
     from vibeam.runs.systems import Overview
     from vibeam.runs.transient.reading import Reading
 
@@ -151,9 +150,3 @@ def _how_to_go_on(count: MotionCount, path: Path | None) -> str:
     if path is None or not count.done:
         return f"stopped after {count.done} of {count.total} motions: nothing is kept"
     return f"stopped: {count.done} of {count.total} motions are kept in {path}: the same command goes on from there"
-
-
-def realised(case: Case, fidelity: str, value: int = 0, seed: int = 0) -> MotionPath:
-    """The motion of a fidelity at the numbers of a value and a seed, flown again."""
-    maker = MotionMaker(case, fidelity)
-    return maker.path(value, maker.load(value, seed))[0]
