@@ -11,6 +11,33 @@ from vibeam_models.solid.elasticity import SolidElements
 
 STEEL = Material(210e9, 7850.0, 0.3)
 SIDES = np.array([0.1, 0.08, 0.05])
+#: case of a short strip with a mass, less its fidelities
+RIG = """units = "SI"
+[beam]
+length = 0.1
+width = 0.02
+thickness = 0.004
+youngs_modulus = 70e9
+density = 2700
+damping_ratio = 0.01
+elements = 6
+[mass]
+mass = 0.02
+position = 0.08
+[stop]
+gap = 1e-4
+restitution = 0.6
+[sensor]
+position = 0.09
+[drive]
+amplitude = 1e-5
+[sweep]
+frequency = {from = 200, to = 300, points = 3}
+settle = 10
+hold = 5
+[solid]
+across = 2
+"""
 
 
 def hexahedra(counts, sides=SIDES, lower=(0.0, 0.0, 0.0)):

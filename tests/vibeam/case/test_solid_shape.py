@@ -15,6 +15,7 @@ import pytest
 import skfem
 from box_meshes import end_face, nodes_of
 from scipy.sparse import identity
+from solid_bodies import RIG
 from typer.testing import CliRunner
 
 import vibeam
@@ -48,32 +49,9 @@ PLACES = {
 }  # fmt: skip
 CUBE = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
-TEXT = """units = "SI"
-[beam]
-length = 0.1
-width = 0.02
-thickness = 0.004
-youngs_modulus = 70e9
-density = 2700
-damping_ratio = 0.01
-elements = 6
-[mass]
-mass = 0.02
-position = 0.08
-[stop]
-gap = 1e-4
-restitution = 0.6
-[sensor]
-position = 0.09
-[drive]
-amplitude = 1e-5
-[sweep]
-frequency = {from = 200, to = 300, points = 3}
-settle = 10
-hold = 5
-[solid]
-across = 2
-[fidelity.beam]
+TEXT = (
+    RIG
+    + """[fidelity.beam]
 reduction = "modal"
 modes = 2
 [fidelity.solid]
@@ -81,6 +59,7 @@ model = "solid"
 reduction = "modal"
 modes = 2
 """
+)
 
 
 def field_of(mesh: Any, half: bool = False) -> SolidField:

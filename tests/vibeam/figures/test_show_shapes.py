@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from solid_bodies import RIG
 
 import vibeam
 from vibeam.figures.kinds.shapes import pairs_of
@@ -14,32 +15,9 @@ from vibeam.figures.shading import AMBIENT, LIGHT, axes_of_view, picture, projec
 from vibeam.figures.sheet import Column, Sheet, sheets
 from vibeam.report.figures import figure
 
-TEXT = """units = "SI"
-[beam]
-length = 0.1
-width = 0.02
-thickness = 0.004
-youngs_modulus = 70e9
-density = 2700
-damping_ratio = 0.01
-elements = 6
-[mass]
-mass = 0.02
-position = 0.08
-[stop]
-gap = 1e-4
-restitution = 0.6
-[sensor]
-position = 0.09
-[drive]
-amplitude = 1e-5
-[sweep]
-frequency = {from = 200, to = 300, points = 3}
-settle = 10
-hold = 5
-[solid]
-across = 2
-[fidelity.line]
+TEXT = (
+    RIG
+    + """[fidelity.line]
 reduction = "modal"
 modes = 3
 [fidelity.body]
@@ -49,6 +27,7 @@ modes = 3
 [show.forms]
 kind = "shapes"
 """
+)
 RIGHT, UP, TOWARD = axes_of_view()
 PIXEL = 0.01
 
