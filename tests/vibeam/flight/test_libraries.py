@@ -34,7 +34,7 @@ from vibeam.flight.engine.loading import (
     manifest,
     write_manifest,
 )
-from vibeam.flight.engine.loading import LEVELS as LIBRARY_LEVELS
+from vibeam.flight.engine.loading import KEPT as LIBRARY_LEVELS
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.sources import digest, sources_of
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
@@ -369,7 +369,8 @@ def test_the_level_is_that_of_the_processors_flags(
 
 
 @pytest.mark.parametrize(("system", "machine", "level"), [
-    ("linux", "aarch64", "aarch64"), ("linux", "riscv64", None), ("darwin", "x86_64", None), ("win32", "AMD64", None),
+    ("linux", "aarch64", "aarch64"), ("linux", "riscv64", None), ("darwin", "x86_64", "macos-x86-64-v2"),
+    ("darwin", "arm64", "macos-arm64"), ("win32", "AMD64", None), ("win32", "ARM64", None), ("freebsd", "x86_64", None),
 ])  # fmt: skip
 def test_other_machines(system: str, machine: str, level: str | None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("platform.machine", lambda: machine)

@@ -1,40 +1,70 @@
-"""A library for one level: object code of the optimised modules of its entry points, linked by LLVM's ``ld.lld``.
+"""Object code of a library for one level: of the optimised modules of its entry points, by LLVM.
 
-It is linked against stand-ins of the system's libraries: the same bytes on every machine. What WebAssembly is linked
-with, is in ``webassembly``.
+What the kernels were compiled to holds for every system and processor; it is linked in ``linking``.
 """
 
 from __future__ import annotations
 
 import re
-import shutil
-import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import llvmlite.binding as llvm
 
 from vibeam.flight.ahead_of_time.wrapper import Compiled, wrapper
 from vibeam.flight.engine.loading import WASM
 
-LINUX = "unknown-linux-gnu"
-LINKER = "ld.lld"
+GNU, MSVC = "unknown-linux-gnu", "pc-windows-msvc"
+MACOS = "11.0"  # the first system of arm64
 WASM_FEATURES = "+simd128,+bulk-memory,+sign-ext,+nontrapping-fptoint"  # in every browser since 2023
 SHRINKING = (  # exact ones; most of it are numba's arguments that no callee reads: a seventh of the bytes
     "merge_functions", "ipsccp", "dead_arg_elimination", "aggressive_dce", "simplify_cfg", "merge_functions",
     "global_dead_code_eliminate",
 )  # fmt: skip
-SYSTEM = {  # all that the kernels may call of the system, by its library
-    "libm.so.6": ("cos", "cosh", "exp", "expm1", "fmod", "hypot", "ldexp", "pow", "sin", "sincos", "sinh"),
-    "libc.so.6": ("memcpy", "memset"),
-}
+OF_WINDOWS = """
+@_fltused = constant i32 1
+module asm ".globl __chkstk
+__chkstk:
+ movq %rax, %r10
+ leaq 8(%rsp), %r11
+0: cmpq $4096, %r10
+ jb 1f
+ subq $4096, %r11
+ testq %r11, (%r11)
+ subq $4096, %r10
+ jmp 0b
+1: subq %r10, %r11
+ testq %r11, (%r11)
+ retq
+.globl processor
+processor:
+ pushq %rbx
+ movq %rcx, %r8
+ movl $1, %eax
+ cpuid
+ movq %rcx, (%r8)
+ movl $7, %eax
+ xorl %ecx, %ecx
+ cpuid
+ movq %rbx, 8(%r8)
+ movl $0x80000001, %eax
+ cpuid
+ movq %rcx, 16(%r8)
+ movq $0, 24(%r8)
+ btl $27, (%r8)
+ jnc 2f
+ xorl %ecx, %ecx
+ xgetbv
+ movl %eax, 24(%r8)
+2: xorl %eax, %eax
+ popq %rbx
+ retq"
+"""  # the mark of floating-point numbers, a probe of each page of a large frame, and ``processor``: four registers
 
 
 @dataclass(frozen=True)
 class Target:
-    """A processor as LLVM and the linker name it."""
+    """A system and its processor as LLVM and the linker name them."""
 
     triple: str
     processor: str
@@ -42,12 +72,17 @@ class Target:
     emulation: str
     relocation: str = "pic"
     passes: tuple[str, ...] = ()  # over the whole library before it is emitted
+    support: str = ""  # LLVM's text of what the system expects in each library
 
 
 TARGETS = {
-    "x86-64-v3": Target(f"x86_64-{LINUX}", "x86-64-v3", "", "elf_x86_64"),
-    "x86-64-v2": Target(f"x86_64-{LINUX}", "x86-64-v2", "", "elf_x86_64"),
-    "aarch64": Target(f"aarch64-{LINUX}", "generic", "", "aarch64linux"),
+    "x86-64-v3": Target(f"x86_64-{GNU}", "x86-64-v3", "", "elf_x86_64"),
+    "x86-64-v2": Target(f"x86_64-{GNU}", "x86-64-v2", "", "elf_x86_64"),
+    "aarch64": Target(f"aarch64-{GNU}", "generic", "", "aarch64linux"),
+    "windows-x86-64-v3": Target(f"x86_64-{MSVC}", "x86-64-v3", "", "x64", support=OF_WINDOWS),
+    "windows-x86-64-v2": Target(f"x86_64-{MSVC}", "x86-64-v2", "", "x64", support=OF_WINDOWS),
+    "macos-arm64": Target(f"arm64-apple-macosx{MACOS}.0", "apple-m1", "", "arm64"),
+    "macos-x86-64-v2": Target(f"x86_64-apple-macosx{MACOS}.0", "x86-64-v2", "", "x86_64"),
     WASM: Target("wasm32-unknown-unknown", "mvp", WASM_FEATURES, "wasm32", "static", SHRINKING),
 }
 
@@ -57,7 +92,7 @@ def emitted(library: str, parts: Sequence[Compiled], level: str) -> bytes:
     target = TARGETS[level]
     machine = _machine(target)
     exported = {f"{library}_{part.entry.name}": part for part in parts}
-    whole = _parsed("", machine, target)
+    whole = _parsed(target.support, machine, target)
     for name, part in exported.items():
         module = _parsed(part.text, machine, target)
         module.link_in(_parsed(wrapper(part, name), machine, target))
@@ -68,17 +103,16 @@ def emitted(library: str, parts: Sequence[Compiled], level: str) -> bytes:
     return bytes(machine.emit_object(whole))
 
 
-def stand_ins(symbols: Sequence[str], level: str) -> bytes:
-    """Object code of functions that do nothing, for the linker to know their names by."""
-    target = TARGETS[level]
+def object_code(text: str, target: Target) -> bytes:
+    """Object code of a module in LLVM's language."""
     machine = _machine(target)
-    text = "\n".join(f"define void @{symbol}() {{ ret void }}" for symbol in symbols)
     return bytes(machine.emit_object(_parsed(text, machine, target)))
 
 
 def _machine(target: Target) -> llvm.TargetMachine:
     llvm.initialize_all_targets()
     llvm.initialize_all_asmprinters()
+    llvm.initialize_native_asmparser()
     return llvm.Target.from_triple(target.triple).create_target_machine(
         cpu=target.processor, features=target.features, opt=3, reloc=target.relocation, codemodel="default"
     )
@@ -107,33 +141,3 @@ def _run(names: Sequence[str], module: llvm.ModuleRef, machine: llvm.TargetMachi
     for name in names:
         getattr(passes, f"add_{name}_pass")()
     passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=0)))
-
-
-def linker(name: str = LINKER) -> str:
-    """The linker's path; RuntimeError with the cure where there is none."""
-    found = shutil.which(name)
-    if found is None:
-        raise RuntimeError(f"{name} is not installed: apt install lld, or another system's LLVM package")
-    return found
-
-
-def linker_version() -> str:
-    """Version of the linker, in its own words."""
-    return subprocess.run([linker(), "--version"], capture_output=True, text=True, check=True).stdout.strip()
-
-
-def linked(content: bytes, level: str) -> bytes:
-    """The shared library of one object file."""
-    with TemporaryDirectory() as place:
-        folder = Path(place)
-        (folder / "kernels.o").write_bytes(content)
-        for name, symbols in SYSTEM.items():
-            (folder / "system.o").write_bytes(stand_ins(symbols, level))
-            _link(level, folder, name, "system.o", "-soname", name)
-        _link(level, folder, "kernels.so", "kernels.o", "-z", "defs", "--as-needed", *SYSTEM)
-        return (folder / "kernels.so").read_bytes()
-
-
-def _link(level: str, folder: Path, out: str, *given: str) -> None:
-    command = [linker(), "-m", TARGETS[level].emulation, "-shared", "-s", "--build-id=none", "-z", "noexecstack"]
-    subprocess.run([*command, *given, "-o", out], cwd=folder, check=True)

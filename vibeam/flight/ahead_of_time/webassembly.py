@@ -12,7 +12,8 @@ from hashlib import sha256
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from vibeam.flight.ahead_of_time.emit import TARGETS, linker
+from vibeam.flight.ahead_of_time.emit import TARGETS
+from vibeam.flight.ahead_of_time.linking import linker
 from vibeam.flight.engine.browser import FIRST, SLOT, place_of
 from vibeam.flight.engine.loading import WASM
 

@@ -1,7 +1,8 @@
 """Libraries of compiled kernels: their manifest, the level that this machine's processor takes, and loading one.
 
-A library is checked against the kernels' sources, unpacked into memory and opened by ctypes; what stands in the folder
-``flight/libraries`` beside ``manifest.json`` is written by ``vibeam.flight.ahead_of_time``.
+A library is checked against the kernels' sources and opened by ctypes: under Linux unpacked into memory, else where it
+lies. What stands in the folder ``flight/libraries`` beside ``manifest.json`` is written by
+``vibeam.flight.ahead_of_time``.
 """
 
 from __future__ import annotations
@@ -28,10 +29,19 @@ from vibeam.flight.kernels.sources import digest, sources_of
 
 FOLDER = Path(__file__).parents[1] / "libraries"
 NAME = "manifest.json"
-LEVELS = ("x86-64-v3", "x86-64-v2", "aarch64")  # of processors
+LINUX, WINDOWS, MACOS = "linux", "windows", "macos"
+KEPT = ("x86-64-v3", "x86-64-v2", "aarch64")  # levels of processors under Linux
+LEVELS = (*KEPT, "windows-x86-64-v3", "windows-x86-64-v2", "macos-arm64", "macos-x86-64-v2")
 WASM = "wasm"  # of web pages: see ``browser``
+SUFFIXES = {LINUX: "xz", WINDOWS: "dll", MACOS: "dylib"}  # the last two are loaded where they lie
 V2 = {"cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"}
 V3 = V2 | {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"}
+REGISTERS = (  # what each flag is, by register and bit, of those that ``processor`` of a library for Windows stores
+    {"pni": 0, "ssse3": 9, "fma": 12, "cx16": 13, "sse4_1": 19, "sse4_2": 20, "movbe": 22, "popcnt": 23, "f16c": 29},
+    {"bmi1": 3, "avx2": 5, "bmi2": 8},
+    {"lahf_lm": 0, "abm": 5},
+)
+VECTORS = {"avx": 28, "xsave": 27}  # of the first register, where the system keeps the wide registers too
 FIRST = 16384  # bytes of /proc/cpuinfo in which the first processor's flags stand
 BUILD = "python -m vibeam.flight.ahead_of_time"
 MOST = 1 << 24  # bytes of a library
@@ -46,9 +56,15 @@ class KernelsUnavailable(RuntimeError):
     """Neither a library for this machine nor numba, or a wrong VIBEAM_KERNELS; with the cure."""
 
 
+def system_of(level: str) -> str:
+    """The operating system of a level of processors."""
+    system = level.partition("-")[0]
+    return system if system in SUFFIXES else LINUX
+
+
 def file_of(library: str, level: str, folder: Path = FOLDER) -> Path:
-    """The compressed library: by gzip, which browsers unpack, where it is for them."""
-    return folder / level / f"{library}.{'gz' if level == WASM else 'xz'}"
+    """The library as it is kept: compressed for Linux, and for browsers as they unpack it."""
+    return folder / level / f"{library}.{'gz' if level == WASM else SUFFIXES[system_of(level)]}"
 
 
 @cache
@@ -85,12 +101,42 @@ def _digest(whole: dict[str, Any]) -> str:
 def level_of_processor(cpuinfo: Path = Path("/proc/cpuinfo")) -> str | None:
     """The highest level that runs here (see ``LEVELS``); None where none does."""
     machine = platform.machine()
-    if sys.platform != "linux" or struct.calcsize("P") != 8:
+    if struct.calcsize("P") != 8 or sys.byteorder != "little":
         return None
-    if machine == "aarch64":
-        return "aarch64" if sys.byteorder == "little" else None
-    flags = _flags(cpuinfo) if machine == "x86_64" else set()
+    if sys.platform == "darwin":
+        return {"arm64": "macos-arm64", "x86_64": "macos-x86-64-v2"}.get(machine)
+    if sys.platform == "win32" and machine == "AMD64":
+        level = _level_of(_flags_of_windows())
+        return level and f"{WINDOWS}-{level}"
+    if sys.platform != "linux":
+        return None
+    return _level_of(_flags(cpuinfo)) if machine == "x86_64" else "aarch64" if machine == "aarch64" else None
+
+
+def _level_of(flags: set[str]) -> str | None:
     return "x86-64-v3" if flags >= V3 else "x86-64-v2" if flags >= V2 else None
+
+
+@cache
+def _flags_of_windows() -> set[str]:
+    """The processor's flags by its own instruction, in a library of the lower level; none where it cannot be had."""
+    level = f"{WINDOWS}-x86-64-v2"
+    found = (ctypes.c_uint64 * 4)()
+    try:
+        library = _opened(file_of("tables", level), manifest()["libraries"]["tables"]["levels"][level])
+    except (LibraryUnavailable, KeyError):
+        return set()
+    library.processor.argtypes = (ctypes.c_void_p,)
+    library.processor(ctypes.addressof(found))
+    return flags_in(*found)
+
+
+def flags_in(basic: int, further: int, extended: int, kept: int) -> set[str]:
+    """Flags by their names under Linux, of what ``processor`` stores: three registers and what the system keeps."""
+    registers = (basic, further, extended)
+    found = {name for bits, value in zip(REGISTERS, registers, strict=True) for name in bits if value >> bits[name] & 1}
+    vectors = {name for name, bit in VECTORS.items() if basic >> bit & 1 and kept & 6 == 6}
+    return found | vectors if "avx" in vectors else found - {"avx2", "fma", "f16c"}
 
 
 def _flags(cpuinfo: Path) -> set[str]:
@@ -128,9 +174,10 @@ def level_of(library: str, module: str, name: str, level: str | None = None, fol
 @cache
 def _opened(path: Path, expected: str) -> ctypes.CDLL:
     """The library in a compressed file with this SHA-256; LibraryUnavailable where it cannot be had."""
-    packed = _packed(path, expected)
+    packed, faults = _packed(path, expected), list[str]()
+    if path.suffix != ".xz":
+        return _opened_where_it_lies(path)
     content = lzma.LZMADecompressor().decompress(packed, MOST)
-    faults = list[str]()
     for place in (_in_memory, _in_folder):
         try:
             with place(content) as name:
@@ -139,6 +186,13 @@ def _opened(path: Path, expected: str) -> ctypes.CDLL:
             large = isinstance(fault, OSError) and fault.errno == errno.EFBIG
             faults.append(f"files may not have their {len(content) >> 10} kB: raise ulimit -f" if large else str(fault))
     raise LibraryUnavailable(f"the compiled kernels cannot be loaded ({'; '.join(dict.fromkeys(faults))})")
+
+
+def _opened_where_it_lies(path: Path) -> ctypes.CDLL:
+    try:
+        return ctypes.CDLL(str(path.resolve()))
+    except OSError as fault:
+        raise LibraryUnavailable(f"the compiled kernels cannot be loaded ({fault})") from None
 
 
 def packed_of(library: str, level: str, folder: Path = FOLDER) -> bytes:
