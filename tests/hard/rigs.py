@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import tomli_w
 from draws import chosen, log
 from numpy.random import Generator
 from rig_drives import drive, weight
 from rig_stops import contact, stop
+
+from vibeam.casefile.toml_writing import toml_text
 
 Table = dict[str, Any]
 
@@ -20,7 +21,7 @@ ALONE = 0.06  # share of rigs that are one degree of freedom in their own units
 
 def random_rig(seed: int, number: int) -> str:
     """The text of a case file."""
-    return tomli_w.dumps({"units": "SI"} | random_tables(np.random.default_rng([seed, number])))
+    return toml_text({"units": "SI"} | random_tables(np.random.default_rng([seed, number])))
 
 
 def random_tables(rng: Generator) -> Table:

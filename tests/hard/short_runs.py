@@ -6,7 +6,7 @@ import tomllib
 from typing import Any
 
 from vibeam.case.case import Case
-from vibeam.casefile.tables.table import toml_text
+from vibeam.casefile.toml_writing import toml_text
 
 POINTS, SETTLE, HOLD = 3, 5, 4
 ELEMENTS, MODES = 40, 12

@@ -27,8 +27,9 @@ from vibeam.casefile.tables.expectations import expectation, measured_number
 from vibeam.casefile.tables.input import input_plan
 from vibeam.casefile.tables.outputs import main_output
 from vibeam.casefile.tables.sweep import APPLIED, fidelity_of, is_solid
-from vibeam.casefile.tables.table import content, digest, plan_of, toml_text
+from vibeam.casefile.tables.table import content, digest, plan_of
 from vibeam.casefile.toml import parsed
+from vibeam.casefile.toml_writing import toml_text
 from vibeam.exchange.faults import CaseError, Fault, KeyPath
 from vibeam.figures import COMMON, FIGURES
 

@@ -1,14 +1,54 @@
-"""TOML as it is written: one value or key in a line, and the text of a case with the values of some keys replaced."""
+"""TOML as it is written: a whole case, one value or key, the text of a case with the values of some keys replaced."""
 
 from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from vibeam.casefile.toml import key_parts, value_spans
 from vibeam.exchange.faults import KeyPath
+
+LINE = 94  # most letters of a table that stands inside a list
+
+
+def toml_text(content: Mapping[str, Any]) -> str:
+    """Content as a case file: of each table its values, then the tables inside it."""
+    return "\n".join(_sections(content))
+
+
+def _sections(table: Mapping[str, Any], name: str = "", listed: bool = False) -> Iterator[str]:
+    """Text of a table, then of each inside it; a table of tables alone has no header."""
+    inner = {key: tables for key, value in table.items() if (tables := _tables_of(value))}
+    values = "".join(f"{name_of(key)} = {_over_lines(value)}\n" for key, value in table.items() if key not in inner)
+    if name and (values or listed or not inner):
+        values = (f"[[{name}]]\n" if listed else f"[{name}]\n") + values
+    if values:
+        yield values
+    for key, tables in inner.items():
+        for each in tables:
+            yield from _sections(each, f"{name}.{name_of(key)}" if name else name_of(key), each is not table[key])
+
+
+def _tables_of(value: Any) -> list[Mapping[str, Any]]:
+    """The tables with headers of their own that a value is; none of a list of short tables, or of anything else."""
+    if isinstance(value, Mapping):
+        return [value]
+    listed = isinstance(value, list | tuple) and all(isinstance(each, Mapping) for each in value)
+    return list(value) if listed and not all(map(_is_short, value)) else []
+
+
+def _is_short(table: Mapping[str, Any]) -> bool:
+    return len(to_toml(table)) <= LINE and not any(isinstance(each, list | tuple) for each in table.values())
+
+
+def _over_lines(value: Any, indent: str = "") -> str:
+    """One value as TOML, each item of a list in a line of its own."""
+    if not (isinstance(value, list | tuple) and value):
+        return to_toml(value)
+    items = "".join(f"{indent}    {_over_lines(each, indent + '    ')},\n" for each in value)
+    return f"[\n{items}{indent}]"
 
 
 def with_values(text: str, values: Mapping[str, str]) -> str:

@@ -182,13 +182,6 @@ def _outside(table: BaseModel, parts: Collection[str]) -> dict[str, Any]:
     return found
 
 
-def toml_text(content: Mapping[str, Any]) -> str:
-    """Content as a case file."""
-    import tomli_w
-
-    return tomli_w.dumps(content)
-
-
 def digest(*content: Any) -> str:
     """SHA-256, in hexadecimal, of content as JSON with sorted keys."""
     return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()

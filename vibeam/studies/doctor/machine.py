@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import re
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -12,10 +13,6 @@ from enum import StrEnum
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from packaging.requirements import Requirement
 
 
 class Severity(StrEnum):
@@ -130,10 +127,34 @@ TOPIC = "packages"
 LEAST_PYTHON = (3, 11)
 
 #: names of modules that are not those of their packages
-MODULES = {"scikit-fem": "skfem", "tomli-w": "tomli_w"}
+MODULES = {"scikit-fem": "skfem"}
 
 #: extras that a user has a use for, and that
 EXTRAS = {"jit": "compiles kernels where there is no library of them", "lab": "reads universal files"}
+
+#: a requirement in the metadata of the project: a name, its least version, the extra that wants it
+_REQUIRED = re.compile(r"""([\w.-]+)>=([\d.]+)(?:; extra == ['"](\w+)['"])?""")
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A package that is required from its version ``least`` on; ``extra``: by that extra alone."""
+
+    name: str
+    least: str
+    extra: str = ""
+
+    def __str__(self) -> str:
+        """As pip takes it."""
+        return f"{self.name}>={self.least}"
+
+    def met_by(self, installed: str) -> bool:
+        """Test whether a version is new enough, by the numbers that it begins with."""
+        return _numbers(installed) >= _numbers(self.least)
+
+
+def _numbers(version: str) -> list[int]:
+    return [int(number) for number in re.findall(r"\d+", re.split(r"[^\d.]", version)[0])]
 
 
 def packages() -> Iterator[Finding]:
@@ -158,29 +179,24 @@ def _own() -> Finding:
 
 
 def requirements() -> list[Requirement]:
-    """Requirements by the installed metadata, of extras those of ``EXTRAS``; none where vibeam is not installed."""
-    from packaging.requirements import Requirement
+    """Requirements by the installed metadata, of extras those of ``EXTRAS``; none where vibeam is not installed.
 
+    One under another condition, as of numba where no library of kernels serves, is left to the check of what it is for.
+    """
     try:
-        found = [Requirement(entry) for entry in distribution("vibeam").requires or ()]
+        found = map(_REQUIRED.fullmatch, distribution("vibeam").requires or ())
     except PackageNotFoundError:
         return []
-    return [each for each in found if each.marker is None or extra_of(each)]
-
-
-def extra_of(wanted: Requirement) -> str:
-    """Extra of ``EXTRAS`` that wants a package; empty where all do, or another one."""
-    marker = wanted.marker
-    return next((name for name in EXTRAS if marker and marker.evaluate({"extra": name})), "")
+    return [Requirement(*each.groups("")) for each in found if each and each[3] in (None, *EXTRAS)]
 
 
 def package(wanted: Requirement) -> Finding:
     """Finding about a package: its version, and that it can be imported; one of an extra may be absent."""
-    installed, extra = _version(wanted.name), extra_of(wanted)
+    installed, extra = _version(wanted.name), wanted.extra
     if installed is not None:
         return _imported(wanted, installed) or _judged(wanted, installed)
     if not extra:
-        return Finding(TOPIC, wanted.name, Severity.FAULT, "not installed", f"pip install '{_as_pip(wanted)}'")
+        return Finding(TOPIC, wanted.name, Severity.FAULT, "not installed", f"pip install '{wanted}'")
     said = f"not installed ({EXTRAS[extra]})"
     return Finding(TOPIC, wanted.name, Severity.ABSENT, said, f"to have it: pip install 'vibeam[{extra}]'")
 
@@ -191,20 +207,16 @@ def _imported(wanted: Requirement, installed: str) -> Finding | None:
         import_module(MODULES.get(wanted.name, wanted.name.replace("-", "_")))
     except Exception as fault:
         said = f"{installed} cannot be imported: {type(fault).__name__}: {str(fault).partition(chr(10))[0]}"
-        cure = f"pip install --force-reinstall '{_as_pip(wanted)}'"
+        cure = f"pip install --force-reinstall '{wanted}'"
         return Finding(TOPIC, wanted.name, Severity.FAULT, said, cure)
     return None
 
 
 def _judged(wanted: Requirement, installed: str) -> Finding:
-    if not wanted.specifier.contains(installed, prereleases=True):
-        cure = f"pip install --upgrade '{_as_pip(wanted)}'"
-        return Finding(TOPIC, wanted.name, Severity.FAULT, f"{installed} is not {wanted.specifier}", cure)
+    if not wanted.met_by(installed):
+        cure = f"pip install --upgrade '{wanted}'"
+        return Finding(TOPIC, wanted.name, Severity.FAULT, f"{installed} is not >={wanted.least}", cure)
     return Finding(TOPIC, wanted.name, Severity.GOOD, installed)
-
-
-def _as_pip(wanted: Requirement) -> str:
-    return f"{wanted.name}{wanted.specifier}"
 
 
 def _version(name: str) -> str | None:
