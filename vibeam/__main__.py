@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 
 INTERRUPTED = 130
@@ -19,6 +20,7 @@ def main() -> None:
         outside = _leave if usual is signal.default_int_handler else usual
         signal.signal(signal.SIGINT, outside)
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # tiny matrices: more threads take hundreds of times as long
+        gc.set_threshold(10_000)  # what imports make is no garbage: the usual 700 search it over and over
         from vibeam.cli.main import main as command
 
         signal.signal(signal.SIGINT, usual)
@@ -26,6 +28,7 @@ def main() -> None:
             command()
         finally:
             signal.signal(signal.SIGINT, outside)
+            gc.freeze()  # nothing is searched for garbage at the end of the process
     except KeyboardInterrupt:
         raise SystemExit(INTERRUPTED) from None
 

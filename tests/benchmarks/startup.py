@@ -1,4 +1,4 @@
-"""CPU and wall time of whole commands: help, a refusal, the main case with everything and with nothing left to do.
+"""CPU and wall time of whole commands: help, a refusal, the main case with everything and nothing to do, its report.
 
     python tests/benchmarks/startup.py [--rounds 7] [--calls] [--out tests/benchmarks/results/startup.json]
 
@@ -39,6 +39,7 @@ COMMANDS = {
     "`vibeam run`, everything to do": ["run", str(CASE), "--out", "new.h5", "--fresh"],
     "`vibeam run`, nothing to do": ["run", str(CASE), "--out", "done.h5"],
     "`vibeam check`, nothing to do": ["check", str(CASE), "--out", "done.h5"],
+    "`vibeam report`": ["report", "done.h5"],
 }
 
 BEAMS = {  # key, start and step of what changes

@@ -135,6 +135,49 @@ def test_a_finished_run_builds_nothing(tmp_path: Path, monkeypatch: pytest.Monke
     assert loaded(check) == ["h5py"]
 
 
+COUNTED = """
+import contextlib, gc, sys
+from vibeam.__main__ import main
+sys.argv = {words!r}
+with contextlib.suppress(SystemExit):
+    main()
+frozen = gc.get_freeze_count() > 0.9 * len(gc.get_objects())
+own = [name for name in sys.modules if name.partition(".")[0] in {ours!r}]
+tables = sys.modules.get("vibeam.casefile.tables.table")
+kinds = {{tables.Table}} if tables else set()
+while more := {{each for kind in kinds for each in kind.__subclasses__()}} - kinds:
+    kinds |= more
+print("COUNTS", frozen, len(own), len(kinds))
+"""
+
+
+def counts(*words: str) -> tuple[str, int, int]:
+    """Is the end of the process spared a search for garbage; modules of this project loaded; tables declared."""
+    command = [sys.executable, "-c", COUNTED.format(words=["vibeam", *words], ours=OURS)]
+    done = subprocess.run(command, env={"PYTHONPATH": ":".join(sys.path)}, capture_output=True, text=True, check=True)
+    frozen, modules, tables = done.stdout.splitlines()[-1].split()[1:]
+    return frozen, int(modules), int(tables)
+
+
+def test_a_start_makes_no_more_than_it_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bounds of what takes the time of a start, just above what it is: 33, 140 and 203 modules, 47 tables."""
+    monkeypatch.chdir(tmp_path)
+    case = str(ROOT / "cases" / "dtu_neutral.toml")
+    short = ["--set", "sweep.frequency.points=2", "--set", "sweep.settle=2", "--set", "sweep.hold=2"]
+    frozen, modules, tables = counts("--help")
+    assert (frozen, tables) == ("True", 0)
+    assert modules <= 36
+    frozen, modules, tables = counts("run", case, "--set", "stop.gap=1 Hz")
+    assert frozen == "True"
+    assert modules <= 145
+    assert tables <= 48
+    counts("run", case, *short)
+    frozen, modules, tables = counts("run", case, *short)
+    assert frozen == "True"
+    assert modules <= 208
+    assert tables <= 48
+
+
 SHOCK = """
 beam = { length = "120 mm", width = "12 mm", thickness = "1 mm", youngs_modulus = "200 GPa", density = "7850 kg/m^3", damping_ratio = 0.01 }
 stop = { position = "110 mm", gap = "0.1 mm", restitution = 0.7 }

@@ -66,8 +66,14 @@ class Table(BaseModel):
 
 def table(name: str, meaning: str, *parts: type[Table] | dict[str, Any]) -> Any:
     """A table made of parts, whose keys stand in the order of the parts: tables, or {key: (annotation, ``key``)}."""
-    made = [part if isinstance(part, type) else create_model(f"{name}Part", __base__=Table, **part) for part in parts]
-    joined: Any = create_model(name, __base__=tuple(reversed(made)))
+    bases, own = list[type[Table]](), dict[str, Any]()
+    for part in parts:
+        if isinstance(part, dict):
+            own |= part
+            continue
+        bases += [create_model(f"{name}Part", __base__=Table, **own)] if own else []
+        bases, own = [*bases, part], {}
+    joined: Any = create_model(name, __base__=tuple(reversed(bases)) or Table, **own)
     joined.__doc__ = meaning
     return joined
 
