@@ -139,12 +139,16 @@ class Uncertain:
 
 @dataclass(frozen=True)
 class FitKey:
-    """Estimated ``key`` of a case, between ``low`` and ``high``, SI; ``start``: the case's own value, within these."""
+    """Estimated ``key`` of a case, between ``low`` and ``high``, SI; ``start``: the case's own value, within these.
+
+    ``unit``: of SI, empty of a plain number.
+    """
 
     key: str
     low: float
     high: float
     start: float
+    unit: str
 
 
 @dataclass(frozen=True)

@@ -191,7 +191,7 @@ def read_key(name: str, bounds: Any, model: Any, case: Any) -> FitKey:
     low, high = (float(entry.read(number_of(each) if isinstance(each, str) else each, units)) for each in bounds)
     if not low < high:
         raise ValueError(f"goes from {low:.6g} to {high:.6g}: {WRITE}")
-    return FitKey(name, low, high, min(max(float(own), low), high))
+    return FitKey(name, low, high, min(max(float(own), low), high), entry.kind.unit)
 
 
 def fit_in_si(case: Any) -> Any:

@@ -17,7 +17,6 @@ from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.profile import FitRow
 from vibeam.studies.fit.study import FitStudy, FittedPoint
 from vibeam.studies.identification.estimates import Estimate, Identification
-from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import begun, percent, shown_in, with_unit
 from vibeam_models.arguments import counted
 
@@ -149,7 +148,7 @@ def _next(study: FitStudy) -> ReportTable:
     quantity = study.case.references[study.points[0].reference].quantity
     plain = study.case.scene.given_mode is not None
     for each in study.next:
-        values = (with_unit(each.settings[name], unit_of(name)) for name in settings)
+        values = (with_unit(each.settings[name], study.case.keys.unit(name)) for name in settings)
         value = with_unit(each.value, "" if plain else "m/s" if quantity == "impact_velocity" else "m")
         table.add_row(f"{each.frequency:.5g} Hz", *values, each.motion, value, f"± {with_unit(each.after, unit, 3)}")
     table.caption = (

@@ -17,7 +17,6 @@ from vibeam.report.fit import restitution_meant
 from vibeam.report.output import StudySheet
 from vibeam.report.record_studies import of_uncertainty
 from vibeam.report.tables import ReportTable, blank, plain
-from vibeam.studies.identification.modes import unit_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT
 from vibeam.studies.uncertainty.statistics import LEVELS
 from vibeam.system.number_text import percent, shown_in
@@ -84,7 +83,7 @@ def _unit(study: UncertaintyStudy, each: Uncertain) -> tuple[str, float]:
     """Displayed unit of an input and the factor to it."""
     if study.case.scene.natural_unit is not None:
         return "", 1.0
-    return shown_in(unit_of(each.key), each.middle, each.deviation)
+    return shown_in(study.case.keys.unit(each.key), each.middle, each.deviation)
 
 
 def fidelities(study: UncertaintyStudy) -> ReportTable:

@@ -24,7 +24,6 @@ from vibeam.studies.fit.explanation import actual, other_motions
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.surface import Forward
-from vibeam.studies.identification.modes import unit_of
 from vibeam.system.curves import evenly
 from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
@@ -256,12 +255,12 @@ def _after(spread: Array, slope: Array, uncertainty: float) -> Array:
     return np.asarray(np.diag(spread) - seen**2 / (uncertainty**2 + slope @ seen))
 
 
-def in_words(best: Sequence[NextPoint], unit: str) -> str:
+def in_words(case: Case, best: Sequence[NextPoint], unit: str) -> str:
     """Sentence on what to measure next."""
     if not best:
         return "Next: the fitted model has no motion at the sweep's frequencies."
     first = best[0]
-    settings = ", ".join(f"{key} = {with_unit(value, unit_of(key))}" for key, value in first.settings.items())
+    settings = ", ".join(f"{key} = {with_unit(value, case.keys.unit(key))}" for key, value in first.settings.items())
     return (
         f"Next: {first.frequency:.5g} Hz at {settings} ({first.motion}): the interval of {first.key} would go from "
         f"± {with_unit(first.before, unit, 3)} to ± {with_unit(first.after, unit, 3)}."

@@ -118,7 +118,7 @@ def _study(case: Case, tell: Progress, next_point: bool) -> FitStudy:
         shared = [each.shared for each in found if each.shared]
     if next_point:
         unit = next((row.unit for row in rows if advised and row.key == advised[0].key), "")
-        sentences.append(advice_in_words(advised, unit))
+        sentences.append(advice_in_words(case, advised, unit))
     return FitStudy(
         case, rows, tuple(_points(problem, minimum, judgement)), tuple(sentences),
         tuple(facts(problem, minimum, judgement)), tuple(shared), minimum.misfit,
@@ -147,15 +147,13 @@ def _judged(case: Case, whole: Problem, tell: Progress) -> tuple[Problem, Minimu
 
 
 def _rows(problem: Problem, minimum: Minimum, profiles: list[Profile], judgement: Judgement) -> Iterator[FitRow]:
-    from vibeam.studies.identification.modes import unit_of
-
     values, errors = problem.values(minimum.x), np.sqrt(np.diag(minimum.covariance)) * problem.width
     for k, (each, found) in enumerate(zip(problem.keys, profiles, strict=True)):
         ends = [each.low + share * (each.high - each.low) for share in (found.low, found.high)]
         low, high = (float("nan"), float("nan")) if judgement.withheld else ends
         value = float("nan") if all(found.open) else float(values[k])
         error = float("nan") if judgement.withheld else judgement.scale * float(errors[k])
-        yield FitRow(each.key, value, low, high, unit_of(each.key), error, each.start, *found.open)
+        yield FitRow(each.key, value, low, high, each.unit, error, each.start, *found.open)
 
 
 def _points(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterator[FittedPoint]:

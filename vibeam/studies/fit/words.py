@@ -22,7 +22,6 @@ from vibeam.studies.fit.estimate import Minimum, probability
 from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
 from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import BOUND, LEVEL, FitRow, Profile
-from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import with_unit
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
@@ -233,7 +232,7 @@ def _ends(row: FitRow) -> str:
 
 
 def _pair(problem: Problem, values: Array, k: int, j: int) -> str:
-    return ", ".join(with_unit(float(values[each]), unit_of(problem.keys[each].key)) for each in (k, j))
+    return ", ".join(with_unit(float(values[each]), problem.keys[each].unit) for each in (k, j))
 
 
 def _constant(problem: Problem, values: Array, k: int, j: int) -> str:

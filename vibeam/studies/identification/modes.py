@@ -9,7 +9,6 @@ every evaluation is a case of its own: what a fidelity sets itself stays. Where 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -70,7 +69,7 @@ def identify_keys(case: Case, keys: Sequence[str], measured: Sequence[str] = ())
     )  # fmt: skip
     best = start * np.exp(found.x)
     spread = spread_of(slopes(best), None, keys)
-    rows = estimates(keys, best.tolist(), spread.half, [unit_of(key) for key in keys])
+    rows = estimates(keys, best.tolist(), spread.half, [case.keys.unit(key) for key in keys])
     left = float(np.sqrt(np.mean((found.fun * scatter / value) ** 2)))
     method = f"{len(used)} measured modal frequencies, least squares"
     return Identification(rows, method, len(used), left, spread.directions, tuple(_notes(used, found.fun, spread.half)))
@@ -123,18 +122,6 @@ def _value(case: Case, key: str) -> float:
     if isinstance(found, bool) or not isinstance(found, int | float) or not found > 0:
         raise ValueError(f"{key} = {found!r} is no number above 0 to start from")
     return float(found)
-
-
-def unit_of(key: str) -> str:
-    """SI unit of a key, empty of a plain number."""
-    from vibeam.casefile.documentation import rows_of
-
-    try:
-        holds = rows_of(key)[0].unit
-    except ValueError:
-        return ""
-    unit = re.split(" >| in | ≥| \\|", holds)[0].strip()
-    return "" if unit.startswith("number") else unit
 
 
 def _notes(used: Sequence[MeasuredNumber], deviations: Array, half: Array) -> list[str]:
