@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from vibeam.batches.response import BatchResponse
 
 ALONE = 64  # points of one task of a thread, where each goes by itself
-MOST, LEAST = 1024, 256  # points of one compiled task at most, and at least where there are as many
+MOST, LEAST = 4096, 256  # points of one compiled task at most, and at least where there are as many
+SHARED = 100_000  # drive periods of points, times modes: what is less takes some 5 ms, too little for two threads
 
 
 def batch(
@@ -79,13 +80,16 @@ def batch(
     points = points_of(systems, omega, amplitude, gap, restitution, damping, state)
     plan = _plan(points, settle, hold, output, strobes, bool(lanes), lyapunov, threads)
     record, compiled = BatchRecord(len(points.base), points.size, plan.strobes), is_compiled(points, plan.output)
-    tasks = [(run_task, which) for which in tasks_of(points, np.flatnonzero(compiled))]
+    each = (plan.settle + plan.hold + plan.lyapunov) * points.size
+    alone = threads == 1 or len(points.base) * each < SHARED
+    least = MOST if alone else max(min(SHARED // each, LEAST), SIDE_BY_SIDE)
+    tasks = [(run_task, which) for which in tasks_of(points, np.flatnonzero(compiled), least)]
     tasks += [(run_points, which) for which in _one_by_one(points, np.flatnonzero(~compiled), plan)]
 
     def task(item: tuple[Callable[..., None], Index], stop: Event) -> None:
         item[0](points, item[1], plan, record)
 
-    if threads == 1 or len(tasks) == 1:
+    if alone or len(tasks) == 1:
         for run, which in tasks:
             run(points, which, plan, record)
     else:
@@ -131,23 +135,23 @@ def is_compiled(points: BatchPoints, output: str) -> Flags:
     return np.array(plain)[points.base]
 
 
-def tasks_of(points: BatchPoints, which: Index) -> list[Index]:
-    """The points ``which`` in tasks of what is packed alike, neighbours side by side."""
+def tasks_of(points: BatchPoints, which: Index, least: int) -> list[Index]:
+    """The points ``which`` in tasks of what is packed alike, neighbours side by side, of ``least`` points or more."""
     level = np.floor(np.log2(PANEL / points.omega[which]))  # of the longest panels: see ``linear.packing.top_level``
     elastic = 1.0 - points.restitution[which] < ELASTIC
     order = np.lexsort((points.omega[which], points.damping[which], points.base[which], level, elastic))
     which, kind = which[order], np.stack([level, elastic])[:, order]
     found = []
     for part in np.split(which, np.flatnonzero(np.any(np.diff(kind), axis=0)) + 1):
-        found += _portions(part)
+        found += _portions(part, least)
     return sorted(found, key=len, reverse=True)
 
 
-def _portions(part: Index) -> list[Index]:
+def _portions(part: Index, least: int) -> list[Index]:
     """Large tasks, which cost little beside their points, then smaller ones, so that all threads end about together."""
     found = []
     while len(part):
-        size = min(MOST, max(LEAST, len(part) // 3))
+        size = min(MOST, max(least, len(part) // 3))
         found.append(part[:size])
         part = part[size:]
     return found

@@ -176,13 +176,14 @@ def _starts(state: Any, n: int, faults: list[str]) -> tuple[Array, Flags] | None
 
 
 def plain_points(points: BatchPoints, which: Index) -> PlainPoints:
-    """The points ``which``, their distinct dampings as systems."""
-    kinds, system = np.unique(np.stack([points.base[which], points.damping[which]]), axis=1, return_inverse=True)
-    bases = [points.bases[int(base)] for base in kinds[0]]
-    systems = [changed(b, b.gap, b.restitution, float(d)) for b, d in zip(bases, kinds[1], strict=True)]
+    """The points ``which``, where those of one base and one damping are neighbours: these are systems."""
+    base, damping, first = points.base[which], points.damping[which], np.ones(len(which), dtype=bool)
+    first[1:] = (base[1:] != base[:-1]) | (damping[1:] != damping[:-1])
+    kinds = [(points.bases[i], float(factor)) for i, factor in zip(base[first], damping[first], strict=True)]
+    systems = [changed(own, own.gap, own.restitution, factor) for own, factor in kinds]
     starts = None if points.state is None else points.state[which].reshape(len(which), 2, points.size)
     resting = None if points.resting is None else points.resting[which]
     return PlainPoints(
-        systems, system.ravel(), points.omega[which], points.amplitude[which], points.gap[which],
+        systems, np.cumsum(first) - 1, points.omega[which], points.amplitude[which], points.gap[which],
         points.restitution[which], starts, resting,
     )  # fmt: skip

@@ -11,6 +11,7 @@ from refusals import other_answers
 
 import vibeam
 from vibeam.batches.response import READ
+from vibeam.runs.parallel import run_parallel
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import ViscousRestitution
 
@@ -81,8 +82,29 @@ def test_unusual_points_are_those_of_sweeps(system: vibeam.ImpactSystem, output:
     assert np.allclose(found.strobes[:, -1], last @ row, rtol=1e-12, atol=0)
 
 
+def test_what_is_too_small_to_share_is_not_shared(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Threads from 10⁵ drive periods on, where two begin to be sooner, however these are dealt out among points."""
+    shared: list[list[int]] = []
+
+    def kept(task: Any, items: Any, workers: int | None) -> None:
+        shared.append([len(which) for _, which in items])
+        run_parallel(task, items, workers)
+
+    monkeypatch.setattr("vibeam.batches.batch.run_parallel", kept)
+    octaves = np.linspace(0.7, 1.6, 24)  # in tasks of their own
+    vibeam.batch(OWN, octaves, 0.05, settle=200, hold=50, threads=2)
+    assert shared == []
+    vibeam.batch(OWN, np.full(24, 1.6), 0.05, settle=4000, hold=200, threads=2)
+    (few,) = shared
+    assert sum(few) == 24
+    assert len(few) > 1
+    vibeam.batch(OWN, np.full(24, 1.6), 0.05, settle=4000, hold=200, threads=1)
+    assert len(shared) == 1
+
+
 @pytest.mark.parametrize("threads", [2, 8])
-def test_any_number_of_threads_gives_the_same_bits(threads: int) -> None:
+def test_any_number_of_threads_gives_the_same_bits(threads: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibeam.batches.batch.SHARED", 1)  # in tasks of eight points
     omega = np.linspace(0.5, 2.5, 200)
     found = [vibeam.batch(OWN, omega, 0.05, settle=30, hold=10, strobes=4, threads=each) for each in (1, threads)]
     for name in (*READ, "state", "resting", "strobes"):

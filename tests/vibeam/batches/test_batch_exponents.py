@@ -98,7 +98,8 @@ def test_what_the_compiled_code_leaves_alone_is_that_of_lyapunov(
     assert float(found.lyapunov_error) == pytest.approx(one.errors[0], rel=1e-9)
 
 
-def test_a_point_that_failed_has_none_and_neighbours_and_threads_change_no_bit() -> None:
+def test_a_point_that_failed_has_none_and_neighbours_and_threads_change_no_bit(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("vibeam.batches.batch.SHARED", 1)  # in tasks of eight points
     omega = np.concatenate([np.linspace(1.5, 2.3, 81), [2.9, 3.05, 3.1, 2.9]])
     start = np.zeros((85, 2)) - np.array([0.01, 0.0])
     start[7] = 0.5, 0.0

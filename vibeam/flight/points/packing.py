@@ -31,10 +31,10 @@ def packed(system: ImpactSystem, omega: float, elastic: bool, output: str) -> tu
 
 
 def stacked(engines: Sequence[Any]) -> Any:
-    """Tuples of arrays as one tuple, each array with an axis more in front."""
+    """Tuples of arrays as one tuple, each array with an axis more in front; those of one engine are not copied."""
     first = engines[0]
     if isinstance(first, np.ndarray):
-        return np.ascontiguousarray(np.stack(engines))
+        return np.ascontiguousarray(np.stack(engines)) if len(engines) > 1 else first[None]
     return type(first)(*(stacked([each[i] for each in engines]) for i in range(len(first))))
 
 
