@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 
+from vibeam.flight.engine.threads import run_parallel
 from vibeam.flight.record.solver import RecordSolver, flown
 from vibeam.flight.trajectory import Trajectory
 from vibeam.system.impact_system import ImpactSystem
@@ -47,5 +46,5 @@ def simulate_records(
         runner = first.sibling(record, t_start, t_end)
         return Trajectory(**flown(runner, record, t_end, state, t_start, max_impacts, certify))
 
-    with ThreadPoolExecutor(workers or os.cpu_count()) as pool:
-        return list(pool.map(one, records, starts))
+    pairs = list(zip(records, starts, strict=True))
+    return run_parallel(lambda pair, _: one(*pair), pairs, workers)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 Direction = Literal["up", "down", "both"]
 LONGEST = 10**9  # largest number of drive periods to settle a point: at 0.2 µs each, minutes
-BLOCK, MOST = 0.05, 16  # seconds and largest number of points of a block: what a run that is killed may lose
+BLOCK, MOST = 0.05, 64  # seconds and largest number of points of a block: what a run that is killed may lose
 HELD = 10**8  # largest number of modal states, one a drive period, held for a point: 1.6 GB
 
 

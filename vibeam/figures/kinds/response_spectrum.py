@@ -17,10 +17,13 @@ from vibeam.figures.panels import is_empty, labelled, say
 from vibeam.figures.record import record_motion
 from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet, sheet_of
 from vibeam.figures.style import Look, looks_of, name_of
+from vibeam.flight.engine.threads import run_parallel
 from vibeam.observe.response_spectrum import response_spectrum, spectrum_ratio, transfer_function
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
+    from threading import Event
+
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -89,9 +92,14 @@ def _samples(case: Case, name: str, plan: ShowPlan, rate: float) -> tuple[Array,
     whole = plan_of_record(case)
     times = LEFT_OUT * whole.duration + np.arange(int((1 - LEFT_OUT) * whole.duration * rate)) / rate
     seeds = whole.seeds[: max(1, int(MOST / len(times)))] or (None,)
-    paths = [record_motion(case, name, plan, seed) for seed in seeds]
-    loads = np.array([path.drive.at(times) for path in paths])
-    return loads, np.array([path.at(times, plan.output) for path in paths])
+    case.system(name)  # there before threads ask
+
+    def sampled(seed: int | None, stop: Event) -> tuple[Array, Array]:
+        path = record_motion(case, name, plan, seed)
+        return path.drive.at(times), path.at(times, plan.output)
+
+    loads, values = zip(*run_parallel(sampled, seeds), strict=True)
+    return np.array(loads), np.array(values)
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:

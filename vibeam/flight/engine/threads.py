@@ -1,14 +1,16 @@
-"""Threads at work: each with working arrays of its own, and heard between pieces of long work.
+"""Threads at work, since kernels run without the interpreter's lock: each with working arrays of its own.
 
-There a signal, a computation that is to stop, or the end of a time is noticed.
+They are heard between pieces of long work: there a signal, a computation that is to stop, or the end of a time is
+noticed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import os
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
-from threading import Event, local
+from contextvars import ContextVar, copy_context
+from threading import Event, current_thread, local, main_thread
 from typing import Any, Generic, TypeVar, cast
 
 import numpy as np
@@ -21,8 +23,12 @@ _TIME: ContextVar[tuple[Clock, float] | None] = ContextVar("time", default=None)
 Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
+Item = TypeVar("Item")
+Made = TypeVar("Made")
+
+
 class Stopped(Exception):
-    """A task saw its stop signal and left; never seen outside ``vibeam.runs.parallel``."""
+    """A task saw its stop signal and left; never seen outside ``run_parallel``."""
 
 
 class OutOfTime(Exception):
@@ -56,6 +62,44 @@ def pause() -> None:
         raise Stopped
     if time is not None and time[0]() > time[1]:
         raise OutOfTime("the time was up")
+
+
+def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], workers: int | None = None) -> list[Made]:
+    """Compute ``task(item, stop)`` for every item, one thread a core; results in the order of the items.
+
+    The first failure, or Ctrl-C, sets ``stop``, waits until the running tasks have left (by raising ``Stopped``, as
+    solvers do within a fraction of a second), and is raised. One task at a time within a thread that another call has
+    begun runs in that thread, where the signal of that call reaches it. The end of a time (``ending_at``) holds in all.
+    """
+    from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+
+    stop = Event()
+    if (workers == 1 or len(items) <= 1) and current_thread() is not main_thread():
+        return [task(item, stop) for item in items]
+
+    def stoppable(item: Item) -> Made:
+        with stopping_at(stop):
+            return task(item, stop)
+
+    with ThreadPoolExecutor(workers or cores(), thread_name_prefix="vibeam") as pool:
+        futures = [pool.submit(copy_context().run, stoppable, item) for item in items]
+        try:
+            wait(futures, return_when=FIRST_EXCEPTION)
+        finally:
+            if not all(future.done() and future.exception() is None for future in futures):
+                stop.set()
+                pool.shutdown(cancel_futures=True)
+    for future in futures:
+        failure = None if future.cancelled() else future.exception()
+        if failure is not None and not isinstance(failure, Stopped):
+            raise failure
+    return [future.result() for future in futures]
+
+
+def cores() -> int:
+    """Number of processor cores available to this process."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def unpaused(move: Callable[..., tuple[int, float]], *given: object) -> tuple[int, float]:

@@ -44,7 +44,7 @@ def run_record(
     with opened(case, wanted, path, fresh, tell) as store:
         known = store.known.motions
         asked = [each for some in every for each in some if each.fidelity in case.fidelities]
-        missing = [each for each in _in_turn(asked) if each.key not in known]
+        missing = [each for each in asked if each.key not in known]
         found = len(asked) - len(missing)
         makers = {name: MotionMaker(case, name) for name in case.fidelities}
         if missing and before:
@@ -85,9 +85,12 @@ class MotionCount:
             self._told(self.done, self.total)
 
 
-def _in_turn(motions: Sequence[Realisation]) -> list[Realisation]:
-    """Motions of all fidelities under one load, then under the next: a run that is stopped has some of each."""
-    return sorted(motions, key=lambda each: (each.seed, each.value))
+def _in_turn(motions: Sequence[Realisation], makers: Mapping[str, MotionMaker]) -> list[Realisation]:
+    """Motions of all fidelities under one load, then under the next: a run that is stopped has some of each.
+
+    Costly ones come first, so that threads end about together.
+    """
+    return sorted(motions, key=lambda each: (each.seed, each.value, -makers[each.fidelity].system(0)[0].size))
 
 
 def _make(
@@ -103,7 +106,7 @@ def _make(
         if count is not None:
             count.add()
 
-    run_parallel(make, motions)
+    run_parallel(make, _in_turn(motions, makers))
 
 
 def _twins(case: Case, known: KnownMotions, twins: Sequence[Sequence[Realisation]]) -> Iterator[Realisation]:
