@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -32,14 +33,14 @@ def _limits() -> Iterator[float]:
 
 def _of_process() -> Iterator[float]:
     """Memory that ``ulimit -v`` leaves."""
-    try:
+    yield from ()  # all under Windows
+    if sys.platform != "win32":
         from resource import RLIM_INFINITY, RLIMIT_AS, getrlimit
-    except ImportError:  # Windows
-        return
-    most = getrlimit(RLIMIT_AS)[0]
-    taken = _read(Path("/proc/self/statm")).split()
-    if most != RLIM_INFINITY and taken:
-        yield most - float(taken[0]) * os.sysconf("SC_PAGE_SIZE")
+
+        most = getrlimit(RLIMIT_AS)[0]
+        taken = _read(Path("/proc/self/statm")).split()
+        if most != RLIM_INFINITY and taken:
+            yield most - float(taken[0]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def _read(path: Path) -> str:

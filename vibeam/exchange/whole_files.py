@@ -5,12 +5,14 @@ from __future__ import annotations
 import errno
 import os
 import stat
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from hashlib import sha256
 from pathlib import Path
 
 Fill = Callable[[int], None]  # writes the content of a new file, by its descriptor
+BINARY = getattr(os, "O_BINARY", 0)  # Windows: a descriptor is of text unless told
 
 
 def regular(path: Path) -> Path:
@@ -59,10 +61,10 @@ def new_part(part: Path, target: Path, fill: Fill) -> int:
 
     It gets the permissions of an existing ``target``.
     """
-    handle = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
+    handle = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL | BINARY, 0o666)
     try:
         with suppress(FileNotFoundError):
-            os.fchmod(handle, stat.S_IMODE(os.stat(target).st_mode))
+            os.chmod(part, stat.S_IMODE(os.stat(target).st_mode))
         fill(handle)
         os.fsync(handle)
     except BaseException:
@@ -87,8 +89,27 @@ def write_at(handle: int, start: int, content: bytes | memoryview) -> None:
     """Write all of ``content`` from the byte ``start`` on."""
     rest = memoryview(content)
     while rest:
-        count = os.pwrite(handle, rest, start)
+        count = _write(handle, rest, start)
         rest, start = rest[count:], start + count
+
+
+if sys.platform == "win32":  # which has no call that takes the place too
+
+    def _write(handle: int, content: memoryview, start: int) -> int:
+        os.lseek(handle, start, os.SEEK_SET)
+        return os.write(handle, content)
+
+    def _read(handle: int, count: int, start: int) -> bytes:
+        os.lseek(handle, start, os.SEEK_SET)
+        return os.read(handle, count)
+
+else:
+
+    def _write(handle: int, content: memoryview, start: int) -> int:
+        return os.pwrite(handle, content, start)
+
+    def _read(handle: int, count: int, start: int) -> bytes:
+        return os.pread(handle, count, start)
 
 
 def _called(mode: int) -> str:
@@ -144,7 +165,7 @@ def is_sealed(path: Path) -> bool:
     """Test whether the seal of a file of any size fits. OSError where it cannot be read."""
     with path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size - LENGTH
-        return size >= 0 and os.pread(file.fileno(), LENGTH, size) == _seal(_pieces(file.fileno(), size))
+        return size >= 0 and _read(file.fileno(), LENGTH, size) == _seal(_pieces(file.fileno(), size))
 
 
 def _seal(pieces: Iterable[bytes], of: str = "") -> bytes:
@@ -156,4 +177,4 @@ def _seal(pieces: Iterable[bytes], of: str = "") -> bytes:
 
 def _pieces(handle: int, size: int) -> Iterator[bytes]:
     """The first ``size`` bytes of an open file."""
-    return (os.pread(handle, min(PIECE, size - at), at) for at in range(0, size, PIECE))
+    return (_read(handle, min(PIECE, size - at), at) for at in range(0, size, PIECE))

@@ -5,21 +5,23 @@ from __future__ import annotations
 import errno
 import os
 import platform
+import sys
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from glob import escape
 from itertools import count
 from pathlib import Path
 
-from vibeam.exchange.whole_files import Fill, fill_sealed, part_beside, regular, write_at
+from vibeam.exchange.whole_files import BINARY, Fill, fill_sealed, part_beside, regular, write_at
 from vibeam.store.blocks import discard
 from vibeam.store.errors import ELSEWHERE, ROOM, StoreError, unwritable
 
 UNKNOWN = (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK)  # errors of file systems without locks, which HDF5 accepts too
 UNLINKED = (*UNKNOWN, errno.EPERM, errno.EMLINK)  # errors of file systems without a second name for a file
 TRIES = 100
+FAR = 1 << 30  # byte of a lock under Windows
 Tell = Callable[[str], None]
 
 
@@ -122,13 +124,12 @@ def locked(path: Path) -> Iterator[Place]:
     try:
         yield place
     finally:
-        file.unlink(missing_ok=True)
-        os.close(handle)
+        _release(handle, file)
 
 
 def _acquired(path: Path, file: Path) -> int:
     for _ in range(TRIES):
-        handle = os.open(file, os.O_RDWR | os.O_CREAT, 0o666)
+        handle = os.open(file, os.O_RDWR | os.O_CREAT | BINARY, 0o666)
         if not _lock(handle):
             holder = os.read(handle, 200).decode(errors="replace")
             os.close(handle)
@@ -141,15 +142,43 @@ def _acquired(path: Path, file: Path) -> int:
 
 def _lock(handle: int) -> bool:
     """Try to lock the file for this process; also True where the file system knows no locks."""
-    import fcntl
-
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
+        _lock_or_fail(handle)
+    except (BlockingIOError, PermissionError):
         return False
     except OSError as fault:
         return fault.errno in UNKNOWN
     return True
+
+
+if sys.platform == "win32":
+
+    def _lock_or_fail(handle: int) -> None:
+        """Lock a byte far behind the holder's name: nobody else may read what is locked."""
+        import msvcrt
+
+        os.lseek(handle, FAR, os.SEEK_SET)
+        try:
+            msvcrt.locking(handle, msvcrt.LK_NBLCK, 1)
+        finally:
+            os.lseek(handle, 0, os.SEEK_SET)
+
+    def _release(handle: int, file: Path) -> None:
+        """End the lock; what is open cannot be deleted, so that the next holder keeps the file."""
+        os.close(handle)
+        with suppress(PermissionError):
+            file.unlink(missing_ok=True)
+
+else:
+
+    def _lock_or_fail(handle: int) -> None:
+        import fcntl
+
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+    def _release(handle: int, file: Path) -> None:
+        file.unlink(missing_ok=True)
+        os.close(handle)
 
 
 def _is_there(handle: int, file: Path) -> bool:
@@ -162,9 +191,8 @@ def _is_there(handle: int, file: Path) -> bool:
 def _signed(handle: int, file: Path) -> int:
     try:
         os.ftruncate(handle, 0)
-        os.pwrite(handle, f"process {os.getpid()} on {platform.node()}".encode(), 0)
+        os.write(handle, f"process {os.getpid()} on {platform.node()}".encode())
     except OSError:
-        file.unlink(missing_ok=True)
-        os.close(handle)
+        _release(handle, file)
         raise
     return handle

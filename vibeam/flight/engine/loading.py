@@ -216,6 +216,8 @@ def _in_memory(content: bytes) -> Iterator[str]:
 
     The loader knows what it has open by name: each is spelled differently, since the number may be used again.
     """
+    if sys.platform != "linux":
+        raise OSError(errno.ENOSYS, "no files in memory")
     number = os.memfd_create("vibeam", os.MFD_CLOEXEC)
     try:
         _write(number, content)
