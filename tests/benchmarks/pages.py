@@ -8,8 +8,8 @@ A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; ever
 results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json, ``limits.py`` writes
 results/limits.json, ``estimates.py`` writes results/estimates.json, ``recommended.py`` writes results/recommended.json,
 ``recommended_beams.py`` writes results/recommended_beams.json, ``batches.py`` writes results/batches.json,
-``cluster.py`` writes results/cluster.json, ``webassembly.py`` writes results/webassembly.json, ``page_frames.py``
-writes results/page_frames.json.
+``cluster.py`` writes results/cluster.json, ``threads.py`` writes results/threads.json, ``webassembly.py`` writes
+results/webassembly.json, ``page_frames.py`` writes results/page_frames.json.
 """
 
 from __future__ import annotations
@@ -239,6 +239,34 @@ def startup_table(found: dict[str, Any]) -> str:
     return "\n\n".join([*tables, fill(text, width=120)])
 
 
+def threads_table(found: dict[str, Any]) -> str:
+    """Two threads and two processes over one thread, and what a task costs that is too small to share."""
+    columns = ["work", "one thread, s", "two threads", "CPU time", "two processes"]
+    rows = [
+        [row["what"], f"{row['one'][0]:.1f}", *(_between(row[name]) for name in ("ratio", "cpu", "processes"))]
+        for row in found["works"].values()
+    ]
+    tasks, load = found["tasks"], found["load"]
+    few = "; ".join(
+        f"{count}: {tasks['points'][count][0] / 1e3:.1f} and {tasks['points'][count][1] / 1e3:.1f} ms"
+        for count in ("1", "16", "64", "128", "256")
+    )
+    sooner = (
+        f"two threads are sooner from {tasks['from']} points on" if tasks["from"] else "two threads are never sooner"
+    )
+    text = (
+        f"Medians of {found['rounds']} rounds, least and largest in brackets (load average {load['before'][0]:.1f} "
+        f"before, {load['after'][0]:.1f} after). To share two tasks that do nothing takes {tasks['call']:.0f} µs. "
+        f"Wall times of a few points of one mode over 250 periods, by one thread and by two: {few}; {sooner}."
+    )
+    return f"{markdown(columns, rows)}\n\n{fill(text, width=120)}"
+
+
+def _between(values: list[float]) -> str:
+    middle, least, most = values
+    return f"{middle:.2f} ({least:.2f} … {most:.2f})"
+
+
 def libraries_table(found: dict[str, Any]) -> str:
     """Cost of an impact by numba and by the libraries of each level, and what a call and loading take."""
     levels = [level for level in found["call"] if level != "numba"]
@@ -432,6 +460,7 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
         "limits": limits_table,
         "libraries": libraries_table,
         "startup": startup_table,
+        "threads": threads_table,
         "sparse": sparse_table,
         "solid": solid_table,
     }
