@@ -302,9 +302,3 @@ def test_matrices_that_are_no_structure_are_refused() -> None:
 def test_all_faults_of_a_structure_are_told_at_once() -> None:
     with pytest.raises(ValueError, match=r"M: .*; .*C: .*; .*load: "):
         vibeam.Structure(np.ones((2, 3)), np.eye(4), K, [1.0], [0.0, 0.0], [0.0, 1.0])
-
-
-def test_the_citation_is_a_citation() -> None:
-    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    for line in ("cff-version: 1.2.0", f"version: {vibeam.__version__}", "license: BSD-3-Clause", "references:"):
-        assert f"\n{line}" in f"\n{text}"
