@@ -49,8 +49,8 @@ SETTINGS = {
 
 def build(folder: Path, groups: Sequence[str] = GROUPS, levels: Sequence[str] = IN_PLACE) -> None:
     """Make these libraries and their manifest in ``folder``; CalledProcessError, and no change, where a group fails."""
-    made_with = {"numba": version("numba"), "llvmlite": version("llvmlite"), "linker": linker_version()}
-    made_with |= archive_versions()
+    made_with = {"numba": version("numba"), "llvmlite": version("llvmlite"), "linker": linker_version(levels)}
+    made_with |= archive_versions() if WASM in levels else {}
     folder.mkdir(parents=True, exist_ok=True)
     with TemporaryDirectory() as cache, TemporaryDirectory() as fresh:
         environment = os.environ | SETTINGS | {"NUMBA_CACHE_DIR": cache}  # what numba has cached has no LLVM module

@@ -15,6 +15,7 @@ from tempfile import TemporaryDirectory
 from vibeam.flight.ahead_of_time.emit import MACOS, TARGETS, Target, object_code
 from vibeam.flight.engine.loading import LINUX, system_of
 
+LINKERS = {LINUX: "ld.lld", "windows": "lld-link", "macos": "ld64.lld"}  # by system
 PACKAGE = "apt install lld, or another system's LLVM package"
 MATHEMATICS = ("cos", "cosh", "exp", "expm1", "fmod", "hypot", "ldexp", "pow", "sin", "sinh")
 LIBM, LIBC, UCRT, SYSTEM = "libm.so.6", "libc.so.6", "ucrtbase.dll", "/usr/lib/libSystem.B.dylib"
@@ -35,9 +36,10 @@ def linker(name: str) -> str:
     return found
 
 
-def linker_version() -> str:
-    """Version of the linker, in its own words."""
-    return subprocess.run([linker("ld.lld"), "--version"], capture_output=True, text=True, check=True).stdout.strip()
+def linker_version(levels: Sequence[str]) -> str:
+    """Version of the linker of the first of these levels, in its own words; RuntimeError where one is missing."""
+    found = [linker(LINKERS[system_of(level)]) for level in levels]
+    return subprocess.run([found[0], "--version"], capture_output=True, text=True, check=True).stdout.strip()
 
 
 def linked(content: bytes, level: str, exported: Sequence[str]) -> bytes:
