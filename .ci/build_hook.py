@@ -47,7 +47,7 @@ class Unavailable(Exception):
     """Why a folder's libraries cannot be taken, or none can be made."""
 
 
-class LibrariesHook(BuildHookInterface):  # type: ignore[type-arg]
+class LibrariesHook(BuildHookInterface):
     """The hook."""
 
     def dependencies(self) -> list[str]:

@@ -1,7 +1,8 @@
 """Kernels for another system, run by a host program of it: entry points that take the same slots as here.
 
 A process a library, spoken to by a pipe; arrays are copied to its memory and back, so that whoever calls notices
-nothing. The libraries stand in the folder that VIBEAM_LIBRARIES names (``.ci/wheels`` makes them).
+nothing. The libraries stand in the folder that VIBEAM_LIBRARIES names
+(``python -m vibeam.flight.ahead_of_time`` makes them).
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 Needs libraries for that system and a host (apt install wine64 gcc-mingw-w64-x86-64)::
 
-    .ci/wheels FOLDER…
+    python -m vibeam.flight.ahead_of_time FOLDER --levels all
     VIBEAM_LIBRARIES=FOLDER pytest -m slow tests/vibeam/flight/test_truth_elsewhere.py
 """
 
