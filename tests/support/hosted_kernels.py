@@ -11,7 +11,7 @@ import ctypes
 import os
 import struct
 import subprocess
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -34,6 +34,7 @@ class Host:
     level: str
     command: Sequence[str]
     environment: dict[str, str] = field(default_factory=dict)
+    opened: Callable[[Path], Path] = Path  # the file that the host program opens, of a library's
     calls: dict[str, int] = field(default_factory=dict)  # by the function's name
     _processes: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
     _lock: Lock = field(default_factory=Lock)
@@ -54,7 +55,7 @@ class Host:
 
     def _process(self, library: str) -> subprocess.Popen[bytes]:
         if library not in self._processes:
-            words = [*self.command, str(file_of(library, self.level, LIBRARIES))]
+            words = [*self.command, str(self.opened(file_of(library, self.level, LIBRARIES)))]
             pipe = subprocess.PIPE
             self._processes[library] = subprocess.Popen(
                 words, stdin=pipe, stdout=pipe, env=os.environ | self.environment

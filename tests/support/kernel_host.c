@@ -3,7 +3,8 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#ifdef _WIN32
+#ifdef OPEN /* by mach_o_image.h */
+#elif defined _WIN32
 #include <fcntl.h>
 #include <io.h>
 #include <windows.h>

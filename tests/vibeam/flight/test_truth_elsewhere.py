@@ -1,6 +1,8 @@
-"""Truth tests of the flight on the kernels for Windows, run by wine.
+"""Truth tests of the flight on the kernels for other systems: of Windows by wine, of macOS mapped in that system's way,
+of aarch64 by an emulator, of Linux with musl as its C library.
 
-Needs libraries for that system and a host (apt install wine64 gcc-mingw-w64-x86-64)::
+Needs the libraries of all systems, and hosts (apt install wine64 gcc-mingw-w64-x86-64 qemu-user gcc-aarch64-linux-gnu
+musl-tools)::
 
     python -m vibeam.flight.ahead_of_time FOLDER --levels all
     VIBEAM_LIBRARIES=FOLDER pytest -m slow tests/vibeam/flight/test_truth_elsewhere.py
@@ -8,13 +10,12 @@ Needs libraries for that system and a host (apt install wine64 gcc-mingw-w64-x86
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from hosted_kernels import LIBRARIES, SOURCE, Host
+from host_programs import PROGRAMS, missing
+from hosted_kernels import Host
 from regular_motions import TWO, points
 from test_truth_in_webassembly import IN_WEBASSEMBLY as TRUTH
 
@@ -22,23 +23,15 @@ from vibeam.flight.engine.entries import ENTRIES
 
 globals().update({name: vars(module)[name] for module, names in TRUTH.items() for name in names})
 
-LEVELS = ("windows-x86-64-v2", "windows-x86-64-v3")
-COMPILER = "x86_64-w64-mingw32-gcc"
-
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(not (shutil.which(COMPILER) and shutil.which("wine")), reason="no wine or no mingw-w64"),
-    pytest.mark.skipif(not (LIBRARIES / LEVELS[0]).exists(), reason="VIBEAM_LIBRARIES names no libraries for Windows"),
-]
+pytestmark = pytest.mark.slow
 
 
-@pytest.fixture(scope="module", params=LEVELS)
+@pytest.fixture(scope="module", params=PROGRAMS)
 def host(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Host]:
-    folder = tmp_path_factory.mktemp("host")
-    subprocess.run([COMPILER, "-O1", str(SOURCE), "-o", str(folder / "host.exe")], check=True)
-    found = Host(
-        request.param, ["wine", str(folder / "host.exe")], {"WINEPREFIX": str(folder / "wine"), "WINEDEBUG": "-all"}
-    )
+    reason = missing(request.param)
+    if reason:
+        pytest.skip(reason)
+    found = PROGRAMS[request.param].begun(tmp_path_factory.mktemp("host"))
     yield found
     found.end()
 
