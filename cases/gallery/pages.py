@@ -26,10 +26,10 @@ HERE = Path(__file__).resolve().parent
 SCRIPTS = sorted(path for path in HERE.glob("*.py") if path.name != Path(__file__).name)
 NOTEBOOKS = sorted(HERE.glob("*.ipynb"))
 UNITS = ("Hz", "mm/s", "m/s²", "m/s", "µm", "mm", "ms", "s", "N/mm", "N", "kg", "g", "m", "%")
-COUNTED = ("modes", "mode", "impacts", "impact", "steps", "periods", "digits", "roots", "root", "motions")
+COUNTED = ("mode", "impact", "step", "period", "digit", "root", "record")  # singular or plural
 NUMBER = re.compile(
     r"(?<![\w.^/#])([-−]?\d+(?: \d{3})*(?:\.\d+)?(?:e[-+−]?\d+)?)(?![\w/]|\.\d)"
-    + rf"(?:\s+({'|'.join(map(re.escape, (*UNITS, *COUNTED)))})(?![\w/²]))?"
+    + rf"(?:\s+(?:({'|'.join(map(re.escape, UNITS))})|({'|'.join(COUNTED)})s?)(?![\w/²]))?"
 )
 NO_CLAIM = re.compile(r"`[^`]*`|\[[^\]]*\]\([^)]*\)", re.DOTALL)  # code, links
 
@@ -46,7 +46,7 @@ class Claim:
     def holds(self, printed: Claim) -> bool:
         """Test whether a printed number, rounded, is this one; of text, signs are left out ("too small")."""
         near = abs(abs(printed.value) - abs(self.value)) <= self.half * (1 + 1e-9)
-        return near and printed.unit.rstrip("s") == self.unit.rstrip("s")
+        return near and printed.unit == self.unit
 
 
 @dataclass(frozen=True)
@@ -83,11 +83,11 @@ def printed_claims(printed: str) -> list[Claim]:
     return [claim for line in printed.splitlines() for claim in claims(line.partition(": ")[2])]
 
 
-def _claim(text: str, unit: str | None) -> Claim:
+def _claim(text: str, unit: str | None, counted: str | None) -> Claim:
     plain = text.replace("−", "-").replace(" ", "")
     mantissa, _, power = plain.partition("e")
     half = 0.5 * 10.0 ** (int(power or 0) - len(mantissa.partition(".")[2]))
-    return Claim(text, float(plain), half, unit or "")
+    return Claim(text, float(plain), half, unit or counted or "")
 
 
 def unfounded(script: Script, printed: str) -> list[str]:

@@ -72,9 +72,9 @@ def test_the_page_of_the_gallery_lists_all(pages: ModuleType) -> None:
 
 
 def test_numbers_are_read_with_their_units(pages: ModuleType) -> None:
-    text = "By 1 000 N/mm −0.5 % (§ 3), 1.2e-3 s, 8 modes; `5 mm`, [x#7](y8), fig13, 2² and 3 wide."
+    text = "By 1 000 N/mm −0.5 % (§ 3), 1.2e-3 s, 8 modes, 4 ms; `5 mm`, [x#7](y8), fig13, 2² and 3 wide."
     read = [(each.value, each.unit) for each in pages.claims(text)]
-    assert read == [(1000, "N/mm"), (-0.5, "%"), (3, ""), (1.2e-3, "s"), (8, "modes"), (3, "")]
+    assert read == [(1000, "N/mm"), (-0.5, "%"), (3, ""), (1.2e-3, "s"), (8, "mode"), (4, "ms"), (3, "")]
     assert [each.value for each in pages.printed_claims("label 5: 7 Hz\nno label 8\n")] == [7]
 
 
