@@ -30,15 +30,16 @@ GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
 }
 
 KEYS = "; --within is --accuracy, its other options are keys (vibeam keys modes_needed)"
-#: what commands of earlier versions are now, and what of their options is to be said
+#: what commands of earlier versions are now, what of their options is to be said, and the version that drops them
 EARLIER = {
-    "reduce": ("verdict --only modes", KEYS),
-    "limit": ("verdict --only modes", KEYS),
-    "influence": ("verdict --only effects", ""),
-    "cost": ("verdict --only solvers", ""),
-    "identify": ("fit", ""),
-    "record": ("check --record", ""),
-    "stability": ("map --picture stability", "; --points N,M stands for --frequencies M"),
+    "reduce": ("verdict --only modes", KEYS, "0.3"),
+    "limit": ("verdict --only modes", KEYS, "0.3"),
+    "influence": ("verdict --only effects", "", "0.3"),
+    "cost": ("verdict --only solvers", "", "0.3"),
+    "identify": ("fit", "", "0.3"),
+    "record": ("check --record", "", "0.3"),
+    "stability": ("map --picture stability", "; --points N,M stands for --frequencies M", "0.3"),
+    "new --rig": ("new --from", "", "0.3"),
 }
 
 
@@ -50,12 +51,14 @@ class Commands(TyperGroup):
         if args[-1:] == ["--from"]:
             args = [*args, "list"]
         if args[:1] == ["new"] and any(each.partition("=")[0] == "--rig" for each in args):
-            say("vibeam new --rig is now: vibeam new --from")
-            args = [each.replace("--rig", "--from", 1) if each.startswith("--rig") else each for each in args]
+            args = [
+                "new --rig",
+                *(each.replace("--rig", "--from", 1) if each[:5] == "--rig" else each for each in args[1:]),
+            ]
         if args and args[0] in EARLIER:
-            now, options = EARLIER[args[0]]
-            say(f"vibeam {args[0]} is now: vibeam {now}{options}")
-            args = [*now.split(), *args[1:]]
+            now, options, until = EARLIER[args[0]]
+            say(f"vibeam {args[0]} is now: vibeam {now}{options} (version {until} drops the old name)")
+            args = [*now.removesuffix(" --from").split(), *args[1:]]
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
