@@ -1,4 +1,4 @@
-"""Libraries for macOS and Windows, judged and run without these systems: what a loader would refuse is refused here.
+"""Libraries for macOS, judged and run without that system: what its loader would refuse is refused here.
 
 Small ones are linked on the spot; all of them are judged where VIBEAM_LIBRARIES names a folder with them (see
 ``test_truth_elsewhere``, which flies on them).
@@ -6,11 +6,9 @@ Small ones are linked on the spot; all of them are judged where VIBEAM_LIBRARIES
 
 from __future__ import annotations
 
-import ctypes
 import struct
 import subprocess
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -18,16 +16,15 @@ import mach_o
 import mach_o_image
 import numpy as np
 import pytest
-from host_programs import NATIVE, PROGRAMS
+from host_programs import PROGRAMS
 from hosted_kernels import LIBRARIES
 from mach_o_fixups import Unreadable
 
-from vibeam.flight.engine import loading
 from vibeam.flight.engine.entries import ENTRIES
 from vibeam.flight.engine.loading import file_of, manifest
 
-llvm = pytest.importorskip("llvmlite.binding", reason="no numba")
-from vibeam.flight.ahead_of_time import emit, linking  # noqa: E402
+pytest.importorskip("llvmlite.binding", reason="no numba")
+from vibeam.flight.ahead_of_time import emit, linking
 
 MACOS = {"macos-arm64": "arm64", "macos-x86-64-v2": "x86_64"}
 LOWEST = "11.0"
@@ -150,32 +147,3 @@ def test_a_small_library_runs_mapped_as_its_system_would(name: str, tmp_path: Pa
         status, _, value = struct.unpack_from("=2qd", done)
         assert (status, done[-24:]) == (7, bytes(16) + b"\1" * 8)
         assert value == pytest.approx(expected + np.sin(0.3) * np.cos(0.3), abs=1e-15)
-
-
-ASKED = """
-declare win64cc i32 @processor(ptr)
-define i32 @asked(ptr %to) {
-  %found = call win64cc i32 @processor(ptr %to)
-  ret i32 %found
-}
-"""
-
-
-@contextmanager
-def asked() -> Iterator[Callable[[int], int]]:
-    """``processor`` of the libraries for Windows, run here as Windows calls it."""
-    target = emit.TARGETS["x86-64-v2"]
-    machine = emit._machine(target)
-    module = emit._parsed(emit.OF_WINDOWS + ASKED, machine, target)
-    engine = llvm.create_mcjit_compiler(module, machine)
-    engine.finalize_object()
-    yield ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p)(engine.get_function_address("asked"))
-    engine.close()
-
-
-@pytest.mark.skipif(not NATIVE, reason="another processor, or another system than Linux")
-def test_the_processors_flags_are_those_that_the_system_names() -> None:
-    found = (ctypes.c_uint64 * 4)()
-    with asked() as processor:
-        assert processor(ctypes.addressof(found)) == 0
-    assert loading.flags_in(*found) == loading._flags(Path("/proc/cpuinfo")) & loading.V3

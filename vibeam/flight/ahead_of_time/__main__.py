@@ -33,7 +33,7 @@ from vibeam.flight.ahead_of_time.webassembly import archive_versions, linked_mod
 from vibeam.flight.ahead_of_time.wrapper import Compiled, compiled
 from vibeam.flight.engine.browser import LIBRARIES
 from vibeam.flight.engine.entries import ENTRIES
-from vibeam.flight.engine.loading import FOLDER, KEPT, LINUX, WASM, file_of, manifest, system_of, write_manifest
+from vibeam.flight.engine.loading import ASKED, FOLDER, KEPT, LINUX, WASM, file_of, manifest, system_of, write_manifest
 from vibeam.flight.kernels.sources import digest, sources_of
 
 GROUPS = ("points", "contacts", "regimes", "flight", "tangents", "tangent_maps", "moreau")  # the longest first
@@ -106,6 +106,7 @@ def _packed(library: str, parts: Sequence[Compiled], level: str) -> bytes:
     """The library for a level as it is kept; what pages do not call is left out of theirs."""
     if level != WASM:
         exported = [f"{library}_{part.entry.name}" for part in parts]
+        exported += ASKED[1:] if (library, system_of(level)) == (ASKED[0], "windows") else ()
         content = linked(emitted(library, parts, level), level, exported)
         return lzma.compress(content, preset=9 | lzma.PRESET_EXTREME) if system_of(level) == LINUX else content
     called = [part for part in parts if part.entry.name in LIBRARIES[library]]

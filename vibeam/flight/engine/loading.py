@@ -36,7 +36,8 @@ WASM = "wasm"  # of web pages: see ``browser``
 SUFFIXES = {LINUX: "xz", WINDOWS: "dll", MACOS: "dylib"}  # the last two are loaded where they lie
 V2 = {"cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"}
 V3 = V2 | {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"}
-REGISTERS = (  # what each flag is, by register and bit, of those that ``processor`` of a library for Windows stores
+ASKED = ("tables", "processor")  # the library for Windows, and its function, that stores the processor's registers
+REGISTERS = (  # what each flag is, by register and bit, of those that it stores
     {"pni": 0, "ssse3": 9, "fma": 12, "cx16": 13, "sse4_1": 19, "sse4_2": 20, "movbe": 22, "popcnt": 23, "f16c": 29},
     {"bmi1": 3, "avx2": 5, "bmi2": 8},
     {"lahf_lm": 0, "abm": 5},
@@ -120,14 +121,14 @@ def _level_of(flags: set[str]) -> str | None:
 @cache
 def _flags_of_windows() -> set[str]:
     """The processor's flags by its own instruction, in a library of the lower level; none where it cannot be had."""
-    level = f"{WINDOWS}-x86-64-v2"
+    level, (library, name) = f"{WINDOWS}-x86-64-v2", ASKED
     found = (ctypes.c_uint64 * 4)()
     try:
-        library = _opened(file_of("tables", level), manifest()["libraries"]["tables"]["levels"][level])
+        processor = getattr(_opened(file_of(library, level), manifest()["libraries"][library]["levels"][level]), name)
     except (LibraryUnavailable, KeyError):
         return set()
-    library.processor.argtypes = (ctypes.c_void_p,)
-    library.processor(ctypes.addressof(found))
+    processor.argtypes = (ctypes.c_void_p,)
+    processor(ctypes.addressof(found))
     return flags_in(*found)
 
 
