@@ -9,6 +9,7 @@ import sys
 import tempfile
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from commands import data_of
@@ -20,7 +21,7 @@ from workers import Stage
 
 import vibeam
 from vibeam.maps import run as running
-from vibeam.maps.block import Block
+from vibeam.store.steps import StepFile
 
 SHORT = {
     "points = 100": "points = 6", "points = 65": "points = 9", "points = 40": "points = 8",
@@ -41,20 +42,20 @@ def computed(name: str, folder: Path, blocks: int | None = None) -> Path:
     for long, short in SHORT.items():
         text = text.replace(long, short)
     case.write_text(text, encoding="utf-8")
-    write, left = running.write_block, [blocks]
+    append, left = StepFile.append, [blocks]
 
-    def ending(path: Path, parts: Path, block: Block, *given: object) -> None:
+    def ending(file: StepFile, *given: Any) -> None:
         if left[0] == 0:
             raise Ended
         left[0] = None if left[0] is None else left[0] - 1
-        write(path, parts, block, *given)  # type: ignore[arg-type]
+        append(file, *given)
 
-    kept = running.lines_of_block, running.write_block
-    running.lines_of_block, running.write_block = (lambda case, grid: 2), ending
+    kept = running.lines_of_block, append
+    running.lines_of_block, StepFile.append = (lambda case, grid: 2), ending  # type: ignore[method-assign]
     try:
         vibeam.run_map(vibeam.load(case), name, path, workers=1)
     finally:
-        running.lines_of_block, running.write_block = kept
+        running.lines_of_block, StepFile.append = kept  # type: ignore[method-assign]
     return path
 
 
@@ -74,7 +75,7 @@ def half_done(name: str) -> dict[str, bytes]:
         try:
             computed(name, folder, blocks=2)
         except Ended:
-            return {file.name: file.read_bytes() for file in (folder / f"{name}.h5.parts").iterdir()}
+            return {file.name: file.read_bytes() for file in (folder / f"{name}.h5.parts").glob("[!.]*")}
     raise AssertionError(f"{name}: has two blocks or less")
 
 

@@ -21,6 +21,8 @@ from commands import BEAM, Undisturbed, data_of, fault_of_message, usual_environ
 from verdict import Verdict
 from workers import Stage
 
+from vibeam.store.steps import scanned
+
 CASE = (
     BEAM
     + """[map.plane]
@@ -69,7 +71,7 @@ def judge(seed: int, number: int, stage: Stage) -> Verdict:
     with tempfile.TemporaryDirectory() as where:
         folder = Path(where)
         (folder / "rig.toml").write_text(CASE, encoding="utf-8")
-        stored: dict[str, tuple[int, int]] = {}
+        stored: dict[str, bytes] = {}
         for _ in range(min(3, int(rng.geometric(0.5)))):
             stage(f"{name}, killed")
             verdict.count("SIGKILL")
@@ -100,9 +102,7 @@ def killed_with(more: int, folder: Path, name: str) -> None:
     process.wait()
 
 
-def checked(
-    verdict: Verdict, folder: Path, name: str, before: dict[str, tuple[int, int]]
-) -> dict[str, tuple[int, int]]:  # fmt: skip
+def checked(verdict: Verdict, folder: Path, name: str, before: dict[str, bytes]) -> dict[str, bytes]:
     """Blocks that are stored now; none of those before was written again, unless the map is finished."""
     now = blocks(folder, name)
     if not (folder / f"rig_{name}.h5").exists():
@@ -110,13 +110,15 @@ def checked(
     return now
 
 
-def blocks(folder: Path, name: str) -> dict[str, tuple[int, int]]:
-    """Files of blocks, each with what changes when it is written again."""
+def blocks(folder: Path, name: str) -> dict[str, bytes]:
+    """Whole blocks that are stored, each by its file and place there, with what is there."""
     found = {}
-    for file in (folder / f"rig_{name}.h5.parts").glob("[!.]*.npz"):
-        with suppress(FileNotFoundError):  # the map is finished meanwhile
-            known = file.stat()
-            found[file.name] = known.st_mtime_ns, known.st_ino
+    for path in (folder / f"rig_{name}.h5.parts").glob("[!.]*.steps"):
+        with suppress(OSError):  # the map is finished meanwhile
+            content = path.read_bytes()
+            stored = scanned(path, content[: content.index(b"\n") + 1] if b"\n" in content else b"?")
+            for number, (start, length) in stored.places.items():
+                found[f"{path.name} {number} {start}"] = content[start : start + length]
     return found
 
 

@@ -41,7 +41,7 @@ def write_whole(path: Path, content: bytes) -> None:
 def fill_whole(path: Path, fill: Fill) -> None:
     """Replace the file at ``path`` by what ``fill`` writes; otherwise as ``write_whole``. Other errors pass through."""
     target = regular(path)
-    part = part_beside(target, f".{os.getpid()}")
+    part = part_beside(target, f".{os.getpid()}-{os.urandom(4).hex()}")  # machines may share the folder
     try:
         os.close(new_part(part, target, fill))
         take_place(part, target)
@@ -112,6 +112,15 @@ else:
         return os.pread(handle, count, start)
 
 
+def read_at(handle: int, count: int, start: int) -> bytes:
+    """The ``count`` bytes from the byte ``start`` on, fewer where the file ends before."""
+    pieces, wanted = list[bytes](), count
+    while wanted and (piece := _read(handle, wanted, start)):
+        pieces.append(piece)
+        wanted, start = wanted - len(piece), start + len(piece)
+    return b"".join(pieces)
+
+
 def _called(mode: int) -> str:
     if stat.S_ISFIFO(mode):
         return "a pipe"
@@ -145,7 +154,7 @@ def fill_sealed(path: Path, fill: Fill, of: str = "") -> None:
     def sealed(handle: int) -> None:
         fill(handle)
         size = os.fstat(handle).st_size
-        write_at(handle, size, _seal(_pieces(handle, size), of))
+        write_at(handle, size, seal_of(_pieces(handle, size), of))
 
     fill_whole(path, sealed)
 
@@ -158,17 +167,18 @@ def read_sealed(path: Path, of: str = "") -> bytes | None:
 def unsealed(content: bytes, of: str = "") -> bytes | None:
     """Content of a sealed file, read whole, without its seal; None where that does not fit."""
     whole, said = content[:-LENGTH], content[-LENGTH:]
-    return whole if said == _seal([whole], of) else None
+    return whole if said == seal_of([whole], of) else None
 
 
 def is_sealed(path: Path) -> bool:
     """Test whether the seal of a file of any size fits. OSError where it cannot be read."""
     with path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size - LENGTH
-        return size >= 0 and _read(file.fileno(), LENGTH, size) == _seal(_pieces(file.fileno(), size))
+        return size >= 0 and _read(file.fileno(), LENGTH, size) == seal_of(_pieces(file.fileno(), size))
 
 
-def _seal(pieces: Iterable[bytes], of: str = "") -> bytes:
+def seal_of(pieces: Iterable[bytes], of: str = "") -> bytes:
+    """Line that ends what is sealed: the SHA-256 of what it is ``of`` and of its ``pieces``."""
     found = sha256(of.encode())
     for piece in pieces:
         found.update(piece)

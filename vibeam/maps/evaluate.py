@@ -289,8 +289,3 @@ def lines_of_block(case: Case, grid: Grid) -> int:
     points = min(max(SECONDS / seconds, LEAST, grid.lines * line / FILES), MOST)
     together = min(TIMES * CALL / seconds, MOST_CARRIED / line) if grid.ways else 1
     return max(1, min(int(max(points / line, together)), grid.lines))
-
-
-def blocks_of(grid: Grid, size: int) -> list[Block]:
-    """The blocks of a grid, ``size`` lines each, the last one shorter."""
-    return [Block(grid, first, min(first + size, grid.lines)) for first in range(0, grid.lines, size)]

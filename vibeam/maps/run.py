@@ -1,36 +1,30 @@
-"""Run of a map: block by block in threads, each kept on disk, gathered to one file at the end."""
+"""Run of a map: block by block in threads, each kept on disk, gathered to one file at the end; parts of it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
 from functools import partial
 from math import prod
 from pathlib import Path
-from threading import Lock
 from time import process_time
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.grid_keys import is_structural
 from vibeam.case.source import of_source
-from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block, Grid
 from vibeam.maps.cluster import Cluster, evaluate_here
-from vibeam.maps.evaluate import blocks_of, grids_of, key_of, lines_of_block, plan_of
+from vibeam.maps.evaluate import grids_of, key_of, lines_of_block, plan_of
 from vibeam.maps.gathered import Source, finished, gather, is_ours, read_map, stored_keys
 from vibeam.maps.result import MapResult
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.keys import digest_of_code
-from vibeam.runs.parallel import run_parallel
-from vibeam.store import blocks as files
-from vibeam.store.blocks import Values, discard, known_manifest
+from vibeam.store.blocks import Values, discard
 from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
+from vibeam.store.parts import Ending, LongWork, StepsOnDisk, Taken, WorkPart, known_manifest, take_part
 from vibeam.store.place import Place, Tell, locked, place_of, warn
 from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
-    from threading import Event
-
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Model
     from vibeam.case.grid_keys import MapPlan
@@ -53,7 +47,7 @@ def run_map(
 ) -> MapResult:
     """Compute the map ``name`` of a case, or one by a plan, into the file ``out`` (HDF5), or go on with what is there.
 
-    Blocks of lines lie as files of their own in ``OUT.parts`` until all are there: a run that is killed loses the
+    Blocks of lines lie in files of ``OUT.parts`` until all are there: a run that is killed loses the
     blocks in flight, one for each of the ``workers`` (threads; None: one a core). ``fresh``: keep nothing.
     ``progress``: True shows a bar; a function is called, from any thread, with the points done and their total.
     A map of the case before an edit is kept aside, ``OUT.1.h5``; ``tell`` gets one line on that, else it is a warning.
@@ -70,23 +64,21 @@ def run_map(
     (2, 2)
     """
     plan, path = plan_of(case, name), Path(out)
-    grids = grids_of(case, plan)
-    keys = {fidelity: key_of(case, grid) for fidelity, grid in grids.items()}
+    grids, work = grids_of(case, plan), work_of(case, plan, path, cluster)
     with locked(path) as place, telling(progress, "flying") as told:
         place.tidy(kin=place.target.stem)  # pictures of the map
         if fresh:
             _remove(place)
         else:
-            _set_aside(place, keys, tell or warn)
+            _set_aside(place, work.keys, tell or warn)
         found = total = sum(grid.lines * prod(grid.shape) for grid in grids.values())
-        if not finished(place, keys):
-            job = MapJob(case, plan, grids, keys, place)
-            job.begin()
+        if not finished(place, work.keys):
             if tell is not None:
                 for said in bodies_told(case, plan):
                     tell(said)
-            _compute(job, told, workers, cluster)
-            found = job.found
+            taken = take_part(work, WorkPart(), workers if cluster is None else cluster.blocks, told)
+            found = taken.found
+            _gather(place, case, plan, work, grids)
         else:
             told(total, total)
         discard(place.folder)
@@ -149,91 +141,53 @@ def _remove(place: Place) -> None:
         raise unwritable(place.path, fault, ELSEWHERE) from None
 
 
-def block_path(folder: Path, block: Block) -> Path:
-    """File of a block."""
-    return files.block_path(folder, block.grid.fidelity, block.first)
-
-
-def write_block(path: Path, folder: Path, block: Block, key: str, values: Values) -> None:
-    """Write a block of a grid with that key; StoreError, naming ``path``, where the disk fails."""
-    files.write_block(path, block_path(folder, block), _identity(block, key), values)
-
-
-def read_block(folder: Path, block: Block, key: str) -> Values | None:
-    """Values of a block; None where it has no file, or one that is damaged or of another grid or code."""
-    return files.read_block(block_path(folder, block), _identity(block, key))
-
-
-def _identity(block: Block, key: str) -> str:
-    return f"{key} {block.first} {block.last} {digest_of_code()}"
-
-
-@dataclass
-class MapJob:
-    """Blocks of a map: all of them, and those ``missing`` on disk."""
-
-    case: Case
-    plan: MapPlan
-    grids: Mapping[str, Grid]
-    keys: Mapping[str, str]
-    place: Place
-    blocks: list[Block] = field(default_factory=list)
-    missing: list[Block] = field(default_factory=list)
-    found: int = 0
-
-    def begin(self) -> None:
-        """Find all blocks; those that are there and whole are not missing.
-
-        StoreError where those there are of another map or other code.
-        """
-        sizes = {name: lines_of_block(self.case, grid) for name, grid in self.grids.items()}
-        wanted = files.Manifest(dict(self.keys), sizes, digest_of_code())
-        begun = files.manifest(self.place.folder, wanted)
-        for name, grid in self.grids.items():
-            self.blocks += blocks_of(grid, begun.sizes[name])
-        self.missing = [block for block in self.blocks if self.read(block) is None]
-        self.found = points_of(self.blocks) - points_of(self.missing)
-
-    def read(self, block: Block) -> Values | None:
-        """Values of a block; None where it has no file, or one that is damaged."""
-        return read_block(self.place.folder, block, self.keys[block.grid.fidelity])
-
-    def sources(self) -> list[Source]:
-        """All blocks with their values, fidelity by fidelity; StoreError where one is damaged."""
-        return [Source(grid, partial(self._stored, self._of(name))) for name, grid in self.grids.items()]
-
-    def _of(self, fidelity: str) -> list[Block]:
-        return [block for block in self.blocks if block.grid.fidelity == fidelity]
-
-    def _stored(self, blocks: list[Block]) -> Iterator[tuple[Block, Values]]:
-        for block in blocks:
-            values = self.read(block)
-            if values is None:
-                raise StoreError(f"{self.place.folder}: a block was damaged meanwhile: run again to compute it anew")
-            yield block, values
-
-
-def points_of(blocks: list[Block]) -> int:
-    """Number of points of some blocks."""
-    return sum(block.size for block in blocks)
-
-
-def _compute(job: MapJob, progress: Progress, workers: int | None, cluster: Cluster | None) -> None:
-    """Compute the missing blocks, then gather all."""
-    lock = Lock()
-    done, total = job.found, points_of(job.blocks)
-    progress(done, total)
+def work_of(
+    case: Case, plan: MapPlan, path: Path, cluster: Cluster | None = None, command: str = "vibeam map CASE NAME"
+) -> LongWork:  # fmt: skip
+    """A map as a long computation, whose steps are blocks of lines; ``command``: that goes on with it."""
+    grids = grids_of(case, plan)
     evaluate = evaluate_here if cluster is None else cluster.evaluate
+    return LongWork(
+        path,
+        {name: key_of(case, grid) for name, grid in grids.items()},
+        {name: range(0, grid.lines, lines_of_block(case, grid)) for name, grid in grids.items()},
+        lambda step: evaluate(Block(grids[step.name], step.first, step.last)),
+        digest_of_code(),
+        {name: prod(grid.shape) for name, grid in grids.items()},
+        command=command,
+    )
 
-    def task(block: Block, stop: Event) -> None:
-        nonlocal done
-        values = evaluate(block)
-        if stop.is_set():
-            raise Stopped
-        write_block(job.place.path, job.place.folder, block, job.keys[block.grid.fidelity], values)
-        with lock:
-            done += block.size
-        progress(done, total)
 
-    run_parallel(task, job.missing, workers if cluster is None else cluster.blocks)
-    gather(job.place, job.case, job.plan, job.keys, job.sources())
+def take_part_of_map(
+    case: Case, plan: MapPlan, path: Path, part: WorkPart, *, workers: int | None = None,
+    progress: Progress | None = None, ending: Ending | None = None, command: str = "vibeam map CASE NAME",
+) -> Taken:  # fmt: skip
+    """Compute the share of a part of a map, for ``gather_map``; StoreError as ``take_part``."""
+    work = work_of(case, plan, path, command=command)
+    if finished(place_of(path), work.keys):
+        points = sum(map(work.size, work.every))
+        return Taken(points, points, points)
+    return take_part(work, part, workers, progress, ending)
+
+
+def gather_map(case: Case, plan: MapPlan, path: Path, command: str = "vibeam map CASE NAME") -> MapResult:
+    """Gather the parts of a map to its file; StoreError names all that is missing, damaged or of other code."""
+    grids, work = grids_of(case, plan), work_of(case, plan, path, command=command)
+    with locked(path) as place:
+        if not finished(place, work.keys):
+            _gather(place, case, plan, work, grids)
+        discard(place.folder)
+    points = sum(map(work.size, work.every))
+    return MapResult(case, plan, read_map(place.target, grids), points, points, path)
+
+
+def _gather(place: Place, case: Case, plan: MapPlan, work: LongWork, grids: Mapping[str, Grid]) -> None:
+    stored = StepsOnDisk(work)
+    stored.require_all()
+
+    def blocks(name: str) -> Iterator[tuple[Block, Values]]:
+        for step in stored.work.every:
+            if step.name == name:
+                yield Block(grids[name], step.first, step.last), stored.values(step)
+
+    gather(place, case, plan, work.keys, [Source(grid, partial(blocks, name)) for name, grid in grids.items()])

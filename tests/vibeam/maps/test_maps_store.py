@@ -19,8 +19,10 @@ from vibeam.maps.block import Block, evaluate_block
 from vibeam.maps.evaluate import grids_of, key_of, lines_of_block
 from vibeam.maps.gathered import finished, steps_of
 from vibeam.maps.points import Axis
-from vibeam.maps.run import block_path, read_block, write_block
+from vibeam.maps.run import work_of
+from vibeam.store.parts import StepsOnDisk, WorkPart, take_part
 from vibeam.store.place import place_of
+from vibeam.store.steps import StepFile
 
 AXES = [
     {"key": "stop.gap", "values": [0.0, 5e-5, 1e-4]},
@@ -92,21 +94,23 @@ def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
     class Interrupted(Exception):
         pass
 
-    def ending(path: Path, folder: Path, *given: Any) -> None:
-        if len(list(folder.glob("*.npz"))) == 3:
+    stored, append = list[int](), StepFile.append
+
+    def ending(file: StepFile, said: Path, number: int, values: Any) -> None:
+        if len(stored) == 3:
             raise Interrupted
-        write_block(path, folder, *given)
+        stored.append(2 * number)
+        append(file, said, number, values)
 
     with monkeypatch.context() as patch:
-        patch.setattr(running, "write_block", ending)
+        patch.setattr(StepFile, "append", ending)
         with pytest.raises(Interrupted):
             vibeam.run_map(case(), "m", tmp_path / "m.h5", workers=1)
     assert not (tmp_path / "m.h5").exists()
-    stored = {path.name for path in (tmp_path / "m.h5.parts").glob("*.npz")}
     assert len(stored) == 3
     small.clear()
     found = vibeam.run_map(case(), "m", tmp_path / "m.h5")
-    assert {block_path(Path(), block).name for block in small}.isdisjoint(stored)
+    assert {block.first for block in small}.isdisjoint(stored)
     assert len(small) == 5
     assert found.found == 36
     for name, values in data(tmp_path / "m.h5").items():
@@ -116,22 +120,24 @@ def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
     assert small == []
 
 
-def test_a_damaged_block_is_computed_anew(tmp_path: Path) -> None:
+def test_a_damaged_block_is_computed_anew(tmp_path: Path, small: list[Block]) -> None:
     rig = case()
-    grid = grids_of(rig, rig.maps["m"])["sdof"]
-    key, block = key_of(rig, grid), Block(grid, 0, 2)
-    write_block(tmp_path, tmp_path, block, key, evaluate_block(block))
-    assert read_block(tmp_path, block, key) is not None
-    assert read_block(tmp_path, block, "another") is None
-    assert read_block(tmp_path, Block(grid, 0, 3), key) is None
-    whole = block_path(tmp_path, block).read_bytes()
-    for at in range(0, len(whole), 97):
-        changed = bytearray(whole)
-        changed[at] ^= 0x10
-        block_path(tmp_path, block).write_bytes(bytes(changed))
-        assert read_block(tmp_path, block, key) is None
-    block_path(tmp_path, block).write_bytes(whole[:-100])
-    assert read_block(tmp_path, block, key) is None
+    work = work_of(rig, rig.maps["m"], tmp_path / "m.h5")
+    take_part(work)
+    path = tmp_path / "m.h5.parts" / "00003.steps"
+    whole = path.read_bytes()
+    step = work.every[2]
+    values = StepsOnDisk(work).values(step)
+    for at in range(200, len(whole), 97):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
+        assert StepsOnDisk(work).missing() == [step]
+    path.write_bytes(whole[:-100])
+    small.clear()
+    taken = take_part(work, WorkPart(3, 8))
+    assert (taken.found, taken.done, taken.total, len(small)) == (0, 12, 12, 1)
+    assert path.read_bytes() == whole
+    for name, each in StepsOnDisk(work).values(step).items():
+        np.testing.assert_array_equal(each, values[name], err_msg=name)
 
 
 def test_a_damaged_map_is_told_whatever_byte_it_is(tmp_path: Path) -> None:

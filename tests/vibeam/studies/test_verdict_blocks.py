@@ -14,7 +14,7 @@ import pytest
 
 import vibeam
 from vibeam.maps import evaluate, run
-from vibeam.maps.run import write_block
+from vibeam.store.steps import StepFile
 
 CASES = Path(__file__).parents[3] / "cases"
 QUICK = {"sweep.settle": 100, "sweep.hold": 20, "beam.elements": 8, "fidelity.beam.modes": 3}
@@ -58,17 +58,20 @@ def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
     class Interrupted(Exception):
         pass
 
-    def ending(path: Path, folder: Path, *given: Any) -> None:
-        if len(list(folder.glob("*.npz"))) == 2:
+    stored, append = list[int](), StepFile.append
+
+    def ending(file: StepFile, said: Path, number: int, values: Any) -> None:
+        if len(stored) == 2:
             raise Interrupted
-        write_block(path, folder, *given)
+        stored.append(number)
+        append(file, said, number, values)
 
     out = tmp_path / "m.h5"
     undisturbed = vibeam.fidelity_map(case, fidelities=TWO, **CHAOTIC)
     assert len(rows) == 4
     assert any((model.kind == -2).any() for model in undisturbed.models)  # with chaos, whose bits say most
     with monkeypatch.context() as patch:
-        patch.setattr(run, "write_block", ending)
+        patch.setattr(StepFile, "append", ending)
         with pytest.raises(Interrupted):
             vibeam.fidelity_map(case, fidelities=TWO, **CHAOTIC, out=out)
     rows.clear()
@@ -115,8 +118,8 @@ def test_killed_at_any_instant_it_goes_on_to_the_same_bits(tmp_path: Path, seed:
         process.send_signal(signal.SIGKILL)
         if process.wait() == 0:  # it was quicker, and all is done
             break
-        found = {path.name: path.read_bytes() for path in parts.glob("[!.]*.npz")}
-        assert stored.items() <= found.items()  # what was there is there, and the same
+        found = {path.name: path.read_bytes() for path in parts.glob("[!.]*.steps")}
+        assert all(found[name].startswith(each) for name, each in stored.items())  # what was there is there
         stored = found
     assert begun(killed).wait() == 0
     assert killed.with_suffix(".csv").read_bytes() == undisturbed.with_suffix(".csv").read_bytes()

@@ -12,6 +12,7 @@ import typer
 from vibeam.cli.arguments import CaseFile, Fidelities, Fresh, Overrides, folder, load, option, out_option, output_path
 from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_sheet
+from vibeam.cli.parts import GatherOption, PartOption, PriceOption, command_typed, part_asked, price_sheet, taken
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from vibeam.maps.cluster import Cluster
     from vibeam.maps.result import MapResult
     from vibeam.report.output import StudySheet
+    from vibeam.store.parts import WorkPart
 
 
 Names = Annotated[
@@ -52,6 +54,9 @@ def map(
     fidelity: Fidelities = None,
     fresh: Fresh = False,
     cluster: Annotated[str | None, option(_CLUSTER, "--cluster", metavar="ADDRESS")] = None,
+    price: PriceOption = False,
+    part: PartOption = None,
+    gather: GatherOption = False,
 ) -> None:
     """Draw motions over keys: period, stability, verdict.
 
@@ -63,11 +68,13 @@ def map(
       vibeam map cases/dtu_neutral.toml --picture verdict --over gap --accuracy "2 %"
       vibeam map shock.toml --over gap,level --from "0 mm,0.5" --to "1 mm,2"
     """
+    asked_part = part_asked(price, part, gather, {"--fresh": fresh, "--cluster": cluster})
     loaded = load(case, set_)
     if loaded.record is not None:
         ends, counts = (low, high), _counts(points)
         not_taken = {"--picture": picture, "--accuracy": accuracy, "--periods": periods, "--verify": verify,
-                     "--cluster": cluster, "NAME": names or None}  # fmt: skip
+                     "--cluster": cluster, "--price": price or None, "--part": part, "--gather": gather or None,
+                     "NAME": names or None}  # fmt: skip
         _under_record(loaded, out, over, ends, counts, quantity, fidelity, not_taken)
         return
     asked = {
@@ -80,7 +87,13 @@ def map(
     files: list[Path] = []
     for plan in plans:
         path = _path(loaded, out, plan.name, len(plans))
-        sheet, written = of_case(case, lambda: _drawn(_computed(loaded, plan, path, fresh, cluster)))  # noqa: B023
+        if price or asked_part:
+            sheets.append((plan.name, of_case(case, lambda: _shared(loaded, plan, path, asked_part))))  # noqa: B023
+            continue
+        sheet, written = of_case(
+            case,
+            lambda: _drawn(_gathered(loaded, plan, path) if gather else _computed(loaded, plan, path, fresh, cluster)),  # noqa: B023
+        )
         sheets.append((plan.name, sheet))
         files += written
     from vibeam.report.maps.page import one_sheet
@@ -157,6 +170,30 @@ def _computed(case: Case, plan: MapPlan, path: Path, fresh: bool, where: str | N
 
     with _workers(where) as cluster, Bar(f"map {plan.name}") as bar:
         return run_map(case, plan, path, fresh=fresh, progress=bar, cluster=cluster, tell=stderr().print)
+
+
+def _gathered(case: Case, plan: MapPlan, path: Path) -> MapResult:
+    from vibeam.maps.run import gather_map
+
+    return gather_map(case, plan, path, command_typed())
+
+
+def _shared(case: Case, plan: MapPlan, path: Path, part: WorkPart | None) -> StudySheet:
+    """Sheet of a part that was computed; None: of the price of all."""
+    from vibeam.maps.run import take_part_of_map, work_of
+    from vibeam.report.output import StudySheet
+
+    command = command_typed()
+    if part is None:
+        return price_sheet(work_of(case, plan, path), command)
+    found = taken(f"map {plan.name}", part, lambda tell, ending: take_part_of_map(
+        case, plan, path, part, progress=tell, ending=ending, command=command
+    ))  # fmt: skip
+    said = f"Part {part.number}/{part.of} of {plan.name}: its {found.total} points are there, {found.found} were before"
+    return StudySheet(
+        f"{said}; when all parts are: {command} --gather",
+        data={"part": part.number, "of": part.of, "points": found.total, "found": found.found},
+    )
 
 
 @contextmanager

@@ -1,0 +1,187 @@
+"""Long computations in parts: any number of parts gives the same steps, none twice; what is not theirs is refused."""
+
+from __future__ import annotations
+
+import shutil
+import threading
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from vibeam.store import parts
+from vibeam.store.errors import StoreError
+from vibeam.store.parts import Ending, LongWork, WorkPart, WorkStep, gathered, spans, take_part
+from vibeam.store.place import locked
+from vibeam.store.price import price
+
+ITEMS = {"fine": range(0, 47, 3), "coarse": range(0, 20, 4)}
+
+
+def evaluate(step: WorkStep) -> dict[str, Any]:
+    rng = np.random.default_rng([len(step.name), step.first])
+    return {"x": rng.normal(size=step.last - step.first), f"only {step.first}": np.array(step.first)}
+
+
+def work(folder: Path, **more: Any) -> LongWork:
+    keys = {"fine": "a", "coarse": "b"}
+    return LongWork(folder / "out.h5", keys, ITEMS, evaluate, "code", {"fine": 2}, **({"together": 3} | more))
+
+
+def content(made: LongWork) -> list[tuple[WorkStep, dict[str, bytes]]]:
+    return [(step, {name: each.tobytes() for name, each in values.items()}) for step, values in gathered(made)]
+
+
+def test_any_number_of_parts_gives_the_steps_of_one_process_to_the_bit(tmp_path: Path) -> None:
+    (tmp_path / "one").mkdir()
+    taken = take_part(work(tmp_path / "one"))
+    assert (taken.total, taken.found, taken.done, taken.complete) == (47 * 2 + 20, 0, 114, True)
+    for number in (3, 1, 4, 2):
+        take_part(work(tmp_path), WorkPart(number, 4), workers=1)
+    assert content(work(tmp_path)) == content(work(tmp_path / "one"))
+    assert [step.last for step, _ in gathered(work(tmp_path))][-6:] == [47, 4, 8, 12, 16, 20]
+    names = sorted(path.name for path in work(tmp_path).folder.iterdir())
+    assert names == [*(f"{file:05d}.steps" for file in range(1, 8)), "manifest"]
+
+
+def test_a_second_run_computes_what_is_missing_alone_by_other_parts_too(tmp_path: Path) -> None:
+    made, computed = work(tmp_path), list[int]()
+
+    def counted(step: WorkStep) -> dict[str, Any]:
+        computed.append(step.number)
+        return evaluate(step)
+
+    counting = replace(made, evaluate=counted)
+    take_part(made, WorkPart(2, 3))
+    assert take_part(counting, WorkPart(2, 3)).complete
+    assert computed == []
+    take_part(counting)
+    assert sorted(computed) == [number for number in range(21) if number // 3 not in (1, 4)]
+    assert len(content(made)) == 21
+
+
+@pytest.mark.parametrize("at", [0, 5, 180, 230, 700, -70, -1])
+@pytest.mark.parametrize("cut", [True, False])
+def test_what_is_damaged_or_torn_is_named_and_computed_anew(tmp_path: Path, at: int, cut: bool) -> None:
+    made = work(tmp_path)
+    take_part(made)
+    before, path = content(made), made.folder / "00004.steps"
+    whole = path.read_bytes()
+    at %= len(whole)
+    path.write_bytes(whole[:at] if cut else whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
+    with pytest.raises(StoreError, match=r"of 21 steps are not there, in the files 4\b.*--part 4/7"):
+        gathered(made)
+    take_part(made, WorkPart(4, 7))
+    assert content(made) == before
+
+
+def test_every_file_that_lacks_steps_is_named_at_once(tmp_path: Path) -> None:
+    made = work(tmp_path)
+    take_part(made)
+    for number in (2, 3, 4, 6):
+        (made.folder / f"{number:05d}.steps").unlink()
+    with pytest.raises(StoreError, match=r"12 of 21 steps are not there, in the files 2 to 4, 6: run the same parts"):
+        gathered(made)
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        ({"code": "new"}, "another version of vibeam"), ({"keys": {"fine": "c", "coarse": "b"}}, "of another map"),
+        ({"kernels": "library other"}, r"of other kernels, library .*; here they are library other: take the same"),
+    ],
+)  # fmt: skip
+def test_steps_of_others_are_refused_by_name(
+    tmp_path: Path, other: dict[str, Any], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    take_part(work(tmp_path), WorkPart(1, 2))
+    if kernels := other.pop("kernels", ""):
+        monkeypatch.setattr(parts, "origin", lambda: kernels)
+    for use in (gathered, take_part):
+        with pytest.raises(StoreError, match=said):
+            use(replace(work(tmp_path), **other))
+
+
+def test_a_file_that_another_version_made_elsewhere_is_named(tmp_path: Path) -> None:
+    for name, code in (("here", "code"), ("there", "old")):
+        (tmp_path / name).mkdir()
+        take_part(replace(work(tmp_path / name), code=code))
+    here, there = work(tmp_path / "here").folder, work(tmp_path / "there").folder
+    for number in (2, 5):
+        shutil.copy(there / f"{number:05d}.steps", here)
+    for use in (gathered, take_part):
+        with pytest.raises(StoreError, match=r"files 2, 5 are of other code, other kernels or another computation"):
+            use(work(tmp_path / "here"))
+
+
+def test_two_processes_of_one_part_and_two_of_one_file_refuse_each_other(tmp_path: Path) -> None:
+    made = work(tmp_path)
+    made.folder.mkdir()
+    for held, part in (("part 2 of 3", WorkPart(2, 3)), ("00003.steps", WorkPart(1, 2))):
+        with locked(made.folder / held), pytest.raises(StoreError, match=rf"{held}: process \d+ .* is writing it"):
+            take_part(made, part)
+    assert take_part(made, WorkPart(2, 3)).complete
+
+
+def test_a_wish_to_end_keeps_the_steps_in_hand_and_begins_no_other(tmp_path: Path) -> None:
+    ending, begun = Ending(), list[int]()
+
+    def evaluated(step: WorkStep) -> dict[str, Any]:
+        begun.append(step.number)
+        if len(begun) == 4:
+            ending.wish()
+        return evaluate(step)
+
+    taken = take_part(replace(work(tmp_path), evaluate=evaluated), workers=1, ending=ending)
+    assert begun == [0, 1, 2, 3]
+    assert (taken.done, taken.complete) == (24, False)
+    assert take_part(work(tmp_path)).found == 24
+
+
+def test_a_step_that_is_too_long_for_an_end_is_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from vibeam.flight.engine.threads import pause
+
+    ending, limit = Ending(), threading.Event()
+    monkeypatch.setattr(parts, "PATIENCE", 0.05)
+
+    def endless(step: WorkStep) -> dict[str, Any]:
+        ending.wish()
+        while not limit.wait(0.01):
+            pause()
+        return {}
+
+    assert take_part(replace(work(tmp_path), evaluate=endless), ending=ending).done == 0
+
+
+def test_files_are_few_whatever_the_size(tmp_path: Path) -> None:
+    for count, seconds in ((10, 1.0), (3000, 1.0), (20_000, 60.0), (20_000, 300.0)):
+        made = LongWork(tmp_path / "o", {"a": ""}, {"a": range(count)}, evaluate, seconds={"a": seconds})
+        assert made.files <= 10_000
+        assert made.steps_a_file * seconds <= 300 or made.files > 9_000
+        assert made.files >= min(count, 1_300)
+
+
+@pytest.mark.parametrize("text", ["0/4", "5/4", "a", "3", "3/", "-1/4", "1/4/2", ""])
+def test_a_part_that_is_none_is_refused_with_the_cure(text: str) -> None:
+    with pytest.raises(ValueError, match=r"is no part: write its number and how many there are, 1/64 to 64/64"):
+        WorkPart.read(text)
+    assert WorkPart.read("3/64") == WorkPart(3, 64)
+
+
+def test_spans_of_numbers() -> None:
+    assert spans([3, 17, 18, 19]) == "3, 17 to 19"
+    assert spans(list(range(0, 90, 2))).endswith("38 and 25 more spans")
+
+
+def test_the_price_is_that_of_all_steps(tmp_path: Path) -> None:
+    def busy(step: WorkStep) -> dict[str, Any]:
+        return {"x": np.zeros(100 * (step.last - step.first))}
+
+    found = price(replace(work(tmp_path), evaluate=busy), seconds=0.01)
+    assert found.points == 114
+    assert found.bytes == pytest.approx(67 * 100 * 8, rel=0.4)
+    assert (found.steps, found.files, found.parts) == (21, 7, 1)
+    assert found.seconds > 0
+    assert found.minutes_a_part == 10

@@ -1,0 +1,104 @@
+"""File of steps: records of one computation, appended as they are made, each sealed, so that a kill loses none before.
+
+A file begins with a line that says what it is of; a record is a line with the number of its step and its length, the
+arrays, and a SHA-256 of that line, of them and of the file's first line.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from vibeam.exchange.whole_files import BINARY, LENGTH, read_at, seal_of, write_at
+from vibeam.store.blocks import Values, packed, unpacked
+from vibeam.store.errors import ROOM, StoreError, unwritable
+
+RECORD = re.compile(rb"step (\d{10}) (\d{14})\n")
+HEAD = len("step  \n") + 24
+
+
+@dataclass
+class StepFile:
+    """File at ``path`` of steps ``of`` one thing: ``places`` of the whole ones by number, and where they ``end``.
+
+    ``foreign``: its first line, where that is of something else; ``damaged``: number of records that are not whole.
+    """
+
+    path: Path
+    of: bytes
+    places: dict[int, tuple[int, int]] = field(default_factory=dict)
+    end: int = 0
+    damaged: int = 0
+    foreign: bytes = b""
+
+    def read(self, number: int) -> Values | None:
+        """Values of a step; None where it is not there, or was damaged meanwhile."""
+        if number not in self.places:
+            return None
+        try:
+            with self.path.open("rb") as file:
+                start, length = self.places[number]
+                content = self._content(file.fileno(), number, start, length)
+        except OSError:
+            return None
+        return None if content is None else unpacked(content)
+
+    def _content(self, handle: int, number: int, start: int, length: int) -> bytes | None:
+        whole = read_at(handle, length + LENGTH, start)
+        content, said = whole[:length], whole[length:]
+        return content if said == seal_of([_head(number, length), content], self.of.decode()) else None
+
+    def append(self, said: Path, number: int, values: Values) -> None:
+        """Write a step behind what is there, on disk when this returns; StoreError, naming ``said``, where it fails."""
+        content = packed(values)
+        head = _head(number, len(content))
+        record = b"".join((head, content, seal_of([head, content], self.of.decode())))
+        first = b"" if self.end else self.of
+        try:
+            handle = os.open(self.path, os.O_RDWR | os.O_CREAT | BINARY, 0o666)
+            try:
+                os.ftruncate(handle, self.end)
+                write_at(handle, self.end, first + record)
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+        except OSError as fault:
+            raise unwritable(said, fault, ROOM) from None
+        start = self.end + len(first)
+        self.places[number], self.end = (start + HEAD, len(content)), start + len(record)
+
+
+def _head(number: int, length: int) -> bytes:
+    return b"step %010d %014d\n" % (number, length)
+
+
+def scanned(path: Path, of: bytes) -> StepFile:
+    """The file at ``path`` with its whole records, empty where there is none; StoreError where it cannot be read."""
+    found = StepFile(path, of)
+    try:
+        with path.open("rb") as file:
+            size, handle = os.fstat(file.fileno()).st_size, file.fileno()
+            first = read_at(handle, len(of), 0)
+            if first != of:
+                line = file.readline()
+                found.foreign = line if line.startswith(of.split(b":")[0]) and line.endswith(b"\n") else b""
+                found.damaged = int(size > 0)
+                return found
+            found.end = len(of)
+            while (head := RECORD.fullmatch(read_at(handle, HEAD, found.end))) is not None:
+                number, length, start = int(head[1]), int(head[2]), found.end + HEAD
+                if start + length + LENGTH > size:
+                    break
+                whole = found._content(handle, number, start, length) is not None
+                found.damaged += not whole
+                if whole:
+                    found.places[number] = start, length
+                found.end = start + length + LENGTH
+            found.damaged += found.end < size
+    except FileNotFoundError:
+        pass
+    except OSError as fault:
+        raise StoreError(f"{path}: cannot be read ({fault.strerror}): make it readable") from None
+    return found
