@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import vibeam
+from vibeam.flight.engine.threads import OutOfTime, ending_at, pause
 from vibeam.flight.linear.packing import pack
 from vibeam.flight.solver import FlightSolver, RegimeSolver
 from vibeam.solvers import solver
@@ -155,3 +156,15 @@ def test_motions_by_one_packed_system_do_not_disturb_each_other() -> None:
     vibeam.simulate(one, other, 0.5)
     vibeam.sweep(one, omega=[100.0], amplitude=1e-4, settle=10, hold=5)
     np.testing.assert_array_equal(alone.modes_at(TIMES), shared.modes_at(TIMES))
+
+
+def test_a_time_within_another_does_not_lengthen_it() -> None:
+    now = 0.0
+    with ending_at(lambda: now, 1.0), ending_at(lambda: now, 5.0):
+        pause()
+        now = 2.0
+        with pytest.raises(OutOfTime):
+            pause()
+    with ending_at(lambda: now, 5.0), ending_at(lambda: now, 1.0), pytest.raises(OutOfTime):
+        pause()
+    pause()

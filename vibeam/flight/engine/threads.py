@@ -19,7 +19,7 @@ from vibeam.flight.kernels import layout
 
 Clock = Callable[[], float]
 _STOP: ContextVar[Event | None] = ContextVar("stop", default=None)
-_TIME: ContextVar[tuple[Clock, float] | None] = ContextVar("time", default=None)
+_TIMES: ContextVar[tuple[tuple[Clock, float], ...]] = ContextVar("times", default=())
 Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
@@ -47,20 +47,23 @@ def stopping_at(stop: Event) -> Iterator[None]:
 
 @contextmanager
 def ending_at(clock: Clock, deadline: float) -> Iterator[None]:
-    """Within it, in this thread, long work raises ``OutOfTime`` soon after ``clock()`` has passed ``deadline``."""
-    token = _TIME.set((clock, deadline))
+    """Within it, in this thread, long work raises ``OutOfTime`` soon after ``clock()`` has passed ``deadline``.
+
+    A time within another does not lengthen it: the first that is up ends the work.
+    """
+    token = _TIMES.set((*_TIMES.get(), (clock, deadline)))
     try:
         yield
     finally:
-        _TIME.reset(token)
+        _TIMES.reset(token)
 
 
 def pause() -> None:
     """``Stopped`` or ``OutOfTime`` where this thread's work is to end; Ctrl-C needs no call, Python raises it."""
-    stop, time = _STOP.get(), _TIME.get()
+    stop = _STOP.get()
     if stop is not None and stop.is_set():
         raise Stopped
-    if time is not None and time[0]() > time[1]:
+    if any(clock() > deadline for clock, deadline in _TIMES.get()):
         raise OutOfTime("the time was up")
 
 
