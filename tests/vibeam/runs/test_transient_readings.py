@@ -100,4 +100,4 @@ def test_a_stop_that_yields_has_a_force() -> None:
     path, record = moved(KINDS["linear"])
     found = reading_of(path, record, (*SIGNALS, TransientSignal(FORCE, "contact", -1, "N")), 0.0)
     assert found["greatest"][3] == path.contacts[:, 2].max()
-    assert found["least"][3] == 0.0
+    assert found["least"][3] == pytest.approx(0.0, abs=1e-15 * found["greatest"][3])  # k d + c d′ where contact ends
