@@ -14,7 +14,7 @@ import vibeam
 from vibeam.case.study_plans import Uncertain
 from vibeam.casefile.read import parse
 from vibeam.report import uncertainty as report
-from vibeam.studies.uncertainty.mean_of_peak import Pilot, _models, allocation, estimate
+from vibeam.studies.uncertainty.mean_of_peak import Allocation, Pilot, _models, allocation, estimate
 from vibeam.studies.uncertainty.orbit_peaks import OrbitPeaks, orbits_known
 from vibeam.studies.uncertainty.samples import (
     ClosedFormPeaks,
@@ -203,6 +203,20 @@ def test_the_estimate_is_unbiased_covers_and_has_the_predicted_error():
     assert 89 <= sum(each.low < 5 < each.high for each in found) <= 99
 
 
+def test_a_model_may_have_no_sample_more_than_the_one_before():
+    """A model as dear as the finest: the second part of the nested samples is empty."""
+    drawn = pilot(np.random.default_rng(8), 400, (0.95, 0.8), (1.0, 0.1, 0.01)).values
+    chosen = Allocation(("finest", "middle", "cheap"), (1.0, 1.0, 10.0), (1.0, 0.6, 3.0), 2.0)
+    values = {name: drawn[name][:count] for name, count in zip(chosen.names, (40, 40, 400), strict=True)}
+    found = estimate(chosen, values, 1.0, 0)
+    two = Allocation(("finest", "cheap"), (1.0, 10.0), (1.0, 3.0), 2.0)
+    assert found.mean == pytest.approx(estimate(two, values, 1.0, 0).mean, rel=1e-12)
+    assert found.low < found.mean < found.high
+    parts = values["finest"] - 3 * values["cheap"][:40], 3 * values["cheap"]
+    variance = parts[0].var() / 40 + parts[1].var() / 400 + 2 * np.cov(parts[0], parts[1][:40])[0, 1] / 400
+    assert found.error == pytest.approx(np.sqrt(variance), rel=0.1)
+
+
 @pytest.mark.parametrize("name", ["sdof", "own"])
 def test_a_scene_of_other_values_is_that_of_the_case_read_anew(name):
     text = CASE + '[fidelity.own]\nreduction = "modal"\nmodes = 2\nset = { "mass.mass" = "0.25 kg" }\n'
@@ -220,8 +234,12 @@ def test_a_scene_of_other_values_is_that_of_the_case_read_anew(name):
 
 @pytest.fixture(scope="module")
 def study():
-    """A rig that never touches its stop answers in proportion to its drive, whatever the frequency."""
-    case = parse(f'{CASE}\n[uncertain]\n"drive.amplitude" = "± 1 %"\n"stop.restitution" = "0.6 … 0.8"')
+    """A rig that never touches its stop answers in proportion to its drive, whatever the frequency.
+
+    It settles for so long that a sweep costs more than the making of its model, whatever else the machine does.
+    """
+    text = CASE.replace("settle = 60", "settle = 3000")
+    case = parse(f'{text}\n[uncertain]\n"drive.amplitude" = "± 1 %"\n"stop.restitution" = "0.6 … 0.8"')
     return uncertainty(case, samples=64)
 
 

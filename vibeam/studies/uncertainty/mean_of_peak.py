@@ -139,9 +139,15 @@ def estimate(chosen: Allocation, values: Mapping[str, Array], seconds: float, se
     parts = list(pairwise([0, *counts]))
     sizes = [high - low for low, high in parts]
     once = _means(chosen, values, parts, [np.ones((1, size)) for size in sizes])
-    drawn = _means(chosen, values, parts, [rng.multinomial(n, np.full(n, 1 / max(n, 1)), RESAMPLES) for n in sizes])
+    drawn = _means(chosen, values, parts, [_drawn(rng, size) for size in sizes])
     low, high = np.quantile(drawn, [0.025, 0.975])
     return MeanEstimate(float(once[0]), float(low), float(high), float(drawn.std(ddof=1)), seconds)
+
+
+def _drawn(rng: np.random.Generator, size: int) -> Array:
+    """How often each of so many samples is drawn (RESAMPLES, size); a part may have none."""
+    rows = (rng.integers(max(size, 1), size=size) for _ in range(RESAMPLES))
+    return np.stack([np.bincount(row, minlength=size) for row in rows], dtype=float)
 
 
 def _means(
