@@ -204,9 +204,23 @@ class UncertaintyPlan:
     seed: int = declare.count(0, 2**31 - 1, "of the samples", 0, 0)
 
 
+@dataclass(frozen=True)
+class DerivePlan:
+    """Plan of ``vibeam derive``: ``contact_time`` s of an impact on the stop, at a ``speed`` m/s; None: no choice."""
+
+    contact_time: float | None = declare.quantity(
+        "s", "how long an impact on the rigid stop lasts: what its restitution is in terms of other programs then",
+        "0.5 ms", None, above=0,
+    )  # fmt: skip
+    speed: float | None = declare.quantity(
+        "m/s", "of the impact; absent = the law's, else 0.1 m/s", "0.1 m/s", None, above=0
+    )
+
+
 #: plans of studies whose table bears their name, in the order of the case file
 STUDY_PLANS: Registry[Home] = Registry(
     "plan of a study",
+    Home("derive", DerivePlan),
     Home("modes_needed", ModesNeededPlan),
     Home("uncertainty", UncertaintyPlan),
     Home("verdict", VerdictPlan),

@@ -1,7 +1,6 @@
 """Collision with the stop at a given velocity, by flight.
 
-The system moves toward the stop in the mode that takes most of the impulse, all other modes at rest, without drive,
-load or gap.
+The system moves toward the stop in one mode, all others at rest, without drive, load or gap.
 """
 
 from __future__ import annotations
@@ -18,9 +17,12 @@ from vibeam.system.state import State
 TURN = 0.25  # periods of the mode until it turns: what touches the stop before belongs to the one collision
 
 
-def struck(system: ImpactSystem, speed: float) -> Collision:
-    """Collision of a system that moves at ``speed`` toward the stop, in one mode, with nothing else acting."""
-    mode = int(np.argmax(system.contact**2))
+def struck(system: ImpactSystem, speed: float, mode: int | None = None) -> Collision:
+    """Collision of a system that moves at ``speed`` toward the stop, in one ``mode``, with nothing else acting.
+
+    ``mode`` absent: that which takes most of the impulse.
+    """
+    mode = int(np.argmax(system.contact**2)) if mode is None else mode
     if not system.omega[mode] > 0:
         raise ValueError("the mode that strikes has no period: there is no end of the collision")
     still, rate = np.zeros(system.size), np.zeros(system.size)

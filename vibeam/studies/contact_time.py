@@ -8,7 +8,7 @@ no further mode lies below. Of a round stop also the contact's radius a = √(R 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import nan, pi, sqrt
+from math import inf, nan, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from vibeam_models.scene import Scene
     from vibeam_models.structure import Structure
 
-SPEEDS = (0.01, 0.1, 1.0)  # m/s, where the law says none
-SPREAD = (0.1, 1.0, 10.0)  # times the speed that it says
+SPREAD = 10.0  # of the speeds beside that asked for
 SMALL = 0.1  # largest radius of a contact beside the sphere's and the strip's thickness for which Hertz's theory holds
 NODE = 1e-9  # share of the mobility below which a mode does not move the contact
 
@@ -52,28 +51,32 @@ class ContactAtSpeed:
     pressure: float = nan
 
 
-def contacts(scene: Scene) -> tuple[ContactAtSpeed, ...]:
-    """Contacts of a scene's beam with its stop at the law's own speed, or 0.1 m/s, and a tenth and ten times that.
+def contacts(scene: Scene, speed: float) -> tuple[ContactAtSpeed, ...]:
+    """Contacts of a scene's beam with its stop at a tenth of a ``speed``, at it and at ten times it.
 
     Empty where the stop is rigid.
     """
     law = scene.stop.law
     if law is None or not law.compliant:
         return ()
-    own = getattr(law, "velocity", None)
     structure = assemble(replace(scene, base=Base()))
-    return tuple(_contact(structure, law, v) for v in (SPEEDS if own is None else [own * each for each in SPREAD]))
+    return tuple(_contact(structure, law, v) for v in (speed / SPREAD, speed, speed * SPREAD))
 
 
-def _contact(structure: Structure, law: ContactLaw, speed: float) -> ContactAtSpeed:
+def counting(structure: Structure, duration: float) -> int:
+    """Number of modes up to the last one below 3/2t_c that moves the contact; without one, up to the first."""
     modes = structure.modes()
     shares = (structure.contact @ modes.shapes) ** 2
     moved = np.flatnonzero(shares > NODE * shares.sum())
-    count = int(moved[0]) + 1
+    return int(moved[modes.frequency[moved] < 1.5 / duration].max(initial=moved[0])) + 1
+
+
+def _contact(structure: Structure, law: ContactLaw, speed: float) -> ContactAtSpeed:
+    shares, count = (structure.contact @ structure.modes().shapes) ** 2, counting(structure, inf)
     while True:
         mobility = float(shares[:count].sum())
         found = law.contact(mobility).free_impact(1 / mobility, speed)
-        last = int(moved[np.flatnonzero(modes.frequency[moved] < 1.5 / found.duration)[-1:]].sum()) + 1
+        last = counting(structure, found.duration)
         if last <= count:
             radius, pressure = _hertzian(law, found)
             return ContactAtSpeed(

@@ -8,6 +8,7 @@ from math import pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.source import of_source
+from vibeam.case.study_plans import DerivePlan
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import ValueRecord
 from vibeam_models.base import Base
@@ -15,6 +16,7 @@ from vibeam_models.scene import AnyScene, Mass, Scene
 
 if TYPE_CHECKING:
     from vibeam.studies.contact_time import ContactAtSpeed
+    from vibeam.studies.mode_share import SharedImpact
     from vibeam_models.sdof import SdofModel
 
 
@@ -42,12 +44,14 @@ class DerivedParameter:
 class DerivedTable(ValueRecord, ViewedTable):
     """Rows of the table, by order or by name; ``notes``: the rows left out, and why.
 
-    ``contacts``: with a stop that yields, at three speeds.
+    ``contacts``: with a stop that yields, at three speeds. ``impact``: what mode 1 sees of one, in models with more and
+    more modes, and its contact in the terms of other programs.
     """
 
     rows: tuple[DerivedParameter, ...]
     notes: tuple[str, ...] = ()
     contacts: tuple[ContactAtSpeed, ...] = ()
+    impact: SharedImpact | None = None
 
     def __iter__(self) -> Iterator[DerivedParameter]:
         return iter(self.rows)
@@ -80,7 +84,9 @@ class _FirstMode:
 
 
 @of_source
-def derive(case_or_scene: Any) -> DerivedTable:
+def derive(
+    case_or_scene: Any, *, contact_time: float | str | None = None, speed: float | str | None = None
+) -> DerivedTable:
     """Derive the paper's eq. 44–47 for a Scene (or an object with one as ``.scene``), with finite-element values.
 
     The reference is the first mode of bending of the finite-element model with all effects of the scene, on a base held
@@ -89,13 +95,21 @@ def derive(case_or_scene: Any) -> DerivedTable:
     frequency otherwise, there is no one drive to be derived. A bare beam has the rows that no attached mass comes into,
     in its static deflection under a load at the contact; and where the beam outweighs the mass by far, those that
     neglect the beam have no meaning and are left out, as ``notes`` says. A stop that yields adds its ``contacts``.
-    TypeError for another object; ValueError for a SdofScene: it *is* the SDOF model.
+    ``contact_time`` and ``speed``: of an impact, in SI or with units, in place of the case's ``DerivePlan``. TypeError
+    for another object; ValueError for a SdofScene: it *is* the SDOF model.
 
     >>> import vibeam
     >>> table = vibeam.derive("cases/dtu_neutral.toml")
     >>> round(table["stiffness"].value), round(table["stiffness"].error, 3)  # N/m, against finite elements
     (1219, -0.004)
+    >>> four = table.impact.shares[2]  # four modes: R₁ that R = 0.72 at the contact shows, R that R₁ = 0.72 needs
+    >>> four.modes, round(four.seen, 3), round(four.needed, 3)
+    (4, 0.628, 0.818)
     """
+    from vibeam.casefile.tables.table import plan_with
+
+    asked = getattr(case_or_scene, "asked", {}).get("derive") or DerivePlan()
+    plan = plan_with(asked, {"contact_time": contact_time, "speed": speed})
     scene = getattr(case_or_scene, "scene", case_or_scene)
     if isinstance(scene, AnyScene) and scene.no_beam:
         raise ValueError(f"nothing to derive: {scene.no_beam} to derive it from")
@@ -105,17 +119,18 @@ def derive(case_or_scene: Any) -> DerivedTable:
         raise ValueError("nothing to derive: closed forms are of a beam, and this is a solid: add a fidelity of one")
     exact = _first_mode(scene)
     table = _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
-    return _with_contacts(replace(table, rows=tuple(_explained(row, scene) for row in table)), scene)
+    return _with_contacts(replace(table, rows=tuple(_explained(row, scene) for row in table)), scene, plan)
 
 
-def _with_contacts(table: DerivedTable, scene: Scene) -> DerivedTable:
-    """Table with the contacts of a stop that yields, and what is doubtful about them."""
-    if scene.stop.law is None or not scene.stop.law.compliant:
-        return table
+def _with_contacts(table: DerivedTable, scene: Scene, plan: DerivePlan) -> DerivedTable:
+    """Table with an impact, and the contacts of a stop that yields with what is doubtful about them."""
     from vibeam.studies.contact_time import contacts, doubts
+    from vibeam.studies.mode_share import shared_impact
 
-    found = contacts(scene)
-    return replace(table, contacts=found, notes=(*table.notes, *doubts(scene, found)))
+    speed = plan.speed or getattr(scene.stop.law, "velocity", None) or USUAL_SPEED
+    found = contacts(scene, speed)
+    impact = shared_impact(scene, plan.contact_time, speed, found[1] if found else None)
+    return replace(table, contacts=found, impact=impact, notes=(*table.notes, *(doubts(scene, found) if found else ())))
 
 
 def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> DerivedTable:
@@ -157,6 +172,7 @@ def _bare(scene: Scene, exact: _FirstMode) -> DerivedTable:
     return DerivedTable(tuple(rows), tuple(notes))
 
 
+USUAL_SPEED = 0.1  # m/s of an impact
 LEAST_SHARE = 0.1  # smallest share of the attached mass in the moving one for which the beam may be neglected
 NEGLECTED = "left out: rows with a massless beam and the damping ratio that goes with them"
 OF_A_MASS = "left out: shape at the mass, rows with a massless beam, damping ratio, base factor and drive"

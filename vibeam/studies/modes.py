@@ -19,7 +19,7 @@ from vibeam.system.labelled import ViewedTable
 from vibeam_models.arguments import whole
 from vibeam_models.arrays import Array, ValueRecord
 from vibeam_models.beam import structure_of
-from vibeam_models.laws.restitution import first_mode_restitution
+from vibeam_models.laws.restitution import first_mode_restitution, needed_restitution
 from vibeam_models.scene import AnyScene, RigScene, Scene
 from vibeam_models.structure import Modes, Structure
 
@@ -151,7 +151,7 @@ def _restitutions(scene: RigScene, first: float, mobility: float) -> tuple[float
     given = scene.stop.usual_restitution
     if scene.stop.restitution_of == "contact":
         return first_mode_restitution(given, first, mobility), given
-    return given, (1 + given) * mobility / first**2 - 1
+    return given, needed_restitution(given, first, mobility)
 
 
 def write_shapes(table: ModeTable, path: Path) -> None:

@@ -90,14 +90,14 @@ def linear_restitution(zeta: float) -> float:
     return exp(-2 * acos(zeta) * zeta / sqrt(1 - zeta**2))
 
 
-def contact_damping_ratio(restitution: float) -> float:
-    """The ζ of ``linear_restitution`` for R in (0, 1]; ValueError outside. Bisected: R falls steadily with ζ."""
+def contact_damping_ratio(restitution: float, relation: Callable[[float], float] = linear_restitution) -> float:
+    """The ζ of a ``relation`` for R in (0, 1]; ValueError outside. Bisected: R falls steadily with ζ."""
     if not 0 < (real(restitution) or 0.0) <= 1:
         raise ValueError(f"restitution: {restitution!r} is outside (0, 1], which is what a linear stop can give")
     low, high = 0.0, 1.0
-    while linear_restitution(high) > restitution:
+    while relation(high) > restitution:
         low, high = high, 2 * high
-    return _bisected(lambda zeta: linear_restitution(zeta) - restitution, low, high)
+    return falling_zero(lambda zeta: relation(zeta) - restitution, low, high)
 
 
 @dataclass(frozen=True)
@@ -172,10 +172,10 @@ def hunt_crossley_product(restitution: float) -> float:
         raise ValueError(f"restitution: {restitution!r} is outside (0, 1], which is what this law can give")
     if restitution == 1:
         return 0.0
-    return _bisected(lambda x: _loss(x, restitution), 0.0, (1 - 1e-16) / restitution)
+    return falling_zero(lambda x: hunt_crossley_loss(x, restitution), 0.0, (1 - 1e-16) / restitution)
 
 
-def _loss(x: float, restitution: float) -> float:
+def hunt_crossley_loss(x: float, restitution: float) -> float:
     """(x (1 + R) − ln((1 + x)/(1 − xR))) / x², a power series where x is small; falls with R."""
     if x < 0.05:
         return float(-sum(x ** (j - 2) * (restitution**j - (-1) ** j) / j for j in range(2, 16)))
@@ -183,7 +183,7 @@ def _loss(x: float, restitution: float) -> float:
     return float((x * (1 + restitution) - log1p(x) + (log1p(inside) if inside > -1 else -inf)) / x**2)
 
 
-def _bisected(function: Callable[[float], float], low: float, high: float) -> float:
+def falling_zero(function: Callable[[float], float], low: float, high: float) -> float:
     """The zero of a falling function, to the last digit."""
     for _ in range(200):
         middle = (low + high) / 2

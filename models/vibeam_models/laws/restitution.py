@@ -270,14 +270,16 @@ def first_mode_restitution(restitution: float, first: float, mobility: float) ->
     return (1 + restitution) * first**2 / mobility - 1
 
 
-def contact_restitution(first_mode: float, first: float, mobility: float) -> float:
-    """R = (1+R₁) S/c₁² − 1: the contact's coefficient with which mode 1 sees R₁ = ``first_mode``.
+def needed_restitution(first_mode: float, first: float, mobility: float) -> float:
+    """R = (1+R₁) S/c₁² − 1 with which mode 1 sees R₁ = ``first_mode``; above 1 no contact can do that."""
+    return (1 + first_mode) * mobility / first**2 - 1
 
-    ValueError where no R in [0, 1] gives that R₁ in this model.
-    """
+
+def contact_restitution(first_mode: float, first: float, mobility: float) -> float:
+    """The ``needed_restitution``; ValueError where no R in [0, 1] gives that R₁ in this model."""
     if first**2 == 0:
         raise ValueError("restitution: mode 1 does not move the contact, and sees none: give the contact's own")
-    restitution = (1 + first_mode) * mobility / first**2 - 1
+    restitution = needed_restitution(first_mode, first, mobility)
     if not 0 <= restitution <= 1:
         raise ValueError(
             f"restitution: mode 1 would see {first_mode} only with {restitution:.4g} at the contact, outside [0, 1]: "

@@ -16,7 +16,7 @@ from vibeam.studies.solid.pairing import bending, inertias_along, partners
 from vibeam.studies.solid.steps import LadderStep
 from vibeam_models.arrays import Array
 from vibeam_models.effects.field_points import FieldPoints, output_names
-from vibeam_models.laws.restitution import first_mode_restitution
+from vibeam_models.laws.restitution import first_mode_restitution, needed_restitution
 from vibeam_models.scene import Scene
 from vibeam_models.structure import Structure, in_coordinates
 
@@ -179,7 +179,7 @@ def _restitutions(scene: Scene, first: float, mobility: float) -> tuple[float, f
         return nan, nan
     if scene.stop.restitution_of == "contact":
         return given, first_mode_restitution(given, first, mobility)
-    needed = (1 + given) * mobility / first**2 - 1
+    needed = needed_restitution(given, first, mobility)
     return needed if 0 <= needed <= 1 else nan, given
 
 
