@@ -209,8 +209,13 @@ def notes(study: UncertaintyStudy) -> Iterator[str]:
 
 
 def details(study: UncertaintyStudy) -> Iterator[str]:
-    """Mean of the peak, and what a cheaper estimate of it costs."""
-    found, units = study.mean_peak, units_in(study)
+    """Intervals of the peak's bands; mean of the peak, and what a cheaper estimate of it costs."""
+    found, units, peak = study.mean_peak, units_in(study), study.finest.peak
+    known = [(level, ends) for level, ends in zip(LEVELS, peak.within, strict=False) if np.isfinite(ends).all()]
+    if known:
+        told = (f"{percent(level)} between {' and '.join(map(units.lengths, ends))}" for level, ends in known)
+        which = f"Quantiles of {study.finest.fidelity}'s peak, 95 % intervals by the order of the samples"
+        yield f"{which}: {', '.join(told)}."
     if found is None:
         yield "No cheaper model is close enough to save runs of the finest in the mean of its peak."
         return

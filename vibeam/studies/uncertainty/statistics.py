@@ -86,7 +86,8 @@ LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)  # quantiles of the bands
 class Distribution:
     """Distribution of one number over the samples: ``nominal`` at the case's own values; NaN where there is none.
 
-    ``share``: of the samples that have the number.
+    ``share``: of the samples that have the number. ``within``: 95 % interval of each quantile, infinite where there
+    are too few samples.
     """
 
     nominal: float
@@ -94,6 +95,7 @@ class Distribution:
     deviation: float
     quantiles: tuple[float, ...]
     share: float = float("nan")
+    within: tuple[tuple[float, float], ...] = ()
 
     @classmethod
     def of(cls, nominal: float, values: Array) -> Distribution:
@@ -102,8 +104,17 @@ class Distribution:
         share = len(known) / max(len(values), 1)
         if len(known) < 2:
             return cls(nominal, float("nan"), float("nan"), (float("nan"),) * len(LEVELS), share)
-        found = np.quantile(known, LEVELS)
-        return cls(nominal, float(known.mean()), float(known.std(ddof=1)), tuple(map(float, found)), share)
+        found = tuple(map(float, np.quantile(known, LEVELS)))
+        return cls(nominal, float(known.mean()), float(known.std(ddof=1)), found, share, _within(known))
+
+
+def _within(known: Array) -> tuple[tuple[float, float], ...]:
+    """Order statistics beside each quantile: how many of independent samples are below it is binomial."""
+    from scipy.stats import binom
+
+    ordered = np.concatenate([[-np.inf], np.sort(known), [np.inf]])
+    first, last = binom.ppf([[0.025], [0.975]], len(known), LEVELS).astype(int)
+    return tuple(zip(ordered[first].tolist(), ordered[last + 1].tolist(), strict=True))
 
 
 @dataclass(frozen=True)
