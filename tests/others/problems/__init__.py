@@ -1,0 +1,1 @@
+"""Rows of the book, a chapter a field."""
