@@ -50,7 +50,7 @@ def test_the_nominal_point() -> None:
 
 
 def test_printed_forms_misjudge_the_orbit_of_coco() -> None:
-    """ẍ + 0.1ẋ + x = cos t, stop at 1, e = 0.8; the orbit is in test_references_of_others.py."""
+    """ẍ + 0.1ẋ + x = cos t, stop at 1, e = 0.8; the orbit is in tests/others/test_systems.py."""
     (orbit,) = fixed_points(Oscillator(0.05, 1.0, 1.0, 0.8), 1.0)
     upper, lower = orbit_invariants(orbit).multipliers
     assert upper == pytest.approx(complex(-0.584295, 0.005600), abs=0.7e-6)
