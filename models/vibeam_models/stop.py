@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from vibeam_models.keys import declared, quantity, word
-from vibeam_models.laws import RESTITUTION
-
-if TYPE_CHECKING:
-    from vibeam_models.laws import ContactLaw
+from vibeam_models.laws import RESTITUTION, ContactLaw
 
 
 @dataclass(frozen=True)

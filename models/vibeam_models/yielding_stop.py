@@ -8,13 +8,11 @@ speed and what the case does not say of the materials are assumed, and marked so
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from vibeam_models.keys import defaults_of, keys_of
+from vibeam_models.scene import RigScene
 from vibeam_models.stop import Stop
-
-if TYPE_CHECKING:
-    from vibeam_models.scene import RigScene
 
 LEAST = 0.05  # restitution in place of 0, which no damping of this law gives
 OTHER = ("position", "restitution", "restitution_of")

@@ -9,23 +9,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import isinf
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import Case
+from vibeam.case.fidelity import Fidelity
 from vibeam.case.fidelity import system as system_of
+from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, ValueRecord
 from vibeam_models.beam import assemble_with_space
+from vibeam_models.beams.beam import Beam
 from vibeam_models.effects.field_points import FieldPoints, output_names, points_of
-from vibeam_models.scene import Scene
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.case.fidelity import Fidelity
-    from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.beams.beam import Beam
-    from vibeam_models.scene import AnyScene
-    from vibeam_models.structure import Structure
+from vibeam_models.scene import AnyScene, Scene
+from vibeam_models.structure import Structure
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
+from vibeam.case.case import Case
 
 
 def alike(case: Case, names: Iterable[str], beside: str) -> list[str]:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from vibeam.case.fidelity import with_first_mode_restitution
-
-if TYPE_CHECKING:
-    from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.scene import AnyScene, RigScene
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.scene import AnyScene, RigScene
 
 SYMBOLS = {"contact": "R", "first mode": "R₁"}
 PLACES = {"contact": "at the contact", "first mode": "of mode 1"}

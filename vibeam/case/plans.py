@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.study_plans import MOST_POINTS
-from vibeam.exchange.curves.record import ReferenceForm
+from vibeam.exchange.curves.record import Point, ReferenceCurve, ReferenceForm
 from vibeam_models import keys as declare
 from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
-    from vibeam.exchange.curves.record import Point, ReferenceCurve
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.state import State
 

@@ -15,20 +15,18 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from vibeam.case.beam_field import with_points
-from vibeam.case.fidelity import parameters_of, system_of
+from vibeam.case.fidelity import Fidelity, parameters_of, system_of
 from vibeam.case.reduced_structure import static_at_contact
 from vibeam.exchange.vtu import cell_name
 from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.beam import structure_of
 from vibeam_models.given import GivenScene
-from vibeam_models.scene import Scene
+from vibeam_models.scene import AnyScene, Scene
 from vibeam_models.solid.own_mesh import HEX_EDGES, HEX_FACES, TET_EDGES
 from vibeam_reductions.declaration import REDUCTIONS
 
 if TYPE_CHECKING:
-    from vibeam.case.fidelity import Fidelity
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.scene import AnyScene
     from vibeam_models.solid.space import SolidField
 
 

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.plans import moving
+from vibeam.case.plans import StartPlan, moving
+from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.record_samples import GRAVITY
 from vibeam.system.state import State
-
-if TYPE_CHECKING:
-    from vibeam.case.plans import StartPlan
-    from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array
 
 BEYOND = 1e-12  # share of the deflection at a stop by which it may be beyond it, rounded
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from vibeam.case.fidelity import Model
+from vibeam.case.case import Case
+from vibeam.case.fidelity import Fidelity, Model
 from vibeam.casefile.fidelity_changes import entry_at
 from vibeam.casefile.fields import Count, Quantity
 from vibeam.casefile.kinds import KINDS
@@ -23,11 +24,7 @@ from vibeam.casefile.tables.table import content
 from vibeam.casefile.validation import SHARED, physics_keys
 from vibeam.casefile.validation import read as read_tables
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.case.fidelity import Fidelity
-    from vibeam_models.scene import AnyScene
+from vibeam_models.scene import AnyScene
 
 
 def rig_checks(case: Any, folder: Path) -> Iterator[Complaint]:

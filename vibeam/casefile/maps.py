@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from vibeam.case.fidelity import Model
 from vibeam.case.grid_keys import (
     DISPLACEMENT,
     FREQUENCY,
@@ -27,15 +28,12 @@ from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.fields import Count, Entry, OneOrSeveral, Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import POSITIVE, SI, UnitSystem, with_unit
+from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.maps import PLANES, count_of, picture_complaints, random_complaints
 from vibeam.casefile.tables.table import Frequency, named_fidelity
 from vibeam.casefile.validation import entry_of, units_of
 from vibeam.exchange.faults import CaseError, Complaint, KeyPath, as_shown_in_message
 from vibeam_models.keys import keys_of
-
-if TYPE_CHECKING:
-    from vibeam.case.fidelity import Model
-    from vibeam.casefile.tables.cases import AnyCase
 
 LARGEST = 10**9  # points of a map
 

@@ -11,21 +11,18 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from vibeam.case.study_plans import FitKey, FitPlan, Uncertain
 from vibeam.casefile.fidelity_changes import entry_at, field_at
 from vibeam.casefile.fields import Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import RATIO, Range, to_si, with_unit
+from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.table import not_there
 from vibeam.casefile.toml import key_parts
 from vibeam.casefile.validation import units_of
 from vibeam.exchange.faults import Complaint, as_shown_in_message
-
-if TYPE_CHECKING:
-    from vibeam.casefile.tables.cases import AnyCase
-
 
 OF_UNCERTAIN, OF_FIT = ("uncertain may be", "uncertain"), ("a fit changes", "estimated")  # in words of faults
 

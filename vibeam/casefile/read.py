@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -32,10 +32,8 @@ from vibeam.casefile.toml import parsed
 from vibeam.casefile.toml_writing import toml_text
 from vibeam.exchange.faults import CaseError, Fault, KeyPath
 from vibeam.figures import COMMON, FIGURES
-
-if TYPE_CHECKING:
-    from vibeam.observe.measuring_chain import Chain
-    from vibeam_models.scene import AnyScene
+from vibeam.observe.measuring_chain import Chain
+from vibeam_models.scene import AnyScene
 
 
 def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] | None = None) -> Case:

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
+from vibeam.case.fidelity import Model
 from vibeam.case.input_plan import InputPlan
 from vibeam.case.plans import RecordPlan, StartPlan, moving
 from vibeam.casefile import quantities as units
@@ -25,9 +26,6 @@ from vibeam.figures import FIGURES
 from vibeam.solvers import SOLVERS
 from vibeam_models.keys import keys_of
 from vibeam_reductions.declaration import REDUCTIONS
-
-if TYPE_CHECKING:
-    from vibeam.case.fidelity import Model
 
 T = TypeVar("T")
 NUMBERS = ("expect", "measured")

@@ -19,14 +19,13 @@ from vibeam_models.beams.shapes import SHAPES
 from vibeam_models.keys import keys_of
 from vibeam_models.outputs import Output
 from vibeam_models.registry import loaded
-from vibeam_models.scene import Mass, Scene, Sensor
+from vibeam_models.scene import AnyScene, Mass, Scene, Sensor
 from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop
 
 if TYPE_CHECKING:
     from vibeam.casefile.tables.cases import AnyCase
     from vibeam_models.given import GivenScene
-    from vibeam_models.scene import AnyScene
 
 
 def fidelity_scene(case: AnyCase, folder: Path, name: str) -> AnyScene:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,16 +11,12 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
 from vibeam.case.case import Case, quantity_of
+from vibeam.case.plans import ShowPlan
 from vibeam.figures.page import plain
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import GAP, Look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, frequency_label, with_unit
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from vibeam.case.plans import ShowPlan
 
 DECADES = 10  # decades below the largest value: smaller values are round-off
 ROW = 0.028  # height of a row of marks of failed points, in axes

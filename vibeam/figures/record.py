@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from vibeam.case.case import plan_of_record
+from vibeam.case.case import Case, plan_of_record
 from vibeam.system.number_text import ACCELERATIONS, LENGTHS, OF_QUANTITY, SPEEDS, STRAINS, Steps, prefixed
 
 if TYPE_CHECKING:
-    from vibeam.case.case import Case
     from vibeam.case.plans import ShowPlan
     from vibeam.flight.trajectory import Trajectory
     from vibeam.observe.decimation import History

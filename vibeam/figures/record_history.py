@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from vibeam.case.case import plan_of_record
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.record import COLUMNS, input_of, kept_place, label_of, signals_of_all, unit_of_signal
+from vibeam.figures.record import COLUMNS, RecordResult, input_of, kept_place, label_of, signals_of_all, unit_of_signal
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import with_unit
-from vibeam.observe.decimation import hardest_impacts
+from vibeam.observe.decimation import History, hardest_impacts
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.figures.record import RecordResult
-    from vibeam.observe.decimation import History
 
 Span = tuple[float, float]
 SIZE = (8.4, 6.0)

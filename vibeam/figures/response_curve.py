@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,6 +16,7 @@ from vibeam.case.case import quantity_of
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
 from vibeam.figures.panels import is_empty, say, start_upward
 from vibeam.figures.response import ALONE, draw_branch
+from vibeam.figures.sheet import Comparison
 from vibeam.figures.style import (
     DOT,
     GAP,
@@ -32,13 +33,9 @@ from vibeam.figures.style import (
 )
 from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, units_for
 from vibeam.observe.branches import MotionClass, motion_pieces, pieces
+from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, Ended, FrequencyResponse, complete, modes_of, periodic
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.figures.sheet import Comparison
-    from vibeam.system.impact_system import ImpactSystem
-
 
 TOGETHER = 3  # largest number of fidelities in one panel …
 SCATTERED = 0.15  # … and largest share of their points that no line joins

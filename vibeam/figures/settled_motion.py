@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.case.fidelity import gap_drift
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.sheet import Column, Columns, NoMotion
@@ -23,10 +24,6 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-
 
 SAMPLES = 1000  # samples a drive period, of a motion that is exact between its events
 

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from vibeam.case.case import Case
 from vibeam.observe.branches import MotionClass
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-
 
 Keys = dict[str, Any]
 Thing = TypeVar("Thing")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,11 +11,9 @@ from numpy.typing import ArrayLike
 from vibeam.flight.engine.entries import extremes_loaded
 from vibeam.flight.kernels.contacts.course import OutputWatch
 from vibeam.flight.record.solver import RecordSolver
+from vibeam.flight.trajectory import Trajectory
 from vibeam_models.arguments import floats
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.flight.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,27 +7,24 @@ from collections.abc import Iterable, Mapping, Sequence
 from io import StringIO
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from rich.text import Text
 
+from vibeam.case.case import Case
 from vibeam.exchange.curves.record import COLUMNS, QUANTITIES
 from vibeam.exchange.curves.reference import RECORDED
 from vibeam.figures.units import METRIC, DisplayUnits
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ARROWS, ReportTable, blank
 from vibeam.runs.comparison.differences import listed
+from vibeam.runs.result import Result
 from vibeam.store.provenance import provenance
 from vibeam.studies.regression.readings import MeasuredRow
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.number_text import percent
 from vibeam.system.response import complete
 from vibeam_models.arguments import counted
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.runs.result import Result
 
 NAMED = 3  # names in a list of what is missed
 KINDS = {"reference": "reference", "regression value": "regression value", "measured": "measured curve"}

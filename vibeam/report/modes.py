@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from math import isfinite
-from typing import TYPE_CHECKING
 
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
+from vibeam.studies.modes import ModeRow, ModeTable
 from vibeam.system.number_text import FREQUENCIES, percent, prefixed, with_unit, without_round_off
-
-if TYPE_CHECKING:
-    from vibeam.studies.modes import ModeRow, ModeTable
 
 
 def sheet(modes: ModeTable) -> StudySheet:

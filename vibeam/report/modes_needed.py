@@ -5,24 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from math import inf, isfinite
-from typing import TYPE_CHECKING
 
+from vibeam.case.case import Case
+from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.report import reductions
 from vibeam.report.output import StudySheet
 from vibeam.report.reductions import DUST, LARGEST, enough, limits, off, shown
 from vibeam.report.tables import ReportTable, blank
 from vibeam.studies.modes_needed.limit import TOO_FEW
+from vibeam.studies.modes_needed.losses import ResponseError
 from vibeam.studies.modes_needed.reduction import ReductionProblem, plan_asked
-from vibeam.studies.modes_needed.study import MODAL, before_flight
+from vibeam.studies.modes_needed.response import Claim
+from vibeam.studies.modes_needed.study import MODAL, BeforeFlight, ModesNeeded, before_flight
 from vibeam.system.curves import evenly
 from vibeam.system.number_text import begun, modes_in_words, percent, signed
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.case.study_plans import ModesNeededPlan
-    from vibeam.studies.modes_needed.losses import ResponseError
-    from vibeam.studies.modes_needed.response import Claim
-    from vibeam.studies.modes_needed.study import BeforeFlight, ModesNeeded
 
 HELD = {"contact": "R at the contact", "first mode": "R as mode 1 sees it"}
 SINGLE = "one degree of freedom"

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import product
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import looks_of, name_of
@@ -15,14 +17,9 @@ from vibeam.maps.axes import name_of_key
 from vibeam.report.output import StudySheet
 from vibeam.report.record_studies import FEW, ONE, unit_of_number, value_text
 from vibeam.report.tables import blank
+from vibeam.studies.record.plane import RecordAxis, RecordMap
 from vibeam.system.number_text import begun, shown_in, with_unit
 from vibeam_models.arguments import counted
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.studies.record.plane import RecordAxis, RecordMap
 
 PANEL = 4.4, 3.4  # inches
 

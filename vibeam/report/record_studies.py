@@ -7,20 +7,18 @@ from itertools import groupby
 from math import isfinite, isnan
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.case import plan_of_record, units_of_output
+from vibeam.case.case import Case, plan_of_record, units_of_output
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import blank
 from vibeam.runs.comparison.differences import listed
-from vibeam.studies.record.ensembles import OF_IMPACTS
+from vibeam.studies.record.ensembles import OF_IMPACTS, NumberChange
 from vibeam.studies.record.readings import AskedNumber
 from vibeam.system.number_text import begun, modes_in_words, percent, signed, with_unit
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
-    from vibeam.case.case import Case
     from vibeam.studies.influence.recorded_effects import EffectsVariant, RecordEffects
-    from vibeam.studies.record.ensembles import NumberChange
     from vibeam.studies.record.fidelities import RecordFidelities
     from vibeam.studies.record.modes import RecordModes
     from vibeam.studies.uncertainty.recorded_inputs import RecordUncertainty

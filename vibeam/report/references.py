@@ -5,23 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from vibeam.case.case import Case
+from vibeam.case.plans import Reference
 from vibeam.figures.page import blank_page, legend, plain, titled, write_page
 from vibeam.figures.panels import from_zero
 from vibeam.figures.style import COLOURS, shade
 from vibeam.figures.units import DisplayUnits, frequency_label, units_of_branches, with_unit
 from vibeam.studies.regression.references import COVERAGE, CheckRow, Match, matched, pieces_of
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.case.plans import Reference
-    from vibeam.system.response import Branches
+from vibeam.system.response import Branches
 
 POINT: dict[str, Any] = {
     "linestyle": "",

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.report.output import plain, write_csv
-from vibeam.runs.result import output_units
+from vibeam.runs.result import Result, output_units
 
 if TYPE_CHECKING:
-    from vibeam.runs.result import Result
     from vibeam.runs.transient.result import TransientResult
 
 SHOWN = {" s-2": "/s²", " s-1": "/s", "s-2": "1/s²", "s-1": "1/s"}  # units of results files, as tables have them

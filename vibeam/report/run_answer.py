@@ -11,19 +11,16 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from vibeam.case.held import held_of
+from vibeam.case.held import Held, held_of
 from vibeam.figures.units import units_for
-from vibeam.runs.comparison.differences import listed
+from vibeam.runs.comparison.differences import HeldComparison, listed
 from vibeam.runs.estimate.records import EstimateSummary, summary
-from vibeam.runs.summary import compare, stays_clear
+from vibeam.runs.summary import Summary, compare, stays_clear
 from vibeam.system.number_text import begun, modes_in_words, percent
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
-    from vibeam.case.held import Held
-    from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.result import Result
-    from vibeam.runs.summary import Summary
     from vibeam.system.curves import Difference
 
 USUAL = 0.05  # accuracy where none is asked for

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rich.text import Text
 
@@ -11,16 +11,11 @@ from vibeam.figures.units import METRIC, DisplayUnits, units_for
 from vibeam.report.output import StudySheet
 from vibeam.report.run_answer import USUAL, groups_of, run_answer
 from vibeam.report.tables import ARROWS, ReportTable, blank, coefficient, plain
-from vibeam.runs.comparison.differences import doubts, listed, settled
-from vibeam.runs.estimate.records import estimate_texts
+from vibeam.runs.comparison.differences import HeldComparison, doubts, listed, settled
+from vibeam.runs.estimate.records import EstimateTexts, estimate_texts
+from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare, remarks
 from vibeam.system.number_text import percent, signed, without_round_off
-
-if TYPE_CHECKING:
-    from vibeam.runs.comparison.differences import HeldComparison
-    from vibeam.runs.estimate.records import EstimateTexts
-    from vibeam.runs.result import Result
-
 
 FEW_IMPACTS = 100  # so few tell nothing of what an impact costs
 NOTES = 5

@@ -11,17 +11,15 @@ from vibeam.report.output import StudySheet
 from vibeam.report.reductions import shown
 from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.runs.comparison.differences import listed
-from vibeam.studies.solid.model import FIRST
+from vibeam.studies.solid.model import FIRST, LadderModel
 from vibeam.studies.solid.steps import LESS_TORSION, beam_of, solid_of
-from vibeam.studies.solid.study import JUDGED, QUANTITIES
+from vibeam.studies.solid.study import JUDGED, QUANTITIES, SolidVerdict, StepChange
 from vibeam.system.number_text import WORDS, begun, percent, signed
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure, FigureBase
 
-    from vibeam.studies.solid.model import LadderModel
-    from vibeam.studies.solid.study import SolidVerdict, StepChange
 
 UNITS = {
     **dict.fromkeys(("f1", "f2", "f3", "twist", "peak_frequency"), "Hz"), "flexibility": "m/N", "mobility": "1/kg",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,17 +14,15 @@ from vibeam.report.tables import ReportTable, blank
 from vibeam.report.transient_answer import DUST, ENSEMBLE, USUAL, answers, difference_text, time_text, transient_answer
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.summary import assumed
+from vibeam.runs.transient.comparison import TransientComparison
 from vibeam.runs.transient.motions import SCALED
+from vibeam.runs.transient.result import TransientResult
 from vibeam.runs.transient.statistics import SampleMean, mean_of, mean_of_series, windowed_rate
+from vibeam.runs.transient.transient import Transient
 from vibeam.system.number_text import percent, with_unit
 from vibeam.system.response import Ended
 from vibeam_models.arguments import counted
-
-if TYPE_CHECKING:
-    from vibeam.runs.transient.comparison import TransientComparison
-    from vibeam.runs.transient.result import TransientResult
-    from vibeam.runs.transient.transient import Transient
-    from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array
 
 OPEN = 1e-3  # residual of an energy balance that is told
 SHARES = (0.1, 0.5, 0.9)  # quantiles of impact velocities

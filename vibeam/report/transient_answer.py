@@ -10,17 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, log
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.transient.comparison import PairedDifference, TransientComparison
+from vibeam.runs.transient.result import TransientResult
+from vibeam.runs.transient.transient import Transient
 from vibeam.system.number_text import TIMES, begun, percent, prefixed, signed
-
-if TYPE_CHECKING:
-    from vibeam.runs.transient.result import TransientResult
-    from vibeam.runs.transient.transient import Transient
 
 USUAL = 0.05  # accuracy where none is asked for
 NAMED = 4  # quantities named of what a fidelity misses

@@ -18,14 +18,13 @@ from vibeam.report.output import StudySheet
 from vibeam.report.record_studies import of_uncertainty
 from vibeam.report.tables import ReportTable, blank, plain
 from vibeam.studies.uncertainty.mean_of_peak import PILOT
-from vibeam.studies.uncertainty.statistics import LEVELS
+from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, ErrorRow
 from vibeam.system.number_text import percent, shown_in
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from vibeam.studies.uncertainty.statistics import Distribution, ErrorRow
     from vibeam.studies.uncertainty.study import UncertaintyStudy
 
 

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from vibeam.case.case import Case
+from vibeam.case.study_plans import VerdictPlan
 from vibeam.report import cost, influence, modes_needed, record_studies
 from vibeam.report.maps import verdict as fidelity_map
 from vibeam.report.maps.page import map_figure
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
-from vibeam.studies.verdict import plan_of_modes, require_plane
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.case.study_plans import VerdictPlan
-    from vibeam.studies.verdict import Stage, Verdict
+from vibeam.studies.verdict import Stage, Verdict, plan_of_modes, require_plane
 
 QUESTIONS = {
     "modes": "How many modes?",

@@ -15,7 +15,7 @@ from vibeam.exchange.files import dotted
 from vibeam.report.output import StudySheet
 from vibeam.report.output import plain as plain_of
 from vibeam.report.tables import ARROWS, blank, coefficient
-from vibeam.system.response import FrequencyResponse
+from vibeam.system.response import Branches, FrequencyResponse
 from vibeam_models.arguments import counted
 from vibeam_models.registry import loaded
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from vibeam.runs.transient.result import TransientResult
     from vibeam.studies.derive import DerivedTable
     from vibeam.studies.modes import ModeTable
-    from vibeam.system.response import Branches
 
 SMALL = (4.6, 2.8)  # inches of a figure
 POINTS = 400  # of an orbit that is drawn

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam_models.scene import AnyScene
+from vibeam_models.scene import AnyScene
 
 SEVERAL = "no closed-form motions under several harmonics"
 MOVING = "the gap changes along the sweep, which no closed form follows"

@@ -6,21 +6,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibeam.case.case import units_of_output
+from vibeam.case.case import Case, units_of_output
 from vibeam.case.fineness import alike, finest
 from vibeam.case.held import held_of
 from vibeam.exchange.faults import suggest
-from vibeam.runs.comparison.differences import both_peaks
-from vibeam.runs.systems import Overview, overview_of
+from vibeam.runs.comparison.differences import HeldComparison, both_peaks
+from vibeam.runs.systems import ModelProperties, Overview, overview_of
 from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
 from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
-    from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
-    from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate
-    from vibeam.runs.systems import ModelProperties
     from vibeam.system.curves import MotionCurves
     from vibeam.system.quantities import OutputUnits
 

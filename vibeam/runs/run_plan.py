@@ -7,10 +7,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import Case
+from vibeam.case.plans import ResultNumber, ShowPlan
 from vibeam.exchange.faults import suggest
 from vibeam.runs.keys import branch_key, model_key
 from vibeam.runs.result import output_units
@@ -20,11 +21,7 @@ from vibeam.runs.store.file import Store, opened
 from vibeam.runs.store.records import Keyed
 from vibeam.runs.systems import ModelProperties
 from vibeam.store.place import Tell, warn
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.case.plans import ResultNumber, ShowPlan
-    from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.impact_system import ImpactSystem
 
 
 def restricted(case: Case, names: Collection[str]) -> Case:

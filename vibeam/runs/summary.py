@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.runs.comparison.differences import listed
-from vibeam.system.response import Difference, Peak, complete, modes_of
+from vibeam.system.response import Branches, Difference, Peak, complete, modes_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.result import Result
     from vibeam.runs.systems import Overview
-    from vibeam.system.response import Branches
     from vibeam_models.scene import AnyScene
 
 

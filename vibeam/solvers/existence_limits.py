@@ -8,19 +8,17 @@ grows weaker, Δ_MAX the gap at which it folds.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.orbit_search import orbits
 from vibeam.solvers.averaging import slow_flow
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
 
 Options = Mapping[str, str | float]
 BESIDE = 1e-6  # step off a fold, as a share of the drive: the mean of both roots there is its reach

@@ -26,7 +26,6 @@ from vibeam_models.structure import Modes, Structure
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.solid_shape import SolidShape
-    from vibeam_models.scene import AnyScene
 
 
 @dataclass(frozen=True)

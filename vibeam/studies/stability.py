@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.case.grid_keys import GAP, LEVELS, SHARE, MapPlan
 from vibeam.case.source import of_source
 from vibeam.maps.axes import own_value, points_of
@@ -26,11 +26,6 @@ from vibeam.runs.summary import ill_posed
 from vibeam.solvers.averaging import slow_flow
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array, Flags, ValueRecord
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from vibeam.case.case import Case
 
 BRANCHES = ("harder", "softer")
 ALONG = 501  # places along the case's own line at which boundaries are looked for

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from vibeam.case.case import Case
 from vibeam.exchange.faults import CaseError, Fault
+from vibeam.runs.result import Result
 from vibeam.runs.stored_result import StoredResult, read_result
+from vibeam.runs.transient.result import TransientResult
 from vibeam.runs.transient.store import is_transient
 from vibeam.runs.transient.stored_result import read_transient
 from vibeam.store.errors import StoreError
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.runs.result import Result
-    from vibeam.runs.transient.result import TransientResult
 
 
 def read(path: str | Path) -> Result | TransientResult:

@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from time import process_time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from vibeam.case.case import Case
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import STAGES, USUAL_STAGES, ModesNeededPlan, VerdictPlan
 from vibeam.casefile.tables.table import plan_with
@@ -22,9 +23,6 @@ from vibeam.studies.fidelity_map.study import fidelity_map
 from vibeam.studies.influence.study import influence
 from vibeam.studies.modes_needed.study import modes_needed
 from vibeam.system.progress import telling
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
 
 Tell = Callable[[str], None]
 Progress = Callable[[int, int], None]

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from vibeam.system.curves import Difference as Difference
+from vibeam.system.curves import MotionCurves
 from vibeam.system.curves import Peak as Peak
 from vibeam.system.labelled import LabelledData, LabelledPart
 from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
 from vibeam.system.quantities import Ended as Ended
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, Flags, Index, ValueRecord
-
-if TYPE_CHECKING:
-    from vibeam.system.curves import MotionCurves
-
 
 SINGLE = (  # one number a point, NaN where unknown
     "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "rest", "cpu_seconds",

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from vibeam_models.arrays import Array
 from vibeam_models.scene import Effect, Scene
+from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure
-
-if TYPE_CHECKING:
-    from vibeam_models.space import BeamSpace
 
 AN_ELEMENT = 4  # points an element, so that a shape looks as smooth as its cubics are
 

@@ -7,11 +7,10 @@ from dataclasses import MISSING, dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from vibeam_models.keys import quantity, word
-from vibeam_models.laws import CONSTANT, LAWS
+from vibeam_models.laws import CONSTANT, LAWS, ContactLaw
 from vibeam_models.scene import Effect, Scene
 
 if TYPE_CHECKING:
-    from vibeam_models.laws import ContactLaw
     from vibeam_models.laws.mechanics import StopLaw
     from vibeam_models.space import BeamSpace
     from vibeam_models.structure import Structure

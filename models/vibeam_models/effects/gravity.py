@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -12,12 +12,10 @@ from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam
 from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Effect, Scene
+from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact to degree 5: N linear, w′² of degree 4
-
-if TYPE_CHECKING:
-    from vibeam_models.space import BeamSpace
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,10 +12,8 @@ from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.keys import quantity
 from vibeam_models.scene import Effect, Scene
+from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure, in_coordinates, side_by_side
-
-if TYPE_CHECKING:
-    from vibeam_models.space import BeamSpace
 
 ELEMENTS = 24  # along the leaf: its third frequency is exact to 1e-5
 

@@ -5,21 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam_models.arrays import Array
+from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.tables import beam_of, place_faults
 from vibeam_models.effects import LAST
 from vibeam_models.keys import quantity
 from vibeam_models.scene import Effect, OnEitherBeam, Scene
+from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure, in_coordinates, with_inertia
-
-if TYPE_CHECKING:
-    from vibeam_models.beams.beam import Beam
-    from vibeam_models.space import BeamSpace
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
 KEPT = 16  # eliminations, each of a space of its own

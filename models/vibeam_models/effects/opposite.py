@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from vibeam_models.beams.beam import CANTILEVER, PAIRS
+from vibeam_models.beams.beam import CANTILEVER, PAIRS, Beam
 from vibeam_models.beams.shapes import SHAPES
 from vibeam_models.beams.tables import dimension, dimension_faults, rigid_body_faults, shape_of
 from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Effect, Scene
+from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure, side_by_side
-
-if TYPE_CHECKING:
-    from vibeam_models.beams.beam import Beam
-    from vibeam_models.space import BeamSpace
 
 
 @dataclass(frozen=True)

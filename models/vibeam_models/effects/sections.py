@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
+from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.shapes import SHAPES
 from vibeam_models.beams.stretch import Material, Plate, Stretch
 from vibeam_models.beams.tables import beam_of, dimension, dimension_faults, shape_of, stretch_faults
 from vibeam_models.keys import Key, declared, keys_of, quantity, word
 from vibeam_models.scene import Effect, OnEitherBeam
-
-if TYPE_CHECKING:
-    from vibeam_models.beams.beam import Beam
 
 
 @dataclass(frozen=True)

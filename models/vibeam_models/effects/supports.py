@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
-from vibeam_models.beams.beam import Support, stiffnesses
+from vibeam_models.beams.beam import Beam, Support, stiffnesses
 from vibeam_models.beams.tables import place_faults, rigid_body_faults
 from vibeam_models.keys import quantity
 from vibeam_models.scene import Effect, OnEitherBeam
-
-if TYPE_CHECKING:
-    from vibeam_models.beams.beam import Beam
 
 
 @dataclass(frozen=True)

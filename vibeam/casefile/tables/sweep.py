@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 from pydantic import Field
 
 from vibeam.case.fidelity import Fidelity
 from vibeam.case.plans import SweepPlan
+from vibeam.case.reduced_structure import Flight
 from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
 from vibeam.casefile.fields import Count, Several, Word, names
@@ -21,9 +22,6 @@ from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS, ReductionDeclaration
-
-if TYPE_CHECKING:
-    from vibeam.case.reduced_structure import Flight
 
 
 def plan_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:

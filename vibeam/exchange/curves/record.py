@@ -6,18 +6,14 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from math import isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
 from vibeam.exchange.units import unit_size
 from vibeam.system.record_samples import GRAVITY
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
-
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
 SAME_FREQUENCY = 1e-9  # relative tolerance

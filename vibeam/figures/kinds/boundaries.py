@@ -5,10 +5,11 @@ Averaging's are drawn beside the exact ones; beside Q* the reach of the motions,
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import across_frequency, from_zero, is_empty, labelled, say
 from vibeam.figures.sheet import Column, Comparison, Sheet
@@ -18,13 +19,6 @@ from vibeam.observe.branches import motion_pieces
 from vibeam.periodic.modal_sums import fault
 from vibeam.solvers.existence_limits import limits
 from vibeam.system.impact_system import ImpactSystem
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 CURE = "name other fidelities, or omit the table; vibeam.follow follows a motion along the gap or the drive"
 CALLED = {"least_stable_reach": "least stable reach Q* of the contact", "largest_gap": "largest |gap| Δ_MAX"}

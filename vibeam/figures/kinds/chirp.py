@@ -9,10 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from vibeam.case.case import Case
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import across_frequency, is_empty, say, start_upward
@@ -26,13 +29,6 @@ from vibeam.solvers import SOLVERS, solver
 from vibeam.system.number_text import percent
 from vibeam.system.record import Record
 from vibeam_models.arrays import Array, Index
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 SWEPT = {"up": 0.9, "down": 0.5}  # opacity of the line of a chirp
 ERROR = 1e-6  # of the largest acceleration, by which cubic pieces may leave a chirp

@@ -12,11 +12,13 @@ Zhuravlev's.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
 from vibeam.figures.settled_motion import exact_columns, settled
@@ -25,12 +27,6 @@ from vibeam.figures.style import Look, name_of
 from vibeam.figures.units import DisplayUnits, motion_of, units_for
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 PERIODS = 3
 ROUNDING = 1e-13

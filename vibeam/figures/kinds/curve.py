@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from vibeam.case.plans import ShowPlan
@@ -18,10 +18,6 @@ from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass
 from vibeam.system.response import complete
 from vibeam_models.outputs import DISPLACEMENT
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 
 LENGTHS = ("amplitude", "reach", "output_reach", "maximum", "minimum")
 OF_CONTACT = ("reach", "impact_velocity")

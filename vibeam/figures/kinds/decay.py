@@ -7,11 +7,12 @@ displacements are counted, and let go. What is read off it is in ``observe.decay
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from vibeam.case.case import quantity_of
+from vibeam.case.case import Case, quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.case.response_quantities import static_shape
 from vibeam.figures.panels import decades, is_empty, labelled, say
@@ -25,13 +26,6 @@ from vibeam.observe.measuring_chain import MeasuredRecord, measure
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 PERIODS = 40  # of the mode that the output shows most
 SAMPLES = 256  # samples a natural period, of a motion that is not measured

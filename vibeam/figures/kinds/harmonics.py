@@ -6,10 +6,13 @@ frequency begins at static equilibrium.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.page import plain
 from vibeam.figures.panels import across_frequency, decades, faults_at, is_empty, labelled, say, sheets_at, titled
@@ -19,13 +22,6 @@ from vibeam.figures.style import bar, name_of
 from vibeam.figures.style import look as style
 from vibeam.figures.units import DisplayUnits, motion_of, units_for
 from vibeam.observe.harmonics import harmonic_amplitudes
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 HIGHEST = 8
 PERIODS = 8  # default highest order, times the subdivision

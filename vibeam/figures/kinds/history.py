@@ -6,8 +6,11 @@ case with [record]: its input, output, impacts and contact force, over all of it
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from matplotlib.figure import Figure
+
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import record_history
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
@@ -15,12 +18,6 @@ from vibeam.figures.settled_motion import motion_columns
 from vibeam.figures.sheet import Columns, Comparison, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import motion_of, units_for
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 PERIODS = 4
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import is_empty, labelled, say
 from vibeam.figures.sheet import Column, Columns, Comparison, Sheet, sheet_of
@@ -15,12 +16,6 @@ from vibeam.observe.restitution import Collision
 from vibeam.solvers.collision import struck
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:

@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.record import unit_of_signal
+from vibeam.figures.record import RecordResult, unit_of_signal
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import Keys, looks_of, name_of
 from vibeam.observe.impact_statistics import Exceedance, exceedance_of
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.figures.record import RecordResult
 
 PANELS = 4  # values of the factor that get one
 ERRORS = 2  # standard errors that a band is wide, to either side

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.page import plain
 from vibeam.figures.sheet import Column, Comparison, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_for
 from vibeam.system.number_text import percent
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 MOST = 12  # largest number of modes drawn; the numbers are of all
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import SHARES
 from vibeam.figures.panels import decades, faults_at, labelled, sheets_at, titled
@@ -15,12 +15,6 @@ from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import bar, name_of
 from vibeam.figures.units import units_for
 from vibeam.observe.harmonics import modal_participation
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 PERIODS = 16
 

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
 from vibeam.figures.settled_motion import motion_columns
 from vibeam.figures.sheet import Columns, Comparison, Sheet
 from vibeam.figures.style import Look, name_of
 from vibeam.figures.units import DisplayUnits, motion_of, units_for
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 PERIODS = 16
 ROUNDING = 1e-13

@@ -7,28 +7,22 @@ what impacts take from it is not the linear part's. The first tenth of each moti
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from threading import Event
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from vibeam.case.case import plan_of_record
+from vibeam.case.case import Case, plan_of_record
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.record import record_motion
+from vibeam.figures.record import RecordResult, record_motion
 from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet, sheet_of
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.flight.engine.threads import run_parallel
 from vibeam.observe.response_spectrum import response_spectrum, spectrum_ratio, transfer_function
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from threading import Event
-
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-    from vibeam.figures.record import RecordResult
 
 LEFT_OUT = 0.1  # share of each motion before it is read
 HIGHEST = 10.0  # frequency shown where none is given, in the lowest natural one of the last fidelity

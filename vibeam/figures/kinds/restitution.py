@@ -6,10 +6,10 @@ near it, the slow part extrapolated to it, and the velocity of mode 1, the slow 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.figure import Figure
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import RESTITUTIONS
 from vibeam.figures.page import plain
@@ -28,12 +28,6 @@ from vibeam.observe.restitution import (
     true_restitution,
 )
 from vibeam.observe.slow_motion import further_modes, slow_part
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 PERIODS = 12
 SAMPLES = 500  # samples a drive period, of a motion that is not measured

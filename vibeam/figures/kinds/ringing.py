@@ -7,10 +7,11 @@ after the slow part is taken off (Fig. 27c, drawn where the figure has one frequ
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.figure import Figure
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import (
     across_frequency,
@@ -30,12 +31,6 @@ from vibeam.figures.units import motion_of, units_for
 from vibeam.observe.ringing import REACH, CountedPeaks, count_peaks, fast_part, fit_ringing, peaks_of
 from vibeam.observe.slow_motion import SlowPart, slow_part
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 PERIODS = 12
 SAMPLES = 48  # samples a period of the ringing, of a motion that is not measured

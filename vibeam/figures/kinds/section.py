@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.figure import Figure
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import around, faults_at, sheets_at, titled
 from vibeam.figures.settled_motion import Settled, exact_motion, settled
@@ -15,12 +15,6 @@ from vibeam.figures.units import motion_of, units_for
 from vibeam.observe.phase_plane import stroboscopic_section
 from vibeam.system.response import Ended
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 PERIODS = 500
 PLACES = 32  # largest number of points drawn with large marks

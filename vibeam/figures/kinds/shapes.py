@@ -7,28 +7,24 @@ have the same shape along the beam, by the modal assurance criterion |aᵀb|²/(
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, FigureBase
 
 from vibeam.case.beam_field import field_system, fields
+from vibeam.case.case import Case
+from vibeam.case.fidelity import Fidelity
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import say
 from vibeam.figures.shading import picture, projected
 from vibeam.figures.sheet import Column, Columns, Comparison, Sheet, sheet_of
 from vibeam.figures.style import name_of
+from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
-from vibeam_models.scene import Scene
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure, FigureBase
-
-    from vibeam.case.case import Case
-    from vibeam.case.fidelity import Fidelity
-    from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.scene import AnyScene
+from vibeam_models.scene import AnyScene, Scene
 
 MOST = 4  # modes of a fidelity
 ALIKE = 0.5  # of the criterion, from which on two modes are one

@@ -7,27 +7,22 @@ without.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from vibeam.case.case import plan_of_record
+from vibeam.case.case import Case, plan_of_record
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import SHOCKED
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.record import record_motion, unit_of_signal
+from vibeam.figures.record import RecordResult, record_motion, unit_of_signal
 from vibeam.figures.sheet import Column, Columns, Sheet, sheet_of
 from vibeam.figures.style import GAP, looks_of, name_of
 from vibeam.flight.shock_spectrum import shock_spectrum, without_stops
 from vibeam.observe.shock_spectrum import ShockSpectrum
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-    from vibeam.figures.record import RecordResult
 
 CALLED = {
     "acceleration": "largest absolute acceleration",

@@ -5,23 +5,16 @@ Power of Hann windows of eight periods of the first mode, half of it overlapping
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from matplotlib.figure import Figure
 
-from vibeam.case.case import plan_of_record
+from vibeam.case.case import Case, plan_of_record
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import labelled, say
-from vibeam.figures.record import record_motion
+from vibeam.figures.record import RecordResult, record_motion
 from vibeam.figures.sheet import Column, Columns, Sheet, sheet_of
 from vibeam.figures.style import name_of
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-    from vibeam.figures.record import RecordResult
 
 TURNS = 8  # periods of the first mode in a window
 HIGHEST = 24  # largest frequency shown, in multiples of the first mode's

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from matplotlib.figure import Figure
 
+from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import decades, faults_at, labelled, sheets_at, titled
 from vibeam.figures.settled_motion import chain_or_exact, measured_window
@@ -12,12 +13,6 @@ from vibeam.figures.style import name_of
 from vibeam.figures.units import motion_of, units_for
 from vibeam.observe.harmonics import spectrum_of
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-
 
 PERIODS = 64
 SAMPLES = 256  # samples a drive period, of a motion that is not measured

@@ -17,7 +17,6 @@ that was.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,16 +24,14 @@ from vibeam.flight.contacts.readout import keys_of
 from vibeam.flight.contacts.sets import ConstrainedSystem, ContactSet
 from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.equilibrium import Contacts, multipliers, one_sided
+from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts.layout import MET_AT
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.readout import STRUCK, sides
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.state import State
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.flight.event_driven import Segments
-    from vibeam.system.impact_system import Drive, ImpactSystem
-    from vibeam.system.state import State
 
 NEAR = 1e-4  # |σ² − ω²| t² below which a pair is next to critical damping
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import cache
 from math import inf
 from threading import local
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,10 +14,8 @@ from vibeam.flight.kernels.tangents.layout import Collocation, Flow, TangentPlan
 from vibeam.flight.linear.block_regime import sorted_planes
 from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam.flight.linear.regimes import FORMULAS, damper_of
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.system.impact_system import Drive, ImpactSystem
 
 NODES = 10  # of a panel of integrated contact
 

@@ -17,21 +17,18 @@ What the claims say can be checked without the solver, from the equations of ``I
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.flight.event_driven import EventDrivenSolver, Segments
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import CLOSES, OPEN, UNPROVED
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.proof.chatter_tail import tails_of
 from vibeam.flight.proof.watched import WatchedMotion, motion_of, watch_list
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, Flags, Index
-
-if TYPE_CHECKING:
-    from vibeam.flight.event_driven import EventDrivenSolver, Segments
-    from vibeam.system.impact_system import Drive, ImpactSystem
 
 PIECES_A_TASK = 8
 SLIVER = 1e-10  # share of a segment's length: a piece so short that says that a signal closes is one with that before

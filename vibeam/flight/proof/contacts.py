@@ -8,22 +8,19 @@ they still take has no bound where other contacts move.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.flight.equilibrium import Contacts
+from vibeam.flight.event_driven import EventDrivenSolver, Segments
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.proof.certificate import Certificate, UnprovedSpan, pieces_of
 from vibeam.flight.proof.watched import WatchedMotion
 from vibeam.flight.readout import sides
+from vibeam.system.impact_system import Drive
 from vibeam_models.arrays import Array, Flags, Index
-
-if TYPE_CHECKING:
-    from vibeam.flight.event_driven import EventDrivenSolver, Segments
-    from vibeam.system.impact_system import Drive
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -28,23 +28,21 @@ velocity nor ω times its displacement off by more than √2W.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from vibeam.flight.disturbance.maps import maps_of
 from vibeam.flight.equilibrium import size_of_motion
+from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import BRISK, FAR, FAR_DRIVEN
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.readout import STRUCK
 from vibeam.observe.motion import Path
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.state import State
 from vibeam_models.arrays import Array, Flags
-
-if TYPE_CHECKING:
-    from vibeam.flight.event_driven import Segments
-    from vibeam.system.impact_system import Drive, ImpactSystem
-    from vibeam.system.state import State
 
 PLACES = 512  # at which the force is read off over a rest
 EPSILON = float(np.finfo(float).eps)

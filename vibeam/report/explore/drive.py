@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from vibeam.case.case import Case
+from vibeam_models.arrays import Array
 from vibeam_models.base import POWERS, Base
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam_models.arrays import Array
 
 SIZES = (*POWERS, "voltage")  # keys that say how large a drive is
 SAME = 1e-14  # relative difference that is round-off of one power of Ω

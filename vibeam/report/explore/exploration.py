@@ -7,13 +7,10 @@ from dataclasses import dataclass, field
 from html import escape
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from vibeam.case.case import Case
 from vibeam.case.source import of_source
 from vibeam.exchange.whole_files import write_whole
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
 
 HEIGHT = 1000  # px of a page in a notebook
 SANDBOX = "allow-scripts allow-downloads"  # nothing else: no request, nothing of the notebook

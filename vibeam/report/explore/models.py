@@ -5,11 +5,12 @@ from __future__ import annotations
 from base64 import b64encode
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from vibeam.case.beam_field import held_at_zero, stations, stop_places
+from vibeam.case.case import Case
 from vibeam.case.fidelity import gap_drift, gap_wear, system
 from vibeam.case.fineness import alike, finest
 from vibeam.figures.style import looks_of, name_of
@@ -21,9 +22,6 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 from vibeam_models.outputs import Output
 from vibeam_models.scene import AnyScene, Scene
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
 
 MOST_MODES = 100  # of a plain system: its motions would no longer follow a slider
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from vibeam.case.case import quantity_of
+from vibeam.case.case import Case, quantity_of
 from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.flight.engine.browser import browser_libraries, slots_table
 from vibeam.flight.engine.loading import WASM
@@ -18,11 +18,8 @@ from vibeam.report.explore.dampings import with_dampings
 from vibeam.report.explore.drive import drive_amplitude, motion_without_stop, slider_frequencies
 from vibeam.report.explore.models import array_of, ended_words, model_of
 from vibeam.report.explore.sliders import CaseSliders, Slider, case_sliders
+from vibeam_models.arrays import Array
 from vibeam_models.outputs import DISPLACEMENT
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam_models.arrays import Array
 
 #: libraries of the kernels by which each engine flies
 LIBRARIES = {

@@ -7,13 +7,11 @@ is given the blocks of every regime, and how their constants go with the gap (``
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from vibeam.flight.linear.over_gap import PlanOverGap, RegimeOverGap
 from vibeam.report.explore.own_numbers import restitution
-
-if TYPE_CHECKING:
-    from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.impact_system import ImpactSystem
 
 MOST_MODES = 24  # of a system by regimes: its matrices of 48 × 48 take 0.25 MB of the page, as much as its kernels
 ROWS = ("omega", "zeta", "contact", "load", "static")

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from math import ceil, floor, log10, pi
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.exchange.faults import CaseError
 from vibeam.report.explore.drive import (
     DriveLevel,
@@ -20,10 +21,7 @@ from vibeam.report.explore.drive import (
 )
 from vibeam.report.explore.own_numbers import Affine, damping_factor, gap, own_number, restitution, says
 from vibeam.system.number_text import FREQUENCIES, begun, prefixed, shown_in
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array
 
 #: ends of a range as shares of the way from the case's value to a bound that is refused
 SHARES = (1.0, 0.99, 0.95, 0.9, 0.75, 0.5, 0.25, 0.1)

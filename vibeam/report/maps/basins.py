@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,11 +13,9 @@ from matplotlib.patches import Patch
 from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of
 from vibeam.maps.motions import Labelled, counted, label
+from vibeam.maps.run import MapResult
 from vibeam.report.maps.labels import edges, shown_axis
 from vibeam.system.number_text import percent
-
-if TYPE_CHECKING:
-    from vibeam.maps.run import MapResult
 
 MOST = 10  # motions with a colour of their own
 SHADES = (*COLOURS[:5], "#56B4E9", "#F0E442", "#8C564B", "#BCBD22", "#17BECF")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,11 +13,9 @@ from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of, shade
 from vibeam.figures.units import motion_of, units_of
 from vibeam.maps.closed_form import ClosedForm, closed_form_strobes
+from vibeam.maps.run import MapResult
 from vibeam.report.maps.labels import shown_axis
 from vibeam_models.arguments import counted
-
-if TYPE_CHECKING:
-    from vibeam.maps.run import MapResult
 
 SIZES = {"up": 1.3, "down": 2.6, "apart": 1.3}
 STABLE: dict[str, Any] = {"color": "black", "linestyle": "-"}

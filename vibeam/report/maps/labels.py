@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.case import Case, units_of_output
-from vibeam.case.grid_keys import FREQUENCY
+from vibeam.case.grid_keys import FREQUENCY, AxisPlan
 from vibeam.figures.page import plain
 from vibeam.figures.units import frequency_label, units_of, with_unit
 from vibeam.maps.axes import name_of_key
+from vibeam.maps.result import MapResult
 from vibeam.system.number_text import shown_in
 from vibeam.system.quantities import LAYOUT, unit_of
-
-if TYPE_CHECKING:
-    from vibeam.case.grid_keys import AxisPlan
-    from vibeam.maps.result import MapResult
 
 
 @dataclass(frozen=True)

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of
 from vibeam.figures.units import amplitude_of, units_of
+from vibeam.maps.run import MapResult
 from vibeam.maps.spectra import LineSpectrum, spectra_along
 from vibeam.report.maps.labels import shown_axis
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from vibeam.maps.run import MapResult
 
 HIGHEST = 6.0  # multiples of the drive frequency shown
 DECADES = 4.0  # below the largest line

@@ -6,19 +6,15 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from html import escape
 from math import isinf
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.report.page.parts import Picture, as_csv
 from vibeam.studies.modes import ModeTable, mode_table
 from vibeam.system.number_text import percent, shown_in
+from vibeam_models.arrays import Array
+from vibeam_models.beams.beam import Beam
 from vibeam_models.scene import AnyScene, Scene
-
-if TYPE_CHECKING:
-    from vibeam_models.arrays import Array
-    from vibeam_models.beams.beam import Beam
-
 
 WIDTH, HEIGHT = 960, 250  # px of the drawing
 LEFT, RIGHT, AXIS = 70.0, 50.0, 135.0  # px to the first end of the beam, beyond its other end, down to its axis

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,9 +10,7 @@ from vibeam.figures.record import kept_place, unit_of_signal
 from vibeam.figures.style import name_of
 from vibeam.figures.units import with_unit
 from vibeam.report.page.parts import Picture, as_csv
-
-if TYPE_CHECKING:
-    from vibeam.runs.transient.result import TransientResult
+from vibeam.runs.transient.result import TransientResult
 
 WIDTH, LEFT, BAR, ROW = 960, 190, 22, 34  # px of the drawing, of its labels, of a bar, from one to the next
 #: field of a transient, the words for it, its colour on the page

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from vibeam.report.output import StudySheet
 from vibeam.report.page.charts import chart_data
 from vibeam.report.page.parts import LivePart, as_json, picture, rendered
 from vibeam.report.page.standing import PAGE_BYTES, standing
 from vibeam.report.run_report import run_report
+from vibeam.runs.stored_result import StoredResult
 from vibeam.system.response import modes_of
-
-if TYPE_CHECKING:
-    from vibeam.runs.stored_result import StoredResult
-
 
 VIEWS = ("numbers", "chart", "result", "response", "participation")
 

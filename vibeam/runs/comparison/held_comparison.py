@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.case import Case
 from vibeam.case.held import held_of, other_choice, with_other_choice
 from vibeam.periodic.motions import ClosedCurve, closed_curve
 from vibeam.runs.closed_motions import without_closed_forms
@@ -22,10 +22,6 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, periodic
 from vibeam_models.arrays import Array
 from vibeam_models.scene import AnyScene, RigScene
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-
 
 SAME = 0.01  # share by which the amplitude of a run and that of the closed form of its motion may differ
 SURE = 1e-4  # differences smaller than this share have no sign

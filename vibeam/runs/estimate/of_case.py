@@ -9,10 +9,10 @@ from __future__ import annotations
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, gap_drift, gap_wear, system
 from vibeam.periodic.motions import unsuited
 from vibeam.runs.closed_motions import SEVERAL
@@ -22,14 +22,10 @@ from vibeam.runs.estimate.full_sweep import FullSweep, Motion, without_another_m
 from vibeam.runs.estimate.records import MANY, Basis, ErrorEstimate, FidelityEstimate
 from vibeam.runs.estimate.work import LEAST, SHARE, CountedWork, TooDear, work_of
 from vibeam.system.impact_system import ImpactSystem
-from vibeam.system.response import join
+from vibeam.system.response import Branches, join
 from vibeam.system.state import StatesAfter
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import AnyScene, RigScene
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.system.response import Branches
 
 LARGEST = 1500  # coordinates of a structure all of whose modes are computed
 

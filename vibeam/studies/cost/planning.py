@@ -10,23 +10,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from heapq import heapify, heappop, heappush
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.case.fineness import fineness
 from vibeam.observe.restitution import first_mode_restitution
 from vibeam.studies.cost.measure import Plan, Series, Setting, measure
 from vibeam.studies.cost.reference import FLIGHT, curve
 from vibeam.system.curves import evenly
-from vibeam.system.impact_system import Drive
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.system.impact_system import ImpactSystem
-
 
 COUNTS = (1, 2, 4, 8, 16, 32, 64)
 CUT_SOLVERS = ("flight", "orbit")  # of a truncated model

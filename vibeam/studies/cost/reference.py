@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.flight.engine.threads import Clock, OutOfTime
 from vibeam.studies.cost.measure import AperiodicSample, Measurement, Plan, Setting, measure
@@ -14,9 +15,6 @@ from vibeam.studies.cost.trajectories import APART, distance, velocity_error
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Difference, FrequencyResponse, complete, periodic
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
 
 QUANTILES = (0.1, 0.5, 0.9)
 NONE = float("nan")

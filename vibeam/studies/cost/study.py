@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from vibeam.case.case import require_one_harmonic
+from vibeam.case.case import Case, require_one_harmonic
 from vibeam.case.fidelity import gap_drift, gap_wear, with_first_mode_restitution
 from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import Clock, OutOfTime, ending_at
@@ -37,10 +37,6 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.progress import telling
 from vibeam.system.response import FrequencyResponse
 from vibeam_models.arrays import ValueRecord
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-
 
 PROBE = 2  # drive periods from which the cost of a first setting is estimated
 SHARE = 0.01  # share of the budget for repeats of a run, and for a warm-up

@@ -6,18 +6,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.system.impact_system import Drive, ImpactSystem
-
 
 APART = 0.1  # share of a drive period by which an impact may be shifted and still match
 GRID = 200  # vertices a drive period of an exact path

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import sqrt
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.maps.irregular import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT
 from vibeam.maps.result import MapResult, StudyOfMap
+from vibeam.store.blocks import Values
 from vibeam.system.number_text import percent
 from vibeam_models.arrays import Array, Flags, ValueRecord
-
-if TYPE_CHECKING:
-    from vibeam.store.blocks import Values
 
 Codes = NDArray[np.int64]
 APART = 1e-3  # difference of two amplitudes, as a share, that makes two motions of one kind

@@ -9,10 +9,10 @@ from math import prod, sqrt
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.case.fineness import fineness
 from vibeam.case.grid_keys import MapPlan
 from vibeam.case.source import of_source
@@ -21,6 +21,7 @@ from vibeam.maps.axes import points_of
 from vibeam.maps.boundaries import PlaneBoundary, boundaries_of
 from vibeam.maps.models import models_of
 from vibeam.maps.plan import plan_over
+from vibeam.maps.result import MapResult
 from vibeam.maps.run import Progress, run_map
 from vibeam.runs.parallel import run_parallel
 from vibeam.studies.fidelity_map.between import LONGER, Verification, verified
@@ -37,10 +38,6 @@ from vibeam.studies.fidelity_map.judgement import (
 )
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.maps.result import MapResult
 
 FIRST, GROWTH = 3, 3  # places a side of the first map under a budget, and how many times as many the next has at most
 WORTH = 1.5  # times as many places as the map before it that make another one worth its time

@@ -10,20 +10,17 @@ every evaluation is a case of its own: what a fidelity sets itself stays. Where 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import Case
+from vibeam.case.plans import MeasuredNumber
 from vibeam.case.source import of_source
 from vibeam.exchange.faults import suggest
 from vibeam.runs.result import Result
 from vibeam.studies.identification.estimates import Identification, by_logarithms, estimates, spread_of
 from vibeam.studies.regression.readings import read
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.case.plans import MeasuredNumber
 
 QUANTITY = "mode_frequency"
 STEP = 1e-4  # of a logarithm, for differences

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isfinite
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from vibeam.case.case import Case
 from vibeam.case.fidelity import gap_drift
+from vibeam.case.study_plans import InfluencePlan
 from vibeam.runs.sweep import march
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse, join, periodic
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.case.study_plans import InfluencePlan
 
 NAN = float("nan")
 How = Literal["relative", "absolute"]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from vibeam.case.case import plan_of_record
-from vibeam.studies.influence.subsets import smallest, subsets_of_record
+from vibeam.case.case import Case, plan_of_record
+from vibeam.studies.influence.subsets import Subsets, smallest, subsets_of_record
 from vibeam.studies.record.ensembles import (
     Ensemble,
     NumberChange,
@@ -25,10 +25,6 @@ from vibeam.studies.record.ensembles import (
 )
 from vibeam.studies.record.readings import AskedNumber
 from vibeam_models.arrays import ValueRecord
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.studies.influence.subsets import Subsets
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf, nan
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from vibeam.case.case import require_displacement
+from vibeam.case.case import Case, require_displacement
 from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import Clock
 from vibeam.runs.comparison.differences import HeldComparison
@@ -21,10 +21,6 @@ from vibeam.studies.influence.model import EffectModel, model
 from vibeam.studies.influence.subsets import Subsets, smallest, subsets
 from vibeam.system.progress import telling
 from vibeam_models.arrays import ValueRecord
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-
 
 Tell = Callable[[str], None]
 Progress = Callable[[int, int], None]

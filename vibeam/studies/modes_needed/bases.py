@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
+from vibeam.case.case import Case
 from vibeam.case.fidelity import parameters_of
 from vibeam_models.laws.restitution import Restitution
+from vibeam_models.structure import Structure
 from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
 from vibeam_reductions.projection import Reduction
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam_models.structure import Structure
 
 
 @dataclass(frozen=True)

@@ -19,10 +19,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, gap_drift, system
 from vibeam.case.held import PLACES, Held, holding
 from vibeam.case.source import of_source
@@ -40,10 +41,6 @@ from vibeam.system.response import FrequencyResponse
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import AnyScene, RigScene, line_of
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-
 
 WITHIN = 0.01  # share of the limit at which there are modes enough
 BEGUN = 3  # place of the model, of eight modes, whose settled motion is looked for in the others

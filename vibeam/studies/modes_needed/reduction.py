@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import isfinite, nan
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.casefile.tables.table import plan_with
@@ -21,10 +22,7 @@ from vibeam.studies.modes_needed.transfer import contact_time as time_in_contact
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import ValueRecord
 from vibeam_models.beam import structure_of
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam_models.structure import Structure
+from vibeam_models.structure import Structure
 
 FREQUENCIES = 400  # of the band
 WIDER = 10  # times the highest drive frequency, where no band is asked for

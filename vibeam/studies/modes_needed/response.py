@@ -11,10 +11,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from math import nan
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.case.fidelity import gap_drift, gap_wear, system_of
 from vibeam.case.reduced_structure import static_at_contact
 from vibeam.periodic.motions import FREE, KINDS, closed_amplitudes, unsuited
@@ -23,14 +24,10 @@ from vibeam.runs.estimate.of_case import LARGEST
 from vibeam.runs.sweep import march
 from vibeam.studies.modes_needed.losses import ALIKE, UNKNOWN, Amplitudes, ResponseError, response_error
 from vibeam.system.curves import evenly
+from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import periodic
 from vibeam_models.arrays import Array, Index
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.structure import Structure
-
+from vibeam_models.structure import Structure
 
 COUNTS = (31, 7)  # frequencies of a sweep that is flown in place of a longer one; fewer where those cost too much
 BUDGET = 6e7  # evaluations of the contact × modes that all modes' sweep may cost: about ten seconds

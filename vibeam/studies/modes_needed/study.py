@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from vibeam.case.case import Case
 from vibeam.case.held import Held, held_of, holding, other_choice
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
@@ -17,11 +18,8 @@ from vibeam.studies.modes_needed.reduction import Recommendation, ReductionProbl
 from vibeam.studies.modes_needed.response import Claim
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import ValueRecord
+from vibeam_models.structure import Structure
 from vibeam_reductions.declaration import REDUCTIONS
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam_models.structure import Structure
 
 NOWHERE = "no stable motion with at most one impact a drive period at any frequency of the sweep"
 MODAL = ReductionBasis("modal", REDUCTIONS["modal"])

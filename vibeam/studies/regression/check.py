@@ -14,14 +14,13 @@ from vibeam.case.source import of_source
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.studies.regression import readings, references
 from vibeam.studies.regression.number_read import NAN, NumberRead
-from vibeam.studies.regression.readings import directions, read
+from vibeam.studies.regression.readings import MeasuredRow, directions, read
 from vibeam.studies.regression.references import CheckRow
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.result import Result
-    from vibeam.studies.regression.readings import MeasuredRow
     from vibeam.system.response import Branches
 
 

@@ -9,18 +9,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.exchange.curves.record import SAME_FREQUENCY
+from vibeam.exchange.curves.record import SAME_FREQUENCY, Point
 from vibeam.exchange.faults import CaseError, Fault
-from vibeam.studies.regression.registration import CurveRegistration, register
-from vibeam.system.response import Ended, FrequencyResponse
+from vibeam.studies.regression.registration import CurveRegistration, Piece, register
+from vibeam.system.response import Branches, Ended, FrequencyResponse
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import Reference
-    from vibeam.exchange.curves.record import Point
     from vibeam.runs.result import Result
-    from vibeam.studies.regression.registration import Piece
-    from vibeam.system.response import Branches
 
 SMALL = 1e-6  # smallest reference value for relative differences, as a share of the column's largest
 COVERAGE = 2.0  # standard uncertainties that a difference may be for the measurement's sake: 95 %

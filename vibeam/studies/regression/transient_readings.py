@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from math import isclose, isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.plans import ResultNumber
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.runs.transient.comparison import compared
+from vibeam.runs.transient.result import TransientResult
 from vibeam.runs.transient.statistics import SampleMean, mean_of, paired
+from vibeam.runs.transient.transient import Transient
 from vibeam.studies.regression.number_read import NAN, NumberRead
 from vibeam.system.response import Ended
-
-if TYPE_CHECKING:
-    from vibeam.case.plans import ResultNumber
-    from vibeam.runs.transient.result import TransientResult
-    from vibeam.runs.transient.transient import Transient
-    from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array
 
 SAME = 1e-9  # relative difference of values that are one
 

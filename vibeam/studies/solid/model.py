@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import nan
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.case.case import Case
 from vibeam.case.fidelity import system_of
 from vibeam.case.reduced_structure import reduced_structure
 from vibeam.studies.influence.curve import Curve, refined_peak, swept
@@ -19,9 +19,6 @@ from vibeam_models.effects.field_points import FieldPoints, output_names
 from vibeam_models.laws.restitution import first_mode_restitution, needed_restitution
 from vibeam_models.scene import Scene
 from vibeam_models.structure import Structure, in_coordinates
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
 
 FIRST = 3  # natural frequencies that are judged and shown
 PLACES = 25  # along each beam, at which shapes are compared

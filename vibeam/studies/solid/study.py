@@ -13,8 +13,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
 from time import process_time
-from typing import TYPE_CHECKING
 
+from vibeam.case.case import Case
 from vibeam.case.held import Held, held_of
 from vibeam.case.source import of_source
 from vibeam.studies.influence.curve import Curve
@@ -26,9 +26,6 @@ from vibeam.system.progress import telling
 from vibeam_models.arrays import ValueRecord
 from vibeam_models.scene import Scene
 from vibeam_models.solid.scene import SolidScene, assumptions
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
 
 USUAL, MOST = 8, 16  # modes of a beam whose fidelity does not count them, or counts more
 POINTS = 31  # frequencies of the sweep at most
