@@ -58,15 +58,13 @@ def share_table(impact: SharedImpact) -> ReportTable:
     table = blank(
         "Restitution of contact and sensor", "modes|", "mode 1|", f"R₁ if R = {given}|", f"R if R₁ = {given}|"
     )
-    table.add("damping|", "1/S|")
+    table.add("damping for it|", "1/S|")
     for row in impact.shares:
         numbers = str(row.modes), percent(row.share), coefficient(row.seen), coefficient(row.needed)
         table.add_row(*numbers, shown(row.damping, "N s/m") if isfinite(row.damping) else "", shown(row.mass, "kg"))
-    table.caption = "mode 1: its share of the contact mobility S, and R₁ at a sensor; R: of the contact, " + (
-        "of a free mass 1/S\nthe last row has the modes below 3/2t_c; damping: with the R that R₁ needs"
-        if impact.contact_time
-        else "met in no time\nlast: all modes; --contact-time: R in other programs' terms"
-    )
+    table.caption = "R₁: of mode 1, at a sensor; R: of the contact; --contact-time: in other programs"
+    if impact.contact_time:
+        table.caption = "R₁: of mode 1, at a sensor; R: of a free mass 1/S; last: the modes below 3/2t_c"
     return table
 
 

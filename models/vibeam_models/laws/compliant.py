@@ -7,14 +7,20 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import acos, acosh, exp, inf, log1p, sqrt
+from math import acos, acosh, exp, sqrt
 from typing import ClassVar
 
 import numpy as np
 
 from vibeam_models.arguments import number, real, refuse
 from vibeam_models.arrays import Array
-from vibeam_models.laws.free_impact import FreeImpact, hunt_crossley_impact, linear_impact
+from vibeam_models.laws.free_impact import (
+    FreeImpact,
+    falling_zero,
+    hunt_crossley_impact,
+    hunt_crossley_loss,
+    linear_impact,
+)
 from vibeam_models.laws.mechanics import KernelNumbers, Spring, StopLaw, without_mass
 
 
@@ -173,21 +179,3 @@ def hunt_crossley_product(restitution: float) -> float:
     if restitution == 1:
         return 0.0
     return falling_zero(lambda x: hunt_crossley_loss(x, restitution), 0.0, (1 - 1e-16) / restitution)
-
-
-def hunt_crossley_loss(x: float, restitution: float) -> float:
-    """(x (1 + R) − ln((1 + x)/(1 − xR))) / x², a power series where x is small; falls with R."""
-    if x < 0.05:
-        return float(-sum(x ** (j - 2) * (restitution**j - (-1) ** j) / j for j in range(2, 16)))
-    inside = -x * restitution
-    return float((x * (1 + restitution) - log1p(x) + (log1p(inside) if inside > -1 else -inf)) / x**2)
-
-
-def falling_zero(function: Callable[[float], float], low: float, high: float) -> float:
-    """The zero of a falling function, to the last digit."""
-    for _ in range(200):
-        middle = (low + high) / 2
-        if middle in (low, high):
-            break
-        low, high = (middle, high) if function(middle) > 0 else (low, middle)
-    return (low + high) / 2

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 from math import exp, nan, pi, sqrt
 
 from vibeam_models.arguments import number, refuse
-from vibeam_models.laws.compliant import LinearStop, falling_zero
+from vibeam_models.laws.compliant import LinearStop
 from vibeam_models.laws.dissipation import KINDS, bound_damping_ratio, bound_restitution
+from vibeam_models.laws.free_impact import falling_zero
 
 SLOWEST, FASTEST = 0.01, 10.0  # m/s, between which a form is judged
 TSUJI = (1.2728, -4.2783, 11.087, -22.348, 27.467, -18.022, 4.8218)  # lammps gran_sub_mod_damping.cpp: α/√2 by eⁿ
@@ -82,47 +83,44 @@ def _tsuji(restitution: float) -> float:
     return sqrt(2 / 5) * sum(each * restitution**n for n, each in enumerate(TSUJI))
 
 
-def _ye(restitution: float) -> float:
-    return 8 * (1 - restitution) / (5 * restitution)
-
-
-def _jankowski(restitution: float) -> float:
-    e = restitution
-    return 9 * sqrt(5) / 2 * (1 - e**2) / (e * (e * (9 * pi - 16) + 16)) / sqrt(1.25)
-
-
-def _ratio(stiffness: str, damping: str) -> Reader:
-    """Reader of ζ = c/(2 √(k m))."""
-    return lambda given, mass, _: given[damping] / (2 * sqrt(given[stiffness] * mass))
-
-
-def _dashpot(m: float, v: float, k: float, zeta: float) -> tuple[float, float]:
-    return k, 2 * zeta * sqrt(k * m)
-
-
-def _crossed(m: float, v: float, k: float, product: float) -> tuple[float, float]:
-    return k, product / v
-
-
-def _coefficient(m: float, v: float, k: float, zeta: float) -> tuple[float, float]:
-    """Stiffness, and the coefficient that a program takes for a damper that pulls."""
-    return k, bound_restitution(zeta)
-
-
 MUJOCO = "google-deepmind/mujoco src/engine/engine_core_constraint.c, mj_makeImpedance"
+MODELICA = "modelica/ModelicaStandardLibrary Modelica/Mechanics/Translational/Components/ElastoGap.mo"
+DRAKE = "RobotLocomotion/drake multibody/plant/contact_model_doxygen.h"
+SIMBODY = "simbody/simbody Simbody/src/HuntCrossleyForce.cpp"
 CHRONO = "projectchrono/chrono src/chrono/physics/ChContactSMC.h"
 LAMMPS = "lammps/lammps src/GRANULAR/gran_sub_mod_damping.cpp"
 OPENSEES = "OpenSees/OpenSees SRC/material/uniaxial/"
-HERTZIAN = "N/m^1.5"
+OURS = "vibeam_models/laws/compliant.py"
+STIFF = {1.0: "N/m", 1.5: "N/m^1.5"}  # unit by exponent
+
+
+def _dashpot(program: str, kind: str, k: str, c: str, source: str) -> ContactForm:
+    """Contact with stiffness and damping, ζ = c/(2 √(k m))."""
+    return ContactForm(
+        program, kind, 1.0, {k: "N/m", c: "N s/m"}, lambda m, v, stiff, zeta: (stiff, 2 * zeta * sqrt(stiff * m)),
+        lambda given, mass, _: given[c] / (2 * sqrt(given[k] * mass)), source,
+    )  # fmt: skip
+
+
+def _product(program: str, exponent: float, k: str, a: str, source: str, factor: float = 1.0) -> ContactForm:
+    """Contact with Hunt and Crossley's damping, ``factor`` a in its force."""
+    return ContactForm(
+        program, "product", exponent, {k: STIFF[exponent], a: "s/m"}, lambda m, v, stiff, x: (stiff, x / v / factor),
+        lambda given, _, speed: factor * given[a] * speed, source,
+    )  # fmt: skip
+
+
+def _bound(program: str, kind: str, exponent: float, k: str, e: str, source: str, least: float = 0.0) -> ContactForm:
+    """Contact that takes the coefficient of a damper that pulls, whether it pulls or not."""
+    return ContactForm(
+        program, kind, exponent, {k: STIFF[exponent], e: "1"}, lambda m, v, s, zeta: (s, bound_restitution(zeta)),
+        lambda given, *_: bound_damping_ratio(given[e]), source, bound_damping_ratio, (least, 1.0),
+    )  # fmt: skip
+
+
 FORMS: Mapping[str, ContactForm] = {
-    "linear": ContactForm(
-        "vibeam linear", "pushing", 1.0, {"stiffness": "N/m", "damping": "N s/m"}, _dashpot,
-        _ratio("stiffness", "damping"), "vibeam_models/laws/compliant.py",
-    ),
-    "hunt-crossley": ContactForm(
-        "vibeam hunt-crossley", "product", 1.5, {"hertz_stiffness": HERTZIAN, "damping": "s/m"},
-        _crossed, lambda given, _, speed: given["damping"] * speed, "vibeam_models/laws/compliant.py",
-    ),
+    "linear": _dashpot("vibeam linear", "pushing", "stiffness", "damping", OURS),
+    "hunt-crossley": _product("vibeam hunt-crossley", 1.5, "hertz_stiffness", "damping", OURS),
     "mujoco": ContactForm(
         "MuJoCo solref", "pushing", 1.0, {"timeconst": "s", "dampratio": "1"},
         lambda m, v, k, zeta: (sqrt(m / k) / zeta, zeta), lambda given, *_: given["dampratio"], MUJOCO,
@@ -133,53 +131,29 @@ FORMS: Mapping[str, ContactForm] = {
         lambda m, v, k, zeta: (k / m, 2 * zeta * sqrt(k / m)),
         lambda given, *_: given["damping"] / (2 * sqrt(given["stiffness"])), MUJOCO,
     ),
-    "elastogap": ContactForm(
-        "Modelica ElastoGap", "limited", 1.0, {"c": "N/m", "d": "N s/m"}, _dashpot, _ratio("c", "d"),
-        "modelica/ModelicaStandardLibrary Modelica/Mechanics/Translational/Components/ElastoGap.mo",
-    ),
-    "drake": ContactForm(
-        "Drake point contact", "product", 1.0, {"point_contact_stiffness": "N/m", "hunt_crossley_dissipation": "s/m"},
-        _crossed, lambda given, _, speed: given["hunt_crossley_dissipation"] * speed,
-        "RobotLocomotion/drake multibody/plant/contact_model_doxygen.h",
-    ),
-    "simbody": ContactForm(
-        "Simbody HuntCrossley", "product", 1.5, {"stiffness": HERTZIAN, "dissipation": "s/m"},
-        lambda m, v, k, product: (k, product / v / 1.5),
-        lambda given, _, speed: 1.5 * given["dissipation"] * speed, "simbody/simbody Simbody/src/HuntCrossleyForce.cpp",
-    ),
+    "elastogap": _dashpot("Modelica ElastoGap", "limited", "c", "d", MODELICA),
+    "drake": _product("Drake point contact", 1.0, "point_contact_stiffness", "hunt_crossley_dissipation", DRAKE),
+    "simbody": _product("Simbody HuntCrossley", 1.5, "stiffness", "dissipation", SIMBODY, 1.5),
     "hertzdamp": ContactForm(
-        "OpenSees Hertzdamp", "product", 1.5, {"Kh": HERTZIAN, "xiNorm": "1"}, lambda m, v, k, product: (k, product),
-        lambda given, *_: given["xiNorm"], f"{OPENSEES}Hertzdamp.cpp", _ye,
+        "OpenSees Hertzdamp", "product", 1.5, {"Kh": STIFF[1.5], "xiNorm": "1"}, lambda m, v, k, product: (k, product),
+        lambda given, *_: given["xiNorm"], f"{OPENSEES}Hertzdamp.cpp", lambda e: 8 * (1 - e) / (5 * e),
     ),
     "jankowski": ContactForm(
-        "OpenSees Jankowski", "loading", 1.5, {"Kh": HERTZIAN, "xi": "1"},
+        "OpenSees Jankowski", "loading", 1.5, {"Kh": STIFF[1.5], "xi": "1"},
         lambda m, v, k, zeta: (k, zeta * sqrt(1.25)), lambda given, *_: given["xi"] / sqrt(1.25),
-        f"{OPENSEES}JankowskiImpact.cpp", _jankowski,
+        f"{OPENSEES}JankowskiImpact.cpp", lambda e: 9 * (1 - e**2) / (e * (e * (9 * pi - 16) + 16)),
     ),
-    "viscoelastic gap": ContactForm(
-        "OpenSees Viscoelastic", "bound", 1.0, {"K": "N/m", "C": "N s/m"}, _dashpot, _ratio("K", "C"),
-        f"{OPENSEES}ViscoelasticGap.cpp", bound_damping_ratio,
-    ),
-    "chrono": ContactForm(
-        "Chrono SMC Hertz", "pushing", 1.5, {"4/3 E √R": HERTZIAN, "restitution": "1"},
-        _coefficient, lambda given, *_: bound_damping_ratio(given["restitution"]), CHRONO, bound_damping_ratio,
-        (exp(-2), 1.0),
-    ),
+    "viscoelastic gap": _dashpot("OpenSees Viscoelastic", "bound", "K", "C", f"{OPENSEES}ViscoelasticGap.cpp"),
+    "chrono": _bound("Chrono SMC Hertz", "pushing", 1.5, "4/3 E √R", "restitution", CHRONO, exp(-2)),
     "chrono hooke": ContactForm(
         "Chrono SMC Hooke", "pushing", 1.0, {"kn": "N/m", "gn": "1/s"},
         lambda m, v, k, zeta: (k, 2 * zeta * sqrt(k / m)),
         lambda given, mass, _: given["gn"] / (2 * sqrt(given["kn"] / mass)), CHRONO,
     ),
-    "lammps hooke": ContactForm(
-        "LAMMPS hooke", "bound", 1.0, {"k_n": "N/m", "e": "1"},
-        _coefficient, lambda given, *_: bound_damping_ratio(given["e"]), LAMMPS, bound_damping_ratio,
-    ),
-    "lammps hertz": ContactForm(
-        "LAMMPS hertz", "bound", 1.5, {"k_n √R": HERTZIAN, "e": "1"},
-        _coefficient, lambda given, *_: bound_damping_ratio(given["e"]), LAMMPS, bound_damping_ratio,
-    ),
+    "lammps hooke": _bound("LAMMPS hooke", "bound", 1.0, "k_n", "e", LAMMPS),
+    "lammps hertz": _bound("LAMMPS hertz", "bound", 1.5, "k_n √R", "e", LAMMPS),
     "lammps tsuji": ContactForm(
-        "LAMMPS hertz, tsuji", "bound", 1.5, {"k_n √R": HERTZIAN, "e": "1"},
+        "LAMMPS hertz, tsuji", "bound", 1.5, {"k_n √R": STIFF[1.5], "e": "1"},
         lambda m, v, k, zeta: (k, falling_zero(lambda e: _tsuji(e) - zeta, 0.0, 1.0)),
         lambda given, *_: _tsuji(given["e"]), LAMMPS, _tsuji,
         (bound_restitution(_tsuji(0)), bound_restitution(_tsuji(1))),

@@ -19,13 +19,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import atan, atanh, cos, cosh, exp, log, pi, sin, sinh, sqrt
 
-from vibeam_models.laws.compliant import (
-    contact_damping_ratio,
-    falling_zero,
-    hunt_crossley_loss,
-    hunt_crossley_product,
-    linear_restitution,
-)
+from vibeam_models.laws.compliant import contact_damping_ratio, hunt_crossley_product, linear_restitution
+from vibeam_models.laws.free_impact import product_restitution
 
 SINGULAR = 1e-9  # distance from ζ = 1 at which limits are taken
 
@@ -51,11 +46,6 @@ def limited_restitution(zeta: float) -> float:
     turns = (atan, cos, sin) if zeta < 1 else (atanh, cosh, sinh)
     turn = turns[0](2 * zeta * w / (1 + 2 * zeta**2))
     return linear_restitution(zeta) * speed * exp(zeta * turn / w) / (turns[1](turn) - zeta / w * turns[2](turn))
-
-
-def product_restitution(product: float) -> float:
-    """R of Hunt and Crossley's law by x = a v: x (1 + R) = ln((1 + x)/(1 − x R))."""
-    return falling_zero(lambda restitution: hunt_crossley_loss(product, restitution), 0.0, 1.0) if product else 1.0
 
 
 def _damped(depth: float, rate: float, exponent: float, zeta: float) -> float:

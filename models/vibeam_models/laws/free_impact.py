@@ -10,6 +10,7 @@ Hertz's 2.943 d/v for p = 3/2 (Johnson, *Contact Mechanics*, eq. 11.24).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import acos, acosh, exp, inf, log1p, sqrt, tan, tanh
 
@@ -45,16 +46,14 @@ def linear_impact(stiffness: float, damping: float, mass: float, speed: float) -
 def hunt_crossley_impact(stiffness: float, loss: float, exponent: float, mass: float, speed: float) -> FreeImpact:
     """Impact on k d^p (1 + a d′), N/m^p and s/m, of a ``mass`` in kg at a ``speed`` in m/s."""
     from scipy.integrate import quad
-    from scipy.optimize import brentq, minimize_scalar
+    from scipy.optimize import minimize_scalar
 
     x, power = loss * speed, exponent + 1
 
-    def left(u: float) -> float:  # (G(v) − G(u))/v² at u v, without the loss of digits of a small x
-        if abs(x) < 1e-3:
-            return sum((-x) ** (j - 2) * (1 - u**j) / j for j in range(2, 8))
-        return ((1 - u) * x - log1p(x) + (log1p(x * u) if x * u > -1 else -inf)) / x**2
+    def left(u: float) -> float:  # (G(v) − G(u))/v² at u v
+        return hunt_crossley_loss(x, -u)
 
-    back = 1.0 if not x else float(-brentq(left, -min(1.0, (1 - 1e-15) / x), -1e-12, xtol=1e-15, rtol=1e-15))
+    back = product_restitution(x)
     scale = (power * mass * speed**2 / stiffness) ** (1 / power)  # depth d = scale · left^{1/(p+1)}
 
     side = -exponent / power
@@ -71,3 +70,26 @@ def hunt_crossley_impact(stiffness: float, loss: float, exponent: float, mass: f
     most = minimize_scalar(lambda u: -force(u), bounds=(-back, 1.0), method="bounded", options={"xatol": 1e-10})
     time = mass * speed / (stiffness * scale**exponent) * inside
     return FreeImpact(float(time), float(scale * left(0.0) ** (1 / power)), float(-most.fun), back)
+
+
+def product_restitution(product: float) -> float:
+    """R of Hunt and Crossley's law by x = a v: x (1 + R) = ln((1 + x)/(1 − x R))."""
+    return falling_zero(lambda restitution: hunt_crossley_loss(product, restitution), 0.0, 1.0) if product else 1.0
+
+
+def hunt_crossley_loss(x: float, restitution: float) -> float:
+    """(x (1 + R) − ln((1 + x)/(1 − xR))) / x², a power series where x is small; falls with R."""
+    if x < 0.05:
+        return float(-sum(x ** (j - 2) * (restitution**j - (-1) ** j) / j for j in range(2, 16)))
+    inside = -x * restitution
+    return float((x * (1 + restitution) - log1p(x) + (log1p(inside) if inside > -1 else -inf)) / x**2)
+
+
+def falling_zero(function: Callable[[float], float], low: float, high: float) -> float:
+    """The zero of a falling function, to the last digit."""
+    for _ in range(200):
+        middle = (low + high) / 2
+        if middle in (low, high):
+            break
+        low, high = (middle, high) if function(middle) > 0 else (low, middle)
+    return (low + high) / 2
