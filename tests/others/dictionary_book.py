@@ -147,17 +147,18 @@ def _forms(found: dict[str, Any]) -> str:
     lines = [
         f"R = {SHOWN} for {MASS} kg at {SPEED} m/s, all contacts {1e3 * TIME:g} ms long. Own: R where that is put into "
         "the program's own formula. Error: largest difference of the dictionary's R from the program's equation, "
-        "integrated in mpmath, over all R of the next table and 0.01 to 10 m/s.",
+        "integrated in mpmath, over all R of the next table and 0.01 to 10 m/s. Pulls: before the depth is gone.",
         "",
-        "| program | parameters | own | 0.01 m/s | 10 m/s | error | force from |",
-        "|---|---|---:|---:|---:|---:|---|",
+        "| program | parameters | own | 0.01 m/s | 10 m/s | error | pulls | force from |",
+        "|---|---|---:|---:|---:|---:|---|---|",
     ]
     for row in (each for each in found["forms"] if each["wanted"] == SHOWN):
         same = [each for each in found["forms"] if each["form"] == row["form"] and "said" in each]
         said = ", ".join(f"{name} {value:.4g}" for name, value in row["parameters"].items())
         own = f"{row['own']['integrated']:.4f}" if "own" in row else ""
         slow, fast = (f"{row['integrated'][at]:.4f}" for at in (0, -1))
-        cells = (row["program"], said, own, slow, fast, f"{max(map(worst, same)):.0e}", f"`{row['source']}`")
+        cells = (row["program"], said, own, slow, fast, f"{max(map(worst, same)):.0e}")
+        cells += ("yes" if FORCES[row["form"]].pulls else "", f"`{row['source']}`")
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines)
 
