@@ -228,8 +228,8 @@ def details(study: UncertaintyStudy) -> Iterator[str]:
         f"({several.seconds:.3g} s; multi-fidelity Monte Carlo, correlation {correlation})."
     )
     yield (
-        f"At equal variance that costs {_ratio(found.saving)} (predicted from {PILOT} pilot runs: "
-        f"{_ratio(found.chosen.gain)}); the pilot's runs are not counted."
+        f"At equal variance that costs {_ratio(found.saving)} than independent runs (predicted from {PILOT} pilot "
+        f"runs: {_ratio(found.chosen.gain)}); the pilot's runs are not counted."
     )
 
 

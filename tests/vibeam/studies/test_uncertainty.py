@@ -221,6 +221,15 @@ def test_the_estimate_is_unbiased_covers_and_has_the_predicted_error():
     assert 89 <= sum(each.low < 5 < each.high for each in found) <= 99
 
 
+def test_intervals_of_few_samples_hold_as_often_as_of_many():
+    """Of twelve samples the bootstrap's own 95 % hold in 89 of 100."""
+    alone = Allocation(("finest",), (1.0,), (1.0,), 1.0)
+    drawn = np.random.default_rng(11).standard_normal((600, 12))
+    found = [estimate(alone, {"finest": row}, 1.0, 0) for row in drawn]
+    assert np.mean([each.low < 0 < each.high for each in found]) > 0.93
+    assert np.mean([abs(each.mean) < 1.96 * each.error for each in found]) > 0.93
+
+
 def test_a_model_may_have_no_sample_more_than_the_one_before():
     """A model as dear as the finest: the second part of the nested samples is empty."""
     drawn = pilot(np.random.default_rng(8), 400, (0.95, 0.8), (1.0, 0.1, 0.01)).values
@@ -396,10 +405,19 @@ def _square(fidelity, inputs):
 def test_a_surface_of_degree_two_is_exact_for_one():
     rng = np.random.default_rng(4)
     assert runs(3) == 30  # ten coefficients
-    found = Surface.of(_square, "beam", rng.normal(1.0, 0.5, (runs(3), 3)))
+    found = Surface.of(_square, "beam", rng.uniform(0.5, 1.5, (runs(3), 3)))
     assert found.seconds == 7.5
-    inputs = rng.normal(1.0, 0.5, (9, 3)) * [1, 1, -3]
+    inputs = rng.uniform(0.7, 1.3, (9, 3))
     np.testing.assert_allclose(found("beam", inputs).peak, _square("beam", inputs).peak, rtol=1e-10)
+
+
+def test_a_surface_goes_on_straight_where_it_has_no_runs():
+    found = Surface.of(_square, "beam", np.random.default_rng(4).uniform(0.5, 1.5, (runs(3), 3)))
+    line = np.ones((6, 3))
+    line[:, 2] = [-3.0, -2.0, -1.0, 3.0, 4.0, 5.0]
+    low, high = found("beam", line).peak.reshape(2, 3)
+    np.testing.assert_allclose([np.diff(low, n=2), np.diff(high, n=2)], 0, atol=1e-12)
+    assert high[0] < _square("beam", line[3:4]).peak[0] - 1  # 2 z² without end
 
 
 def test_a_surface_needs_twice_as_many_peaks_as_coefficients():

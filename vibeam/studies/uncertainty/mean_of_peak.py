@@ -132,14 +132,21 @@ class MeanEstimate:
 def estimate(chosen: Allocation, values: Mapping[str, Array], seconds: float, seed: int) -> MeanEstimate:
     """Estimate from ``values`` of each model at the first m_i of the same inputs; samples without a value left out.
 
-    The bootstrap resamples the parts m_1, m_2 − m_1 … apart, each with its values of all models together.
+    The bootstrap resamples the parts m_1, m_2 − m_1 … apart, each with its values of all models together. It takes the
+    weights and the scatter about them as known; they are of the m_1 samples of the finest, so that its deviations are
+    widened as Student's t of m_1 less the number of models is wider than the normal distribution.
     """
+    from scipy.stats import norm
+    from scipy.stats import t as student
+
     rng = np.random.default_rng(seed)
     counts = [len(values[name]) for name in chosen.names]
     parts = list(pairwise([0, *counts]))
     sizes = [high - low for low, high in parts]
     once = _means(chosen, values, parts, [np.ones((1, size)) for size in sizes])
     drawn = _means(chosen, values, parts, [_drawn(rng, size) for size in sizes])
+    free = max(counts[0] - len(counts), 1)
+    drawn = once + np.sqrt(counts[0] / free) * student.ppf(0.975, free) / norm.ppf(0.975) * (drawn - once)
     low, high = np.quantile(drawn, [0.025, 0.975])
     return MeanEstimate(float(once[0]), float(low), float(high), float(drawn.std(ddof=1)), seconds)
 

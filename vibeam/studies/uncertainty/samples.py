@@ -192,6 +192,7 @@ def known(case: Case, fidelity: str) -> bool:
 
 
 RUNS = 3  # a coefficient
+FAR = 2.0  # standard deviations of an input, beyond which a surface goes on straight: few of its runs are there
 
 
 @dataclass(frozen=True)
@@ -233,7 +234,7 @@ def runs(inputs: int) -> int:
 
 
 def terms(x: Array) -> Array:
-    """Terms (m, k) of a polynomial of degree two in x (m, d)."""
-    columns = [np.ones(len(x)), *x.T]
-    columns += [x[:, i] * x[:, j] for i, j in combinations_with_replacement(range(x.shape[1]), 2)]
+    """Terms (m, k) of a polynomial of degree two in x (m, d), whose second degree stays beyond ±FAR as it is there."""
+    columns, near = [np.ones(len(x)), *x.T], np.clip(x, -FAR, FAR)
+    columns += [near[:, i] * near[:, j] for i, j in combinations_with_replacement(range(x.shape[1]), 2)]
     return np.column_stack(columns)
