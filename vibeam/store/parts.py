@@ -29,6 +29,7 @@ from vibeam.store.steps import StepFile, scanned
 LONGEST = 300.0  # s of a file, about
 USUAL, MOST = 2_000, 10_000  # files: of a computation that is not very long, and of any
 PATIENCE = 25.0  # s that a step in hand is given when its part is to end
+UNSAFE = 0.5  # s between two synchronisations, where steps take less
 LAYOUT = b"vibeam steps 1"
 FOREIGN = f"{ELSEWHERE}, or delete {{}} and compute it anew by one version and one kernel level"
 
@@ -229,9 +230,9 @@ def _begun(work: LongWork, wanted: PartsManifest) -> PartsManifest:
             return wanted
     except OSError as fault:
         raise unwritable(work.folder, fault, ELSEWHERE) from None
-    anew = f"{ELSEWHERE}, or start over with --fresh"
+    anew = f"{ELSEWHERE}, or delete it to compute it anew"
     if found.keys != wanted.keys:
-        raise StoreError(f"{work.folder}: holds steps of another map, or of this one before its case changed: {anew}")
+        raise StoreError(f"{work.folder}: holds steps of another case, or of this one before it was changed: {anew}")
     if found.code != wanted.code:
         raise StoreError(f"{work.folder}: holds steps that another version of vibeam computed: {anew}")
     if found.kernels != wanted.kernels:
@@ -281,7 +282,7 @@ def take_part(
     work: LongWork, part: WorkPart = WorkPart(), workers: int | None = None,
     tell: Callable[[int, int], None] | None = None, ending: Ending | None = None,
 ) -> Taken:  # fmt: skip
-    """Compute what is missing of a part's files, each step on disk once it is done.
+    """Compute what is missing of a part's files, each step written once it is done.
 
     ``workers``: threads (None: one a core); ``tell`` is called with points done and their total, from any thread.
     StoreError where another process computes it, where files are another's, or the disk fails.
@@ -320,7 +321,7 @@ class _Writer:
     ) -> None:  # fmt: skip
         self._stored, self._held, self._tell, self._lock = stored, held, tell, Lock()
         self._left = Counter(stored.file_of(step).path for step in missing)
-        self._open: dict[Path, ExitStack] = {}
+        self._open, self._due = dict[Path, ExitStack](), 0.0
         self.done, self._total = done, total
         tell(done, total)
 
@@ -334,7 +335,9 @@ class _Writer:
                 self._stored.again(step)
             file = self._stored.file_of(step)
             if step.number not in file.places:
-                file.append(self._stored.work.path, step.number, values)
+                sync = monotonic() > self._due
+                file.append(self._stored.work.path, step.number, values, sync)
+                self._due = monotonic() + UNSAFE if sync else self._due
             self._left[path] -= 1
             if not self._left[path]:
                 self._open.pop(path).close()

@@ -50,8 +50,11 @@ class StepFile:
         content, said = whole[:length], whole[length:]
         return content if said == seal_of([_head(number, length), content], self.of.decode()) else None
 
-    def append(self, said: Path, number: int, values: Values) -> None:
-        """Write a step behind what is there, on disk when this returns; StoreError, naming ``said``, where it fails."""
+    def append(self, said: Path, number: int, values: Values, sync: bool = True) -> None:
+        """Write a step behind what is there; StoreError, naming ``said``, where it fails.
+
+        With ``sync`` all that was written is on disk when this returns; else it outlives the process, not the machine.
+        """
         content = packed(values)
         head = _head(number, len(content))
         record = b"".join((head, content, seal_of([head, content], self.of.decode())))
@@ -61,7 +64,8 @@ class StepFile:
             try:
                 os.ftruncate(handle, self.end)
                 write_at(handle, self.end, first + record)
-                os.fsync(handle)
+                if sync:
+                    os.fsync(handle)
             finally:
                 os.close(handle)
         except OSError as fault:

@@ -96,11 +96,11 @@ def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
 
     stored, append = list[int](), StepFile.append
 
-    def ending(file: StepFile, said: Path, number: int, values: Any) -> None:
+    def ending(file: StepFile, said: Path, number: int, values: Any, sync: bool) -> None:
         if len(stored) == 3:
             raise Interrupted
         stored.append(2 * number)
-        append(file, said, number, values)
+        append(file, said, number, values, sync)
 
     with monkeypatch.context() as patch:
         patch.setattr(StepFile, "append", ending)

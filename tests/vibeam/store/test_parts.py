@@ -89,7 +89,7 @@ def test_every_file_that_lacks_steps_is_named_at_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("other", "said"),
     [
-        ({"code": "new"}, "another version of vibeam"), ({"keys": {"fine": "c", "coarse": "b"}}, "of another map"),
+        ({"code": "new"}, "another version of vibeam"), ({"keys": {"fine": "c", "coarse": "b"}}, "of another case"),
         ({"kernels": "library other"}, r"of other kernels, library .*; here they are library other: take the same"),
     ],
 )  # fmt: skip
