@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import typer
 
 from vibeam.cli.streams import STOPPED, WRONG, discard_stdout, reader_gone, say
 from vibeam.cli.verbosity import verbosity
 from vibeam.exchange.whole_files import STDOUT
+
+if TYPE_CHECKING:
+    from vibeam.report.output import StudySheet
 
 Made = TypeVar("Made")
 UNMAPPED = ("failed to map segment", "cannot allocate memory", "Cannot allocate memory")  # the loader's words
@@ -21,11 +24,22 @@ class UsageError(Exception):
     """Faulty argument: one line for stderr."""
 
 
+class Answered(Exception):
+    """End of a command, by a ``sheet`` of something else than what it computes."""
+
+    def __init__(self, sheet: StudySheet) -> None:
+        self.sheet = sheet
+
+
 @contextmanager
 def mistakes() -> Iterator[None]:
     """Context that turns a user's mistakes into a message on stderr and an exit code; a defect keeps its traceback."""
     try:
         yield
+    except Answered as answer:
+        from vibeam.cli.output import print_sheet
+
+        print_sheet(answer.sheet)
     except BrokenPipeError:
         reader_gone()
     except (Exception, KeyboardInterrupt) as error:

@@ -7,18 +7,22 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from threading import current_thread, main_thread
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
 from vibeam.cli.arguments import option
-from vibeam.cli.errors import UsageError
+from vibeam.cli.errors import Answered, UsageError
 from vibeam.cli.streams import STOPPED
 
 if TYPE_CHECKING:
     from vibeam.report.output import StudySheet
     from vibeam.store.parts import Ending, LongWork, Taken, WorkPart
+    from vibeam.store.shares import Sharing, Told
+
+    Asked = WorkPart | Literal["price", "gather"] | None  # a part, the price, the gathering, or all here
 
 TERMINATED = 143  # exit code after SIGTERM, as a shell reports it
 
@@ -31,16 +35,16 @@ PartOption = Annotated[
 GatherOption = Annotated[bool, typer.Option("--gather", help="Make the file of what parts have computed.")]
 
 
-def part_asked(price: bool, part: str | None, gather: bool, others: Mapping[str, Any]) -> WorkPart | None:
-    """The part that is asked for; UsageError where it is none, and for options that exclude each other."""
-    from vibeam.store.parts import WorkPart
-
+def part_asked(price: bool, part: str | None, gather: bool, others: Mapping[str, Any] | None = None) -> Asked:
+    """Share that the options ask for; UsageError where a part is none, and for options that exclude each other."""
     own = [name for name, given in (("--price", price), ("--part", part), ("--gather", gather)) if given]
-    given = [*own, *(name for name, value in others.items() if value)] if own else []
+    given = [*own, *(name for name, value in (others or {}).items() if value)] if own else []
     if len(given) > 1:
         raise UsageError(f"{' and '.join(given)} exclude each other: give one at a time")
     if part is None:
-        return None
+        return "price" if price else "gather" if gather else None
+    from vibeam.store.parts import WorkPart
+
     try:
         return WorkPart.read(part)
     except ValueError as wrong:
@@ -74,6 +78,51 @@ def taken(doing: str, part: WorkPart, take: Callable[[Callable[[int, int], None]
 
 
 @contextmanager
+def in_parts(doing: str, path: Path, asked: Asked, last: bool = False) -> Iterator[Sharing]:
+    """Context of a computation for the file ``path`` whose rounds of evaluations are shared as is asked.
+
+    A price or a part ends it with that answer, at the first round of which anything is missing (the ``last``: at it),
+    or at its end. Steps are the caller's to discard, once what was computed is written.
+    """
+    from vibeam.cli.progress import stderr
+    from vibeam.runs.keys import digest_of_code
+    from vibeam.store.parts import StepsOnDisk, Taken, WorkPart, take_part
+    from vibeam.store.shares import Sharing, set_aside, sharing
+
+    command = command_typed()
+
+    def take(work: LongWork, told: Told | None) -> None:
+        what = "points" if last else next(iter(work.steps))
+        if asked == "price":
+            raise Answered(price_sheet(work, command, what))
+        if isinstance(asked, WorkPart):
+            found = taken(doing, asked, lambda tell, ending: take_part(work, asked, tell=tell, ending=ending))
+            if last or found.found < found.total or StepsOnDisk(work).missing():
+                raise Answered(part_sheet(doing, asked, found, command, what))
+        elif asked is None or len(made.rounds) > 1:
+            set_aside(work, stderr().print)
+            take_part(work, tell=told)
+
+    made = Sharing(path, take, digest_of_code(studies=True), command)
+    with sharing(made):
+        yield made
+    if isinstance(asked, WorkPart):
+        total = sum(work.size(step) for work in made.rounds for step in work.every)
+        raise Answered(part_sheet(doing, asked, Taken(total, total, total), command))
+
+
+def part_sheet(doing: str, part: WorkPart, found: Taken, command: str, points: str = "points") -> StudySheet:
+    """Sheet of a part that was computed; ``points``: what it computes."""
+    from vibeam.report.output import StudySheet
+
+    said = f"Part {part.number}/{part.of} of {doing}: its {found.total} {points} are there, {found.found} were before"
+    return StudySheet(
+        f"{said}; when all parts are: {command} --gather",
+        data={"part": part.number, "of": part.of, "points": found.total, "found": found.found},
+    )
+
+
+@contextmanager
 def ended_by_signals() -> Iterator[tuple[Ending, list[int]]]:
     """Context in which SIGTERM, or Ctrl-C once, is a wish to end; with the signals that came."""
     from vibeam.store.parts import Ending
@@ -97,8 +146,8 @@ def ended_by_signals() -> Iterator[tuple[Ending, list[int]]]:
             signal.signal(number, handler)
 
 
-def price_sheet(work: LongWork, command: str) -> StudySheet:
-    """Sheet of the price of a long computation, with the lines that submit it."""
+def price_sheet(work: LongWork, command: str, points: str = "points") -> StudySheet:
+    """Sheet of the price of a long computation, with the lines that submit it; ``points``: what it computes."""
     from vibeam.report.output import StudySheet
     from vibeam.store.price import price
 
@@ -113,7 +162,7 @@ def price_sheet(work: LongWork, command: str) -> StudySheet:
     }
     said = "" if found.memory is None else f", {found.memory / 1e6:.0f} MB of memory a process"
     return StudySheet(
-        f"{found.core_hours:.2g} core-hours ± {found.error:.0%} for {found.points:.3g} points: "
+        f"{found.core_hours:.2g} core-hours ± {found.error:.0%} for {found.points:.3g} {points}: "
         f"{found.bytes / 1e9:.2g} GB in {found.files} files, as much again when they are gathered{said}.",
         notes=[
             f"submit {found.parts} parts by Slurm: {lines['slurm']}",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,6 +14,7 @@ import typer
 from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, table_path
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet, put_lines
+from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
 from vibeam.cli.verbosity import verbosity
 from vibeam.system.number_text import begun
 from vibeam_models.keys import Key, defaults_of, keys_of
@@ -21,6 +22,7 @@ from vibeam_models.keys import Key, defaults_of, keys_of
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import FigurePlan
+    from vibeam.cli.parts import Asked
     from vibeam.report.declaration import StudyDeclaration
     from vibeam.report.output import StudySheet
 
@@ -30,18 +32,23 @@ def study_command(study: StudyDeclaration) -> Callable[..., None]:
     keys = keys_of(study.asks) if study.asks is not None else {}
     defaults = defaults_of(study.asks) if study.asks is not None else {}
 
-    def command(case: Path, set_: list[str] | None = None, out: str | None = None, **asked: Any) -> None:
+    def command(
+        case: Path, set_: list[str] | None = None, out: str | None = None, price: bool = False, part: str | None = None,
+        gather: bool = False, **asked: Any,
+    ) -> None:  # fmt: skip
+        shared = part_asked(price, part, gather)
         given = {key: value for key, value in asked.items() if value not in (None, [])}
         settings = [f"{study.name}.{key}={_text(value, keys[key])}" for key, value in given.items()]
         with _named_as_options(study.name, list(given)):
             loaded = load(case, [*(set_ or ()), *settings])
-        run_declared(study, loaded, out)
+        run_declared(study, loaded, out, shared)
 
     own = [
         inspect.Parameter("case", _KIND, annotation=CaseFile),
         inspect.Parameter("set_", _KIND, default=None, annotation=Overrides),
         inspect.Parameter("out", _KIND, default=None, annotation=TableFile),
         *(_option(name, key, defaults.get(name)) for name, key in keys.items()),
+        *(_SHARED if study.parts else ()),
     ]
     command.__name__, command.__doc__ = study.name, help_of(study)
     command.__signature__ = inspect.Signature(own)  # type: ignore[attr-defined]
@@ -50,6 +57,11 @@ def study_command(study: StudyDeclaration) -> Callable[..., None]:
 
 
 _KIND = inspect.Parameter.POSITIONAL_OR_KEYWORD
+_SHARED = (
+    inspect.Parameter("price", _KIND, default=False, annotation=PriceOption),
+    inspect.Parameter("part", _KIND, default=None, annotation=PartOption),
+    inspect.Parameter("gather", _KIND, default=False, annotation=GatherOption),
+)
 
 
 def _option(name: str, key: Key, default: Any) -> inspect.Parameter:
@@ -95,18 +107,21 @@ def help_of(study: StudyDeclaration) -> str:
 ENDINGS = (".csv", ".html")
 
 
-def run_declared(study: StudyDeclaration, case: Case, out: str | None) -> None:
-    """Run a study of a case, and show and write what it gives."""
+def run_declared(study: StudyDeclaration, case: Case, out: str | None, asked: Asked = None) -> None:
+    """Run a study of a case, or the part of it that is ``asked``, and show and write what it gives."""
     from vibeam.cli.progress import Bar, stderr
 
-    table_path(case, out, study.name, ENDINGS)  # before anything is computed
+    place = table_path(case, out, study.name, ENDINGS)  # before anything is computed
     first = _first(study, case)
-    with Bar(study.name) as bar:
+    with in_parts(study.name, place, asked) if study.parts else nullcontext() as shared, Bar(study.name) as bar:
         record = of_case(case.path, lambda: study.of(case, stderr().print, bar))
     sheet = study.shown(record, case)
     path = table_path(case, out, sheet.study or study.name, ENDINGS)
     wanted = out or sheet.draw or sheet.page
-    print_sheet(sheet, files_of(sheet, path, case.title, study.meaning, case.figure) if wanted else [], first)
+    files = files_of(sheet, path, case.title, study.meaning, case.figure) if wanted else []
+    if shared is not None:
+        shared.discard()
+    print_sheet(sheet, files, first)
 
 
 def files_of(sheet: StudySheet, path: Path, title: str, meaning: str, plan: FigurePlan) -> list[Path]:

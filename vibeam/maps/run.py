@@ -20,8 +20,9 @@ from vibeam.runs.comparison.differences import listed
 from vibeam.runs.keys import digest_of_code
 from vibeam.store.blocks import Values, discard
 from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
-from vibeam.store.parts import Ending, LongWork, StepsOnDisk, Taken, WorkPart, known_manifest, take_part
+from vibeam.store.parts import LongWork, StepsOnDisk, WorkPart, take_part
 from vibeam.store.place import Place, Tell, locked, place_of, warn
+from vibeam.store.shares import are_shared, handed_over, set_aside
 from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
@@ -50,6 +51,7 @@ def run_map(
     Blocks of lines lie in files of ``OUT.parts`` until all are there: a run that is killed loses the
     blocks in flight, one for each of the ``workers`` (threads; None: one a core). ``fresh``: keep nothing.
     ``progress``: True shows a bar; a function is called, from any thread, with the points done and their total.
+    Within ``vibeam.store.shares.sharing`` it is what is shared: only the gathering then goes on to the file.
     A map of the case before an edit is kept aside, ``OUT.1.h5``; ``tell`` gets one line on that, else it is a warning.
     ``cluster``: other processes that compute the blocks (``vibeam.maps.cluster.connected``); this one writes.
 
@@ -65,19 +67,21 @@ def run_map(
     """
     plan, path = plan_of(case, name), Path(out)
     grids, work = grids_of(case, plan), work_of(case, plan, path, cluster)
+    if are_shared():
+        work = handed_over(work, done=finished(place_of(path), work.keys))
     with locked(path) as place, telling(progress, "flying") as told:
         place.tidy(kin=place.target.stem)  # pictures of the map
         if fresh:
             _remove(place)
-        else:
-            _set_aside(place, work.keys, tell or warn)
+        elif not are_shared():
+            _set_aside(place, work, tell or warn)
         found = total = sum(grid.lines * prod(grid.shape) for grid in grids.values())
         if not finished(place, work.keys):
             if tell is not None:
                 for said in bodies_told(case, plan):
                     tell(said)
-            taken = take_part(work, WorkPart(), workers if cluster is None else cluster.blocks, told)
-            found = taken.found
+            if not are_shared():
+                found = take_part(work, WorkPart(), workers if cluster is None else cluster.blocks, told).found
             _gather(place, case, plan, work, grids)
         else:
             told(total, total)
@@ -122,13 +126,11 @@ def _making_bodies(model: Model, plan: MapPlan) -> dict[str, tuple[float, ...]]:
     return found
 
 
-def _set_aside(place: Place, keys: Mapping[str, str], tell: Tell) -> None:
+def _set_aside(place: Place, work: LongWork, tell: Tell) -> None:
     """Give the map of the case as it was, finished or under way, a further name."""
-    if stored_keys(place) not in (None, keys):
+    if stored_keys(place) not in (None, work.keys):
         place.keep_aside("holds the map of the case as it was", tell)
-    begun = known_manifest(place.folder)
-    if begun is not None and begun.keys != keys:
-        place.keep_aside("holds blocks of the case as it was", tell, blocks=True)
+    set_aside(work, tell)
 
 
 def _remove(place: Place) -> None:
@@ -141,10 +143,8 @@ def _remove(place: Place) -> None:
         raise unwritable(place.path, fault, ELSEWHERE) from None
 
 
-def work_of(
-    case: Case, plan: MapPlan, path: Path, cluster: Cluster | None = None, command: str = "vibeam map CASE NAME"
-) -> LongWork:  # fmt: skip
-    """A map as a long computation, whose steps are blocks of lines; ``command``: that goes on with it."""
+def work_of(case: Case, plan: MapPlan, path: Path, cluster: Cluster | None = None) -> LongWork:
+    """A map as a long computation, whose steps are blocks of lines."""
     grids = grids_of(case, plan)
     evaluate = evaluate_here if cluster is None else cluster.evaluate
     return LongWork(
@@ -154,31 +154,7 @@ def work_of(
         lambda step: evaluate(Block(grids[step.name], step.first, step.last)),
         digest_of_code(),
         {name: prod(grid.shape) for name, grid in grids.items()},
-        command=command,
     )
-
-
-def take_part_of_map(
-    case: Case, plan: MapPlan, path: Path, part: WorkPart, *, workers: int | None = None,
-    progress: Progress | None = None, ending: Ending | None = None, command: str = "vibeam map CASE NAME",
-) -> Taken:  # fmt: skip
-    """Compute the share of a part of a map, for ``gather_map``; StoreError as ``take_part``."""
-    work = work_of(case, plan, path, command=command)
-    if finished(place_of(path), work.keys):
-        points = sum(map(work.size, work.every))
-        return Taken(points, points, points)
-    return take_part(work, part, workers, progress, ending)
-
-
-def gather_map(case: Case, plan: MapPlan, path: Path, command: str = "vibeam map CASE NAME") -> MapResult:
-    """Gather the parts of a map to its file; StoreError names all that is missing, damaged or of other code."""
-    grids, work = grids_of(case, plan), work_of(case, plan, path, command=command)
-    with locked(path) as place:
-        if not finished(place, work.keys):
-            _gather(place, case, plan, work, grids)
-        discard(place.folder)
-    points = sum(map(work.size, work.every))
-    return MapResult(case, plan, read_map(place.target, grids), points, points, path)
 
 
 def _gather(place: Place, case: Case, plan: MapPlan, work: LongWork, grids: Mapping[str, Grid]) -> None:

@@ -29,7 +29,8 @@ class StudyDeclaration:
     them), ``sentences`` the answer, then what is uncertain, and whose ``figure`` is drawn. ``sheet``: in place of these
     three, the ``StudySheet`` of a record (and its case, where it takes that). ``asks``: frozen dataclass of declared
     keys (``vibeam_models.keys``), the table ``[name]`` of the case, ``case.asked[name]``, each key an option of the
-    command. ``first``: a sentence on a case that is known at once. ``examples``: lines of its help.
+    command. ``first``: a sentence on a case that is known at once. ``examples``: lines of its help. ``parts``: what
+    takes long in it are ``vibeam.store.shares.evaluate_each``, so that its command has --price, --part and --gather.
 
     >>> import vibeam
     >>> study = vibeam.StudyDeclaration("peaks", lambda case: [vibeam.run(case)["sdof"].peak], "highest points")
@@ -47,6 +48,7 @@ class StudyDeclaration:
     asks: type[Any] | None = None
     first: Callable[[Case], str] | str | None = None
     examples: tuple[str, ...] = ()
+    parts: bool = False
 
     def of(
         self, case: Case, tell: Callable[[str], None] | None = None, progress: Callable[[int, int], None] | None = None
@@ -72,10 +74,12 @@ class StudyDeclaration:
         return StudySheet(answer, [rows_of(self.meaning, rows)], notes, data={"rows": rows}, rows=rows, draw=draw)
 
 
-def _own(name: str, home: str, sheet: str, meaning: str, *examples: str, first: str | None = None) -> StudyDeclaration:
+def _own(
+    name: str, home: str, sheet: str, meaning: str, *examples: str, first: str | None = None, parts: bool = False
+) -> StudyDeclaration:  # fmt: skip
     plan = STUDY_PLANS[name].load() if name in STUDY_PLANS else None
     run, shown = f"vibeam.studies.{home}:{name}", f"vibeam.report.{sheet}:sheet"
-    return StudyDeclaration(name, run, meaning, sheet=shown, asks=plan, first=first, examples=examples)
+    return StudyDeclaration(name, run, meaning, sheet=shown, asks=plan, first=first, examples=examples, parts=parts)
 
 
 STUDIES: Registry[StudyDeclaration] = Registry(
@@ -88,7 +92,7 @@ STUDIES: Registry[StudyDeclaration] = Registry(
     _own(
         "uncertainty", "uncertainty.study", "uncertainty", "carry uncertain inputs through the sweep",
         "vibeam uncertainty mine.toml --set 'uncertain.\"stop.restitution\"=\"± 0.03\"'",
-        "vibeam uncertainty mine.toml --samples 256 --out uncertainty.html",
+        "vibeam uncertainty mine.toml --samples 256 --out uncertainty.html", parts=True,
     ),
     _own(
         "derive", "derive", "derive", "SDOF parameters from geometry, beside finite elements",

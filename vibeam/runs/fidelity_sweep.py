@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
-from threading import Event, Lock
+from threading import Event
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.flight.engine.threads import Stopped
 from vibeam.runs.keys import kept_or_made
+from vibeam.runs.parallel import PointCount, Stopped
 from vibeam.runs.store.branches import BranchPlan, StoredBranch
 from vibeam.runs.store.records import curves_of
 from vibeam.runs.sweep import SweepPoints, SweepSettings, march_blocks
@@ -67,24 +67,6 @@ class Recorder:
             self._store.write(self._branch, self._written, block, self._states)
         self._states.clear()
         self._written, self._due = self._done, monotonic() + WRITE_EVERY
-
-
-class PointCount:
-    """Counter of the points done of all fidelities, with a progress callback."""
-
-    def __init__(self, branches: Iterable[StoredBranch], progress: Progress) -> None:
-        kept = list(branches)
-        self._lock = Lock()
-        self._progress = progress
-        self.done = sum(part.done for part in kept)
-        self.total = sum(len(part.response) for part in kept)
-        self._progress(self.done, self.total)
-
-    def add(self, points: int) -> None:
-        """Count further points."""
-        with self._lock:
-            self.done += points
-            self._progress(self.done, self.total)
 
 
 @dataclass(frozen=True)

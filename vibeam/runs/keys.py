@@ -28,32 +28,35 @@ if TYPE_CHECKING:
 
 
 FOLDERS = (Path(__file__).parents[1], *map(Path, [*vibeam_models.__path__, *vibeam_reductions.__path__]))
-SHOWN = ("cli", "figures", "report", "studies")  # rooms that compute none of these numbers
+SHOWN = ("cli", "figures", "report")  # rooms that compute no numbers
+BUT_STUDIES = (*SHOWN, "studies")
 BELOW = ("scipy", "scikit-fem")  # libraries that assemble and reduce
 
 Made = TypeVar("Made")
 
 
-def digest_of_code() -> str:
+def digest_of_code(studies: bool = False) -> str:
     """Digest of all sources that build a system or compare fidelities, and of the libraries below them.
 
-    Empty where a program has registered effects, laws, reductions or solvers of its own, whose code is not known here.
+    ``studies``: and of those of the studies. Empty where a program has registered effects, laws, reductions or solvers
+    of its own, whose code is not known here.
     """
-    return "" if any(each.extended for each in (EFFECTS, LAWS, REDUCTIONS, SOLVERS)) else _digest(FOLDERS)
+    extended = any(each.extended for each in (EFFECTS, LAWS, REDUCTIONS, SOLVERS))
+    return "" if extended else _digest(FOLDERS, SHOWN) if studies else _digest(FOLDERS)
 
 
 @cache
-def _digest(folders: tuple[Path, ...]) -> str:
+def _digest(folders: tuple[Path, ...], shown: tuple[str, ...] = BUT_STUDIES) -> str:
     found = sha256(" ".join([np.__version__, *map(_metadata, BELOW)]).encode())
     for folder in folders:
-        for file in _sources(folder):
+        for file in _sources(folder, shown):
             found.update(file.read_bytes())
     return found.hexdigest()
 
 
-def _sources(folder: Path) -> Iterator[Path]:
+def _sources(folder: Path, shown: tuple[str, ...]) -> Iterator[Path]:
     for part in sorted(folder.iterdir()):
-        if part.is_dir() and part.name not in SHOWN:
+        if part.is_dir() and part.name not in shown:
             yield from sorted(part.rglob("*.py"))
         elif part.suffix == ".py":
             yield part

@@ -11,9 +11,9 @@ import numpy as np
 
 from vibeam.case.case import units_of_output
 from vibeam.case.source import of_source
-from vibeam.runs.fidelity_sweep import Job, PointCount, Progress, job_of, known_curves, sweep_branches
+from vibeam.runs.fidelity_sweep import Job, Progress, job_of, known_curves, sweep_branches
 from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
-from vibeam.runs.parallel import Interrupted, run_parallel
+from vibeam.runs.parallel import PointCount, run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import planned, restricted
 from vibeam.runs.store.figures import sheets_of
@@ -87,7 +87,8 @@ def run(
         models = plan.models or {name: properties_of(case, name, system) for name, system in systems.items()}
         if before and any(job.missing for job in jobs):
             before(overview_of(case, models))
-        count = PointCount((kept for job in jobs for _, kept in job.branches), told)
+        parts = [kept for job in jobs for _, kept in job.branches]
+        count = PointCount(sum(each.done for each in parts), sum(len(each.response) for each in parts), told)
         try:
             _sweep(case, jobs, store, count)
             curves = {job.name: known_curves(case, job, store) for job in jobs if SOLVERS[job.fidelity.solver].curves}
@@ -100,7 +101,7 @@ def run(
             result.estimates = _estimated(result, systems, {job.name: job.after for job in jobs}, records)
             return _compared(result, systems, records)
         except KeyboardInterrupt:
-            raise Interrupted(_how_to_go_on(count, path)) from None
+            raise count.stopped(path) from None
 
 
 def _sweep(case: Case, jobs: Sequence[Job], store: Store | None, count: PointCount) -> None:
@@ -167,9 +168,3 @@ def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
         record = sheets_of(plan, units_of_output(case, plan.output))
         found[name] = kept_or_made(store, record, plan.key, partial(sheets, case, plan))
     return found
-
-
-def _how_to_go_on(count: PointCount, path: Path | None) -> str:
-    if path is None or not count.done:
-        return f"stopped after {count.done} of {count.total} points: nothing is kept"
-    return f"stopped: {count.done} of {count.total} points are kept in {path}: the same command goes on from there"

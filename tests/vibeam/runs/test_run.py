@@ -16,9 +16,9 @@ from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError, Fault
 from vibeam.flight.engine.threads import Stopped
 from vibeam.runs import fidelity_sweep
-from vibeam.runs.parallel import run_parallel
+from vibeam.runs.parallel import Interrupted, run_parallel
 from vibeam.runs.result import Result
-from vibeam.runs.run import Interrupted, run
+from vibeam.runs.run import run
 from vibeam.runs.sweep import SweepPoints, SweepSettings
 
 POINTS = 2 * 2 * 8  # fidelities, directions, frequencies

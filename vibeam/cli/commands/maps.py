@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from vibeam.cli.arguments import CaseFile, Fidelities, Fresh, Overrides, folder, load, option, out_option, output_path
-from vibeam.cli.errors import UsageError, of_case
+from vibeam.cli.errors import Answered, UsageError, of_case
 from vibeam.cli.output import print_sheet
-from vibeam.cli.parts import GatherOption, PartOption, PriceOption, command_typed, part_asked, price_sheet, taken
+from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.grid_keys import MapPlan
+    from vibeam.cli.parts import Asked
     from vibeam.maps.cluster import Cluster
     from vibeam.maps.result import MapResult
     from vibeam.report.output import StudySheet
-    from vibeam.store.parts import WorkPart
-
 
 Names = Annotated[
     list[str] | None, typer.Argument(metavar="NAME", help="These maps of the case; absent = all that it has.")
@@ -73,9 +72,8 @@ def map(
     if loaded.record is not None:
         ends, counts = (low, high), _counts(points)
         not_taken = {"--picture": picture, "--accuracy": accuracy, "--periods": periods, "--verify": verify,
-                     "--cluster": cluster, "--price": price or None, "--part": part, "--gather": gather or None,
-                     "NAME": names or None}  # fmt: skip
-        _under_record(loaded, out, over, ends, counts, quantity, fidelity, not_taken)
+                     "--cluster": cluster, "NAME": names or None}  # fmt: skip
+        _under_record(loaded, out, over, ends, counts, quantity, fidelity, not_taken, asked_part)
         return
     asked = {
         "over": over, "low": low, "high": high, "points": _counts(points), "accuracy": accuracy,
@@ -87,13 +85,10 @@ def map(
     files: list[Path] = []
     for plan in plans:
         path = _path(loaded, out, plan.name, len(plans))
-        if price or asked_part:
-            sheets.append((plan.name, of_case(case, lambda: _shared(loaded, plan, path, asked_part))))  # noqa: B023
-            continue
-        sheet, written = of_case(
-            case,
-            lambda: _drawn(_gathered(loaded, plan, path) if gather else _computed(loaded, plan, path, fresh, cluster)),  # noqa: B023
-        )
+        try:
+            sheet, written = of_case(case, lambda: _drawn(_computed(loaded, plan, path, fresh, cluster, asked_part)))  # noqa: B023
+        except Answered as part_or_price:
+            sheet, written = part_or_price.sheet, []
         sheets.append((plan.name, sheet))
         files += written
     from vibeam.report.maps.page import one_sheet
@@ -103,9 +98,9 @@ def map(
 
 def _under_record(
     case: Case, out: str | None, over: str | None, ends: tuple[str | None, str | None], counts: tuple[int, ...] | None,
-    quantity: str | None, fidelities: list[str] | None, not_taken: dict[str, Any],
+    quantity: str | None, fidelities: list[str] | None, not_taken: dict[str, Any], asked: Asked,
 ) -> None:  # fmt: skip
-    """The map of a case under a record: means over its realisations, as table and figure."""
+    """The map of a case under a record: means over its realisations, as table and figure; or a part of it."""
     from vibeam.cli.arguments import table_path
     from vibeam.cli.progress import Bar
     from vibeam.report.record_map import sheet
@@ -114,12 +109,14 @@ def _under_record(
     if found := [name for name, given in not_taken.items() if given is not None]:
         raise UsageError(f"{found[0]}: is of a map of a [sweep]; of a [record]: --over KEY[,KEY] --quantity peak")
     path = table_path(case, out, "map", (".csv",))
-    with Bar("map") as bar:
+    with in_parts("map", path, asked) as shared, Bar("map") as bar:
         study = of_case(case.path, lambda: record_map(
             case, axes_asked(case, over, *ends, counts), quantity or "peak", fidelities, bar
         ))  # fmt: skip
     made = sheet(study)
-    print_sheet(made, made.write(path, case.figure))
+    files = made.write(path, case.figure)
+    shared.discard()
+    print_sheet(made, files)
 
 
 def _counts(points: str | None) -> tuple[int, ...] | None:
@@ -164,36 +161,14 @@ def _path(case: Case, out: str | None, name: str, count: int) -> Path:
     return output_path(out, own, (".h5",), "the file of a map")
 
 
-def _computed(case: Case, plan: MapPlan, path: Path, fresh: bool, where: str | None) -> MapResult:
+def _computed(case: Case, plan: MapPlan, path: Path, fresh: bool, where: str | None, asked: Asked) -> MapResult:
     from vibeam.cli.progress import Bar, stderr
     from vibeam.maps.run import run_map
 
-    with _workers(where) as cluster, Bar(f"map {plan.name}") as bar:
+    name = f"map {plan.name}"
+    shared = nullcontext() if asked is None else in_parts(name, path, asked, last=True)
+    with _workers(where) as cluster, shared, Bar(name) as bar:
         return run_map(case, plan, path, fresh=fresh, progress=bar, cluster=cluster, tell=stderr().print)
-
-
-def _gathered(case: Case, plan: MapPlan, path: Path) -> MapResult:
-    from vibeam.maps.run import gather_map
-
-    return gather_map(case, plan, path, command_typed())
-
-
-def _shared(case: Case, plan: MapPlan, path: Path, part: WorkPart | None) -> StudySheet:
-    """Sheet of a part that was computed; None: of the price of all."""
-    from vibeam.maps.run import take_part_of_map, work_of
-    from vibeam.report.output import StudySheet
-
-    command = command_typed()
-    if part is None:
-        return price_sheet(work_of(case, plan, path), command)
-    found = taken(f"map {plan.name}", part, lambda tell, ending: take_part_of_map(
-        case, plan, path, part, progress=tell, ending=ending, command=command
-    ))  # fmt: skip
-    said = f"Part {part.number}/{part.of} of {plan.name}: its {found.total} points are there, {found.found} were before"
-    return StudySheet(
-        f"{said}; when all parts are: {command} --gather",
-        data={"part": part.number, "of": part.of, "points": found.total, "found": found.found},
-    )
 
 
 @contextmanager

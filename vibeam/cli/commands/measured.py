@@ -12,10 +12,12 @@ import typer
 from vibeam.cli.arguments import Overrides, TableFile, load, option, output_path, run_study, table_path
 from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_sheet
+from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
 from vibeam.cli.study_command import files_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.cli.parts import Asked
     from vibeam.studies.identification.estimates import Identification
 
 
@@ -41,6 +43,9 @@ def fit(
     y: Annotated[str | None, option("Its column of values.", "--y", metavar="HEAD")] = None,
     drive: Annotated[str | None, option(_DRIVE, "--drive", metavar="KIND")] = None,
     level: Annotated[float | None, option(_LEVEL, "--level", metavar="NUMBER")] = None,
+    price: PriceOption = False,
+    part: PartOption = None,
+    gather: GatherOption = False,
 ) -> None:
     """Estimate parameters from measurements, with intervals.
 
@@ -57,7 +62,8 @@ def fit(
 
     of_signal = {"--of": of, "--x": x, "--y": y, "--drive": drive, "--level": level}
     of_modes = {"--key": key, "--measured": measured}
-    of_responses = {"--next": next_, "--write": write}
+    shared = part_asked(price, part, gather)
+    of_responses = {"--next": next_, "--write": write, "--price": price, "--part": part, "--gather": gather}
     if file.suffix != ".toml":
         of_cases = {**of_responses, **of_modes, "--set": set_}
         _require(file, of_cases, "is of a case, which ends in .toml", _faults(of, drive, level))
@@ -69,7 +75,7 @@ def fit(
         _show(file, lambda: identify_keys(case, key or [], measured or []), out)
     else:
         _require(file, of_signal, "is of a signal, and this is a case")
-        _of_responses(file, set_, out, next_, write)
+        _of_responses(file, set_, out, next_, write, shared)
 
 
 def _require(file: Path, options: dict[str, Any], why: str, faults: list[str] | None = None) -> None:
@@ -117,8 +123,10 @@ def _show(file: Path, identified: Callable[[], Identification], out: str | None)
     print_sheet(sheet, [] if path is None else files_of(sheet, path, file.stem, found.method, FigurePlan()))
 
 
-def _of_responses(file: Path, set_: list[str] | None, out: str | None, next_: bool, write: Path | None) -> None:
-    """Fit the keys of [fit] to the responses of a case."""
+def _of_responses(
+    file: Path, set_: list[str] | None, out: str | None, next_: bool, write: Path | None, shared: Asked
+) -> None:  # fmt: skip
+    """Fit the keys of [fit] to the responses of a case, or do the part of it that is asked."""
     from vibeam.exchange.whole_files import write_whole
     from vibeam.report.fit import estimated_case, sheet
     from vibeam.studies.fit.study import fit as fitted
@@ -127,12 +135,14 @@ def _of_responses(file: Path, set_: list[str] | None, out: str | None, next_: bo
     path = table_path(loaded, out, "fit", (".csv", ".html"))
     if write is not None:
         _require_new(loaded, write, set_)
-    study = run_study(file, loaded, lambda own, tell: fitted(own, tell, next_point=next_))
+    with in_parts("fit", path, shared) as rounds:
+        study = run_study(file, loaded, lambda own, tell: fitted(own, tell, next_point=next_))
     found = sheet(study)
     files = files_of(found, path, loaded.title, "keys estimated from measured responses", loaded.figure)
     if write is not None:
         write_whole(write, run_study(file, loaded, lambda *_: estimated_case(study)).encode())
         files.append(write)
+    rounds.discard()
     print_sheet(found, files)
 
 

@@ -25,6 +25,7 @@ from vibeam.cli.arguments import (
 )
 from vibeam.cli.errors import UsageError, fault_of
 from vibeam.cli.output import as_object, print_json, print_sheet, put_lines
+from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
 from vibeam.cli.streams import WRONG, say
 from vibeam.cli.verbosity import verbosity
 
@@ -46,11 +47,15 @@ def run(
     fresh: Fresh = False,
     fidelity: Fidelities = None,
     accuracy: Annotated[str | None, option(_ACCURACY, "--accuracy", metavar="PERCENT")] = None,
+    price: PriceOption = False,
+    part: PartOption = None,
+    gather: GatherOption = False,
 ) -> None:
     """Say which fidelity suffices: sweep all, compare, store.
 
     A run that was stopped goes on where it was; after an edit of the case, what it does not change is kept, and results
     that would be lost are kept aside (NAME.1.h5). Of several cases --out names a folder, and a line each is printed.
+    Realisations of a [record] are computed in parts, here or on a cluster, by --part.
 
     \b
     Examples:
@@ -59,6 +64,7 @@ def run(
     """
     from vibeam.casefile.quantities import RATIO
 
+    asked = part_asked(price, part, gather, {"--fresh": fresh, "several cases": len(cases) > 1})
     within = None if accuracy is None else number("--accuracy", accuracy, RATIO, positive=True)
     if within is not None and within >= 1:
         raise UsageError(f"--accuracy {accuracy}: must lie between 0 and 100 %: write '5 %' or 0.05")
@@ -66,7 +72,17 @@ def run(
         _run_several(cases, (set_, out, fidelity), fresh, within)
         return
     case = _runnable(cases[0], set_, fidelity)
-    print_sheet(*_swept(case, results_path(case, out), fresh, within))
+    path = results_path(case, out)
+    if asked is None:
+        print_sheet(*_swept(case, path, fresh, within))
+        return
+    if case.record is None:
+        raise UsageError("--price, --part, --gather: of a case with [record]; points of a [sweep] follow each other")
+    with in_parts("run", path, asked) as shared:
+        run_case(case, path if asked == "gather" else None, show=False)
+    sheet, files = _swept(case, path, fresh, within)
+    shared.discard()
+    print_sheet(sheet, files)
 
 
 def _runnable(path: Path, settings: list[str] | None, fidelities: Sequence[str] | None) -> Case:

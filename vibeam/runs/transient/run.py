@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from threading import Event, Lock
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.case import plan_of_record, units_of_output
-from vibeam.runs.parallel import Interrupted, run_parallel
+from vibeam.runs.parallel import PointCount
 from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.transient.motions import MotionMaker, Realisation, histories_of, input_of, motions_of
 from vibeam.runs.transient.overview import overview_of_record
@@ -17,6 +16,7 @@ from vibeam.runs.transient.result import TransientResult
 from vibeam.runs.transient.store import KnownMotions, StoredModel, TransientStore, opened
 from vibeam.runs.transient.transient import assembled
 from vibeam.store.place import Tell
+from vibeam.store.shares import are_shared, evaluate_each
 from vibeam.system.response import Ended
 
 if TYPE_CHECKING:
@@ -44,18 +44,18 @@ def run_record(
     with opened(case, wanted, path, fresh, tell) as store:
         known = store.known.motions
         asked = [each for some in every for each in some if each.fidelity in case.fidelities]
-        missing = [each for each in asked if each.key not in known]
+        missing = [each for each in asked if are_shared() or each.key not in known]
         found = len(asked) - len(missing)
         makers = {name: MotionMaker(case, name) for name in case.fidelities}
         if missing and before:
             before(overview_of_record(makers, len(missing)))
-        count = MotionCount(found, len(asked), told)
+        count = PointCount(found, len(asked), told, "motions")
         try:
-            _make(makers, missing, store, count)
+            _make("motions", makers, missing, store, count)
             shadows = [each for each in _twins(case, store.known, twins) if each.key not in known]
-            _make(makers, shadows, store, None)
+            _make("twins", makers, shadows, store, None)
         except KeyboardInterrupt:
-            raise Interrupted(_how_to_go_on(count, path)) from None
+            raise count.stopped(path) from None
         return result_of(case, store.known, path, found, _shown(case, store) if show else {})
 
 
@@ -70,21 +70,6 @@ def _shown(case: Case, store: TransientStore) -> dict[str, tuple[Sheet, ...]]:
     return found
 
 
-class MotionCount:
-    """Counter of the motions that are there, told as they come."""
-
-    def __init__(self, done: int, total: int, told: Told) -> None:
-        self.done, self.total = done, total
-        self._told, self._lock = told, Lock()
-        told(done, total)
-
-    def add(self) -> None:
-        """Count one more."""
-        with self._lock:
-            self.done += 1
-            self._told(self.done, self.total)
-
-
 def _in_turn(motions: Sequence[Realisation], makers: Mapping[str, MotionMaker]) -> list[Realisation]:
     """Motions of all fidelities under one load, then under the next: a run that is stopped has some of each.
 
@@ -94,19 +79,22 @@ def _in_turn(motions: Sequence[Realisation], makers: Mapping[str, MotionMaker]) 
 
 
 def _make(
-    makers: Mapping[str, MotionMaker], motions: Sequence[Realisation], store: TransientStore, count: MotionCount | None
+    what: str, makers: Mapping[str, MotionMaker], motions: Sequence[Realisation], store: TransientStore,
+    count: PointCount | None,
 ) -> None:  # fmt: skip
     """Make motions, several at once, and keep each."""
     for name in {each.fidelity for each in motions}:
         makers[name].warm_up()  # here Ctrl-C can stop a compilation; what is made once is there before threads ask
 
-    def make(motion: Realisation, stop: Event) -> None:
+    def keep(motion: Realisation, found: Reading) -> None:
         maker = makers[motion.fidelity]
-        store.keep(motion, maker.made(motion), StoredModel(maker.signals, maker.period()))
+        store.keep(motion, found, StoredModel(maker.signals, maker.period()))
         if count is not None:
             count.add()
 
-    run_parallel(make, _in_turn(motions, makers))
+    every = _in_turn(motions, makers)
+    of = " ".join(each.key for each in every)
+    evaluate_each(what, of, every, lambda motion: makers[motion.fidelity].made(motion), keep)
 
 
 def _twins(case: Case, known: KnownMotions, twins: Sequence[Sequence[Realisation]]) -> Iterator[Realisation]:
@@ -147,9 +135,3 @@ def _is_complete(reading: Reading) -> bool:
 
 def _numbers(rows: Mapping[tuple[int, int], Realisation], of: int) -> list[int]:
     return sorted({place[of] for place in rows})
-
-
-def _how_to_go_on(count: MotionCount, path: Path | None) -> str:
-    if path is None or not count.done:
-        return f"stopped after {count.done} of {count.total} motions: nothing is kept"
-    return f"stopped: {count.done} of {count.total} motions are kept in {path}: the same command goes on from there"

@@ -19,6 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.store.blocks import Values
+from vibeam.store.shares import evaluate_each
 from vibeam.studies.fit.explanation import (
     UNTOLD,
     Explanation,
@@ -120,12 +122,19 @@ class Scan:
         """Scan of the case's own keys and of quasi-random ones."""
         count = (SCANNED if problem.surfaces else FLOWN_KEYS) * len(problem.keys)
         every = np.vstack([problem.start, quasi_random(count, len(problem.keys))])
-        rows = []
-        for x in every:
+        rows: list[tuple[Array, ...]] = []
+
+        def at(x: Array) -> Values:
             try:
-                rows.append((x, *problem.motions(x, SAMPLES)))
+                value, beyond = problem.motions(x, SAMPLES)
             except ValueError:  # keys that make no system
-                continue
+                return {}
+            return {"x": x, "value": value, "beyond": beyond}
+
+        def keep(x: Array, found: Values) -> None:
+            rows.extend([tuple(found.values())] if found else [])
+
+        evaluate_each("starts", problem.key, list(every), at, keep, workers=1)
         return cls(*(np.array(each) for each in zip(*rows, strict=True)))
 
     def losses(self, problem: Problem, factor: float = 1.0) -> Array:

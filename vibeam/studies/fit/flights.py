@@ -102,7 +102,7 @@ class OrbitModel:
 
     def __init__(self, forward: Forward, slowest: float) -> None:
         self.forward, self.slowest, self.ready = forward, slowest, OrderedDict[bytes, FlyingModel]()
-        self.like: ImpactSystem | None = None
+        self.like = forward.system(np.array([each.start for each in forward.keys]))
 
     def at(self, x: Array) -> FlyingModel:
         """The model at shares ``x``; ValueError where there is none."""
@@ -110,7 +110,6 @@ class OrbitModel:
             model = self.forward.at(self.forward.values(x))
             scene = model.scene()
             made = system(scene, model.fidelity)
-            self.like = self.like or made
             units = np.append(np.where(made.omega > 0, made.omega, self.slowest), np.ones(made.size))
             signs = np.tile(_signs(made, self.like), 2)
             self.ready[mark] = FlyingModel(

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,7 +44,8 @@ class Problem:
     """Points in groups, forward models by fidelity, estimated keys; parameters are shares x (P,) of their bounds.
 
     ``surfaces``: modal data of each fidelity with closed forms, at all of its points, over the bounds or a box in them.
-    ``trails``: motions that are followed, which grow as they are; those of any other fidelity are such alone.
+    ``trails``: motions that are followed, which grow as they are; those of any other fidelity are such alone. ``key``:
+    digest of all that it is made of.
     """
 
     keys: tuple[FitKey, ...]
@@ -52,6 +54,7 @@ class Problem:
     surfaces: dict[str, ModalSurface]
     notes: tuple[str, ...] = ()
     trails: Trails = field(default_factory=Trails)
+    key: str = ""
 
     @classmethod
     def of(cls, case: Case) -> Problem:
@@ -71,7 +74,9 @@ class Problem:
             if each.unstable and not forward[each.fidelity].closed:
                 told = f"{each.reference}: unstable motions of fidelity.{each.fidelity} have no closed form"
                 notes.append(f"{told}: only those are found that stable ones become as the keys move")
-        made = cls(case.fit.keys, tuple(groups), forward, {}, tuple(dict.fromkeys(notes)))
+        points = [(each.frequency.tobytes(), each.value.tobytes(), each.uncertainty.tobytes()) for each in groups]
+        key = sha256(repr((case.text, points)).encode()).hexdigest()
+        made = cls(case.fit.keys, tuple(groups), forward, {}, tuple(dict.fromkeys(notes)), key=key)
         return made.within(np.zeros(len(made.keys)), np.ones(len(made.keys)), ROUGH)
 
     def within(self, low: Array, high: Array, tolerance: float) -> Problem:

@@ -19,6 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.store.blocks import Values
+from vibeam.store.shares import evaluate_each
 from vibeam.studies.fit.estimate import Minimum, minimise
 from vibeam.studies.fit.explanation import actual, other_motions
 from vibeam.studies.fit.points import Points
@@ -87,6 +89,23 @@ def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> P
     )
     path = np.array(sorted([np.append(minimum.x, 0.0), *before, *after], key=lambda row: float(row[k])))
     return Profile(float(low[k]), float(high[k]), (low_open, high_open), path)
+
+
+def profiled(problem: Problem, minimum: Minimum, scale: float) -> list[Profile]:
+    """Profiles of all keys, each with trails of its own: what one finds another does not hang on."""
+    found: dict[int, Profile] = {}
+
+    def along(k: int) -> Values:
+        made = profile(replace(problem, trails=problem.trails.apart()), minimum, k, scale)
+        return {"ends": np.array([made.low, made.high]), "open": np.array(made.open), "path": made.path}
+
+    def keep(k: int, made: Values) -> None:
+        (low, high), (before, after) = made["ends"].tolist(), made["open"].tolist()
+        found[k] = Profile(low, high, (before, after), made["path"])
+
+    of = f"{problem.key} {minimum.x.tobytes()!r} {minimum.chosen.tobytes()!r} {scale!r}"
+    evaluate_each("profiles", of, range(len(problem.keys)), along, keep, workers=1)
+    return [found[k] for k in range(len(problem.keys))]
 
 
 @dataclass(frozen=True)

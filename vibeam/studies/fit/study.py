@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.source import of_source
+from vibeam.store.shares import sharing
 from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
 from vibeam.studies.fit.judgement import WIDEST, Judgement, alternatives, patterns, unit_factor, without_outliers
 from vibeam.studies.fit.problem import FOLLOWED, LEFT, MOTIONS, Problem, value_of
-from vibeam.studies.fit.profile import FitRow, NextPoint, Profile, next_points, profile
+from vibeam.studies.fit.profile import FitRow, NextPoint, Profile, next_points, profiled
 from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges
 from vibeam.system.labelled import ViewedTable
@@ -107,7 +108,7 @@ def _study(case: Case, tell: Progress, next_point: bool) -> FitStudy:
     tell(f"Least squares: {counted(whole.count, 'point')}, {counted(len(whole.keys), 'key')}")
     problem, minimum, judgement = _judged(case, whole, tell)
     tell("Intervals by profile likelihood")
-    profiles = [profile(problem, minimum, k, judgement.scale) for k in range(len(problem.keys))]
+    profiles = profiled(problem, minimum, judgement.scale)
     advised = next_points(case, problem, minimum) if next_point else ()
     rows = tuple(_rows(problem, minimum, profiles, judgement))
     sentences = [*on_misfit(problem, minimum, judgement), *problem.notes]
@@ -135,7 +136,8 @@ def _judged(case: Case, whole: Problem, tell: Progress) -> tuple[Problem, Minimu
         return problem, minimum, Judgement(True, patterns(problem, minimum))
     tell("The model does not describe the points: looking for one that does")
     found, factor = patterns(problem, minimum), unit_factor(whole, scan)
-    others = () if factor != 1 else alternatives(case, whole, minimum)
+    with sharing(None):  # rounds within rounds
+        others = () if factor != 1 else alternatives(case, whole, minimum)
     if factor == 1 and not any(each.met for each in others):
         without, outliers = without_outliers(whole, minimum)
         if outliers:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -101,6 +102,12 @@ class Trails:
     def __init__(self) -> None:
         self.every: list[Trail] = []
         self.models: dict[str, OrbitModel] = {}
+
+    def apart(self) -> Trails:
+        """The same motions, which grow by themselves from now on."""
+        made = Trails()
+        made.every, made.models = [Trail(list(map(copy, each.found))) for each in self.every], self.models
+        return made
 
     def model(self, forward: Forward, omega: Array) -> OrbitModel:
         """A fidelity's model as it flies at drives ``omega`` (points,) rad/s."""

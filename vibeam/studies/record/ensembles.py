@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
-from threading import Event, Lock
 from time import thread_time
 from typing import TYPE_CHECKING, Any
 
@@ -20,11 +19,12 @@ from vibeam.case.case import plan_of_record
 from vibeam.case.fineness import finest, plain
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.exchange.faults import CaseError, suggest
-from vibeam.runs.parallel import run_parallel
 from vibeam.runs.transient.motions import MotionMaker, Realisation, motions_of
 from vibeam.runs.transient.statistics import SampleMean, mean_of, paired
 from vibeam.runs.transient.transient import assembled
 from vibeam.solvers import SOLVERS
+from vibeam.store.blocks import Values
+from vibeam.store.shares import are_shared, evaluate_each
 from vibeam.studies.record.readings import AskedNumber, few_numbers, suits
 from vibeam_models.arrays import Array, ValueRecord
 
@@ -106,29 +106,27 @@ def ensembles(
     """
     makers = [MotionMaker(case, name) for case, name in variants]
     jobs = [(at, each) for at, (case, name) in enumerate(variants) for each in motions_of(case, name)]
-    for maker, (case, _) in zip(makers, variants, strict=True):
+    for maker in {each.name: each for each in makers}.values():
         _require_signals(maker, asked)
-        for value in range(len(plan_of_record(case).values)):
+    for maker in [] if are_shared() else makers:  # a part makes those of its own motions
+        for value in range(len(plan_of_record(maker.case).values)):
             maker.system(value)
     shapes = [(len(plan.values), max(len(plan.seeds), 1)) for plan in (plan_of_record(case) for case, _ in variants)]
-    rows = [np.full((len(asked) + 1, *shape), np.nan) for shape in shapes]
-    done, lock = 0, Lock()
+    rows = [np.full((len(asked) + 2, *shape), np.nan) for shape in shapes]
 
-    def fly(job: tuple[int, Realisation], stop: Event) -> None:
-        nonlocal done
+    def fly(job: tuple[int, Realisation]) -> Values:
         at, motion = job
-        rows[at][:, motion.value, motion.seed] = _numbers(makers[at], motion, asked)
-        with lock:
-            done += 1
-            if told is not None:
-                told(done, len(jobs))
+        return {"numbers": np.array(_numbers(makers[at], motion, asked))}
 
-    if told is not None:
-        told(0, len(jobs))
-    run_parallel(fly, jobs)
+    def keep(job: tuple[int, Realisation], found: Values) -> None:
+        at, motion = job
+        rows[at][:, motion.value, motion.seed] = found["numbers"]
+
+    of = repr((asked, [(at, motion.key) for at, motion in jobs]))
+    evaluate_each("motions", of, jobs, fly, keep, told)
     return [
-        Ensemble(name, maker.system(0)[0].size, dict(zip(asked, row[:-1], strict=True)), row[-1])
-        for (_, name), maker, row in zip(variants, makers, rows, strict=True)
+        Ensemble(name, int(row[-1].flat[0]), dict(zip(asked, row[:-2], strict=True)), row[-2])
+        for (_, name), row in zip(variants, rows, strict=True)
     ]
 
 
@@ -141,16 +139,16 @@ def _require_signals(maker: MotionMaker, asked: Sequence[AskedNumber]) -> None:
 
 
 def _numbers(maker: MotionMaker, motion: Realisation, asked: Sequence[AskedNumber]) -> list[float]:
-    """Numbers of one motion, and its CPU time at the end."""
-    duration = float(plan_of_record(maker.case).duration)
+    """Numbers of one motion, behind them its CPU time and the number of its modes."""
+    duration, system = float(plan_of_record(maker.case).duration), maker.system(motion.value)[0]
     if SOLVERS[maker.case.fidelities[maker.name].solver].motion == "exact" and suits(asked):
         begun, record = thread_time(), maker.load(motion.value, motion.seed)
         path, _ = maker.path(motion.value, record)
-        return [*few_numbers(path, record, asked, duration), thread_time() - begun]
+        return [*few_numbers(path, record, asked, duration), thread_time() - begun, system.size]
     reading = maker.made(replace(motion, shown=False))
     one = assembled(maker.name, duration, maker.system(motion.value)[1], [[reading]])
     found = [float(one.of(each.quantity, each.signal or None)[0, 0]) for each in asked]
-    return [*found, float(one.cpu_seconds[0, 0] + one.reading_seconds[0, 0])]
+    return [*found, float(one.cpu_seconds[0, 0] + one.reading_seconds[0, 0]), system.size]
 
 
 def changes(reference: Ensemble, other: Ensemble) -> tuple[NumberChange, ...]:

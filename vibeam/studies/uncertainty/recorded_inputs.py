@@ -6,7 +6,6 @@ noise of the load. A number of a sample is its mean over the seeds, at the first
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -69,10 +68,10 @@ def record_uncertainty(case: Case, samples: int, seed: int, told: Told | None = 
     flown = _Samples(case, seed, told)
     shares = saltelli(len(case.uncertain), samples, seed)
     inputs = inputs_of(case.uncertain, shares)
-    nominal = flown.at(finest, None)
-    found, seconds = flown.at(finest, inputs)
+    flown_all, seconds = flown.at(finest, inputs, nominal=True)
+    found, nominal = flown_all[:, :-1], flown_all[:, -1]
     both = found[:, : 2 * samples]
-    spread = [Distribution.of(float(own[0]), each) for own, each in zip(nominal[0], both, strict=True)]
+    spread = [Distribution.of(float(own), each) for own, each in zip(nominal, both, strict=True)]
     parts = indices(found, len(case.uncertain), seed)
     rows = tuple(
         UncertainNumber(each, spread[at], Indices(*(part[:, at : at + 1] for part in (
@@ -93,13 +92,13 @@ class _Samples:
         self.keys = [each.key for each in case.uncertain]
         self.asked = usual_numbers(case)
 
-    def at(self, fidelity: str, inputs: Array | None) -> tuple[Array, float]:
-        """Numbers (q, m) of a fidelity at inputs (m, d), None: at the case's own, and the CPU time of a sample, s."""
+    def at(self, fidelity: str, inputs: Array, nominal: bool = False) -> tuple[Array, float]:
+        """Numbers (q, m) of a fidelity at inputs (m, d), and the CPU time of a sample, s; ``nominal``: those at the
+        case's own values behind them."""
         plan = plan_of_record(self.case)
         one = {"uncertain": None, "record.over": plan.over, "record.values": [plan.values[0]]}
         own = alone(self.case, fidelity).with_keys(one)
-        rows: Sequence[Sequence[float]] = [[]] if inputs is None else inputs.tolist()
-        cases = [own.with_keys(dict(zip(self.keys, row, strict=False))) if row else own for row in rows]
+        cases = [own.with_keys(dict(zip(self.keys, row, strict=True))) for row in inputs.tolist()] + [own] * nominal
         made: list[Ensemble] = ensembles([(each, fidelity) for each in cases], self.asked, self.told)
         numbers = np.array([[float(np.mean(each.of(asked))) for each in made] for asked in self.asked])
         return numbers, float(np.mean([each.seconds.sum() for each in made]))

@@ -8,8 +8,8 @@ independent of those that an estimate is made of.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 from time import thread_time
 from typing import TYPE_CHECKING, Any
@@ -19,15 +19,15 @@ import numpy as np
 from vibeam.case.fidelity import gap_drift, gap_wear, system
 from vibeam.periodic.motions import closed_curve, unsuited
 from vibeam.runs.closed_motions import without_closed_forms
-from vibeam.runs.parallel import heartbeat, run_parallel
+from vibeam.runs.parallel import heartbeat
 from vibeam.runs.sweep import sweep
+from vibeam.store.blocks import Values
+from vibeam.store.shares import evaluate_each, sharing
 from vibeam.system.response import FrequencyResponse, complete
 from vibeam_models.arrays import Array
 from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
-    from threading import Event
-
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Model
     from vibeam.case.study_plans import Uncertain
@@ -91,37 +91,40 @@ class Sampler:
 
     def nominal(self, fidelity: str) -> Responses:
         """Response at the case's own values."""
-        return self._gathered(fidelity, (), np.empty((1, 0)))
+        with sharing(None):
+            return replace(self, keys=())(fidelity, np.empty((1, 0)))
 
-    def __call__(self, fidelity: str, inputs: Array, tell: Callable[[str], None] | None = None) -> Responses:
-        """Responses to inputs (m, d), several at once; CaseError for a value that the case may not have.
+    def __call__(self, fidelity: str, inputs: Array) -> Responses:
+        """Responses to inputs (m, d), several at once; CaseError for a value that the case may not have."""
+        return self.each({fidelity: inputs})[fidelity]
+
+    def each(self, asked: Mapping[str, Array], tell: Callable[[str], None] | None = None) -> dict[str, Responses]:
+        """Responses of fidelities, by name, to inputs (m, d) each, as ``__call__``: one round of evaluations.
 
         ``tell``: hears every few seconds how many are there.
         """
-        for extreme in (inputs.min(axis=0), inputs.max(axis=0)):
-            self.case.model(fidelity).at(dict(zip(self.keys, extreme, strict=True))).checked()
-        return self._gathered(fidelity, self.keys, inputs, tell)
+        models, rows = {name: self.case.model(name) for name in asked}, dict[tuple[str, int], Values]()
+        for name, inputs in asked.items():
+            for extreme in (inputs.min(axis=0), inputs.max(axis=0)):
+                models[name].at(dict(zip(self.keys, extreme, strict=True))).checked()
+        every = [(name, at) for name, inputs in asked.items() for at in range(len(inputs))]
 
-    def _gathered(
-        self, fidelity: str, keys: Sequence[str], inputs: Array, tell: Callable[[str], None] | None = None
-    ) -> Responses:
-        model = self.case.model(fidelity)
-        rows: list[tuple[Array, Array]] = [(np.empty(0), np.empty(0))] * len(inputs)
+        def row(place: tuple[str, int]) -> Values:
+            name, at = place
+            return self._row(models[name].at(dict(zip(self.keys, asked[name][at], strict=True))))
 
-        def one(index: int, stop: Event) -> None:
-            rows[index] = self._row(model.at(dict(zip(keys, inputs[index], strict=True))))
+        with heartbeat(tell, lambda: f"{len(rows)} of {len(every)} sweeps"):
+            of = repr([self.case.numbers, self.keys, *((name, own.tobytes()) for name, own in asked.items())])
+            evaluate_each("sweeps", of, every, row, rows.__setitem__)
+        return {name: _gathered(name, own, [rows[name, at] for at in range(len(own))]) for name, own in asked.items()}
 
-        with heartbeat(tell, lambda: f"{fidelity}: {sum(len(each) > 0 for each, _ in rows)} of {len(rows)} sweeps"):
-            run_parallel(one, list(range(len(inputs))))
-        amplitudes, numbers = (np.stack(each) for each in zip(*rows, strict=True))
-        return Responses(fidelity, inputs, amplitudes, *numbers.T)
-
-    def _row(self, model: Model) -> tuple[Array, Array]:
+    def _row(self, model: Model) -> Values:
         begin = thread_time()
         response = self._swept(model)
         top, changes = response.peak, _changes(response)
         numbers = (top.amplitude, top.frequency, _jump(response), *changes, thread_time() - begin)
-        return np.where(complete(response), response.amplitude, np.nan), np.array(numbers)
+        amplitude = np.where(complete(response), response.amplitude, np.nan)
+        return {"amplitude": amplitude, "numbers": np.array(numbers)}
 
     def _swept(self, model: Model) -> FrequencyResponse:
         fidelity, plan, coarse = model.fidelity, self.case.sweep, self.coarse
@@ -142,6 +145,11 @@ class Sampler:
             harmonics=scene.harmonics,
         )
         return found  # type: ignore[no-any-return]
+
+
+def _gathered(fidelity: str, inputs: Array, rows: Sequence[Values]) -> Responses:
+    amplitude, numbers = (np.stack([row[part] for row in rows]) for part in ("amplitude", "numbers"))
+    return Responses(fidelity, inputs, amplitude, *numbers.T)
 
 
 def _jump(response: FrequencyResponse) -> float:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.fineness import alike
+from vibeam.case.fineness import alike, finest
 from vibeam.case.source import of_source
 from vibeam.runs.parallel import EVERY, heartbeat
-from vibeam.runs.result import finest_of
+from vibeam.store.shares import sharing
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, ErrorRow, Indices, error_rows, indices, saltelli
@@ -119,29 +119,28 @@ def _often(told: Progress, done: int, total: int) -> None:
 def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintyStudy:
     from vibeam.runs.run import run
 
+    top = finest(case, {name: case.system(name).size for name in case.fidelities})
+    names = [name for name in alike(case, case.fidelities, top) if name != top] + [top]
+    sampler = Sampler(case, tuple(each.key for each in case.uncertain))
+    inputs = inputs_of(case.uncertain, saltelli(len(case.uncertain), samples, seed))
+    asked = {name: inputs if name == top else inputs[: 2 * samples] for name in names}
+    own_row = {name: sampler.nominal(name) for name in names}
+    for name in names:
+        seconds = len(asked[name]) * float(own_row[name].seconds[0])
+        tell(f"{name}: {len(asked[name])} sweeps" + (f", about {seconds:.0f} s of CPU time" if seconds > EVERY else ""))
+    found = sampler.each(asked, tell)
     with heartbeat(tell, lambda: "the case as it is"):
         nominal: Any = run(case, show=False, compare=True)
-    finest = finest_of(nominal)
-    names = [name for name in alike(case, nominal, finest) if name != finest] + [finest]
-    sampler = Sampler(case, tuple(each.key for each in case.uncertain))
-    shares = saltelli(len(case.uncertain), samples, seed)
-    inputs = inputs_of(case.uncertain, shares)
-    found, own_row = dict[str, Responses](), dict[str, Responses]()
-    for name in names:
-        count = len(inputs) if name == finest else 2 * samples
-        own_row[name] = sampler.nominal(name)
-        seconds = count * float(own_row[name].seconds[0])
-        tell(f"{name}: {count} sweeps" + (f", about {seconds:.0f} s of CPU time" if seconds > EVERY else ""))
-        found[name] = sampler(name, inputs[:count], tell)
     rows = tuple(_row(own_row[name], found[name], 2 * samples) for name in names)
-    whole = found[finest]
+    with sharing(None):  # of these the number follows from times
+        mean = mean_of_peak(sampler, found, top, 2 * samples, seed, tell)
     return UncertaintyStudy(
         case,
         np.sort(case.sweep.frequency),
         rows,
-        indices(whole.amplitude.T, len(case.uncertain), seed),
-        indices(whole.peak[None], len(case.uncertain), seed),
-        mean_of_peak(sampler, found, finest, 2 * samples, seed, tell),
+        indices(found[top].amplitude.T, len(case.uncertain), seed),
+        indices(found[top].peak[None], len(case.uncertain), seed),
+        mean,
         error_rows(nominal, {row.fidelity: row.peak for row in rows}),
         samples,
         seed,
