@@ -26,13 +26,14 @@ from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.expectations import expectation, measured_number
 from vibeam.casefile.tables.input import input_plan
 from vibeam.casefile.tables.outputs import main_output
+from vibeam.casefile.tables.references import record
 from vibeam.casefile.tables.sweep import APPLIED, fidelity_of, is_solid
 from vibeam.casefile.tables.table import content, digest, plan_of
-from vibeam.casefile.toml import parsed
+from vibeam.casefile.toml import parsed, read_text
 from vibeam.casefile.toml_writing import toml_text
 from vibeam.exchange.faults import CaseError, Fault, KeyPath
 from vibeam.figures import COMMON, FIGURES
-from vibeam.observe.measuring_chain import Chain
+from vibeam.observe.measuring_chain import Chain, LowPass
 from vibeam_models.scene import AnyScene
 
 
@@ -49,8 +50,6 @@ def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] |
     >>> case.sweep.frequency.tolist()
     [14.0, 15.5, 17.0]
     """
-    from vibeam.casefile.toml import read_text
-
     if not isinstance(path, Mapping):
         return parse(read_text(Path(path)), path, set)
     file = Path("case.toml")
@@ -203,8 +202,6 @@ def _chain(case: AnyCase) -> Chain | None:
     table = case.measurement
     if table is None:
         return None
-    from vibeam.observe.measuring_chain import Chain, LowPass
-
     low_pass: LowPass | None = None
     if table.low_pass is not None:
         family: Any = table.low_pass
@@ -216,8 +213,6 @@ def _chain(case: AnyCase) -> Chain | None:
 def _references(case: AnyCase, folder: Path, swept: Direction) -> dict[str, Reference]:
     if not case.reference:
         return {}
-    from vibeam.casefile.tables.references import record
-
     return {name: record(name, table, case, folder, swept) for name, table in case.reference.items()}
 
 

@@ -21,6 +21,7 @@ from vibeam.casefile.tables.table import plan_of
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.beams.beam import Beam
+from vibeam_models.given import GivenScene
 from vibeam_models.keys import keys_of
 from vibeam_models.outputs import DISPLACEMENT
 from vibeam_models.scene import Scene
@@ -243,8 +244,6 @@ def _beams_material(case: Any) -> tuple[GroupMaterial, ...]:
 
 def mesh_scene(case: Any, folder: File) -> Any:
     """The scene of a mesh of the user's own: a given structure at the case's stop."""
-    from vibeam_models.given import GivenScene
-
     given, faults = _own(case, folder)
     if given is None:
         raise ValueError("; ".join(f"solid.{key}: {message}" for key, message in faults))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts.layout import PUSHED_AT
 from vibeam.flight.kernels.regimes import layout as regime_layout
@@ -187,8 +188,6 @@ class Trajectory(ValueRecord):
 
     def gaps(self, t: ArrayLike) -> Array:
         """Gap of every contact (…, k) at times t, m: the first stop, a second one on its other side, further ones."""
-        from vibeam.flight.equilibrium import Contacts
-
         contacts = Contacts.of(self.system)
         return np.asarray(contacts.gaps - self.modes_at(t)[..., 0, :] @ contacts.rows.T)
 

@@ -7,6 +7,7 @@ from math import ceil, isfinite, nan
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
+from vibeam.case.fidelity import Fidelity
 from vibeam.report.output import StudySheet
 from vibeam.report.reductions import shown
 from vibeam.report.tables import ReportTable, blank, coefficient
@@ -245,7 +246,6 @@ def steps_and_shapes(found: SolidVerdict) -> Figure:
         figure = Figure(figsize=(6.3, 3.2), layout="constrained")
         _bars(figure, found)
         return figure
-    from vibeam.case.fidelity import Fidelity
     from vibeam.figures.kinds.shapes import draw_modes, shapes_of
 
     figure = Figure(figsize=(6.3, 8.4), layout="constrained")

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.case.case import Case, units_of_output
+from vibeam.case.fidelity import restitutions
 from vibeam.case.fineness import alike, finest
 from vibeam.case.held import held_of
 from vibeam.exchange.faults import suggest
@@ -97,8 +98,6 @@ class Result(Mapping[str, Branches], LabelledData):
 
     def restitutions(self, fidelity: str) -> tuple[float, float]:
         """Restitution R of the contact and R₁ of mode 1 in one fidelity."""
-        from vibeam.case.fidelity import restitutions
-
         known = self._models.get(fidelity)
         if known is None:
             return restitutions(self.case.scene_of(fidelity), self.case.fidelities[fidelity])

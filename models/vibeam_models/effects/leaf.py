@@ -12,7 +12,7 @@ from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.keys import quantity
 from vibeam_models.scene import Effect, Scene
-from vibeam_models.space import BeamSpace
+from vibeam_models.space import BeamSpace, bare_beam
 from vibeam_models.structure import Structure, in_coordinates, side_by_side
 
 ELEMENTS = 24  # along the leaf: its third frequency is exact to 1e-5
@@ -69,8 +69,6 @@ class Leaf(Effect):
 
         The contact is the deflection of the leaf at the opposite beam's arm.
         """
-        from vibeam_models.space import bare_beam
-
         stand = next(iter(scene.named("opposite")))
         leaf, along = bare_beam(self.beam(scene), [stand.arm])
         both = side_by_side(structure, leaf, np.concatenate([np.zeros(structure.size), along.row(stand.arm)]))

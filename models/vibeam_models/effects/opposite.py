@@ -13,7 +13,7 @@ from vibeam_models.beams.shapes import SHAPES
 from vibeam_models.beams.tables import dimension, dimension_faults, rigid_body_faults, shape_of
 from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Effect, Scene
-from vibeam_models.space import BeamSpace
+from vibeam_models.space import BeamSpace, bare_beam
 from vibeam_models.structure import Structure, side_by_side
 
 
@@ -86,8 +86,6 @@ class Opposite(Effect):
 
     def other_beam(self, scene: Scene) -> tuple[Structure, BeamSpace]:
         """The structure of the opposite beam alone with what it carries, and its space."""
-        from vibeam_models.space import bare_beam
-
         effects = scene.of("opposite")
         zones = [zone for effect in effects for zone in effect.rigid_zones]
         places = [x for middle, half in zones for x in (middle, middle - half, middle + half)]

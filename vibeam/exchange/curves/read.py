@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from vibeam.exchange.curves import text
 from vibeam.exchange.curves.columns import Columns, WantedColumn
 from vibeam.exchange.curves.text import TextForm
 from vibeam.exchange.files import LARGEST_TEXT, state_of
@@ -29,8 +30,6 @@ def read_columns(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm 
         from vibeam.exchange.curves import universal
 
         return universal.read(path, wanted)
-    from vibeam.exchange.curves import text
-
     return text.read(path, wanted, form)
 
 

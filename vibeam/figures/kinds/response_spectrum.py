@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibeam.case.case import Case, plan_of_record
+from vibeam.case.case import Case, plan_of_record, quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import is_empty, labelled, say
 from vibeam.figures.record import RecordResult, record_motion
@@ -126,8 +126,6 @@ def draw(figure: Figure, result: RecordResult, plan: ShowPlan, shown: tuple[Shee
 
 
 def _unit(case: Case, plan: ShowPlan) -> str:
-    from vibeam.case.case import quantity_of
-
     unit = {"m": "m", "m s-1": "(m/s)", "m s-2": "(m/s²)", "rad": "rad", "1": ""}[quantity_of(case, plan.output).unit]
     return f"{unit}²/Hz" if unit else "1/Hz"
 

@@ -10,7 +10,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure, FigureBase
 
 from vibeam.case.beam_field import field_system, fields
@@ -187,16 +191,11 @@ def _body(axes: Axes, sheet: Sheet, moved: Array, length: float) -> None:
 
 
 def _colours() -> Any:
-    from matplotlib import colormaps
-    from matplotlib.colors import ListedColormap
-
     return ListedColormap(colormaps["cividis"](np.linspace(DARKEST, 1.0, 256)))
 
 
 def _line(axes: Axes, positions: Array, deflection: Array, length: float, across: float) -> None:
     """Draw the line of a beam, in the same colours."""
-    from matplotlib.collections import LineCollection
-
     places = np.stack([positions, 0 * positions, across + SIZE * length * deflection], axis=1)
     at = projected(places)[:, :2]
     middle = np.abs(deflection[1:] + deflection[:-1]) / 2
@@ -219,8 +218,5 @@ def _share_limits(panels: list[Axes]) -> None:
 
 
 def _scale_of_colours(figure: FigureBase, panels: list[Axes]) -> None:
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-
     mapped = ScalarMappable(Normalize(0.0, 1.0), _colours())
     figure.colorbar(mapped, ax=panels, label="displacement over the largest", shrink=0.6, aspect=30, pad=0.02)

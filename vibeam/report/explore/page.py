@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from vibeam import __version__
+from vibeam.figures.units import units_for
 from vibeam.report.explore.payload import payload
 from vibeam.report.page.drawing import drawing
 from vibeam.report.page.parts import LivePart, Picture, as_json, rendered
@@ -27,7 +29,6 @@ def results_page(stored: StoredResult) -> str:
 
     Of a record case without an engine: its flights are of a sine.
     """
-    from vibeam.figures.units import units_for
     from vibeam.report.page.page import page
 
     if stored.result.case.record is not None:
@@ -37,7 +38,6 @@ def results_page(stored: StoredResult) -> str:
 
 def explore_page(case: Case, made: Mapping[str, Any]) -> str:
     """Page of a case that can be run, with the payload that was ``made`` of it: its rig, its models, the engine."""
-    from vibeam import __version__
     from vibeam.report.views import sheet_of
 
     drawn = drawing(case.scene)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from vibeam.figures.response_curve import frc
 from vibeam.report.output import StudySheet
 from vibeam.report.page.charts import chart_data
 from vibeam.report.page.parts import LivePart, as_json, picture, rendered
@@ -17,8 +18,6 @@ VIEWS = ("numbers", "chart", "result", "response", "participation")
 
 def page(stored: StoredResult, live: LivePart | None = None) -> str:
     """The page as HTML, with what is ``live`` of it; CaseError where a model of the case cannot be built any more."""
-    from vibeam.figures.response_curve import frc
-
     result = stored.result
     if result.case.record is not None:
         from vibeam.report.page.record_page import record_page

@@ -5,6 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from vibeam.case.plans import ShowPlan
+from vibeam.exchange.faults import CaseError
+from vibeam.figures.kinds import impact_velocities
+from vibeam.figures.page import blank_page
 from vibeam.figures.record import drawn_motion
 from vibeam.report.page.energies import energy_bars
 from vibeam.report.page.parts import Picture, as_json, picture, rendered
@@ -52,7 +56,6 @@ def record_page(stored: StoredResult) -> str:
 
 def _overview(result: TransientResult) -> Overview | None:
     """Rig and load in a sentence; None where a file of the load is not there any more."""
-    from vibeam.exchange.faults import CaseError
     from vibeam.runs.transient.motions import MotionMaker
     from vibeam.runs.transient.overview import overview_of_record
 
@@ -63,10 +66,6 @@ def _overview(result: TransientResult) -> Overview | None:
 
 
 def _velocities(result: TransientResult) -> Picture:
-    from vibeam.case.plans import ShowPlan
-    from vibeam.figures.kinds import impact_velocities
-    from vibeam.figures.page import blank_page
-
     plan = ShowPlan(name="velocities", kind="impact_velocities", key="", fidelities=tuple(result))
 
     def make() -> Figure:

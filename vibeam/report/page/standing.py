@@ -8,7 +8,9 @@ from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
+from vibeam.exchange.faults import CaseError
 from vibeam.figures import FIGURES
+from vibeam.figures.units import METRIC, units_of
 from vibeam.report.checks import check_report
 from vibeam.report.output import StudySheet
 from vibeam.report.page.drawing import drawing, mode_shapes
@@ -53,8 +55,6 @@ def standing(
 
 def _checks(result: Result, left_out: Sequence[str]) -> StudySheet:
     """References, regression values and measured numbers of the case, where each fidelity was run by itself."""
-    from vibeam.exchange.faults import CaseError
-    from vibeam.figures.units import METRIC, units_of
     from vibeam.studies.regression.check import check, compare_measured
 
     case = result.case

@@ -8,6 +8,7 @@ R^(k−1) v.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from math import pi, sqrt
 from pathlib import Path
@@ -61,8 +62,6 @@ def pages() -> Iterator[Finding]:
 
 def reason() -> str:
     """Why numba compiles the kernels and no library is taken."""
-    import os
-
     from vibeam.flight.engine.entries import VARIABLE, move
     from vibeam.flight.engine.loading import LibraryUnavailable, function_of
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift
+from vibeam.exchange.faults import CaseError
 from vibeam.flight.trajectory import Trajectory, simulate
 from vibeam.observe.restitution import extrapolated_restitution
 from vibeam.observe.ringing import fit_ringing
@@ -180,8 +181,6 @@ def _coordinates(scene: Any) -> int:
 
 def _reason(refusal: ValueError) -> str:
     """Reason of a refusal, without the file name before each fault."""
-    from vibeam.exchange.faults import CaseError
-
     if isinstance(refusal, CaseError):
         return "; ".join(f"{fault.key}: {fault.message}" for fault in refusal.faults)
     return str(refusal)
