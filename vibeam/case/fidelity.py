@@ -71,12 +71,6 @@ class Fidelity:
         return {key: value for key, value in self.changes.items() if not key.startswith("solid.")}
 
 
-def reduced(structure: Structure, fidelity: Fidelity) -> Structure:
-    """Reduce ``structure`` as ``fidelity`` says; ValueError for more modes than it has."""
-    made = REDUCTIONS[fidelity.reduction].make(structure, fidelity.modes, **fidelity.parameters)
-    return made.structure
-
-
 def system(scene: AnyScene, fidelity: Fidelity) -> ImpactSystem:
     """Impact system of ``scene`` at ``fidelity``: SI units, output ``"sensor"`` (and ``"tip"`` of a beam), and its own.
 

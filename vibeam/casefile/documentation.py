@@ -107,12 +107,6 @@ def lines_of(rows: Iterable[KeyRow]) -> list[KeyLine]:
     ]
 
 
-def paths() -> list[str]:
-    """Every table and key by its dotted name, several tables of a kind without their own names."""
-    found = [(*_place(row.table), row.key) for row in reference_table()]
-    return sorted({".".join(path[:depth]) for path in found for depth in range(1, len(path) + 1)})
-
-
 def rows_of(name: str) -> list[KeyRow]:
     """The keys of one table (``"stop"``), or one key (``"stop.gap"``), as ``reference_table`` has them.
 

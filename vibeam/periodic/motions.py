@@ -75,11 +75,6 @@ class Motions(ValueRecord):
         return (self.maximum - self.minimum) / 2
 
     @property
-    def exists(self) -> Flags:
-        """Points (points,) with a motion that meets the stop as it should, clear of it in between or not."""
-        return self._any_of(OrbitKind.ORBIT, OrbitKind.UNSTABLE, OrbitKind.STRIKES)
-
-    @property
     def admissible(self) -> Flags:
         """Points (points,) with a motion that is clear of the stop between its impacts, stable or not."""
         return self._any_of(OrbitKind.ORBIT, OrbitKind.UNSTABLE)

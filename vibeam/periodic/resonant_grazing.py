@@ -32,7 +32,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from vibeam.periodic.bifurcation_functions import Kind
@@ -117,22 +116,6 @@ def _unfolded(system: ImpactSystem, kind: Kind, place: float, periods: int) -> R
         slope, curvature = -first * g0, 0.5 * (first * tau) ** 2 - first * green - 0.5 * second * g0
     amplitude = _clear(system) / abs(complex(here.unit[0]))
     return ResonantGrazing(kind, periods, place, amplitude, slope, curvature, int(-np.sign(first)))
-
-
-def boundary_drives(system: ImpactSystem, omega: ArrayLike, periods: int = 1) -> tuple[Array, Array]:
-    """Drives B/B_g of fold and doubling (points,) at frequencies ``omega``, rad/s; NaN where no impact pushes.
-
-    Errors as in ``resonant_grazing``. Whether a motion stays clear of the stop between its impacts is not asked.
-    """
-    grid = checked(system, omega, periods)
-    _clear(system)
-    total = sums(system, grid, periods)
-    rows = []
-    for share in (_fold, _doubling):
-        numerator, denominator = share(system, total)
-        q = numerator / denominator
-        rows.append(np.where(q < 0, np.hypot(1 - q * total.g0, q * _turn(system, total)), np.nan))
-    return rows[0], rows[1]
 
 
 def _clear(system: ImpactSystem) -> float:

@@ -79,10 +79,6 @@ class SolidField:
     elements: SolidElements
     basis: Any
 
-    def expand(self, y: Array) -> Array:
-        """Displacements (k, 3) or (k, 3, m) m, of coordinates (n,) or (n, m)."""
-        return np.asarray((self.basis @ y).reshape(-1, 3, *y.shape[1:]))
-
 
 @dataclass(frozen=True)
 class RigidMass:

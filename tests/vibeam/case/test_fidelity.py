@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.models.bench import POINT_MASS, RIG, STEEL
-from vibeam.case.fidelity import Fidelity, reduced, system
+from vibeam.case.fidelity import Fidelity, system
 from vibeam_models.base import Base
 from vibeam_models.base_motion import base_amplitude
 from vibeam_models.beam import assemble
@@ -15,6 +15,7 @@ from vibeam_models.beams.beam import Damping
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop
+from vibeam_reductions.declaration import REDUCTIONS
 
 SDOF = Fidelity("sdof", "static_mode")
 BEAM = Fidelity("beam", "modal", modes=8)
@@ -25,7 +26,7 @@ SIZES = [(SDOF, 1), (BEAM, 8), (WHOLE, 64)]
 @pytest.mark.parametrize(("fidelity", "size"), SIZES, ids=lambda x: getattr(x, "name", None))
 def test_every_fidelity_of_the_rig(fidelity, size):
     made = system(RIG, fidelity)
-    assert made.size == size == reduced(assemble(RIG), fidelity).size
+    assert made.size == size == REDUCTIONS[fidelity.reduction].make(assemble(RIG), fidelity.modes).structure.size
     assert set(made.outputs) == {"sensor", "tip"}
     assert made.omega[0] / (2 * np.pi) == pytest.approx(7.597, abs=1e-3)
     np.testing.assert_allclose(made.zeta, 0.017, rtol=1e-3)

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.case.fidelity import Fidelity, reduced
+from vibeam.case.fidelity import Fidelity
 from vibeam.case.fidelity import system as system_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
@@ -81,7 +81,7 @@ def rig(name: str) -> Rig:
     scene = SCENES[name]
     few = Fidelity("few", "modal", MODES.get(name, 3))
     system = system_of(scene, few)
-    structure = reduced(assemble(scene), few)
+    structure = vibeam.modal(assemble(scene), MODES.get(name, 3)).structure
     if scene.platform is not None:
         structure = moving_platform(scene.platform, scene.shaker, scene.moving_mass).under(structure)
     place = float(structure.contact @ np.linalg.solve(structure.K, structure.static))
@@ -110,7 +110,7 @@ def flows(made: Rig, path: Trajectory) -> Callable[[np.ndarray], np.ndarray]:
     if shaker is not None:
         assert made.scene.platform is not None
         bare = moving_platform(made.scene.platform, None, made.scene.moving_mass)
-        damping = bare.under(reduced(assemble(made.scene), Fidelity("few", "modal", 3))).C
+        damping = bare.under(vibeam.modal(assemble(made.scene), 3).structure).C
 
     def of(t: np.ndarray) -> np.ndarray:
         v = path.modes_at(t)[:, 1] @ made.shapes.T

@@ -7,9 +7,11 @@ from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 import vibeam
-from vibeam.periodic.resonant_grazing import boundary_drives
+from vibeam.periodic.modal_sums import sums
+from vibeam.periodic.resonant_grazing import _doubling, _fold, _turn
 
 ONE = vibeam.ImpactSystem.from_modes(1.0, 0.03, 1.0, 1.0, gap=1.0, restitution=0.8)
 TWO = vibeam.ImpactSystem.from_modes([1.0, 6.27], 0.02, [1.0, 0.4], [1.0, 0.3], gap=1.0, restitution=0.7)
@@ -18,6 +20,17 @@ EIGHT = vibeam.ImpactSystem.from_modes(
     gap=1.0, restitution=0.75,
 )  # fmt: skip
 SEVERAL = pytest.mark.parametrize("system", [TWO, EIGHT], ids=["two modes", "eight modes"])
+
+
+def boundary_drives(system: vibeam.ImpactSystem, omega: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Drives B/B_g of fold and doubling (points,) at frequencies ``omega``, rad/s; NaN where no impact pushes."""
+    total = sums(system, np.atleast_1d(np.asarray(omega, dtype=float)), 1)
+    rows = []
+    for share in (_fold, _doubling):
+        numerator, denominator = share(system, total)
+        q = numerator / denominator
+        rows.append(np.where(q < 0, np.hypot(1 - q * total.g0, q * _turn(system, total)), np.nan))
+    return rows[0], rows[1]
 
 
 def coefficients(zeta: float, restitution: float, k: int) -> tuple[float, float, float]:

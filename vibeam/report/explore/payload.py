@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from vibeam import __version__
 from vibeam.case.case import Case, quantity_of
 from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.flight.engine.browser import browser_libraries, slots_table
@@ -57,8 +58,6 @@ def payload(case: Case, units: DisplayUnits | None = None) -> dict[str, Any]:
 
 
 def _engine(packed: Mapping[str, str]) -> dict[str, Any]:
-    from vibeam import __version__
-
     digest = sha256("".join(packed[name] for name in sorted(packed)).encode()).hexdigest()
     return {"version": __version__, "level": WASM, "digest": digest[:16], "libraries": dict(packed)}
 
@@ -84,7 +83,7 @@ def _moving(found: CaseSliders, models: Sequence[Mapping[str, Any]]) -> CaseSlid
 
 
 def _slider(slider: Slider) -> dict[str, Any]:
-    kept = ("name", "key", "label", "unit", "factor", "value", "low", "high", "logarithmic")
+    kept = ("name", "key", "label", "unit", "factor", "value", "low", "high")
     said: dict[str, Any] = {name: getattr(slider, name) for name in kept}
     said["of"] = {name: list(each) for name, each in slider.of.items()}
     return said if slider.places is None else said | {"places": array_of(slider.places)}

@@ -54,7 +54,6 @@ class Slider:
     of: Mapping[str, Affine] = field(default_factory=dict)
     places: Array | None = None
     keys: Mapping[str, float] = field(default_factory=dict)
-    logarithmic: bool = False
 
     def settings(self, value: float) -> dict[str, float]:
         """Keys of the case, with their values (SI) at ``value`` of the slider."""

@@ -178,15 +178,13 @@ def text_of(name: str) -> str:
 
 @dataclass(frozen=True)
 class LivePart:
-    """Part of a page that flies: the ``payload`` as JSON, the scripts of engine and view by which all others come.
+    """Part of a page that flies: the ``payload`` as JSON.
 
     ``refusals``: the sentence on each fidelity that is not flown. An empty ``payload`` is a page without an engine.
     """
 
     payload: str
     refusals: tuple[str, ...] = ()
-    engine: tuple[str, ...] = ("engine", "worker")
-    view: str = "explore"
 
 
 def rendered(template: str, scripts: Sequence[str], live: LivePart | None = None, **values: object) -> str:
@@ -201,7 +199,7 @@ def rendered(template: str, scripts: Sequence[str], live: LivePart | None = None
     environment.globals |= {"text_of": text_of, "picture_of": picture, "texts": texts}
     values |= {"live": live, "flies": False}
     if live and live.payload:
-        flown = with_imports(live.engine)
-        scripts = with_imports([*scripts[:-1], live.view, *scripts[-1:]], flown)
+        flown = with_imports(("engine", "worker"))
+        scripts = with_imports([*scripts[:-1], "explore", *scripts[-1:]], flown)
         values |= {"flies": True, "engine": f'"use strict";\n{bundle(flown)}'}
     return environment.get_template(template).render(values, scripts=bundle(scripts, first=not values["flies"]))

@@ -140,7 +140,7 @@ class EstimateSummary:
 class EstimateTexts:
     """Estimates in words, for the terminal and the page: ``cells`` by fidelity, empty where nothing is estimated.
 
-    ``column``: their head, ``caption``: its meaning; ``sentences``: on what is not known, and why; ``unknown``: those
+    ``caption``: the meaning of their head; ``sentences``: on what is not known, and why; ``unknown``: those
     without a number.
     """
 
@@ -148,7 +148,6 @@ class EstimateTexts:
     cells: Mapping[str, str]
     sentences: tuple[str, ...]
     unknown: tuple[str, ...] = ()
-    column: str = COLUMN
     caption: str = CAPTION
 
 

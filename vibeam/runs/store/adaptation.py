@@ -161,7 +161,7 @@ def _reuse_of(file: h5py.File, branch: BranchPlan) -> Reuse:
         return Reuse(branch, stored, 0, fits=False)
     common = _common(frequency, branch.frequency)
     kept = min(stored, common)
-    if kept < stored and branch.carried:
+    if kept < stored:
         kept = last_with_state(group, kept)
     return Reuse(branch, stored, kept, common == len(frequency) == len(branch.frequency))
 

@@ -36,7 +36,7 @@ MODAL_UNITS = {"m": ("kg(1/2) m", "kg(1/2) m s-1"), "1": ("1", "s-1")}
 class BranchPlan:
     """Identity of a group in the file: a fidelity swept in one direction over ``frequency`` (Hz, in the order swept).
 
-    ``key``: of all else that decides its numbers. ``carried``: whether a state is carried from point to point.
+    ``key``: of all else that decides its numbers.
     """
 
     fidelity: str
@@ -44,7 +44,6 @@ class BranchPlan:
     frequency: Array
     modes: int
     key: str = ""
-    carried: bool = True
 
     @property
     def group(self) -> str:
@@ -98,8 +97,8 @@ def write_quantity(group: h5py.Group, name: str, quantity: DatasetQuantity, valu
 def read_branch(group: h5py.Group, branch: BranchPlan) -> StoredBranch:
     """Read the stored part of ``branch``; ValueError where the state after its last point is not finite."""
     values, done = read_rows(group), points_of(group)
-    state = state_after(values, done - 1) if done and branch.carried else None
-    if done and branch.carried and state is None:
+    state = state_after(values, done - 1) if done else None
+    if done and state is None:
         raise ValueError(f"the state after its point {done} is not finite")
     return StoredBranch(
         response_of(values), done, state, StatesAfter(values["state_displacement"], values["state_velocity"])

@@ -32,7 +32,7 @@ export type Model = {
 export type SliderName = "frequency" | "drive" | "gap" | "restitution" | "damping";
 /** A key of the case with its range; each fidelity's own number is a + b · value. */
 export type Slider = Unit & {
-  name: SliderName; key: string; label: string; value: number; low: number; high: number; logarithmic: boolean;
+  name: SliderName; key: string; label: string; value: number; low: number; high: number;
   of: Record<string, [number, number]>;
   /** Values that the slider keeps to: frequencies (Hz), factors on the damping. */
   places?: Packed;

@@ -13,19 +13,19 @@ const steps = (slider) => (placesOf(slider).length || STEPS + 1) - 1;
 
 /** Value (SI) at a slider's step, rounded to what a step changes. @type {(slider: Slider, step: number) => number} */
 function atStep(slider, step) {
-  const { low, high, factor, logarithmic } = slider, share = step / STEPS, places = placesOf(slider);
+  const { low, high, factor } = slider, share = step / STEPS, places = placesOf(slider);
   if (places.length) return places[step];
   if (step <= 0 || step >= STEPS) return step <= 0 ? low : high;
-  const value = logarithmic ? low * (high / low) ** share : low + share * (high - low);
-  const digit = 10 ** Math.floor(Math.log10(((logarithmic ? value : high - low) * Math.abs(factor)) / STEPS));
+  const value = low + share * (high - low);
+  const digit = 10 ** Math.floor(Math.log10(((high - low) * Math.abs(factor)) / STEPS));
   return (Math.round((value * factor) / digit) * digit) / factor;
 }
 
 /** @type {(slider: Slider, value: number) => number} */
 function stepOf(slider, value) {
-  const { low, high, logarithmic } = slider, places = placesOf(slider);
+  const { low, high } = slider, places = placesOf(slider);
   if (places.length) return places.findIndex((each) => each >= value);
-  return STEPS * (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
+  return STEPS * ((value - low) / (high - low));
 }
 
 /** @type {(slider: Slider) => string} */
