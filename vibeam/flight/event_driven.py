@@ -52,6 +52,12 @@ def modal_values(system: ImpactSystem, state: State) -> Array:
     return both
 
 
+def stats_of(counts: Index, begun: float) -> dict[str, float]:
+    """Stats of a motion whose flight has begun at that CPU time."""
+    impacts, evaluations = int(counts[layout.IMPACTS]), int(counts[layout.PANELS])
+    return {"impacts": impacts, "evaluations": evaluations, "cpu_seconds": time.thread_time() - begun}
+
+
 class EventDrivenSolver(ABC):
     """One system, made ready once; its methods take a state and give one back.
 
@@ -130,14 +136,9 @@ class EventDrivenSolver(ABC):
         if outcome == layout.UNRESOLVED and size < np.inf and self._carries():
             pose, status = first
             outcome, segments, counts = self._flown(drive, pose, status, start, end, limit, np.inf)
-        stats = {
-            "impacts": int(counts[layout.IMPACTS]),
-            "evaluations": int(counts[layout.PANELS]),
-            "cpu_seconds": time.thread_time() - begun,
-        }
         last = float(segments.trace[-1, layout.START] + segments.trace[-1, layout.DURATION])
         last = end if outcome == layout.COMPLETE else last
-        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats
+        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats_of(counts, begun)
 
     def _carries(self) -> bool:
         """True where the last motion carried modes along without their steady response."""

@@ -48,13 +48,6 @@ class ContactMaps(TangentMaps):
         self.struck = sides(self.trace)
         self._keys, self._made = keys_of(self.trace, len(self.contacts.gaps)), dict[int, _Set]()
 
-    def __len__(self) -> int:
-        return len(self.trace)
-
-    def product(self) -> Array:
-        """Map over the whole motion."""
-        return self.carried(np.eye(2 * self.system.size))
-
     def carried(self, columns: Array, first: int = 0) -> Array:
         """Disturbances (2n, c) at the begin of segment ``first``, carried to the end of the motion."""
         frame = np.array(columns, dtype=float)

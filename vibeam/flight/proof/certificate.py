@@ -89,13 +89,14 @@ class Certificate:
     def _integrated(self) -> list[UnprovedSpan]:
         law = self.system.contact_law
         which = np.flatnonzero((self.kinds == regime_layout.CONTACT) & (self.durations > 0))
-        if not law.integrated or not len(which):
-            return []
-        first = which[np.diff(which, prepend=-2) > 1]
-        last = which[np.diff(which, append=which[-1] + 2) > 1]
-        reason = f'contact by the law "{law.name}" is integrated, to 1e-12 a step'
-        ends = self.times[last] + self.durations[last]
-        return [UnprovedSpan(float(a), float(b), reason) for a, b in zip(self.times[first], ends, strict=True)]
+        return self._spans_of(which, f'the law "{law.name}"') if law.integrated else []
+
+    def _spans_of(self, which: Index, laws: str) -> list[UnprovedSpan]:
+        """Spans of the segments ``which``, in contact that is integrated, those that follow each other as one."""
+        first, last = np.diff(which, prepend=-2) > 1, np.diff(which, append=len(self.times) + 1) > 1
+        begins, ends = self.times[which[first]], (self.times + self.durations)[which[last]]
+        reason = f"contact by {laws} is integrated, to 1e-12 a step"
+        return [UnprovedSpan(float(a), float(b), reason) for a, b in zip(begins, ends, strict=True)]
 
     def _undecided(self) -> list[UnprovedSpan]:
         open_yet = self.pieces[self.pieces[:, layout.CLAIM] == UNPROVED]

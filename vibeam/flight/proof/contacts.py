@@ -34,11 +34,8 @@ class ContactsCertificate(Certificate):
     def _integrated(self) -> list[UnprovedSpan]:
         contacts = Contacts.of(self.system)
         which = np.flatnonzero(integrated(contacts, self.pushed) & (self.durations > 0))
-        fresh, gone = np.diff(which, prepend=-2) > 1, np.diff(which, append=len(self.times) + 1) > 1
         names = " or ".join(sorted({f'"{law.name}"' for law in contacts.laws if law.integrated}))
-        reason = f"contact by the law {names} is integrated, to 1e-12 a step"
-        ends = (self.times + self.durations)[which[gone]]
-        return [UnprovedSpan(float(a), float(b), reason) for a, b in zip(self.times[which[fresh]], ends, strict=True)]
+        return self._spans_of(which, f"the law {names}")
 
 
 def integrated(contacts: Contacts, pushed: Index) -> Flags:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vibeam.flight.contacts.sets import FIRST, ContactSets
 from vibeam.flight.contacts.solver import ContactsSolver
-from vibeam.flight.event_driven import Segments
+from vibeam.flight.event_driven import Segments, stats_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts import course as load_layout
 from vibeam.flight.kernels.contacts import layout as contact_layout
@@ -18,7 +18,7 @@ from vibeam.flight.kernels.contacts.course import course_of
 from vibeam.flight.kernels.layout import watch_of
 from vibeam.flight.readout import OUTCOMES
 from vibeam.flight.record.course import RecordCourse
-from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.record import Record
 from vibeam.system.response import Ended
 from vibeam.system.state import State
@@ -27,6 +27,7 @@ from vibeam_models.arrays import Array
 SEGMENTS = 8  # of the longest, for whose intervals there is room
 FIRST_ROWS, MOST_ROWS = 4096, 65536  # segments between two visits to Python
 NO_INTERVALS = np.zeros((0, layout.PIECE_COLUMNS))
+STILL = Drive(0.0, 0.0)  # the load is the record's
 
 
 class _Own(local):
@@ -99,12 +100,7 @@ class RecordSolver(ContactsSolver):
         trace = segments.trace
         trace[:, layout.START] = self.times_of(trace)
         last = end if outcome == layout.COMPLETE else float(trace[-1, layout.START] + trace[-1, layout.DURATION])
-        stats = {
-            "impacts": int(counts[layout.IMPACTS]),
-            "evaluations": int(counts[layout.PANELS]),
-            "cpu_seconds": time.thread_time() - begun,
-        }
-        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats, intervals
+        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats_of(counts, begun), intervals
 
     def times_of(self, trace: Array) -> Array:
         """Times at which the segments begin, s: by the record's own knots, so that they do not drift."""
@@ -152,21 +148,9 @@ class RecordSolver(ContactsSolver):
         course.numbers[load_layout.WRITTEN] = 0.0
         return found
 
-    def modes_at(self, segments: Segments, times: Array) -> Array:
-        """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
-        self._make_all(segments.trace)
-        starts = segments.trace[:, layout.START]
-        which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
-        out = np.empty((len(times), 2, self.system.size))
-        self._poses_at(
-            self.sets.engine, 0.0, 0.0, segments.trace, np.ascontiguousarray(segments.poses), which,
-            times - starts[which], *self._scratch(), out,
-        )  # fmt: skip
-        return out
-
     def poses_at(self, drive: Any, segments: Segments, times: Array) -> Array:
-        """As ``modes_at``."""
-        return self.modes_at(segments, times)
+        """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
+        return super().poses_at(STILL, segments, times)
 
 
 def flown(
