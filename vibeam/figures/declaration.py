@@ -15,8 +15,8 @@ class FigureKind:
 
     The module has ``columns(case, fidelity, frequency, plan)``, the numbers at one frequency, or ``sheets(case,
     fidelity, plan)``, all of one fidelity (kept in the results file; neither: the sweep has them), and ``draw(figure,
-    result, plan, sheets)``, which makes the figure of them; ``size(plan)`` (inches) and ``caption(plan)`` where the
-    usual ones will not do.
+    result, plan, sheets)``, which makes the figure of them; ``size(plan)`` (inches) and ``caption(plan)``, or one of
+    either for all plans, where the usual ones will not do.
 
     ``keys``: of the table, by name, that are its own: what it may have beside what it ``takes``; what it ``needs`` it
     must have. ``reads``: its columns that [expect.NAME] and

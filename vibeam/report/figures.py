@@ -68,8 +68,8 @@ def figure(result: Comparison, plan: ShowPlan) -> Figure:
 
 def _caption(case: Case, plan: ShowPlan) -> str:
     """Title of the figure."""
-    own = getattr(module_of(plan), "caption", None)
-    usual = str(own(plan)) if own is not None else FIGURES[plan.kind].meaning
+    own = getattr(module_of(plan), "caption", FIGURES[plan.kind].meaning)
+    usual = str(own(plan) if callable(own) else own)
     return named_of(usual, quantity_of(case, plan.output).name)
 
 
@@ -77,7 +77,7 @@ def _size(plan: ShowPlan) -> tuple[float, float]:
     """Size by the figure kind, else one panel for each frequency of a motion."""
     own = getattr(module_of(plan), "size", None)
     if own is not None:
-        wide, high = own(plan)
+        wide, high = own(plan) if callable(own) else own
         return wide, high
     panels = 1 if plan.quantity else len(plan.frequency)
     return (5.8 if panels == 1 else 3.2 * panels + 0.6, 4.2)

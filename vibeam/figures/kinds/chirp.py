@@ -33,6 +33,7 @@ from vibeam_models.arrays import Array, Index
 SWEPT = {"up": 0.9, "down": 0.5}  # opacity of the line of a chirp
 ERROR = 1e-6  # of the largest acceleration, by which cubic pieces may leave a chirp
 WHOLE = 1e-9  # share of a period by which the last one may be cut off and still be there
+size = (5.8, 4.2)  # inches: one panel
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -135,11 +136,6 @@ def _columns(leg: ChirpLeg, least: Array, greatest: Array, impacts: Index, perio
         "swept_peak": Column(amplitude[top], "q", "largest amplitude"),
         "swept_peak_frequency": Column(frequency[top], "Hz", "drive frequency of the largest amplitude"),
     }
-
-
-def size(plan: ShowPlan) -> tuple[float, float]:
-    """One panel."""
-    return (5.8, 4.2)
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:

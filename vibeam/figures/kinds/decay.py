@@ -32,6 +32,7 @@ SAMPLES = 256  # samples a natural period, of a motion that is not measured
 AWAY = 1e3  # gap, in contact displacements at the start, of a stop that is not there
 LEAST_LINE = 1e-7  # smallest line shown, as a share of the largest displacement
 SHOWN = 4  # largest frequency shown, in multiples of the mode's
+size = (7.6, 3.6)  # inches: motion beside spectrum
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -72,11 +73,6 @@ def without_stop(system: ImpactSystem, place: Array, rest: Array) -> ImpactSyste
     """System whose stop is out of reach of a free motion from ``place`` beside its place at ``rest``."""
     far = AWAY * float(np.abs(system.contact) @ (np.abs(place) + np.abs(rest)))
     return replace(system, gap=far, law=None, second_gap=None)
-
-
-def size(plan: ShowPlan) -> tuple[float, float]:
-    """Motion beside spectrum."""
-    return (7.6, 3.6)
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:

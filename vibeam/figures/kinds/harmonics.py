@@ -27,6 +27,7 @@ HIGHEST = 8
 PERIODS = 8  # default highest order, times the subdivision
 FEW = 12  # largest number of frequencies drawn as bars
 MARKED = 25  # points of a line below which each is marked
+caption = "amplitudes at multiples of the drive frequency"
 
 
 def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
@@ -57,11 +58,6 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     heights = [sheet["harmonic"][sheet["order"] > 0] * units.length_factor for sheet in shown if not sheet.fault]
     decades(grid[0], heights)
     grid[0].set_ylabel(motion_of(plan.output, "amplitude", units))
-
-
-def caption(plan: ShowPlan) -> str:
-    """Caption of the figure."""
-    return "amplitudes at multiples of the drive frequency"
 
 
 def _few(plan: ShowPlan) -> bool:

@@ -17,6 +17,8 @@ from vibeam.solvers.collision import struck
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 
+caption = "one collision: what the contact and the mode that strikes keep of their velocity"
+
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One sheet, by velocity."""
@@ -98,8 +100,3 @@ def _range(values: Array) -> tuple[float, float, float]:
 
 def _law(system: ImpactSystem) -> str:
     return f"R = {system.restitution:g}" if system.law is None else system.law.name
-
-
-def caption(plan: ShowPlan) -> str:
-    """Caption of the figure."""
-    return "one collision: what the contact and the mode that strikes keep of their velocity"

@@ -15,11 +15,8 @@ from vibeam.observe.impact_statistics import Exceedance, exceedance_of
 
 PANELS = 4  # values of the factor that get one
 ERRORS = 2  # standard errors that a band is wide, to either side
-
-
-def size(plan: ShowPlan) -> tuple[float, float]:
-    """One row of panels."""
-    return (8.4, 3.8)
+size = (8.4, 3.8)  # inches: one row of panels
+caption = "impacts a second that are harder than a velocity; band: two standard errors over the realisations"
 
 
 def draw(figure: Figure, result: RecordResult, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
@@ -61,8 +58,3 @@ def _draw(axes: Axes, found: Exceedance, factor: float, keys: Keys) -> None:
     band = ERRORS * np.append(found.error[0], found.error)
     low = np.maximum(rate - band, rate / 100)
     axes.fill_between(across, low, rate + band, step="pre", color=keys["color"], alpha=0.15, linewidth=0)
-
-
-def caption(plan: ShowPlan) -> str:
-    """Caption of the figure."""
-    return "impacts a second that are harder than a velocity; band: two standard errors over the realisations"

@@ -28,6 +28,7 @@ LEFT_OUT = 0.1  # share of each motion before it is read
 HIGHEST = 10.0  # frequency shown where none is given, in the lowest natural one of the last fidelity
 SAMPLES, MOST = 2.5, 2_000_000  # samples a period of the highest mode, at least; in all, at most
 RATIO = "density over that of the last fidelity, on the same realisations"
+size = (6.8, 7.4)  # inches: three panels, one above another
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -94,11 +95,6 @@ def _samples(case: Case, name: str, plan: ShowPlan, rate: float) -> tuple[Array,
 
     loads, values = zip(*run_parallel(sampled, seeds), strict=True)
     return np.array(loads), np.array(values)
-
-
-def size(plan: ShowPlan) -> tuple[float, float]:
-    """Three panels, one above another."""
-    return (6.8, 7.4)
 
 
 def draw(figure: Figure, result: RecordResult, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:

@@ -18,6 +18,7 @@ from vibeam_models.arrays import Array
 
 PERIODS = 500
 PLACES = 32  # largest number of points drawn with large marks
+caption = "stroboscopic section: one point a drive period"
 
 
 def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
@@ -63,11 +64,6 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
         axes.set_xlabel(f"{motion_of(plan.output, 'displacement', units)}\nat phase 0")
     around(grid)
     grid[0].set_ylabel(f"{motion_of(plan.output, 'velocity', units)} at phase 0")
-
-
-def caption(plan: ShowPlan) -> str:
-    """Caption of the figure."""
-    return "stroboscopic section: one point a drive period"
 
 
 def _size(displacement: Array, velocity: Array) -> float:

@@ -37,6 +37,7 @@ SIZE = 0.15  # of the largest displacement, in lengths of the beam
 LINES = {f"{beam}_position": f"{beam}_deflection" for beam in ("beam", "opposite")}
 PIXELS = 900  # along the beam
 DARKEST = 0.25  # of cividis, even in brightness, also to the colour-blind: darker colours hide the shade
+caption = "mode shapes to one scale"
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -95,11 +96,6 @@ def refusal(case: Case, fidelity: str, system: ImpactSystem) -> str:
 def size(plan: ShowPlan) -> tuple[float, float]:
     """A column a fidelity, a row a mode."""
     return 2.1 * len(plan.fidelities) + 1.1, 1.25 * MOST + 0.6
-
-
-def caption(plan: ShowPlan) -> str:
-    """Caption of the figure."""
-    return "mode shapes to one scale"
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:

@@ -69,7 +69,7 @@ def _velocities(result: TransientResult) -> Picture:
     plan = ShowPlan(name="velocities", kind="impact_velocities", key="", fidelities=tuple(result))
 
     def make() -> Figure:
-        made = blank_page(impact_velocities.size(plan), result.case.figure)
+        made = blank_page(impact_velocities.size, result.case.figure)
         impact_velocities.draw(made, result, plan, ())
         return made
 
