@@ -17,7 +17,6 @@ class Named(Protocol):
     @property
     def name(self) -> str:
         """By which it is asked for."""
-        ...
 
 
 Declared = TypeVar("Declared", bound=Named)

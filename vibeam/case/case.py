@@ -37,23 +37,18 @@ class Keys(Protocol):
 
     def model(self, fidelity: str) -> Model:
         """Model of one fidelity."""
-        ...
 
     def case(self, settings: Mapping[str, Any]) -> Case:
         """The case with keys at other values, SI where they have no unit; CaseError for what it may not have."""
-        ...
 
     def value(self, key: str) -> Any:
         """Value of a key of the case itself, SI; None where it has none."""
-        ...
 
     def unit(self, key: str) -> str:
         """SI unit of a key that holds a number, empty of a plain one; ValueError where it holds none."""
-        ...
 
     def number(self, key: str, given: str | float) -> float:
         """Number of a key, given with its unit or in SI; ValueError where it is none, or the key holds none."""
-        ...
 
 
 OF_A_SWEEP = (

@@ -71,6 +71,13 @@ class CaseError(ValueError):
         return type(self), (self.faults,)
 
 
+def reason_of(refusal: ValueError) -> str:
+    """Reason of a refusal, without the file name before each fault."""
+    if isinstance(refusal, CaseError):
+        return "; ".join(f"{fault.key}: {fault.message}" for fault in refusal.faults)
+    return str(refusal)
+
+
 KNOWN = "known here: "
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from vibeam.case.held import PLACES, held_of
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
+from vibeam.runs.comparison.differences import listed
 from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.profile import FitRow
 from vibeam.studies.fit.study import FitStudy, FittedPoint
@@ -52,8 +53,8 @@ def fit_answer(study: FitStudy) -> str:
         fault = "cannot separate" if study.shared else "does not determine" if used == 1 else "do not determine"
         shared = "".join(f": {each}" for each in study.shared[:1])
         cure = "" if study.next else "; --next says what to measure"
-        return f"The {points} {fault} {_listed(open_keys)} within the bounds{shared}{cure}."
-    found = _listed([f"{row.key} {_value(row, row.low_open, row.high_open)}" for row in study.rows])
+        return f"The {points} {fault} {listed(open_keys)} within the bounds{shared}{cure}."
+    found = listed([f"{row.key} {_value(row, row.low_open, row.high_open)}" for row in study.rows])
     rms = f"rms residual {(study.misfit / used) ** 0.5:.2g} of their uncertainty"
     return f"{found} describe{'s' * (len(study.rows) == 1)} the {points} (± at 95 %; {rms}){_restitution(study)}."
 
@@ -69,10 +70,6 @@ def restitution_meant(case: Case) -> str:
     """Coefficient that ``stop.restitution`` gives, as mode 1 sees it or at the contact; empty of a contact law."""
     held = held_of(case.scene)
     return "" if held.coefficient is None else f"{held.symbol} {PLACES.get(held.restitution_of, 'at the contact')}"
-
-
-def _listed(parts: Sequence[str]) -> str:
-    return " and ".join(filter(None, [", ".join(parts[:-1]), *parts[-1:]]))
 
 
 def _value(row: FitRow | Estimate, low_open: bool = False, high_open: bool = False) -> str:
@@ -92,9 +89,9 @@ def _value(row: FitRow | Estimate, low_open: bool = False, high_open: bool = Fal
 def identification_sheet(found: Identification) -> StudySheet:
     """Sheet of an identification: values with intervals, what a file was taken as, what is not fixed."""
     known = [f"{row.name} {_value(row)}" for row in found.rows if row.determined]
-    unknown = _listed([row.name for row in found.rows if not row.determined])
+    unknown = listed([row.name for row in found.rows if not row.determined])
     of = f"the {found.points} {f'points of the {found.of}' if found.of else 'measured modal frequencies'}"
-    told = f"{_listed(known)} describe{'s' * (len(known) == 1)} {of} (± at 95 %; rms residual "
+    told = f"{listed(known)} describe{'s' * (len(known) == 1)} {of} (± at 95 %; rms residual "
     told += f"{percent(found.residual)}){f', which do not fix {unknown}' if unknown else ''}"
     told = told if known else f"{of} do not fix {unknown}"
     because = f"; taken as a {found.of}, since {found.why}" if found.of else ""
@@ -159,20 +156,14 @@ def _next(study: FitStudy) -> ReportTable:
 
 def as_data(study: FitStudy) -> dict[str, Any]:
     """Content for JSON."""
+    profiles = {
+        row.key: [[*study.problem.values(each[:-1]).tolist(), float(each[-1])] for each in found.path]
+        for row, found in zip(study.rows, study.profiles, strict=True)
+    }
+    names = ("rows", "misfit", "judgement", "covariance", "points")
     return {
-        "rows": study.rows,
-        "misfit": study.misfit,
-        "judgement": study.judgement,
-        "covariance": study.covariance,
-        "points": study.points,
-        "profiles": {
-            row.key: [
-                [*study.problem.values(each[:-1]).tolist(), float(each[-1])] for each in found.path
-            ]
-            for row, found in zip(study.rows, study.profiles, strict=True)
-        },
-        "next": study.next,
-        "sentences": study.sentences,
+        **{name: getattr(study, name) for name in names},
+        "profiles": profiles, "next": study.next, "sentences": study.sentences,
     }  # fmt: skip
 
 

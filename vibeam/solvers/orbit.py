@@ -32,10 +32,6 @@ class OrbitSolver(SteadySolver):
         checked(system, slowest, periods)
         self.system, self.periods, self.check = system, int(periods), AdmissibilityCheck(system, slowest)
 
-    def begin(self, state: State | None) -> State:
-        """As ``SteadySolver.begin``."""
-        return equilibrium(self.system) if state is None else state
-
     def point(
         self, response: FrequencyResponse, index: int, drive: Drive, carried: State, settle: int, hold: int, output: str
     ) -> State:

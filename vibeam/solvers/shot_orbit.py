@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.solver import exact_solver
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import every, near
@@ -35,10 +34,6 @@ class ShotOrbitSolver(SteadySolver):
         self.periods = count("periods", periods, faults, least=1)
         refuse("solver", faults)
         self.system, self.runner = system, exact_solver(system, slowest, span)
-
-    def begin(self, state: State | None) -> State:
-        """As ``SteadySolver.begin``."""
-        return equilibrium(self.system) if state is None else state
 
     def point(
         self, response: FrequencyResponse, index: int, drive: Drive, carried: State, settle: int, hold: int, output: str

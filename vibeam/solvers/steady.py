@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.solver import kind_of
 from vibeam.solvers import solver
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -52,9 +53,9 @@ class SteadySolver(ABC):
             response.cpu_seconds[index] = time.thread_time() - begun
         return response, self.end(carried)
 
-    @abstractmethod
     def begin(self, state: State | None) -> Any:
-        """Quantity carried to the first point: the state, or its reduction to one mode."""
+        """Quantity carried to the first point: the state, or its reduction to one mode; None: of static equilibrium."""
+        return equilibrium(self.system) if state is None else state
 
     @abstractmethod
     def point(

@@ -95,12 +95,10 @@ class ExactMotion(Path, Protocol):
     @property
     def segments(self) -> Segments:
         """Flights and rests, one after another."""
-        ...
 
     @property
     def state(self) -> State:
         """State at the end."""
-        ...
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from vibeam.figures.style import COLOURS, name_of
 from vibeam.maps.motions import Labelled, counted, label
 from vibeam.maps.run import MapResult
 from vibeam.report.maps.labels import edges, shown_axis
+from vibeam.report.maps.plane import shade
 from vibeam.system.number_text import percent
 
 MOST = 10  # motions with a colour of their own
@@ -77,9 +78,7 @@ def _starts(axes: Axes, result: MapResult, found: Labelled, x: Any, names: dict[
     shades = [FAILED, *_colours(found, names)]
     which = found.which if found.which.ndim == 2 else found.which[None, :]
     y = _upward(result) if len(result.plan.axes) > 1 else np.zeros(1)
-    axes.pcolormesh(
-        edges(x), edges(y), which, cmap=ListedColormap(shades), vmin=-1.5, vmax=len(shades) - 1.5, rasterized=True
-    )
+    shade(axes, x, y, which + 1, shades)
     if len(y) == 1:
         axes.set_yticks([])
     failed = [Patch(facecolor=FAILED, label="starts beyond the stop, or failed")] if np.any(which < 0) else []

@@ -155,5 +155,5 @@ def _cure(found: HeldComparison) -> str:
 
 
 def listed(names: Sequence[str]) -> str:
-    """Names listed in a sentence."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+    """Names listed in a sentence; empty without any."""
+    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))

@@ -58,13 +58,9 @@ def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Cost
     for count in [n for n in COUNTS if n < top.system.size] if counts is None else counts:
         cut: dict[str, Any] = {"reduction": "modal", "modes": count, "parameters": {}}
         fidelity = replace(top.fidelity, name=f"modes_{count}", **cut)
-        _add(found, {}, CostModel(fidelity.name, fidelity, built(case, fidelity, top.name), True, top.name))
+        cut_off = system(case.scene_of(top.name), fidelity)
+        _add(found, {}, CostModel(fidelity.name, fidelity, cut_off, True, top.name))
     return found, same
-
-
-def built(case: Case, fidelity: Fidelity, like: str) -> ImpactSystem:
-    """System of a fidelity not named by the case, in the scene of the fidelity ``like``."""
-    return system(case.scene_of(like), fidelity)
 
 
 def finest_model(case: Case, found: list[CostModel]) -> CostModel:

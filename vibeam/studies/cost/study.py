@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.case.case import Case, require_one_harmonic
-from vibeam.case.fidelity import gap_drift, gap_wear, with_first_mode_restitution
+from vibeam.case.fidelity import gap_drift, gap_wear, system, with_first_mode_restitution
 from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import Clock, OutOfTime, ending_at
 from vibeam.runs.comparison.differences import HeldComparison
@@ -25,7 +25,6 @@ from vibeam.studies.cost.planning import (
     LeftOut,
     Planning,
     RunSchedule,
-    built,
     finest_model,
     first_mode_restitution_of,
     models,
@@ -236,7 +235,7 @@ class _CostRuns:
         kept = {name: getattr(self.finest.fidelity, name) for name in ("reduction", "modes", "parameters")}
         alike, own = self.finest.system, self.finest.system.restitution
         if model is not self.finest:
-            alike = built(self.case, replace(model.fidelity, **kept), model.like)
+            alike = system(self.case.scene_of(model.like), replace(model.fidelity, **kept))
         try:
             alike = self._as_finest(alike)
         except ValueError:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift
-from vibeam.exchange.faults import CaseError
+from vibeam.exchange.faults import reason_of
 from vibeam.flight.trajectory import Trajectory, simulate
 from vibeam.observe.restitution import extrapolated_restitution
 from vibeam.observe.ringing import fit_ringing
@@ -150,7 +150,7 @@ def model(subsets: Subsets, kept: Collection[str], wanted: Collection[str], freq
         case = subsets.case(names)
         curve = swept(case, subsets.fidelity, case.system(subsets.fidelity))
     except ValueError as refusal:
-        return EffectModel(names, why=_reason(refusal))
+        return EffectModel(names, why=reason_of(refusal))
     modes = tuple(np.sort(curve.system.omega / (2 * np.pi)).tolist())
     return EffectModel(names, _values(curve, wanted, frequency), _coordinates(case.scene), modes, curve)
 
@@ -177,10 +177,3 @@ def _coordinates(scene: Any) -> int:
     """Coordinates of the finite elements, and of a platform that is pushed back."""
     moves = scene.platform is not None and scene.platform.coupling == "two-way"
     return int(structure_of(scene).size) + moves
-
-
-def _reason(refusal: ValueError) -> str:
-    """Reason of a refusal, without the file name before each fault."""
-    if isinstance(refusal, CaseError):
-        return "; ".join(f"{fault.key}: {fault.message}" for fault in refusal.faults)
-    return str(refusal)

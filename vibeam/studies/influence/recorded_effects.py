@@ -8,6 +8,7 @@ from math import inf
 from typing import Any
 
 from vibeam.case.case import Case, plan_of_record
+from vibeam.exchange.faults import reason_of
 from vibeam.studies.influence.subsets import Subsets, smallest, subsets_of_record
 from vibeam.studies.record.ensembles import (
     Ensemble,
@@ -17,7 +18,6 @@ from vibeam.studies.record.ensembles import (
     changes,
     ensembles,
     plain_finest,
-    reason_of,
     require_usual,
     usual_numbers,
     within,

@@ -18,7 +18,7 @@ import numpy as np
 from vibeam.case.case import plan_of_record
 from vibeam.case.fineness import finest, plain
 from vibeam.case.transient_quantities import QUANTITIES
-from vibeam.exchange.faults import CaseError, suggest
+from vibeam.exchange.faults import suggest
 from vibeam.runs.transient.motions import MotionMaker, Realisation, motions_of
 from vibeam.runs.transient.statistics import SampleMean, mean_of, paired
 from vibeam.runs.transient.transient import assembled
@@ -176,13 +176,6 @@ def worst(found: Sequence[NumberChange], quantity: str = PEAK) -> float:
     """Largest size of the changes of a quantity that are known; NaN without any."""
     sizes = [each.size for each in found if each.number.quantity == quantity]
     return max((each for each in sizes if each == each), default=float("nan"))
-
-
-def reason_of(refusal: ValueError) -> str:
-    """Reason of a refusal, without the file name before each fault."""
-    if isinstance(refusal, CaseError):
-        return "; ".join(f"{fault.key}: {fault.message}" for fault in refusal.faults)
-    return str(refusal)
 
 
 def within(case: Case, fidelity: str, budget: float, weight: float) -> Case:

@@ -138,6 +138,9 @@ class MeasuredRow:
     kind: str = "measured"
 
 
+OF_MEASURED = ("fidelity", "quantity", "number", "against", "unit", "value", "scatter", "chose", "source")
+
+
 def compare(case: Case, result: Result) -> list[MeasuredRow]:
     """Compare ``result`` with every measured number of ``case``; one row each, one a branch where they differ."""
     return [row for each in case.measured.values() for row in _rows(each, result)]
@@ -155,20 +158,12 @@ def _row(measured: MeasuredNumber, result: Result, direction: str) -> MeasuredRo
     difference = found.number - measured.value
     known = measured.scatter is not None and isfinite(difference)
     return MeasuredRow(
+        **{name: getattr(measured, name) for name in OF_MEASURED},
         measured=measured.name,
-        fidelity=measured.fidelity,
-        quantity=measured.quantity,
-        number=measured.number,
-        against=measured.against,
         frequency=NAN if measured.frequency is None else measured.frequency,
         direction=direction,
-        unit=measured.unit,
-        value=measured.value,
-        scatter=measured.scatter,
         model=found.number,
         difference=difference,
         within=abs(difference) <= (measured.scatter or 0.0) * (1 + SAME) if known else None,
-        chose=measured.chose,
-        source=measured.source,
         notes=tuple(filter(None, (found.fault, found.note))),
     )
