@@ -12,7 +12,6 @@ import numpy as np
 
 from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
 from vibeam.flight.engine.threads import pause
-from vibeam.maps.followed import FollowedLine
 from vibeam.maps.irregular import judged
 from vibeam.maps.points import (
     Axis,
@@ -25,15 +24,14 @@ from vibeam.maps.points import (
     start_states,
     values_at,
 )
-from vibeam.maps.shot_lines import ShotLine
-from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.orbit_map import orbit_points
 from vibeam.store.blocks import Values
 from vibeam_models.arrays import Array, Flags
 
 if TYPE_CHECKING:
     from vibeam.batches.response import BatchResponse
     from vibeam.case.fidelity import Model
+    from vibeam.maps.shot_lines import ShotLine
+    from vibeam.periodic.orbit import Orbit
 
 
 Way = Literal["up", "down", "harder", "softer"]  # of a sweep; motions with one impact, by which of the two it is
@@ -157,6 +155,8 @@ def _orbits(grid: Grid, points: GridPoints, first: int) -> Values:
 
 
 def _closed(grid: Grid, points: GridPoints) -> Iterator[tuple[Any, Sequence[Array | Flags]]]:
+    from vibeam.periodic.orbit_map import orbit_points
+
     rebound = np.zeros(points.omega.shape) if points.restitution is None else points.restitution
     for which, own in dict.fromkeys(zip(points.which.flat, rebound.flat, strict=True)):
         mine = (points.which == which) & (rebound == own)
@@ -192,6 +192,9 @@ def _led(grid: Grid, lines: Sequence[int], columns: Any) -> list[list[Orbit]]:
 def _line(grid: Grid, points: GridPoints, row: int, columns: Any) -> ShotLine:
     omega, system = points.omega[row], points.system_at(row * points.omega.shape[1])
     drive = partial(_interpolated, omega, points.amplitude[row])
+    from vibeam.maps.followed import FollowedLine
+    from vibeam.maps.shot_lines import ShotLine
+
     return ShotLine(FollowedLine(system, drive, float(omega[0]), float(omega[-1]), grid.periods), omega[columns])
 
 

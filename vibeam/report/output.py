@@ -94,3 +94,17 @@ class StudySheet:
         page = table.with_suffix(".html")
         write_whole(page, self.page().encode())
         return [page, table, *figures]
+
+
+def one_sheet(found: Sequence[tuple[str, StudySheet]]) -> StudySheet:
+    """Sheets of maps, by their names, as one: each map's answer in a line of its own, its data under ``maps``."""
+    sheets = [sheet for _, sheet in found]
+    data = [{"map": name, "answer": sheet.answer, "notes": sheet.notes} | {**sheet.data} for name, sheet in found]
+    return StudySheet(
+        "\n".join(sheet.answer for sheet in sheets),
+        [each for sheet in sheets for each in sheet.tables],
+        list(dict.fromkeys(each for sheet in sheets for each in sheet.notes)),
+        [each for sheet in sheets for each in sheet.details],
+        [each for sheet in sheets for each in sheet.more],
+        data={"maps": data},
+    )

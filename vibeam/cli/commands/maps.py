@@ -91,7 +91,7 @@ def map(
             sheet, written = part_or_price.sheet, []
         sheets.append((plan.name, sheet))
         files += written
-    from vibeam.report.maps.page import one_sheet
+    from vibeam.report.output import one_sheet
 
     print_sheet(one_sheet(sheets), files)
 

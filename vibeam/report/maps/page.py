@@ -81,17 +81,3 @@ def sheet_of(found: Any, notes: Sequence[str] = ()) -> StudySheet:
     if isinstance(found, MapResult):
         return _module("swept").sheet(found, notes)  # type: ignore[no-any-return]
     return _module(found.plan.picture).sheet(found)  # type: ignore[no-any-return]
-
-
-def one_sheet(found: Sequence[tuple[str, StudySheet]]) -> StudySheet:
-    """Sheets of maps, by their names, as one: each map's answer in a line of its own, its data under ``maps``."""
-    sheets = [sheet for _, sheet in found]
-    data = [{"map": name, "answer": sheet.answer, "notes": sheet.notes} | {**sheet.data} for name, sheet in found]
-    return StudySheet(
-        "\n".join(sheet.answer for sheet in sheets),
-        [each for sheet in sheets for each in sheet.tables],
-        list(dict.fromkeys(each for sheet in sheets for each in sheet.notes)),
-        [each for sheet in sheets for each in sheet.details],
-        [each for sheet in sheets for each in sheet.more],
-        data={"maps": data},
-    )
