@@ -21,7 +21,7 @@ from vibeam.casefile.tables.table import plan_of
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.beams.beam import Beam
-from vibeam_models.given import GivenScene
+from vibeam_models.given import GivenScene, GivenStructure
 from vibeam_models.keys import keys_of
 from vibeam_models.outputs import DISPLACEMENT
 from vibeam_models.scene import Scene
@@ -30,7 +30,6 @@ from vibeam_models.solid.scene import SolidScene
 
 if TYPE_CHECKING:
     from vibeam.exchange.meshes.body import OwnFault
-    from vibeam_models.given import GivenStructure
 
 OURS = "vibeam_models."  # effects of this package, which a solid knows
 ON_BASE = ("platform", "shaker")  # effects that a mesh leaves to the case

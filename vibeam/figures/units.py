@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.case.case import Case, quantity_of
 from vibeam.figures.sheet import Comparison, named_of
 from vibeam.system.number_text import ACCELERATIONS, FREQUENCIES, OF_QUANTITY, Steps, prefixed
+from vibeam.system.response import Branches
 from vibeam_models.arrays import Array
 from vibeam_models.outputs import DISPLACEMENT
-
-if TYPE_CHECKING:
-    from vibeam.system.response import Branches
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from vibeam.runs.sweep import SweepPoints, SweepSettings, march_blocks
 from vibeam.solvers import solver
 from vibeam.system.quantities import METRES
 from vibeam.system.response import Branches, FrequencyResponse
-from vibeam.system.state import StatesAfter
+from vibeam.system.state import State, StatesAfter
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from vibeam.runs.store.file import Store
     from vibeam.system.curves import MotionCurves
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam.system.state import State
 
 
 WRITE_EVERY = 0.2  # seconds: a write costs as much as many points, and a killed run loses no more than this

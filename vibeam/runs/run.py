@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.case import units_of_output
+from vibeam.case.case import Case, units_of_output
 from vibeam.case.source import of_source
 from vibeam.runs.fidelity_sweep import Job, Progress, job_of, known_curves, sweep_branches
 from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
@@ -26,7 +26,6 @@ from vibeam.store.place import Tell, warn
 from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
-    from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
     from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate

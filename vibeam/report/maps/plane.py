@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -20,14 +20,12 @@ from vibeam.figures.page import PAGE, plain
 from vibeam.figures.style import COLOURS, name_of
 from vibeam.maps.axes import own_value
 from vibeam.maps.boundaries import KINDS, PlaneBoundary, boundaries_of
+from vibeam.maps.evaluate import GridResponse
+from vibeam.maps.result import MapResult
 from vibeam.observe.periodicity import classes
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.report.maps.labels import ShownAxis, cells, edges, quantity_label, shown_axis
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.maps.evaluate import GridResponse
-    from vibeam.maps.result import MapResult
 
 BOUNDARIES: dict[Kind, dict[str, Any]] = {
     Kind.FOLD: {"color": "black"},

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from vibeam.case.case import Case
 from vibeam.exchange.faults import CaseError
 from vibeam.figures import FIGURES
 from vibeam.figures.units import METRIC, units_of
@@ -15,12 +16,8 @@ from vibeam.report.checks import check_report
 from vibeam.report.output import StudySheet
 from vibeam.report.page.drawing import drawing, mode_shapes
 from vibeam.report.page.parts import KINDS, Picture, embedded, picture
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.runs.result import Result
-    from vibeam.runs.systems import Overview
-
+from vibeam.runs.result import Result
+from vibeam.runs.systems import Overview
 
 PAGE_BYTES, MAP_BYTES = 1_350_000, 160_000  # of data and pictures together, of a picture that a map has beside it
 PLANES = ("stability", "verdict")  # pictures of maps that a study makes
