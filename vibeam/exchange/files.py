@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import lru_cache
 from hashlib import sha256
 from math import prod
@@ -32,6 +33,20 @@ def reason(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror:
         return error.strerror.lower()
     return (str(error).splitlines() or [""])[0][:200] or type(error).__name__
+
+
+@contextmanager
+def read_by(said: str = "cannot be read", refusal: type[Exception] = Exception) -> Iterator[None]:
+    """Context of a reading by the system or another library, whose every ``refusal`` becomes a FormatError.
+
+    ``said``: its message before the reason; a FormatError from within goes through as it is.
+    """
+    try:
+        yield
+    except FormatError:
+        raise
+    except refusal as error:
+        raise FormatError(f"{said}: {reason(error)}") from None
 
 
 def dotted(tables: Mapping[str, Any], above: str = "", spelt: Callable[[str], str] = str) -> Iterator[tuple[str, Any]]:
@@ -98,13 +113,10 @@ def digest_of(path: Path) -> str:
 
 @lru_cache(maxsize=64)
 def _digest(path: Path, state: State) -> str:
-    try:
-        with path.open("rb") as file:
-            made = sha256()
-            while block := file.read(1 << 20):
-                made.update(block)
-    except OSError as error:
-        raise FormatError(f"cannot be read: {reason(error)}") from None
+    with read_by(refusal=OSError), path.open("rb") as file:
+        made = sha256()
+        while block := file.read(1 << 20):
+            made.update(block)
     return made.hexdigest()
 
 
@@ -117,10 +129,8 @@ _LINE = re.compile(r"([^\r\n]*)(?:\r\r\n|\r\n|\n|\r|\Z)")
 def text_of(path: Path) -> str:
     """The text of a file in UTF-8, UTF-16 with its mark, or Windows' Latin; FormatError where it is no text."""
     state_of(path, LARGEST_TEXT)
-    try:
+    with read_by(refusal=OSError):
         raw = path.read_bytes()
-    except OSError as error:
-        raise FormatError(f"cannot be read: {reason(error)}") from None
     if raw.startswith(b"PK\x03\x04"):
         raise FormatError("is a workbook, not text: save the sheet as CSV")
     encodings = ("utf-16",) if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252")

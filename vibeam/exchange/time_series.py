@@ -19,7 +19,7 @@ from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadErro
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError, file_fault, reason
+from vibeam.exchange.files import FormatError, file_fault, read_by
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
 from vibeam_models.arguments import number, shown, word
@@ -170,12 +170,9 @@ def _read_wav(path: Path, column: str | int | None, scaled: bool) -> tuple[Colum
     """One channel of a WAV file, as shares of the full scale where it is of whole numbers, and its rate, Hz."""
     from scipy.io import wavfile
 
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            own, data = wavfile.read(path)
-    except Exception as error:  # whatever scipy makes of another file
-        raise FormatError(f"is no WAV file that can be read: {reason(error)}") from None
+    with read_by("is no WAV file that can be read"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        own, data = wavfile.read(path)
     table = data.reshape(len(data), -1)
     channels = table.shape[1]
     if column is None and channels > 1:

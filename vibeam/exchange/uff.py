@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.files import LARGEST_TEXT, FormatError, State, reason, state_of
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, State, read_by, state_of
 from vibeam.exchange.matrices.entries import Label
 from vibeam_models.arrays import Array
 
@@ -65,12 +65,10 @@ def data_sets(path: Path, cure: str) -> list[dict[str, Any]]:
         import pyuff
     except ImportError:
         raise FormatError(MISSING + cure) from None
-    try:
-        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            found: Any = pyuff.UFF(str(path)).read_sets()
-    except Exception as error:  # whatever the reader makes of another file, it is not one of these
-        raise FormatError(f"is no universal file that can be read: {reason(error)}") from None
+    quiet = contextlib.redirect_stdout(io.StringIO())
+    with read_by("is no universal file that can be read"), quiet, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        found: Any = pyuff.UFF(str(path)).read_sets()
     sets = found if isinstance(found, list) else [found]
     for each in sets:
         if each["type"] == 164 and each["units_code"] != SI:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, missing, split_head
-from vibeam.exchange.files import FormatError, dotted, reason
+from vibeam.exchange.files import FormatError, dotted, read_by
 from vibeam.exchange.hdf5 import contents, opened, text_at, values_of
 from vibeam.exchange.mat import Variable, variables
 from vibeam_models.arrays import Array
@@ -24,7 +24,7 @@ def read_matlab(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
 
     if h5py.is_hdf5(path):
         return read_hdf5(path, wanted)
-    try:
+    with read_by("is no MATLAB file that can be read"):
         found: dict[str, Read] = {}
         for each in variables(path):
             if each.plain:
@@ -33,10 +33,6 @@ def read_matlab(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
                 inside = dotted({each.name: each.read(simplify_cells=True)})
                 found |= {name: partial(_known, value) for name, value in inside}
         return of(found, wanted)
-    except FormatError:
-        raise
-    except Exception as error:  # whatever the reader makes of another file, it is not one of these
-        raise FormatError(f"is no MATLAB file that can be read: {reason(error)}") from None
 
 
 def _of_matlab(variable: Variable) -> tuple[Any, str]:
@@ -53,19 +49,12 @@ def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     """The datasets wanted, by their paths; their attributes ``units`` or ``unit`` are their units."""
     import h5py
 
-    try:
-        with opened(path) as file:
-            held = ((place, item) for place, item, again in contents(file) if not again)
-            found: dict[str, Read] = {
-                place: partial(_of_hdf5, item)
-                for place, item in held
-                if isinstance(item, h5py.Dataset) and item.ndim <= 2
-            }
-            return of(found, wanted)
-    except FormatError:
-        raise
-    except Exception as error:  # whatever HDF5 makes of damaged bytes
-        raise FormatError(f"is no HDF5 file that can be read: {reason(error)}") from None
+    with read_by("is no HDF5 file that can be read"), opened(path) as file:
+        held = ((place, item) for place, item, again in contents(file) if not again)
+        found: dict[str, Read] = {
+            place: partial(_of_hdf5, item) for place, item in held if isinstance(item, h5py.Dataset) and item.ndim <= 2
+        }
+        return of(found, wanted)
 
 
 def _of_hdf5(dataset: Any) -> tuple[Any, str]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.exchange.files import FormatError, State, reason, require_coordinates, state_of
+from vibeam.exchange.files import FormatError, State, read_by, require_coordinates, state_of
 from vibeam.exchange.matrices.entries import FileMatrix
 from vibeam.exchange.whole_files import write_whole
 from vibeam_models.registry import Registry, loaded
@@ -64,12 +64,8 @@ def read_matrix(path: Path, name: str = "", wanted: str = "") -> FileMatrix:
 @lru_cache(maxsize=32)
 def _read(path: Path, name: str, wanted: str, state: State) -> FileMatrix:
     kind = _format_of(path)
-    try:
+    with read_by(f"cannot be read as a file of {kind.name}"):
         found: FileMatrix = loaded(kind.read)(path, name, wanted)
-    except FormatError:
-        raise
-    except Exception as error:  # whatever numpy, scipy or h5py make of a damaged file, it cannot be read
-        raise FormatError(f"cannot be read as a file of {kind.name}: {reason(error)}") from None
     if len(found.matrix.shape) not in (1, 2):
         told = "a single number" if found.matrix.ndim == 0 else f"an array of {found.matrix.ndim} dimensions"
         raise FormatError(f"holds {told}: a matrix or a row is needed")
@@ -81,11 +77,8 @@ def _format_of(path: Path) -> MatrixFormat:
     alike = [each for each in FORMATS.values() if path.suffix.lower() in each.endings]
     if not alike:
         raise FormatError(f"{path.suffix or 'no ending'} is no format of matrices: there are {', '.join(ENDINGS)}")
-    try:
-        with path.open("rb") as file:
-            head = file.read(HEAD)
-    except OSError as error:
-        raise FormatError(f"cannot be read: {error.strerror}") from None
+    with read_by(refusal=OSError), path.open("rb") as file:
+        head = file.read(HEAD)
     told = [each for each in alike if each.starts and each.starts.lower() in head.lower()]
     return next(iter([*told, *(each for each in alike if not each.starts), *alike]))
 

@@ -1,8 +1,7 @@
 """Nastran's direct input matrices: DMIG cards in bulk data or a punch file.
 
-A header "DMIG, NAME, 0, IFO, TIN, TOUT, …" and columns "DMIG, NAME, GJ, CJ, , G1, C1, A1, B1, G2, …", continued on
-lines that begin with a blank, + or *; fields of 8 columns, of 16 where the card is DMIG*, or between commas (MSC
-Nastran Quick Reference Guide, DMIG). Of a symmetric matrix (IFO 6) an entry off the diagonal is there once.
+A header "DMIG, NAME, 0, IFO, TIN, TOUT, …" and columns "DMIG, NAME, GJ, CJ, , G1, C1, A1, B1, G2, …" (MSC Nastran Quick
+Reference Guide, DMIG). Of a symmetric matrix (IFO 6) an entry off the diagonal is there once.
 """
 
 from __future__ import annotations
@@ -14,37 +13,39 @@ from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.files import FormatError, Line, lines_of, text_of
+from vibeam.exchange.files import FormatError, text_of
 from vibeam.exchange.matrices.declaration import chosen
 from vibeam.exchange.matrices.entries import FileMatrix, Label, labelled
 from vibeam.exchange.matrices.text import shown
+from vibeam.exchange.nastran import cards
 
 SQUARE, SYMMETRIC = 1, 6  # IFO
 REAL = (1, 2)  # TIN: single, double precision
 ALIKE = {"M": ("M",), "K": ("K",), "C": ("B",)}  # first letters of what Nastran calls mass, stiffness and damping
 _WHOLE = re.compile(r"[+-]?[0-9]{1,15}")
 _REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[ED]?([+-][0-9]+)|[ED]([0-9]+))?")  # 1.5+3 is 1.5E+3
-Card = tuple[int, list[str]]  # line, fields
+Card = tuple[int, list[str]]  # line, fields after the first: name, GJ, CJ, a blank one, groups of four
 
 
 def read_nastran(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix by that name; with none, the only one that begins with K, M or B (damping)."""
-    cards: dict[str, list[Card]] = {}
-    for number, fields in _cards(lines_of(text_of(path))):
-        if len(fields) < 3 or not fields[1]:
+    found: dict[str, list[Card]] = {}
+    for number, called, fields in cards(text_of(path).upper()):
+        if called != "DMIG":
+            continue
+        if not (fields[0] and fields[1]):
             raise FormatError("a DMIG card without a name or a column", number)
-        cards.setdefault(fields[1], []).append((number, fields))
-    alike = [each for each in cards if each.startswith(ALIKE.get(wanted, ()))]
-    meant = chosen(list(cards), name.upper(), alike[0] if len(alike) == 1 else "")
-    return _matrix(cards[meant])
+        found.setdefault(fields[0], []).append((number, fields))
+    alike = [each for each in found if each.startswith(ALIKE.get(wanted, ()))]
+    return _matrix(found[chosen(list(found), name.upper(), alike[0] if len(alike) == 1 else "")])
 
 
-def _matrix(cards: list[Card]) -> FileMatrix:
-    header = [card for card in cards if card[1][2] == "0"]
+def _matrix(found: list[Card]) -> FileMatrix:
+    header = [card for card in found if card[1][1] == "0"]
     if len(header) != 1:
-        raise FormatError(f"a DMIG matrix needs one header, here there are {len(header)}", cards[0][0])
+        raise FormatError(f"a DMIG matrix needs one header, here there are {len(header)}", found[0][0])
     number, fields = header[0]
-    form, kind = (_whole(number, field) for field in (*fields[3:5], "", "")[:2])
+    form, kind = (_whole(number, field) for field in fields[2:4])
     if form not in (SQUARE, SYMMETRIC):
         raise FormatError(f"IFO {form} is a rectangular matrix: square (1) or symmetric (6) is needed", number)
     if kind not in REAL:
@@ -52,11 +53,11 @@ def _matrix(cards: list[Card]) -> FileMatrix:
     rows: list[Label] = []
     columns: list[Label] = []
     values: list[float] = []
-    for line, card in cards:
-        if card[2] != "0":
+    for line, card in found:
+        if card[1] != "0":
             for row, value in _column(line, card):
                 rows.append(row)
-                columns.append(_label(line, card[2], card[3]))
+                columns.append(_label(line, card[1], card[2]))
                 values.append(value)
     if not values:
         raise FormatError("the matrix has no columns", number)
@@ -65,8 +66,8 @@ def _matrix(cards: list[Card]) -> FileMatrix:
 
 
 def _column(line: int, card: list[str]) -> Iterator[tuple[Label, float]]:
-    for start in range(5, len(card), 4):
-        node, direction, value, _ = (*card[start : start + 4], "", "", "", "")[:4]
+    for start in range(4, len(card), 4):
+        node, direction, value, _ = card[start : start + 4]
         if node:
             yield _label(line, node, direction), _real(line, value)
 
@@ -90,35 +91,3 @@ def _real(line: int, field: str) -> float:
     if not isfinite(value):
         raise FormatError(f"{shown(field)} is beyond the largest number", line)
     return value
-
-
-def _cards(lines: Iterator[Line]) -> Iterator[Card]:
-    """The DMIG cards, each with its continuations; fields 5 on are groups of four."""
-    card: Card | None = None
-    for number, line in lines:
-        line = line.split("$", 1)[0].rstrip().expandtabs(8)
-        if not line:
-            continue
-        if line.upper().startswith("DMIG"):
-            if card is not None:
-                yield card
-            wide = line[:8].rstrip().endswith("*")
-            card = number, ["DMIG", *_fields(line, wide)]
-        elif card is not None and line[0] in " +*,":
-            head = card[1]
-            head += [""] * (5 - len(head))
-            card[1].extend(_fields(line, line[0] == "*"))
-        elif card is not None:
-            yield card
-            card = None
-    if card is not None:
-        yield card
-
-
-def _fields(line: str, wide: bool) -> list[str]:
-    """The fields of a line after the first, without the one that names the continuation."""
-    if "," in line:
-        parts = [part.strip().upper() for part in line.split(",")[1:]]
-        return parts[:8]
-    width, count = (16, 4) if wide else (8, 8)
-    return [line[8 + width * n : 8 + width * (n + 1)].strip().upper() for n in range(count)]

@@ -6,15 +6,14 @@ Read here, as meshio loses the nodes of a continuation whose marks are blank, an
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.files import FormatError, lines_of, text_of
+from vibeam.exchange.files import FormatError, text_of
 from vibeam.exchange.meshes.content import FileContent
+from vibeam.exchange.nastran import cards
 
-SMALL, LARGE = 8, 16  # characters of a field
 HEXAHEDRON = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]  # upright edges come before the upper ones
 #: kinds of elements by the number of their nodes; of those of skins the corners alone are read
 ELEMENTS = {
@@ -22,6 +21,7 @@ ELEMENTS = {
     "CTETRA": {4: "tetra", 10: "tetra10"},
     "CPENTA": {6: "wedge", 15: "wedge15"},
     "CPYRAM": {5: "pyramid", 13: "pyramid13"},
+    "CPYRA": {5: "pyramid", 13: "pyramid13"},
 }
 SKINS = dict.fromkeys(("CTRIA3", "CTRIAR", "CTRIA6"), (3, "triangle")) | dict.fromkeys(
     ("CQUAD4", "CQUADR", "CQUAD8", "CQUAD"), (4, "quad")
@@ -37,7 +37,7 @@ def read_bulk(path: Path) -> FileContent:
     text = text_of(path).upper()
     control, begin, bulk = text.partition("BEGIN BULK")
     data = BulkData()
-    for line, name, fields in _cards(re.split(r"(?m)^ENDDATA", bulk if begin else text)[0]):
+    for line, name, fields in cards(re.split(r"(?m)^ENDDATA", bulk if begin else text)[0]):
         try:
             data.read(name, fields)
         except (ValueError, IndexError) as error:
@@ -99,32 +99,6 @@ def _cell(name: str, nodes: list[int]) -> tuple[str, list[int]]:
     if len(nodes) not in known:
         raise ValueError(f"has {len(nodes)} nodes: it must have {' or '.join(map(str, known))}")
     return known[len(nodes)], [nodes[each] for each in HEXAHEDRON] if len(nodes) == 20 else nodes
-
-
-def _cards(bulk: str) -> Iterator[tuple[int, str, list[str]]]:
-    """Line, name and fields of every entry, its continuations joined."""
-    start, name, fields = 0, "", [""]
-    for number, line in (*lines_of(bulk), (0, "END")):
-        text = line.partition("$")[0].rstrip().expandtabs(SMALL)
-        if not text:
-            continue
-        first, further = _fields(text)
-        if not first or first[0] in "+*":
-            fields.extend(further)
-        else:
-            yield start, name, fields
-            start, name, fields = number, {"CPYRA": "CPYRAM"}.get(first.rstrip("*"), first.rstrip("*")), further
-
-
-def _fields(text: str) -> tuple[str, list[str]]:
-    """First field of a line, and its other ones, filled up so that those of a continuation are in place."""
-    if "," in text:
-        first, *fields = (each.strip() for each in text.split(","))
-    else:
-        first, width = text[:SMALL].strip(), LARGE if "*" in text[:SMALL] else SMALL
-        fields = [text[at : at + width].strip() for at in range(SMALL, SMALL + 64, width)]
-    count = 4 if "*" in first else 8
-    return first, [*fields, *[""] * count][:count]
 
 
 def _number(text: str) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.files import LARGEST_TEXT, FormatError, reason, require_room, state_of
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, read_by, require_room, state_of
 from vibeam.exchange.meshes.content import FileContent, mesh_of
 from vibeam.exchange.meshes.groups import join_groups
 from vibeam_models.registry import loaded
@@ -44,15 +44,12 @@ def read_med(path: Path) -> FileContent:
 
     from vibeam.exchange.hdf5 import contents, is_own, opened
 
-    try:
-        with opened(path) as file:
-            for name, item, _ in contents(file):
-                values = isinstance(item, h5py.Dataset)
-                if item is None or (values and not is_own(item)):
-                    raise FormatError(f"'{name}' lies in another file: copy it into this one")
-                require_room((item.shape or ()) if values else ())
-    except OSError as error:
-        raise FormatError(f"cannot be read as med: {reason(error)}") from None
+    with read_by("cannot be read as med", OSError), opened(path) as file:
+        for name, item, _ in contents(file):
+            values = isinstance(item, h5py.Dataset)
+            if item is None or (values and not is_own(item)):
+                raise FormatError(f"'{name}' lies in another file: copy it into this one")
+            require_room((item.shape or ()) if values else ())
     return content_of(read_by_meshio(path, "med"))
 
 

@@ -1,0 +1,39 @@
+"""Nastran's bulk data: entries, each with its fields and those of its continuations.
+
+Fields of 8 columns, of 16 where the entry is NAME*, or between commas; a continuation begins with a blank, + or * (MSC
+Nastran Quick Reference Guide).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from vibeam.exchange.files import lines_of
+
+SMALL, LARGE = 8, 16  # characters of a field
+
+
+def cards(bulk: str) -> Iterator[tuple[int, str, list[str]]]:
+    """Line, name and fields of every entry, its continuations joined."""
+    start, name, fields = 0, "", [""]
+    for number, line in (*lines_of(bulk), (0, "END")):
+        text = line.partition("$")[0].rstrip().expandtabs(SMALL)
+        if not text:
+            continue
+        first, further = _fields(text)
+        if not first or first[0] in "+*":
+            fields.extend(further)
+        else:
+            yield start, name, fields
+            start, name, fields = number, first.rstrip("*"), further
+
+
+def _fields(text: str) -> tuple[str, list[str]]:
+    """First field of a line, and its other ones, filled up so that those of a continuation are in place."""
+    if "," in text:
+        first, *fields = (each.strip() for each in text.split(","))
+    else:
+        first, width = text[:SMALL].strip(), LARGE if "*" in text[:SMALL] else SMALL
+        fields = [text[at : at + width].strip() for at in range(SMALL, SMALL + 64, width)]
+    count = 4 if "*" in first else 8
+    return first, [*fields, *[""] * count][:count]
