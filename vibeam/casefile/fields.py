@@ -263,10 +263,11 @@ class OneOrSeveral(Entry):
 
 @dataclass(frozen=True)
 class Each(Entry):
-    """A list of at least one entry of a kind, each only once; also one ``alone``."""
+    """A list of at least one entry of a kind, each only once; also one ``alone``. ``called``: a list of what it is."""
 
     of: Entry
     alone: bool = False
+    called: str = ""
 
     def read(self, value: Any, units: UnitSystem | None = None) -> tuple[Any, ...]:
         """As ``Entry.read``."""
@@ -283,7 +284,7 @@ class Each(Entry):
     def describe(self) -> str:
         """As ``Entry.describe``."""
         one = self.of.describe()
-        return f"{one} | list of them" if self.alone else f"list of {one}"
+        return f"{one} | list of them" if self.alone and not self.called else f"list of {self.called or one}"
 
     def schema(self) -> JsonSchema:
         """As ``Entry.schema``."""
@@ -297,18 +298,3 @@ def _items(entry: Entry, values: list[Any], called: str, units: UnitSystem | Non
             yield entry.read(value, units)
         except ValueError as error:
             raise ValueError(f"{called} {number} of the list: {error}") from None
-
-
-def names(what: str, alone: bool = False) -> ValueEntry:
-    """Entry of a list of names, each once; also one ``alone``."""
-
-    def read(value: Any) -> tuple[str, ...]:
-        value = [value] if alone and isinstance(value, str) else value
-        if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
-            raise ValueError(f"must be a list of {what}, not {as_shown_in_message(value)}")
-        if len(set(value)) < len(value):
-            raise ValueError("names one twice")
-        return tuple(value)
-
-    several = {"type": "array", "items": {"type": "string"}, "minItems": 1, "uniqueItems": True}
-    return ValueEntry(read, f"list of {what}", {"anyOf": [{"type": "string"}, several]} if alone else several)

@@ -120,7 +120,7 @@ def test_the_text_of_a_case_loads_as_the_same_case() -> None:
         ('without = ["sdof.natural_freq"]', "without.0: unknown key 'sdof.natural_freq'; did you mean "
          "'natural_frequency'?"),
         ('without = "sdof.natural_frequency"', "without: must be a list of dotted keys, not 'sdof.natural_frequency'"),
-        ('without = ["stop.gap", "stop.gap"]', "without: names one twice"),
+        ('without = ["stop.gap", "stop.gap"]', "without: names one of its entries twice"),
     ],
 )  # fmt: skip
 def test_wrong_changes_are_told_at_their_line(line: str, fault: str) -> None:

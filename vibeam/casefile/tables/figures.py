@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from vibeam.case.plans import FigurePlan, ShowPlan
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import Count, Quantity, Several, Word, names
+from vibeam.casefile.fields import TEXT, Count, Each, Quantity, Several, Word
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import POSITIVE
 from vibeam.casefile.tables.outputs import OUTPUT_NAME, shown_output
@@ -131,7 +131,7 @@ def show_table(name: str, kinds: tuple[str, ...], output: tuple[Any, Any] | None
     meaning = "; ".join(f"{each}: {FIGURES[each].meaning}" for each in kinds)
     known = plan_keys(
         ShowPlan,
-        fidelities=names("fidelities", alone=True),
+        fidelities=Each(TEXT, alone=True, called="fidelities"),
         frequency=Several(Frequency, alone=True, limit=12),
         quantity=Word(QUANTITIES + OF_OUTPUT + LIMITS),
         output=OUTPUT_NAME,

@@ -11,7 +11,7 @@ from pydantic import Field
 
 from vibeam.case.grid_keys import FREQUENCY, STARTS, MapPlan
 from vibeam.case.study_plans import MOST_POINTS
-from vibeam.casefile.fields import TEXT, Count, ValueEntry, names
+from vibeam.casefile.fields import TEXT, Count, Each, ValueEntry
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
 from vibeam.casefile.tables.table import Table, declared_key, key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath
@@ -55,7 +55,7 @@ def _map_table(name: str, **own: tuple[Any, Any]) -> Any:
         "the last is swept and lies across, the one before upward, of one more each value has a panel",
         [{"key": "stop.gap", "values": ["0 mm", "0.1 mm"]}, {"key": "sweep.frequency", "values": ["15 Hz", "16 Hz"]}],
     )
-    keys = plan_keys(MapPlan, fidelities=names("fidelities", alone=True), output=OUTPUT_NAME)
+    keys = plan_keys(MapPlan, fidelities=Each(TEXT, alone=True, called="fidelities"), output=OUTPUT_NAME)
     return table(name, MEANING, {"axes": (tuple[AxisTable, ...], axes)} | keys | own)
 
 

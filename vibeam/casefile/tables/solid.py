@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from vibeam.casefile.field_tables import by_name
-from vibeam.casefile.fields import TEXT, Entry, Several, ValueEntry, Word, names
+from vibeam.casefile.fields import TEXT, Each, Entry, Several, ValueEntry, Word
 from vibeam.casefile.quantities import LENGTH, UnitSystem, to_si
 from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
 from vibeam.exchange.faults import as_shown_in_message, suggest
@@ -77,7 +77,7 @@ _BODY["contact"] = (
     ),
 )
 _BODY["clamp"] = (
-    Annotated[Any, names("groups", alone=True)],
+    Annotated[Any, Each(TEXT, alone=True, called="groups")],
     key(
         f"{keys_of(Solid)['clamp'].meaning}; of a mesh the groups that are held in all directions, absent = the group "
         "clamp",

@@ -14,7 +14,7 @@ from vibeam.case.plans import SweepPlan
 from vibeam.case.reduced_structure import Flight
 from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
-from vibeam.casefile.fields import Count, Several, Word, names
+from vibeam.casefile.fields import TEXT, Count, Each, Several, Word
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
 from vibeam.casefile.tables.table import Frequency, Table, declared_key, key, plan_keys, plan_of, table
@@ -106,7 +106,7 @@ SdofSweepTable = sweep_table("SdofSweepTable", "The sweep of the single degree o
 
 _OWN = plan_keys(Fidelity, reduction=Word(REDUCTIONS), solver=Word(SOLVERS), options=OPTIONS)
 _REDUCTION = {name: _OWN.pop(name) for name in ("reduction", "modes")}
-_ENTRIES = {"boundary": names("names")}
+_ENTRIES = {"boundary": Each(TEXT, called="names")}
 _REDUCTION |= {name: declared_key(each, None, entry=_ENTRIES.get(name)) for name, each in PARAMETERS.items()}
 
 
@@ -114,7 +114,7 @@ class _Changes(Table):
     set: Annotated[dict[str, Any] | None, settings()] = key(
         "physics that is this fidelity's own: dotted keys and their values", {"stop.restitution": 0.6}, None
     )
-    without: Annotated[tuple[str, ...] | None, names("dotted keys")] = key(
+    without: Annotated[tuple[str, ...] | None, Each(TEXT, called="dotted keys")] = key(
         "optional keys, or whole optional tables, of the physics that it leaves out", ["mass.rotary_inertia"], None
     )
 
