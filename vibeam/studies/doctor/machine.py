@@ -124,7 +124,6 @@ def _folder(name: str, where: object, otherwise: Severity, cure: str) -> Finding
 
 
 TOPIC = "packages"
-LEAST_PYTHON = (3, 11)
 
 #: names of modules that are not those of their packages
 MODULES = {"scikit-fem": "skfem"}
@@ -159,10 +158,7 @@ def _numbers(version: str) -> list[int]:
 
 def packages() -> Iterator[Finding]:
     """Findings about Python, vibeam and all requirements."""
-    new = sys.version_info >= LEAST_PYTHON
-    least = ".".join(map(str, LEAST_PYTHON))
-    state, cure = (Severity.GOOD, "") if new else (Severity.FAULT, f"install {least} or higher")
-    yield Finding(TOPIC, "Python", state, f"{platform.python_version()} ({sys.executable})", cure)
+    yield Finding(TOPIC, "Python", Severity.GOOD, f"{platform.python_version()} ({sys.executable})")
     yield _own()
     yield from map(package, requirements())
 
