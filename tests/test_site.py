@@ -83,12 +83,14 @@ def test_links_in_code_stay(manual) -> None:
     assert manual.with_places("vibeam/README.md", text) == text
 
 
-def test_the_gallery_s_pages_stand_for_its_scripts(modules, tmp_path: Path) -> None:
+def test_the_gallery_s_pages_stand_for_its_scripts_and_notebooks(modules, tmp_path: Path) -> None:
     (tmp_path / "relay.md").write_text("# Relay\n![it](relay.png)\n")
     (tmp_path / "relay.png").touch()
+    (tmp_path / "first_steps.md").write_text("# First steps\n")
     made = modules["manual"].Manual(gallery=tmp_path)
     assert made.place_of("cases/gallery/README.md", "relay.py") == "relay.md"
     assert made.place_of("cases/gallery/relay.md", "relay.png") == "relay.png"
+    assert made.place_of("cases/gallery/relay.md", "first_steps.ipynb") == "first_steps.md"
 
 
 def test_the_reference_has_every_public_name(modules) -> None:

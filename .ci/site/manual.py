@@ -119,9 +119,9 @@ class Manual:
     def _place(self, path: str, anchor: str) -> str:
         if path == FRONT:
             return next((section.file for section in self.front if anchor in section.anchors), FRONT)
-        script = f"{path.removesuffix('.py')}.md"
-        if path in self.gallery or script in self.gallery:
-            return path if path in self.gallery else script
+        made = f"{path.removesuffix('.py').removesuffix('.ipynb')}.md"
+        if path in self.gallery or made in self.gallery:
+            return path if path in self.gallery else made
         if (self.root / path).is_dir():
             path = f"{path}/README.md"
         if path.endswith(".md"):

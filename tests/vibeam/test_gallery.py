@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import base64
+import contextlib
+import io
+import json
 import re
 import struct
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
+import matplotlib
 import pytest
+from matplotlib import pyplot
 
 ROOT = Path(__file__).parents[2]
 GALLERY = ROOT / "cases" / "gallery"
 NAMES = sorted(path.stem for path in GALLERY.glob("*.py") if path.stem != "pages")
 LONGEST = 80  # lines of a script's code
+NOTEBOOKS = sorted(path.stem for path in GALLERY.glob("*.ipynb"))
+LARGEST = 300_000  # bytes of a notebook, pictures included
 
 
 @pytest.fixture(scope="module")
@@ -85,3 +94,64 @@ def test_a_wrong_number_or_unit_is_seen(pages: ModuleType, tmp_path: Path) -> No
     assert pages.unfounded(script, pages.run(place, tmp_path)) == []
     for printed in ("a: 12.36 mm, 4 modes", "a: 12.34 Hz, 4 modes", "a: 12.34 mm, 5 modes", "12.34 mm, 4 modes"):
         assert len(pages.unfounded(script, f"{printed}\n")) >= 1
+
+
+def cells_of(name: str) -> list[dict[str, Any]]:
+    """Cells of a notebook that hold code."""
+    found = json.loads((GALLERY / f"{name}.ipynb").read_text(encoding="utf-8"))["cells"]
+    return [cell for cell in found if cell["cell_type"] == "code"]
+
+
+def outputs_of(cell: dict[str, Any]) -> tuple[str, list[bytes]]:
+    """What is stored of a cell that was executed: printed text, and pictures."""
+    text = "".join("".join(each["text"]) for each in cell["outputs"] if each["output_type"] == "stream")
+    shown = [each["data"] for each in cell["outputs"] if each["output_type"] == "display_data"]
+    assert len(cell["outputs"]) == len(shown) + bool(text)  # no warning, no error, no other kind of output
+    assert all(each["name"] == "stdout" for each in cell["outputs"] if each["output_type"] == "stream")
+    return text, [base64.b64decode("".join(each["image/png"])) for each in shown]
+
+
+def executed(cells: list[dict[str, Any]], monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, int]]:
+    """What cells print, and how many pictures each shows, executed one after the other."""
+    matplotlib.use("Agg")
+    found, known = [], dict[str, Any]()
+    shown: list[int] = []
+    monkeypatch.setattr(pyplot, "show", lambda: shown.extend(pyplot.get_fignums()) or pyplot.close("all"))
+    with pyplot.rc_context():
+        for cell in cells:
+            shown.clear()
+            with contextlib.redirect_stdout(io.StringIO()) as printed:
+                exec(compile("".join(cell["source"]), "cell", "exec"), known)
+            found.append((printed.getvalue(), len(shown)))
+    return found
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_a_notebook_holds_what_its_cells_print_and_show(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    cells = cells_of(name)
+    assert [cell["execution_count"] for cell in cells] == list(range(1, len(cells) + 1))
+    stored = [outputs_of(cell) for cell in cells]
+    assert executed(cells, monkeypatch) == [(text, len(pictures)) for text, pictures in stored]
+    assert sum(bool(text) for text, _ in stored) >= 4
+    assert all(picture.startswith(b"\x89PNG") for _, pictures in stored for picture in pictures)
+    assert sum(len(pictures) for _, pictures in stored) >= 1
+    assert (GALLERY / f"{name}.ipynb").stat().st_size < LARGEST
+
+
+@pytest.mark.parametrize("name", NOTEBOOKS)
+def test_the_page_of_a_notebook_has_its_words_outputs_and_pictures(
+    pages: ModuleType, name: str, tmp_path: Path
+) -> None:
+    page = pages.notebook_page(GALLERY / f"{name}.ipynb", tmp_path)
+    assert page.startswith("# ")
+    for text, _ in map(outputs_of, cells_of(name)):
+        assert text.rstrip() in page
+    linked = re.findall(r"!\[\]\(([^)]+)\)", page)
+    assert sorted(linked) == sorted(path.name for path in tmp_path.iterdir()) != []
+
+
+def test_a_stale_output_of_a_notebook_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    cell = {"source": ["import matplotlib.pyplot as plt\n", "print(1 + 1)"], "outputs": []}
+    assert executed([cell], monkeypatch) == [("2\n", 0)]
+    drawn = cell | {"source": ["import matplotlib.pyplot as plt\n", "plt.subplots()\n", "plt.show()"]}
+    assert executed([drawn], monkeypatch) == [("", 1)]
