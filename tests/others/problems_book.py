@@ -55,7 +55,9 @@ def table(found: dict[str, Any]) -> str:
             worst = min(range(len(row["agreed"])), key=lambda k: row["agreed"][k] - row["digits"][k])
             ours = [shown(each, count) for each, count in zip(row["ours"], row["digits"], strict=True)]
             said = f"{row['agreed'][worst]} of {row['digits'][worst]}"
-            quantity = row["quantity"] + (f". {row['reason']}" if row["reason"] else "")
+            off = row["agreed"][worst] < row["digits"][worst] - 1
+            reason = row["reason"] or (f"Off: {row['why']}" if off and row["within"] else "")
+            quantity = row["quantity"] + (f". {reason}" if reason else "")
             theirs = (f"{row['formula']} = " if row.get("formula") else "") + listed(row["theirs"])
             cells = [problem if not number else "", quantity, theirs, listed(ours), said]
             cells += [row["method"], row["adds"], row["source"]]
