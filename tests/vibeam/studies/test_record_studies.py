@@ -79,6 +79,14 @@ def test_impacts_begin_where_the_free_peak_reaches_the_gap() -> None:
     assert np.isnan(record_map(modal_case(), {"stop.gap": [1.01 * peak]}, "first impact", ["few"]).means["few"]).all()
 
 
+def test_a_map_of_a_case_that_expects_numbers_at_one_level_takes_any_level() -> None:
+    expected = {"fidelity": "few", "quantity": "impacts", "at": 1.0, "value": 3, "tolerance": "10 %"}
+    case = modal_case().with_keys({"record.values": [1.0], "expect": {"hits": expected}})
+    found = record_map(case, {"level": [0.5, 1.0]}, fidelities=["few"])
+    bare = record_map(modal_case(), {"level": [0.5, 1.0]}, fidelities=["few"])
+    np.testing.assert_array_equal(found.means["few"], bare.means["few"])
+
+
 def test_a_plane_has_a_row_a_value_of_the_first_key() -> None:
     case = modal_case()
     found = record_map(case, {"stop.gap": [1e-4, 2e-4], "speed": [0.5, 1.0, 2.0]}, "hardest_impact", ["few"])

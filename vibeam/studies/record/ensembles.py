@@ -212,6 +212,10 @@ def plain_finest(case: Case, named: str | None = None) -> str:
 
 def alone(case: Case, fidelity: str) -> Case:
     """The case with one fidelity, without what compares or draws others."""
-    others = {f"fidelity.{name}": None for name in case.fidelities if name != fidelity}
-    aside = {"reference": case.references, "expect": case.expectations, "measured": case.measured, "show": case.shows}
-    return case.with_keys({**{name: None for name, each in aside.items() if each}, **others})
+    return case.with_keys({**aside(case), **{f"fidelity.{name}": None for name in case.fidelities if name != fidelity}})
+
+
+def aside(case: Case) -> dict[str, None]:
+    """Tables of a case that compare or draw, which none of its variants needs, as settings that take them away."""
+    found = {"reference": case.references, "expect": case.expectations, "measured": case.measured, "show": case.shows}
+    return {name: None for name, each in found.items() if each}
