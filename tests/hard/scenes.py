@@ -14,6 +14,7 @@ from agreement import true_motion
 from motions import NONE, one, state
 from mpmath import mpf
 from random_systems import Case, random_case
+from several import ContactRig
 
 import vibeam
 
@@ -25,7 +26,7 @@ class Scene:
     """A motion and its truth: impacts (m, 2) in time and velocity before, and where the contact is in the end, m.
 
     ``pieces``: ends of the intervals in which it is to be run, each from the state of the one before; ``place`` None
-    where all is said by the impacts.
+    where all is said by the impacts. ``energy``: the true one in the end (``energy_of``), of undriven motions.
     """
 
     family: str
@@ -35,7 +36,7 @@ class Scene:
     impacts: np.ndarray
     place: float | None = None
     begin: float = 0.0
-    patience: int = 1  # times as much as another scene's
+    energy: float | None = None
 
     @property
     def end(self) -> float:
@@ -50,9 +51,8 @@ class Scene:
     @property
     def size(self) -> float:
         """Scale of the contact's displacement, m."""
-        return float(
-            np.abs(self.case.system.contact) @ np.abs(self.case.start.displacement) + abs(self.case.system.gap)
-        )
+        system = self.case.system
+        return float(np.abs(system.contact) @ np.abs(self.case.start.displacement) + abs(system.gap))
 
 
 Maker = Callable[[], Scene]
@@ -69,6 +69,12 @@ def rows(times: list, speeds: list) -> np.ndarray:
     return np.array([[float(t), float(v)] for t, v in zip(times, speeds, strict=True)]).reshape(-1, 2)
 
 
+def energy_of(case: Case, displacement: np.ndarray, velocity: np.ndarray) -> float:
+    """Energy of modes in a state: kinetic, of their springs, and in the static force, J."""
+    spring = (case.system.omega * displacement) ** 2 / 2 - case.system.static * displacement
+    return float(np.sum(velocity**2 / 2 + spring))
+
+
 def followed(
     family: str, what: str, case: Case, *, count: int = 0, end: float | None = None, begin: float = 0.0
 ) -> Scene:
@@ -81,8 +87,11 @@ def followed(
         motion = true_motion(case, begin)
     motion.run(t_end=end)
     hits = [event for event in motion.events if event.kind == "impact"]
-    place = float(case.system.contact @ np.array([float(x) for x in motion.state().displacement]))
-    return Scene(family, what, case, (end,), rows([e.time for e in hits], [e.speed for e in hits]), place, begin)
+    last = motion.state()
+    x, v = (np.array([float(each) for each in row]) for row in (last.displacement, last.velocity))
+    impacts = rows([e.time for e in hits], [e.speed for e in hits])
+    energy = None if case.drive.amplitude else energy_of(case, x, v)
+    return Scene(family, what, case, (end,), impacts, float(case.system.contact @ x), begin, energy)
 
 
 # ------------------------------------------------------------------------------------------------------- accumulations
@@ -100,7 +109,7 @@ def ball() -> Scene:
             v *= R
             t += 2 * v / g
     case = Case(one(0.0, load=0.0, static=9.81, restitution=0.9), NONE, state(-1.0, 0.0))
-    return Scene("chatter to rest", "a ball, R = 0.9", case, (12.0,), rows(times, speeds), 0.0)
+    return Scene("chatter to rest", "a ball, R = 0.9", case, (12.0,), rows(times, speeds), 0.0, energy=0.0)
 
 
 def pressed_flights(w: float, press: float, speed: float, restitution: float) -> np.ndarray:
@@ -186,28 +195,33 @@ def just_missed() -> Scene:
     return throw(1e-4**2 / 2, "missed by 5e-9 of the height", rows([], []), -0.125)
 
 
-def crest(part: float) -> tuple[Case, float, float]:
-    """Undamped, below resonance: u = A sin Ωt, the gap (1 − part) A; when and how fast it is struck."""
+def crest(part: float, end: float) -> tuple[Case, np.ndarray, float]:
+    """Undamped, below resonance: u = A sin Ωt, the gap (1 − part) A; the strike, if any, and the place at the end."""
     w, W, B = 2.0, 0.75, 0.4
     with mpmath.workdps(30):
         A = mpf(W) ** 2 * mpf(B) / (mpf(w) ** 2 - mpf(W) ** 2)
-        gap = float(A * (1 - mpf(part)))
-        when = mpmath.asin(min(mpf(gap) / A, mpf(1))) / mpf(W)
-        speed = A * mpf(W) * mpmath.cos(mpf(W) * when)
+        gap, place = float(A * (1 - mpf(part))), A * mpmath.sin(mpf(W) * mpf(end))
+        impacts = rows([], [])
+        if mpf(gap) < A:
+            when = mpmath.asin(mpf(gap) / A) / mpf(W)
+            speed = A * mpf(W) * mpmath.cos(mpf(W) * when)
+            place -= mpf(1.5) * speed / w * mpmath.sin(mpf(w) * (mpf(end) - when))
+            impacts = rows([when], [speed])
     case = Case(one(w, gap=gap, restitution=0.5), vibeam.Drive(W, B), state(0.0, float(A * mpf(W))))
-    return case, float(when), float(speed)
+    return case, impacts, float(place)
 
 
 @scene
 def at_a_crest() -> Scene:
-    case, when, speed = crest(1e-8)
-    return Scene("grazing", "at a crest of the drive, 1e-8 of it beyond", case, (3.0,), rows([when], [speed]))
+    case, impacts, place = crest(1e-8, 3.0)
+    return Scene("grazing", "at a crest of the drive, 1e-8 of it beyond", case, (3.0,), impacts, place)
 
 
 @scene
 def hundred_crests() -> Scene:
-    case, *_ = crest(-1e-6)
-    return Scene("grazing", "a hundred crests, 1e-6 short", case, (100 * 2 * np.pi / 0.75,), rows([], []))
+    end = 100 * 2 * np.pi / 0.75
+    case, impacts, place = crest(-1e-6, end)
+    return Scene("grazing", "a hundred crests, 1e-6 short", case, (end,), impacts, place)
 
 
 @scene
@@ -294,7 +308,8 @@ def elastic() -> Scene:
     hits = (2 * np.arange(1000) + 1) * theta
     case = Case(one(1.0, gap=-0.3), NONE, state(-1.0, 0.0))
     impacts = np.stack([hits, np.full(1000, np.sin(theta))], axis=1)
-    return Scene("R = 0 and R = 1", "R = 1, 1 000 impacts", case, (float(hits[-1] + theta / 2),), impacts)
+    end, place = float(hits[-1] + theta / 2), -float(np.cos(theta / 2))
+    return Scene("R = 0 and R = 1", "R = 1, 1 000 impacts", case, (end,), impacts, place, energy=0.5)
 
 
 # ------------------------------------------------------------------------------------------------- damping, resonances
@@ -385,6 +400,22 @@ def late() -> Scene:
     return followed("long times", "begun after 10⁶ periods", Case(SYSTEM, DRIVE, START), end=begin + 30.0, begin=begin)
 
 
+@scene
+def both_sides() -> Scene:
+    """Clearance on both sides, an impact on either in turn or several: by eigenvalues and bisection in 30 digits."""
+    row, gaps, drive, end = np.array([1.0, -0.6, 0.3]), (0.02, 0.05), vibeam.Drive(1.9, 0.05), 24.0
+    system = vibeam.ImpactSystem.from_modes(
+        [1.0, 3.3, 7.1], [0.05, 0.03, 0.04], row, [1.0, 0.4, -0.2], gap=gaps[0], second_gap=gaps[1], restitution=0.7
+    )
+    twin = replace(system, second_gap=None, further=(vibeam.Contact(-row, gaps[1], 0.7),))
+    with mpmath.workdps(30):
+        hits, last = ContactRig(twin, drive).fly(end)
+    impacts = rows([time for time, *_ in hits], [speed for *_, speed in hits])
+    place = float(row @ np.array([float(x) for x in last[:3]]))
+    case = Case(system, drive, state(np.zeros(3), np.zeros(3)))
+    return Scene("clearance on both sides", "three modes, from rest", case, (end,), impacts, place)
+
+
 # ------------------------------------------------------------------------------------------------- brink, full, random
 
 
@@ -401,37 +432,39 @@ def brink() -> Scene:
 
 @scene
 def full_model() -> Scene:
-    """Four hundred modes of the beam from rest: the first strike of the free motion, each mode in closed form."""
+    """Four hundred modes of the beam from rest: the first strike, and what it adds to each, in closed form."""
     from test_full_models import DRIVE as SHAKEN
     from test_full_models import exact_at, full
 
     beam = full(1e-5, 0.7)
     rest = np.zeros((2, beam.size))
-    t = first_crossing(beam, SHAKEN)
+    turn = np.linspace(0, 2 * np.pi / SHAKEN.omega, 20_001)
+    t = float(turn[np.flatnonzero(free_contact(beam, SHAKEN, rest, turn) > beam.gap)[0]])
     with mpmath.workdps(30):
         for _ in range(4):
             u, rate = exact_at(beam, SHAKEN, rest, 0.0, t)
             t -= float((u - mpf(beam.gap)) / rate)
-        speed = exact_at(beam, SHAKEN, rest, 0.0, t)[1]
+        speed, end = exact_at(beam, SHAKEN, rest, 0.0, t)[1], 1.2 * t
+        kick = np.array([rest[0], -beam.contact * float((1 + beam.restitution) * speed) / beam.mobility])
+        place = exact_at(beam, SHAKEN, rest, 0.0, end)[0] + exact_at(beam, NONE, kick, t, end)[0]
+    after = np.linspace(0, end - t, 2001)[1:]
+    if np.any(free_contact(beam, SHAKEN, rest, t + after) + free_contact(beam, NONE, kick, after) > beam.gap):
+        raise ValueError("it strikes again")
     case = Case(beam, SHAKEN, vibeam.State(*rest))
-    return Scene(
-        "full models", f"{beam.size} modes, first strike", case, (t * (1 + 1e-9),), rows([t], [speed]), patience=4
-    )
+    what = f"{beam.size} modes, first strike"
+    return Scene("full models", what, case, (end,), rows([t], [speed]), float(place))
 
 
-def first_crossing(system: vibeam.ImpactSystem, drive: vibeam.Drive) -> float:
-    """Where the free motion from rest first passes the gap on a fine grid: complex exponentials, in doubles."""
+def free_contact(system: vibeam.ImpactSystem, drive: vibeam.Drive, pose: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """The contact's place in a flight from ``pose`` at zero: complex exponentials, in doubles."""
     w, z, W = system.omega, system.zeta, drive.omega
     answer = system.load * W**2 * drive.amplitude / (w**2 - W**2 + 2j * z * w * W)
-    x, v, own = -answer.imag, -W * answer.real, w * np.sqrt(1 - z**2)
+    own = w * np.sqrt(1 - z**2)
+    x, v = pose[0] - answer.imag, pose[1] - W * answer.real
     turn = x - 1j * (v + z * w * x) / own
-    t = np.linspace(0, 2 * np.pi / W, 20_001)[:, None]
-    for part in np.array_split(t, 40):
-        u = (np.exp((-z * w + 1j * own) * part) * turn).real + (answer * np.exp(1j * W * part)).imag
-        beyond = np.flatnonzero(u @ system.contact > system.gap)
-        if len(beyond):
-            return float(part[beyond[0], 0])
-    raise ValueError("the motion from rest does not reach the stop in a period")
+    parts = np.array_split(times[:, None], 40)
+    found = [((np.exp((-z * w + 1j * own) * t) * turn).real + (answer * np.exp(1j * W * t)).imag) for t in parts]
+    return np.concatenate([each @ system.contact for each in found])
 
 
 @scene
