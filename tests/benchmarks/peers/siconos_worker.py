@@ -1,10 +1,13 @@
-"""Run by the Python that has Siconos, apart from vibeam: a job on stdin as JSON, CPU seconds and impacts on stdout.
+"""Run by the Python that has Siconos, apart from vibeam: a job on stdin as JSON, CPU seconds and motions on stdout.
 
-The drive is one more degree of freedom, s'' = −Ω²s with s = sin Ωt, so that the whole system is linear with constant
-matrices and nothing is called back in Python between events.
+A job: modes (omega, zeta, load, static), stops (row, gap, restitution), amplitude of the drive, and points: drive
+frequency, start, begin, end, step. A motion: times and velocities of impacts, why it failed, state in the end, the
+least and greatest place of the first stop's row. The drive is one more degree of freedom, s'' = −Ω²s with s = sin Ωt,
+so that the whole system is linear with constant matrices and nothing is called back in Python between events.
 """
 
 import json
+import math
 import os
 import sys
 import time
@@ -15,70 +18,98 @@ import siconos.kernel as sk
 NON_SMOOTH = 2  # type of an event at which an impact is solved
 
 
-def parts(job, omega, start):
-    """Everything there is, the moving part of it, and the matrices, which Python must keep alive."""
-    n = len(job["omega"])
-    stiffness, damping = np.zeros((n + 1, n + 1)), np.zeros((n + 1, n + 1))
-    stiffness[range(n), range(n)] = np.square(job["omega"])
-    damping[range(n), range(n)] = 2 * np.multiply(job["zeta"], job["omega"])
-    stiffness[:n, n] = -np.multiply(job["load"], job["amplitude"] * omega**2)
-    stiffness[n, n] = omega**2
-    system = sk.LagrangianLinearTIDS(start[0] + [0.0], start[1] + [omega], np.eye(n + 1))
-    system.setKPtr(stiffness)
-    system.setCPtr(damping)
-    end = job["periods"] * 2 * np.pi / omega
-    whole = sk.NonSmoothDynamicalSystem(0.0, end)
-    whole.insertDynamicalSystem(system)
-    row = np.append(-np.array(job["contact"]), 0.0).reshape(1, n + 1)
-    contact = sk.Interaction(
-        sk.NewtonImpactNSL(job["restitution"]), sk.LagrangianLinearTIR(row, np.array([job["gap"]]))
-    )
-    whole.link(contact, system)
-    return whole, system, (stiffness, damping, row)
+class Motion:
+    """Everything there is at a point, and what is found; ``kept``: matrices, which Python must keep alive."""
+
+    def __init__(self, job, point):
+        n, omega, begin = len(job["omega"]), point["drive"], point["begin"]
+        stiffness, damping = np.zeros((n + 1, n + 1)), np.zeros((n + 1, n + 1))
+        stiffness[range(n), range(n)] = np.square(job["omega"])
+        damping[range(n), range(n)] = 2 * np.multiply(job["zeta"], job["omega"])
+        stiffness[:n, n] = -np.multiply(job["load"], job["amplitude"] * omega**2)
+        stiffness[n, n] = omega**2
+        place = point["start"][0] + [math.sin(omega * begin)]
+        velocity = point["start"][1] + [omega * math.cos(omega * begin)]
+        self.system = sk.LagrangianLinearTIDS(place, velocity, np.eye(n + 1))
+        self.system.setKPtr(stiffness)
+        self.system.setCPtr(damping)
+        static = np.append(np.array(job["static"]), 0.0)
+        if static.any():
+            self.system.setFExtPtr(static)
+        self.whole = sk.NonSmoothDynamicalSystem(begin, point["end"])
+        self.whole.insertDynamicalSystem(self.system)
+        self.stops, self.rows, self.kept = [], [], [stiffness, damping, static]
+        for row, gap, restitution in job["stops"]:
+            down = np.append(-np.array(row), 0.0).reshape(1, n + 1)
+            relation = sk.LagrangianLinearTIR(down, np.array([gap]))
+            self.stops.append(sk.Interaction(sk.NewtonImpactNSL(restitution), relation))
+            self.whole.link(self.stops[-1], self.system)
+            self.rows.append(np.array(row))
+            self.kept.append(down)
+        self.n, self.times, self.speeds, self.failed = n, [], [], ""
+        self.least = self.greatest = float(self.rows[0] @ point["start"][0])
+
+    def speeds_now(self):
+        """Velocities toward the stops."""
+        velocity = self.system.velocity()[: self.n]
+        return [float(row @ velocity) for row in self.rows]
+
+    def seen(self):
+        """Note where the contact is."""
+        place = float(self.rows[0] @ self.system.q()[: self.n])
+        self.least, self.greatest = min(self.least, place), max(self.greatest, place)
+
+    def answer(self):
+        """As JSON takes it."""
+        last = [self.system.q()[: self.n].tolist(), self.system.velocity()[: self.n].tolist()]
+        return self.times, self.speeds, self.failed, last, self.least, self.greatest
 
 
-def event_driven(job, omega, start):
+def event_driven(job, point):
     """Flights by LSODAR with root finding, impacts by a complementarity problem."""
-    whole, system, _kept = parts(job, omega, start)
-    simulation = sk.EventDriven(whole, sk.TimeDiscretisation(0.0, 2 * np.pi / omega))
+    motion = Motion(job, point)
+    simulation = sk.EventDriven(motion.whole, sk.TimeDiscretisation(point["begin"], point["step"]))
     integrator = sk.LsodarOSI()
     simulation.insertIntegrator(integrator)
     simulation.insertNonSmoothProblem(sk.LCP(), sk.SICONOS_OSNSP_ED_IMPACT)
     simulation.insertNonSmoothProblem(sk.LCP(), sk.SICONOS_OSNSP_ED_SMOOTH_ACC)
-    n, c, times, speeds = len(job["contact"]), np.array(job["contact"]), [], []
     manager = simulation.eventsManager()
     simulation.initialize()
     integrator.setMaxNstep(100_000)
-    while simulation.hasNextEvent() and len(times) < job["limit"]:
-        simulation.advanceToEvent()
-        if manager.nextEvent().getType() == NON_SMOOTH:
-            times.append(float(simulation.nextTime()))
-            speeds.append(float(c @ system.velocity()[:n]))
+    if "tolerance" in job:
+        simulation.setToleranceED(job["tolerance"])
+    while simulation.hasNextEvent() and len(motion.times) < job["limit"]:
         try:
+            simulation.advanceToEvent()
+            if manager.nextEvent().getType() == NON_SMOOTH:
+                motion.times.append(float(simulation.nextTime()))
+                motion.speeds.append(max(motion.speeds_now()))
             simulation.processEvents()
+            motion.seen()
         except Exception as error:
-            return times, speeds, str(error)
-    return times, speeds, "stuck on the stop" if simulation.hasNextEvent() else ""
+            motion.failed = str(error)
+            return motion.answer()
+    motion.failed = "stuck on the stop" if simulation.hasNextEvent() else ""
+    return motion.answer()
 
 
-def time_stepping(job, omega, start):
-    """Moreau–Jean, θ = ½; an impact is a step in which the contact's velocity turns back."""
-    whole, system, _kept = parts(job, omega, start)
-    step = 2 * np.pi / omega / job["steps"]
-    simulation = sk.TimeStepping(whole, sk.TimeDiscretisation(0.0, step))
+def time_stepping(job, point):
+    """Moreau–Jean, θ = ½; an impact is a step in which a stop pushes and its contact's velocity turns back."""
+    motion = Motion(job, point)
+    simulation = sk.TimeStepping(motion.whole, sk.TimeDiscretisation(point["begin"], point["step"]))
     simulation.insertIntegrator(sk.MoreauJeanOSI(0.5))
     simulation.insertNonSmoothProblem(sk.LCP())
-    n, c, times, speeds = len(job["contact"]), np.array(job["contact"]), [], []
-    before = float(c @ start[1])
+    before = motion.speeds_now()
     while simulation.hasNextEvent():
         simulation.computeOneStep()
-        after = float(c @ system.velocity()[:n])
-        if system.p(1) is not None and np.any(system.p(1) != 0.0) and before > 0:
-            times.append(float(simulation.nextTime()))
-            speeds.append(before)
-        before = after
+        for stop, speed in zip(motion.stops, before, strict=True):
+            if speed > 0 and stop.lambda_(1)[0] > 0:
+                motion.times.append(float(simulation.nextTime()))
+                motion.speeds.append(speed)
+        before = motion.speeds_now()
+        motion.seen()
         simulation.nextStep()
-    return times, speeds, ""
+    return motion.answer()
 
 
 def main():
@@ -88,7 +119,7 @@ def main():
     os.dup2(2, 1)  # what the library prints is no part of the answer
     solve = {"event driven": event_driven, "time stepping": time_stepping}[job["method"]]
     begun = time.process_time()
-    found = [solve(job, omega, start) for omega, start in zip(job["grid"], job["starts"], strict=True)]
+    found = [solve(job, point) for point in job["points"]]
     seconds = time.process_time() - begun
     with os.fdopen(answer, "w") as out:
         json.dump({"seconds": seconds, "points": found}, out)
