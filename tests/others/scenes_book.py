@@ -1,7 +1,9 @@
-"""Section of the book with our hard scenes run by other programs: one process a run, verdicts, and the tables of them.
+"""Section of the book with our hard scenes run by other programs: verdicts, costs, and the tables of them.
 
-pip install -e '.[peers]'                            # and Debian's python3-siconos
-python -m tests.others.book --run scenes             # four minutes of CPU time
+    pip install -e '.[peers]'                            # and Debian's python3-siconos
+    python -m tests.others.book --run scenes             # four minutes of CPU time
+
+Every run has a process of its own, and so many seconds of CPU time once its program has compiled what it compiles.
 """
 
 from __future__ import annotations
