@@ -236,7 +236,8 @@ def simulate(
 
     ``state``: where it starts, static equilibrium where None. ``max_impacts``: it ends there with Ended.EVENT_LIMIT.
     ``certify``: the result carries a ``certificate`` that no impact was missed, at less than the motion's cost again
-    (of contact that is integrated, Hertz and Hunt–Crossley, it says that it proves nothing).
+    where that is a millisecond or more (of contact that is integrated, Hertz and Hunt–Crossley, it proves nothing and
+    says so).
     ValueError for times that do not ascend, a state of the wrong shape, an unknown solver or an argument of another
     type; a start beyond the stop ends at once with Ended.PENETRATED.
 
