@@ -12,7 +12,7 @@ import pytest
 from tests.others.uncertain.intervals import held, hits, inside, read, scatter
 from tests.others.uncertain.plain_samples import drawn
 from tests.others.uncertain.rigs import RIGS, Assembled, Rig
-from tests.others.uncertainty_book import ENOUGH, FEW, REPETITIONS, SAMPLES, SEED, alone, flown, several, table
+from tests.others.uncertainty_book import ENOUGH, FEW, REPETITIONS, SAMPLES, SEED, flown, study, table
 from vibeam.studies.uncertainty.samples import inputs_of
 from vibeam.studies.uncertainty.statistics import saltelli
 from vibeam.studies.uncertainty.study import uncertainty
@@ -75,24 +75,23 @@ def test_plain_samples_are_of_what_the_case_says(rig: Rig, row: dict[str, Any]) 
 @pytest.mark.parametrize(("rig", "row"), ROWS)
 def test_a_study_is_one_of_the_repetitions(rig: Rig, row: dict[str, Any]) -> None:
     """The mean of the finest alone to round-off; the other as far as numbers of runs hang on CPU times."""
-    model = Assembled(rig, rig.case())
-    only, bands = alone(rig, model, 0)
-    assert only.mean == pytest.approx(read(row["alone"]["mean"])[0], rel=1e-8)
-    assert bands.quantiles[0] == pytest.approx(read(row["bands"][0])[0], rel=1e-8)
-    found = several(model.case, 0).several
-    assert found.mean == pytest.approx(row["mean"], abs=5 * found.error)
-    assert found.error == pytest.approx(read(row["several"]["error"])[0], rel=0.3)
+    found = study(rig, Assembled(rig, rig.case()), 0, row["flown"]["seconds"])
+    assert found.mean.alone.mean == pytest.approx(read(row["alone"]["mean"])[0], rel=1e-8)
+    assert found.peak.quantiles[0] == pytest.approx(read(row["bands"][0])[0], rel=1e-8)
+    several = found.mean.several
+    assert several.mean == pytest.approx(row["mean"], abs=5 * several.error)
+    assert several.error == pytest.approx(read(row["several"]["error"])[0], rel=0.3)
 
 
 def test_exact_peaks_stand_for_the_sweeps_of_a_study() -> None:
     """One whole study: its mean of the finest alone and its bands are those of the exact peaks at its points."""
     rig = RIGS[2]
     model = Assembled(rig, rig.case())
-    study = uncertainty(model.case, samples=16, seed=3)
+    found = uncertainty(model.case, samples=16, seed=3)
     inputs = inputs_of(model.case.uncertain, saltelli(len(rig.inputs), 16, 3))[:32]
     peaks = rig.exact(model, {each.key: column for each, column in zip(rig.inputs, inputs.T, strict=True)})
-    assert study.mean_peak.alone.mean == pytest.approx(peaks.mean(), rel=2e-5)
-    assert study.finest.peak.within[2] == pytest.approx(tuple(np.sort(peaks)[[9, 22]]), rel=1e-4)
+    assert found.mean_peak.alone.mean == pytest.approx(peaks.mean(), rel=2e-5)
+    assert found.finest.peak.within[2] == pytest.approx(tuple(np.sort(peaks)[[9, 22]]), rel=1e-4)
 
 
 def test_a_truth_known_to_an_error_widens_intervals_as_independent_ones_do() -> None:

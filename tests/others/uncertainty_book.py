@@ -1,9 +1,9 @@
 """Section of the book on uncertainty: means, bands and their intervals beside 10⁵ plain samples of the finest model.
 
 The truth is drawn by numpy with a seed of its own, each sample's peak by the exact motions of ``uncertain/``, which
-flown sweeps at the same inputs confirm. A repetition is the study with another seed: the sweeps of the finest model
-that its mean takes are flown, and so is all that its cheaper models take; bands and the mean of the finest alone, of
-four times as many samples, are of exact peaks in the place of sweeps.
+flown sweeps at the same inputs confirm. A repetition is the study with another seed, as it is asked without --samples:
+its peaks of the finest fidelity are exact ones too, at the CPU time of a sweep; all that its cheaper models take is
+computed as it does.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import os
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from time import process_time
 from typing import Any
 
@@ -20,14 +21,13 @@ import numpy as np
 from tests.others.uncertain.intervals import KEPT, held, inside, read, savings, scatter, written
 from tests.others.uncertain.plain_samples import drawn
 from tests.others.uncertain.rigs import RIGS, Assembled, Rig
-from vibeam.studies.uncertainty.mean_of_peak import PILOT, Allocation, MeanPeak, estimate, mean_of_peak
-from vibeam.studies.uncertainty.samples import Sampler, inputs_of
+from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
+from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, saltelli
 
 SAMPLES, SEED = 100_000, 35  # of brute force
 REPETITIONS = 100
-HALF = 128  # samples of the study where --samples is not said: 256 of the finest model
-FLOWN = 64  # sweeps of it for the mean, a quarter of them
+HALF = 128  # samples of the study where --samples is not said: 256 of the finest model, 64 of which its mean takes
 CHECKED = 200  # plain samples that are flown too
 ENOUGH, FEW = 93, 20  # intervals of a hundred that hold the truth at least, and one moved by three half widths at most
 
@@ -62,16 +62,13 @@ def _measured(rig: Rig) -> dict[str, Any]:
         **truth(rig, model, SAMPLES),
         "flown": flown(rig, model, CHECKED),
     }
-    begun = process_time()
-    means = [several(model.case, seed) for seed in range(REPETITIONS)]
-    repetition = (process_time() - begun) / REPETITIONS
-    only, bands = zip(*(alone(rig, model, seed) for seed in range(REPETITIONS)), strict=True)
+    studies = [study(rig, model, seed, found["flown"]["seconds"]) for seed in range(REPETITIONS)]
+    means, bands = [each.mean for each in studies], [each.peak for each in studies]
     found["seconds"] |= {
-        "repetition": repetition,
-        "sweep": float(np.mean([each.seconds[model.name] for each in means])),
+        "study": float(np.mean([each.seconds for each in studies])),
         "several": float(np.mean([each.several.seconds for each in means])),
     }
-    for name, every in (("several", [each.several for each in means]), ("alone", only)):
+    for name, every in (("several", [each.several for each in means]), ("alone", [each.alone for each in means])):
         found[name] = {key: written([getattr(each, key) for each in every]) for key in ("mean", "low", "high", "error")}
     ends = np.array([each.within for each in bands])  # (repetitions, levels, 2)
     found["quantile_ends"] = [[written(ends[:, at, side]) for side in (0, 1)] for at in range(len(LEVELS))]
@@ -107,30 +104,36 @@ def truth(rig: Rig, model: Assembled, count: int) -> dict[str, Any]:
 
 
 def flown(rig: Rig, model: Assembled, count: int) -> dict[str, float]:
-    """Relative difference of exact peaks from flown sweeps at the first plain samples: largest, and mean."""
+    """Exact peaks over flown ones less 1 at the first plain samples, largest and mean; CPU seconds of a sweep."""
     plain = {key: values[:count] for key, values in drawn(rig.inputs, SAMPLES, SEED).items()}
-    swept = Sampler(model.case, tuple(plain))(model.name, np.stack(list(plain.values()), axis=1)).peak
-    off = rig.exact(model, plain) / swept - 1
-    return {"samples": count, "largest": float(np.abs(off).max()), "mean": float(off.mean())}
+    swept = Sampler(model.case, tuple(plain))(model.name, np.stack(list(plain.values()), axis=1))
+    off = rig.exact(model, plain) / swept.peak - 1
+    seconds = float(swept.seconds.mean())
+    return {"samples": count, "largest": float(np.abs(off).max()), "mean": float(off.mean()), "seconds": seconds}
 
 
-def several(case: Any, seed: int) -> MeanPeak:
-    """Multi-fidelity mean of one study, of which no more is flown than it takes."""
-    sampler, finest = Sampler(case, tuple(each.key for each in case.uncertain)), list(case.fidelities)[-1]
-    inputs = inputs_of(case.uncertain, saltelli(len(case.uncertain), HALF, seed))[:FLOWN]
-    found = {name: sampler(name, inputs if name == finest else inputs[:PILOT]) for name in case.fidelities}
-    mean = mean_of_peak(sampler, found, finest, 2 * HALF, seed, lambda _: None)
-    if mean is None:
-        raise ValueError(f"{case.title}: no cheaper model saves any")
-    return mean
+@dataclass(frozen=True)
+class Study:
+    """Means of one study, the distribution of its peaks, and its CPU ``seconds`` with those of the sweeps it takes."""
+
+    mean: MeanPeak
+    peak: Distribution
+    seconds: float
 
 
-def alone(rig: Rig, model: Assembled, seed: int) -> tuple[Any, Distribution]:
-    """Mean by the finest alone and bands of one study, of exact peaks at its samples."""
-    inputs = inputs_of(model.case.uncertain, saltelli(len(rig.inputs), HALF, seed))[: 2 * HALF]
+def study(rig: Rig, model: Assembled, seed: int, sweep: float) -> Study:
+    """The study of a seed, but for its sensitivities; ``sweep``: CPU seconds of one of the finest fidelity."""
+    case = model.case
+    inputs = inputs_of(case.uncertain, saltelli(len(rig.inputs), HALF, seed))[: 2 * HALF]
     peaks = rig.exact(model, {each.key: column for each, column in zip(rig.inputs, inputs.T, strict=True)})
-    only = Allocation((model.name,), (1.0,), (1.0,), 1.0)
-    return estimate(only, {model.name: peaks}, 0.0, seed), Distribution.of(float("nan"), peaks)
+    begun = process_time()
+    sampler = Sampler(case, tuple(each.key for each in rig.inputs))
+    found = {name: sampler(name, inputs[:PILOT]) for name in case.fidelities if name != model.name}
+    found[model.name] = Responses.of_peaks(model.name, inputs, peaks, np.full(len(peaks), sweep))
+    mean = mean_of_peak(sampler, found, model.name, len(peaks), seed, lambda _: None)
+    if mean is None:
+        raise ValueError(f"{rig.name}: no cheaper model saves any")
+    return Study(mean, Distribution.of(float("nan"), peaks), process_time() - begun + mean.counts[0] * sweep)
 
 
 def table(found: dict[str, Any]) -> str:
@@ -169,7 +172,7 @@ def _cost(rig: dict[str, Any]) -> dict[str, str]:
         "rig": rig["name"],
         "models beside the finest, runs": f"{' or '.join(rig['models']['used'])}: {runs}",
         "brute force, CPU s": f"{seconds['brute']:.3g}",
-        "a study's mean": f"{seconds['repetition']:.2g} (stated {seconds['several']:.2g})",
+        "a study's mean": f"{seconds['study']:.2g} (stated {seconds['several']:.2g})",
         "at equal variance cost more: independent sweeps": f"{saving['plain']:.3g} × (stated {saving['stated']:.3g})",
         "brute force": f"{saving['brute']:.2g} ×",
         "sweeps at Sobol's points": f"{saving['sobol']:.2g} ×",

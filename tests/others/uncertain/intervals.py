@@ -60,13 +60,13 @@ def savings(found: Mapping[str, Any]) -> dict[str, float]:
     """Cost of other ways over that of the multi-fidelity mean, at equal variance.
 
     ``stated``: of independent sweeps of the finest, by the study's own errors and CPU times. The others by the scatter
-    of the repetitions and all their CPU time: ``plain`` of the same sweeps, ``brute`` of brute force, ``sobol`` of
-    sweeps of the finest at the study's own points, which are not independent.
+    of the repetitions and all CPU time of their means, pilots too: ``plain`` of the same sweeps, ``brute`` of brute
+    force, ``sobol`` of sweeps of the finest at the study's own points, which are not independent.
     """
     seconds, own = found["seconds"], read(found["several"]["mean"]).var(ddof=1)
-    sweep = seconds["sweep"]
+    sweep = found["flown"]["seconds"]
     stated = np.mean(read(found["several"]["error"]) ** 2) * seconds["several"]
-    own *= seconds["repetition"]
+    own *= seconds["study"]
     sobol = read(found["alone"]["mean"]).var(ddof=1) * found["points"] * sweep
     return {
         "stated": float(found["deviation"] ** 2 * sweep / stated),

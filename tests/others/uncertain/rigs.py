@@ -12,7 +12,8 @@ import numpy as np
 import vibeam
 from tests.others.uncertain.plain_samples import Input, Modes, interpolated
 from tests.others.uncertain.struck_modes import struck_peaks
-from tests.others.uncertain.yielding_modes import Yielding, yielding_peaks
+from tests.others.uncertain.yielding_modes import Yielding
+from tests.others.uncertain.yielding_peaks import yielding_peaks
 from vibeam.case.fidelity import system
 from vibeam_models.base_motion import drive_amplitude
 
@@ -104,7 +105,7 @@ def yielding(model: Assembled, samples: Mapping[str, Array]) -> Array:
 
 NEUTRAL = {
     "sweep.frequency": {"from": "15 Hz", "to": "15.5 Hz", "points": 6}, "sweep.direction": "up",
-    "sweep.settle": 40, "sweep.hold": 5, "beam.elements": 12, "reference": None,
+    "sweep.settle": 40, "sweep.hold": 5, "beam.elements": 12, "reference": None, "fidelity.sdof": None,
 }  # fmt: skip
 RIGS = (
     Rig(
