@@ -152,7 +152,7 @@ def estimate(chosen: Allocation, values: Mapping[str, Array], seconds: float, se
 
 
 def _drawn(rng: np.random.Generator, size: int) -> Array:
-    """How often each of so many samples is drawn (RESAMPLES, size); a part may have none."""
+    """Counts by which each of so many samples is drawn (RESAMPLES, size); a part may have none."""
     rows = (rng.integers(max(size, 1), size=size) for _ in range(RESAMPLES))
     return np.stack([np.bincount(row, minlength=size) for row in rows], dtype=float)
 
