@@ -13,11 +13,13 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import os
 import re
 import sys
 from pathlib import Path
 from typing import Any
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: its matrices are small
 HERE = Path(__file__).parent
 PAGE = HERE / "README.md"
 SECTIONS = ("problems", "scenes", "dictionary", "uncertainty")
