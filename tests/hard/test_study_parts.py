@@ -117,13 +117,16 @@ def killed(words: list[str], folder: Path, when: Callable[[], bool], by: int) ->
     return process.wait()
 
 
-@pytest.mark.parametrize(("more", "by"), [([], signal.SIGKILL), (["--part", "1/1"], signal.SIGTERM)])
-def test_an_ensemble_that_is_killed_goes_on(folder: Path, more: list[str], by: int) -> None:
+@pytest.mark.parametrize(
+    ("more", "by", "expected"),
+    [([], signal.SIGKILL, -9), ([], signal.SIGINT, 130), (["--part", "1/1"], signal.SIGTERM, 143)],
+)
+def test_an_ensemble_that_is_killed_goes_on(folder: Path, more: list[str], by: int, expected: int) -> None:
     text = SWEPT.replace("settle = 60", "settle = 6000")
     (folder / "rig.toml").write_text(text, encoding="utf-8")
     steps = folder / "two.csv.1-sweeps.parts"
     code = killed([*UNCERTAIN, "--out", "two.csv", *more], folder, lambda: len(list(steps.glob("*.steps"))) > 5, by)
-    assert code == (-by if by == signal.SIGKILL else 143)
+    assert code == expected
     kept = {path.name: path.read_bytes() for path in steps.glob("*.steps")}
     assert 5 < len(kept) < 80
     ran = vibeam([*UNCERTAIN, "--out", "two.csv", "--part", "1/1"], folder)

@@ -104,8 +104,12 @@ def in_parts(doing: str, path: Path, asked: Asked, last: bool = False) -> Iterat
             take_part(work, tell=told)
 
     made = Sharing(path, take, digest_of_code(studies=True), command)
-    with sharing(made):
-        yield made
+    try:
+        with sharing(made):
+            yield made
+    except KeyboardInterrupt as stopped:
+        kept = "stopped: what was computed is kept: the same command goes on from there"
+        raise KeyboardInterrupt(str(stopped) or kept) from None
     if isinstance(asked, WorkPart):
         total = sum(work.size(step) for work in made.rounds for step in work.every)
         raise Answered(part_sheet(doing, asked, Taken(total, total, total), command))

@@ -106,7 +106,7 @@ def _evaluate_here(
 ) -> None:  # fmt: skip
     done, lock = 0, Lock()
 
-    def task(item: Item, stop: Event) -> None:
+    def task(item: Item, stop: Event | None = None) -> None:
         nonlocal done
         keep(item, evaluate(item))
         with lock:
@@ -116,7 +116,11 @@ def _evaluate_here(
 
     if told is not None:
         told(0, len(items))
-    run_parallel(task, items, workers)
+    if workers == 1:
+        for item in items:
+            task(item)
+    else:
+        run_parallel(task, items, workers)
 
 
 def set_aside(work: LongWork, tell: Tell) -> None:
