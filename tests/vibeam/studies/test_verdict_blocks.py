@@ -60,11 +60,11 @@ def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
 
     stored, append = list[int](), StepFile.append
 
-    def ending(file: StepFile, said: Path, number: int, values: Any) -> None:
+    def ending(file: StepFile, said: Path, number: int, values: Any, sync: bool = True) -> None:
         if len(stored) == 2:
             raise Interrupted
         stored.append(number)
-        append(file, said, number, values)
+        append(file, said, number, values, sync)
 
     out = tmp_path / "m.h5"
     undisturbed = vibeam.fidelity_map(case, fidelities=TWO, **CHAOTIC)
