@@ -19,7 +19,8 @@ from vibeam.cli.streams import STOPPED
 
 if TYPE_CHECKING:
     from vibeam.report.output import StudySheet
-    from vibeam.store.parts import Ending, LongWork, Taken, WorkPart
+    from vibeam.store.long_work import LongWork, WorkPart
+    from vibeam.store.parts import Ending, Taken
     from vibeam.store.shares import Sharing, Told
 
     Asked = WorkPart | Literal["price", "gather"] | None  # a part, the price, the gathering, or all here
@@ -43,7 +44,7 @@ def part_asked(price: bool, part: str | None, gather: bool, others: Mapping[str,
         raise UsageError(f"{' and '.join(given)} exclude each other: give one at a time")
     if part is None:
         return "price" if price else "gather" if gather else None
-    from vibeam.store.parts import WorkPart
+    from vibeam.store.long_work import WorkPart
 
     try:
         return WorkPart.read(part)
@@ -86,7 +87,8 @@ def in_parts(doing: str, path: Path, asked: Asked, last: bool = False) -> Iterat
     """
     from vibeam.cli.progress import stderr
     from vibeam.runs.keys import digest_of_code
-    from vibeam.store.parts import StepsOnDisk, Taken, WorkPart, take_part
+    from vibeam.store.long_work import WorkPart
+    from vibeam.store.parts import StepsOnDisk, Taken, take_part
     from vibeam.store.shares import Sharing, set_aside, sharing
 
     command = command_typed()

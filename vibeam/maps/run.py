@@ -20,7 +20,8 @@ from vibeam.runs.comparison.differences import listed
 from vibeam.runs.keys import digest_of_code
 from vibeam.store.blocks import Values, discard
 from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
-from vibeam.store.parts import LongWork, StepsOnDisk, WorkPart, take_part
+from vibeam.store.long_work import LongWork, WorkPart
+from vibeam.store.parts import StepsOnDisk, take_part
 from vibeam.store.place import Place, Tell, locked, place_of, warn
 from vibeam.store.shares import are_shared, handed_over, set_aside
 from vibeam.system.progress import telling

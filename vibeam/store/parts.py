@@ -1,18 +1,12 @@
-"""Long computation cut into numbered steps, of which any process anywhere computes its share, without a scheduler.
-
-Consecutive steps lie in one file; file j belongs to the part whose number is j modulo the number of parts, so that no
-part waits for another, and their number may change from run to run.
-"""
+"""Parts of a long computation, which any process anywhere computes, without a scheduler: steps on disk, gathered."""
 
 from __future__ import annotations
 
 import json
-import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass, field, replace
-from functools import cached_property
+from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
 from pathlib import Path
 from threading import Event, Lock
@@ -23,96 +17,14 @@ from vibeam.flight.engine.entries import origin
 from vibeam.flight.engine.threads import OutOfTime, Stopped, ending_at, run_parallel
 from vibeam.store.blocks import MANIFEST, Values
 from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
-from vibeam.store.place import locked, place_of
+from vibeam.store.long_work import LongWork, WorkPart, WorkStep
+from vibeam.store.place import locked
 from vibeam.store.steps import StepFile, scanned
 
-LONGEST = 300.0  # s of a file, about
-USUAL, MOST = 2_000, 10_000  # files: of a computation that is not very long, and of any
 PATIENCE = 25.0  # s that a step in hand is given when its part is to end
 UNSAFE = 0.5  # s between two synchronisations, where steps take less
 LAYOUT = b"vibeam steps 1"
 FOREIGN = f"{ELSEWHERE}, or delete {{}} and compute it anew by one version and one kernel level"
-
-
-@dataclass(frozen=True)
-class WorkStep:
-    """Items ``first`` to ``last`` (not itself) of what has that ``name``; ``number``: among all steps."""
-
-    number: int
-    name: str
-    first: int
-    last: int
-
-
-@dataclass(frozen=True)
-class WorkPart:
-    """Part ``number`` (from 1) ``of`` so many."""
-
-    number: int = 1
-    of: int = 1
-
-    @classmethod
-    def read(cls, text: str) -> WorkPart:
-        """The part that is written ``3/64``; ValueError with the cure."""
-        found = re.fullmatch(r"([0-9]{1,9})/([0-9]{1,9})", text.strip())
-        if not found or not 1 <= int(found[1]) <= int(found[2]):
-            raise ValueError(f"{text!r} is no part: write its number and how many there are, 1/64 to 64/64")
-        return cls(int(found[1]), int(found[2]))
-
-    def has(self, file: int) -> bool:
-        """Test whether a file, numbered from 1, belongs to this part."""
-        return (file - 1) % self.of == self.number - 1
-
-
-@dataclass(frozen=True)
-class LongWork:
-    """Long computation for the file ``path``, whose steps lie in ``OUT.parts`` meanwhile.
-
-    ``keys``: digests of all that decides its numbers, the code aside, by name; ``steps``: by the same names,
-    ``range(0, items, items of a step)``; ``evaluate``: values of a step, a function of the step alone, called from
-    several threads. ``code``: digest of the code; ``points``: of an item, where not one; ``seconds``: that a step
-    takes, about, where not one; ``command``: what ``--part`` stands behind.
-    """
-
-    path: Path
-    keys: Mapping[str, str]
-    steps: Mapping[str, range]
-    evaluate: Callable[[WorkStep], Values]
-    code: str = ""
-    points: Mapping[str, int] = field(default_factory=dict)
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    command: str = "vibeam map CASE NAME"
-    together: int = 0  # steps of a file; 0: by their seconds
-
-    @cached_property
-    def folder(self) -> Path:
-        """Folder of the files."""
-        return place_of(self.path).folder
-
-    @cached_property
-    def every(self) -> Sequence[WorkStep]:
-        """All steps, in order."""
-        cuts = ((name, first, cut) for name, cut in self.steps.items() for first in cut)
-        return [
-            WorkStep(number, name, first, min(first + cut.step, cut.stop))
-            for number, (name, first, cut) in enumerate(cuts)
-        ]
-
-    @cached_property
-    def steps_a_file(self) -> int:
-        """Steps of a file: of five minutes at most, fewer where there would be few files, more where too many."""
-        total, count = sum(self.seconds.get(each.name, 1.0) for each in self.every), len(self.every)
-        by_time = min(LONGEST, total / USUAL) / (total / count) if total else count / USUAL
-        return self.together or max(1, round(by_time), -(-count // MOST))
-
-    @property
-    def files(self) -> int:
-        """Number of files."""
-        return -(-len(self.every) // self.steps_a_file)
-
-    def size(self, step: WorkStep) -> int:
-        """Points of a step."""
-        return (step.last - step.first) * self.points.get(step.name, 1)
 
 
 @dataclass(frozen=True)
@@ -278,8 +190,11 @@ class Taken:
         return self.done == self.total
 
 
+ALL = WorkPart()
+
+
 def take_part(
-    work: LongWork, part: WorkPart = WorkPart(), workers: int | None = None,
+    work: LongWork, part: WorkPart = ALL, workers: int | None = None,
     tell: Callable[[int, int], None] | None = None, ending: Ending | None = None,
 ) -> Taken:  # fmt: skip
     """Compute what is missing of a part's files, each step written once it is done.

@@ -11,7 +11,7 @@ from time import process_time
 import numpy as np
 
 from vibeam.store.blocks import packed
-from vibeam.store.parts import LongWork, WorkStep
+from vibeam.store.long_work import LongWork, WorkStep
 from vibeam_models.arrays import Array
 
 SAMPLES = 12  # of each name, about, where its steps are long: pieces of them then

@@ -17,7 +17,8 @@ from typing import TypeVar
 
 from vibeam.flight.engine.threads import run_parallel
 from vibeam.store.blocks import Values, discard
-from vibeam.store.parts import LongWork, WorkStep, gathered, known_manifest
+from vibeam.store.long_work import LongWork, WorkStep
+from vibeam.store.parts import gathered, known_manifest
 from vibeam.store.place import Tell, place_of
 
 Told = Callable[[int, int], None]

@@ -20,7 +20,8 @@ from vibeam.maps.evaluate import grids_of, key_of, lines_of_block
 from vibeam.maps.gathered import finished, steps_of
 from vibeam.maps.points import Axis
 from vibeam.maps.run import work_of
-from vibeam.store.parts import StepsOnDisk, WorkPart, take_part
+from vibeam.store.long_work import WorkPart
+from vibeam.store.parts import StepsOnDisk, take_part
 from vibeam.store.place import place_of
 from vibeam.store.steps import StepFile
 

@@ -13,7 +13,8 @@ import pytest
 
 from vibeam.store import parts
 from vibeam.store.errors import StoreError
-from vibeam.store.parts import Ending, LongWork, WorkPart, WorkStep, gathered, spans, take_part
+from vibeam.store.long_work import LongWork, WorkPart, WorkStep
+from vibeam.store.parts import Ending, gathered, spans, take_part
 from vibeam.store.place import locked
 from vibeam.store.price import price
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from vibeam.store import price as pricing
-from vibeam.store.parts import LongWork, WorkStep
+from vibeam.store.long_work import LongWork, WorkStep
 from vibeam.store.price import price
 
 Rate = Callable[[float], float]

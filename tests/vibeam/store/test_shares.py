@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from vibeam.store.errors import StoreError
-from vibeam.store.parts import LongWork, StepsOnDisk, WorkPart, take_part
+from vibeam.store.long_work import LongWork, WorkPart
+from vibeam.store.parts import StepsOnDisk, take_part
 from vibeam.store.shares import Sharing, Told, are_shared, evaluate_each, set_aside, sharing
 
 ITEMS = list("abcdefghijk")
