@@ -90,7 +90,7 @@ SIMBODY = "simbody/simbody Simbody/src/HuntCrossleyForce.cpp"
 CHRONO = "projectchrono/chrono src/chrono/physics/ChContactSMC.h"
 LAMMPS = "lammps/lammps src/GRANULAR/gran_sub_mod_damping.cpp"
 OPENSEES = "OpenSees/OpenSees SRC/material/uniaxial/"
-OURS = "vibeam_models/laws/compliant.py"
+OURS = "models/vibeam_models/laws/compliant.py"
 STIFF = {1.0: "N/m", 1.5: "N/m^1.5"}  # unit by exponent
 
 

@@ -128,7 +128,7 @@ thrown(
 )  # fmt: skip
 thrown(
     quantity="the same to sixteen digits",
-    source="Solverz, smallbunnies/Solverz d3acc12, tests/integrator/test_callbacks.py, LEGACY_BOUNCES",
+    source="Solverz, smallbunnies/Solverz d3acc12, integrator/test_callbacks.py of its tests, LEGACY_BOUNCES",
     theirs=("4.081633047365558", "7.755103268847604", "11.061226369910107", "14.03673684129459",
             "16.714695668619328", "19.124858513456523", "21.294005283692695", "23.246237159791765",
             "25.003245923211466", "26.584554164220997"),
