@@ -57,9 +57,21 @@ MAP = ["map", "shaken.toml", "--over", "gap,level", "--from", "0 mm,0.5", "--to"
     ("words", "out", "rounds", "counts"),
     [
         (UNCERTAIN, "csv", ["1-sweeps"], ["sweeps", 80]),
-        (["uncertainty", "shaken.toml", "--samples", "16"], "csv", ["1-motions"], ["motions", 98]),
+        pytest.param(
+            ["uncertainty", "shaken.toml", "--samples", "16"],
+            "csv",
+            ["1-motions"],
+            ["motions", 98],
+            marks=pytest.mark.slow,
+        ),
         (MAP, "csv", ["1-motions"], ["motions", 24]),
-        (["fit", "linear_stop.toml"], "csv", ["1-starts", "2-profiles"], ["starts", 49, "profiles", 3]),
+        pytest.param(
+            ["fit", "linear_stop.toml"],
+            "csv",
+            ["1-starts", "2-profiles"],
+            ["starts", 49, "profiles", 3],
+            marks=pytest.mark.slow,
+        ),
         (["run", "shaken.toml"], "h5", ["1-motions", "2-twins"], ["motions", 8, "twins", 2]),
     ],
     ids=["ensemble", "ensemble under a record", "map of a record", "fit", "realisations"],
@@ -119,7 +131,11 @@ def killed(words: list[str], folder: Path, when: Callable[[], bool], by: int) ->
 
 @pytest.mark.parametrize(
     ("more", "by", "expected"),
-    [([], signal.SIGKILL, -9), ([], signal.SIGINT, 130), (["--part", "1/1"], signal.SIGTERM, 143)],
+    [
+        ([], signal.SIGKILL, -9),
+        pytest.param([], signal.SIGINT, 130, marks=pytest.mark.slow),
+        pytest.param(["--part", "1/1"], signal.SIGTERM, 143, marks=pytest.mark.slow),
+    ],
 )
 def test_an_ensemble_that_is_killed_goes_on(folder: Path, more: list[str], by: int, expected: int) -> None:
     text = SWEPT.replace("settle = 60", "settle = 6000")
