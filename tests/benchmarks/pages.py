@@ -9,7 +9,8 @@ results/printed_stability.json, ``paper_methods.py --write`` writes results/pape
 results/limits.json, ``estimates.py`` writes results/estimates.json, ``recommended.py`` writes results/recommended.json,
 ``recommended_beams.py`` writes results/recommended_beams.json, ``batches.py`` writes results/batches.json,
 ``cluster.py`` writes results/cluster.json, ``threads.py`` writes results/threads.json, ``webassembly.py`` writes
-results/webassembly.json, ``page_frames.py`` writes results/page_frames.json.
+results/webassembly.json, ``page_frames.py`` writes results/page_frames.json, ``parts.py`` writes
+results/parts.json.
 """
 
 from __future__ import annotations
@@ -332,6 +333,70 @@ def _flying_row(name: str, browser: dict[str, Any], native: dict[str, dict[str, 
     return [*head, *work, significant(flown["response"]), f"{ratio:.1f}", significant(flown["orbits"])]
 
 
+def parts_table(found: dict[str, Any]) -> str:
+    """Maps by one process and by parts, their prices beforehand; what parts take over of other computations."""
+    whole, alone = found["whole"], found["alone"]
+    sides = [(whole, "one"), (whole, "parts"), (alone, "parts")]
+    prices = [(run, which, factor) for run in (whole, alone) for which, factor in PRICES.items()]
+    load = " and ".join(f"{each:.0f}" for each in (*whole["load"], *alone["load"]))
+    same = {True: "the same to the bit", False: "NOT the same"}
+    text = (
+        f"The two files of {significant(whole['points'] / 1e6)} million points, {whole['periods']} drive periods each, "
+        f"are {same[whole['same']]}; of the {significant(alone['points'] / 1e6)} million, {alone['compared']} of "
+        f"{alone['parts']['blocks']['number']} blocks drawn at random and computed by one process are "
+        f"{same[alone['same']]}. Signals: {_killed(whole)} and {_killed(alone)} (load averages {load} on "
+        f"{alone['processors']} cores)."
+    )
+    heads = ["", "points", "CPU, min", "of it kept blocks", "beside them", "processes", "files while under way"]
+    return "\n\n".join([
+        markdown(heads, (_side(run, side) for run, side in sides)),
+        fill(text, width=120),
+        markdown(
+            ["points", "price, core-hours", "core-hours", "price over it", "files", "GB said", "GB"],
+            (_priced(run, which, factor) for run, which, factor in prices),
+        ),
+        markdown(
+            ["computation", "case", "CPU, s", "in rounds", ""],
+            (_rounds_row(name, each) for name, each in found["rounds"].items()),
+        ),
+    ])  # fmt: skip
+
+
+PRICES = {"price": 1, "price of ten times": 10}
+
+
+def _killed(run: dict[str, Any]) -> str:
+    return " and ".join(f"{count} × {name}" for name, count in run["parts"]["killed"].items() if count)
+
+
+def _side(run: dict[str, Any], side: str) -> list[str]:
+    each, killed = run[side], sum(run["parts"]["killed"].values())
+    name = "one process" if side == "one" else f"{run['of']} parts, {killed} of them killed once"
+    spent = [f"{each['cpu'] / 60:.1f}", f"{each['blocks']['once'] / 60:.1f}", f"{100 * each['beside']:.1f} %"]
+    return [name, _millions(run["points"]), *spent, str(each["processes"]), str(each.get("files", "–"))]
+
+
+def _millions(points: float) -> str:
+    return f"{significant(points / 1e6)} million"
+
+
+def _rounds_row(name: str, found: dict[str, Any]) -> list[str]:
+    command, comma, of = name.partition(",")
+    shares = {what: 100 * seconds / found["cpu"] for what, seconds in found["rounds"].items()}
+    each = ", ".join(f"{what} {share:.0f} %" for what, share in shares.items())
+    head = [f"`vibeam {command}`{comma}{of}", f"`cases/{found['case']}`"]
+    return [*head, f"{found['cpu']:.1f}", f"{sum(shares.values()):.0f} %", each]
+
+
+def _priced(run: dict[str, Any], which: str, factor: int) -> list[str]:
+    price, seconds = run[which], factor * run.get("one", run["parts"])["cpu"]
+    hours = f"{price['seconds'] / 3600:.3g} ± {100 * price['error']:.0f} %"
+    took = f"{seconds / 3600:.3g}" + (", ten times those above" if factor > 1 else "")
+    size = f"{run['file'] / 1e9:.2f}" if factor == 1 else "–"
+    ratio = f"{price['seconds'] / seconds:.2f}"
+    return [_millions(price["points"]), hours, took, ratio, str(price["files"]), f"{price['bytes'] / 1e9:.2f}", size]
+
+
 def sparse_table(found: dict[str, Any]) -> str:
     """CPU time of reading sparse matrices and reducing them."""
     rows = (
@@ -461,6 +526,7 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
         "libraries": libraries_table,
         "startup": startup_table,
         "threads": threads_table,
+        "parts": parts_table,
         "sparse": sparse_table,
         "solid": solid_table,
     }
