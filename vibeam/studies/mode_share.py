@@ -40,9 +40,8 @@ class ModeShare:
     """Model of so many ``modes``: mode 1's ``share`` c₁²/S of the contact's mobility S, and the ``mass`` 1/S, kg.
 
     ``seen``: the R₁ that a sensor shows of mode 1 with the contact of the case, NaN where that is no impact but lasts
-    more than a quarter of mode 1's period; ``needed``: the contact's R where a
-    sensor shows the case's coefficient, NaN where none in [0, 1] does. Of a linear stop the ``damping``, N s/m, that
-    gives ``needed``; NaN of others.
+    more than a quarter of mode 1's period; ``needed``: the contact's R where a sensor shows the case's coefficient, NaN
+    where none in [0, 1] does. Of a linear stop the ``damping``, N s/m, that gives ``needed``; NaN of others.
     """
 
     modes: int
