@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import base64
 import contextlib
 import io
@@ -36,10 +37,47 @@ def pages() -> Iterator[ModuleType]:
     del sys.modules["pages"]
 
 
+NEAR = 1e-11  # share of a number by which another processor may have it
+
+
+class Edges(ast.NodeTransformer):
+    """Each number that a script formats is noted where it is ``NEAR`` another text: ``f"{x:.0f}"`` of 141.4999999999."""
+
+    def __init__(self) -> None:
+        self.found: list[str] = []
+
+    def visit_FormattedValue(self, node: ast.FormattedValue) -> ast.AST:
+        """``noted(value, spec)`` in place of a value with a fixed format."""
+        self.generic_visit(node)
+        if isinstance(node.format_spec, ast.JoinedStr) and len(node.format_spec.values) == 1:
+            call = ast.Call(ast.Name("noted", ast.Load()), [node.value, node.format_spec.values[0]], [])
+            return ast.copy_location(ast.FormattedValue(call, -1, node.format_spec), node)
+        return node
+
+    def noted(self, value: Any, spec: str) -> Any:
+        """The same value, noted where it stands on an edge."""
+        if isinstance(value, float) and len({format(value * (1 + each * NEAR), spec) for each in (-1, 0, 1)}) > 1:
+            self.found.append(f"{value!r} as {spec}")
+        return value
+
+    def run(self, file: Path, folder: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+        """What a script prints, run in ``folder`` with its numbers noted."""
+        tree = ast.fix_missing_locations(self.visit(ast.parse(file.read_text(encoding="utf-8"))))
+        monkeypatch.chdir(folder)
+        matplotlib.use("Agg")
+        with contextlib.redirect_stdout(io.StringIO()) as printed, pyplot.rc_context():
+            exec(compile(tree, str(file), "exec"), {"__file__": str(file), "__name__": "__main__", "noted": self.noted})
+        pyplot.close("all")
+        return printed.getvalue()
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_an_answer_holds_what_its_script_prints(pages: ModuleType, name: str, tmp_path: Path) -> None:
-    script = pages.script_of(GALLERY / f"{name}.py")
-    printed = pages.run(script.path, tmp_path)
+def test_an_answer_holds_what_its_script_prints(
+    pages: ModuleType, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script, edges = pages.script_of(GALLERY / f"{name}.py"), Edges()
+    printed = edges.run(script.path, tmp_path, monkeypatch)
+    assert edges.found == []
     assert pages.unfounded(script, printed) == []
     assert undetected(pages, script.answer, printed) == []
     width, height = size_of(tmp_path / script.picture)
@@ -48,6 +86,13 @@ def test_an_answer_holds_what_its_script_prints(pages: ModuleType, name: str, tm
     assert [path.name for path in tmp_path.iterdir()] == [script.picture]
     made = pages.page(script, printed)
     assert all(part in made for part in (script.question, script.answer, printed, script.code, script.picture))
+
+
+def test_a_number_on_a_rounding_edge_is_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place, edges = tmp_path / "one.py", Edges()
+    place.write_text('x = 141.5\nprint(f"{x:.0f} Hz, {x - 1e-10:.0f} Hz, {x:.1f} Hz, {141.0:.0f} Hz, {x!r}, {14:.0f}")\n')
+    assert edges.run(place, tmp_path, monkeypatch) == "142 Hz, 141 Hz, 141.5 Hz, 141 Hz, 141.5, 14\n"
+    assert edges.found == ["141.5 as .0f", "141.4999999999 as .0f"]
 
 
 def undetected(pages: ModuleType, answer: str, printed: str) -> list[str]:
