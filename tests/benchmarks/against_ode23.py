@@ -55,7 +55,9 @@ def by_ode23(omega: float, state: np.ndarray) -> tuple[np.ndarray, float, float]
 
     gap.terminal, gap.direction = True, 1  # type: ignore[attr-defined]
     begun, t, end, speed = time.process_time(), 0.0, PERIODS * 2 * np.pi / omega, np.nan
-    while t < end:
+    for _ in range(100 * PERIODS):
+        if t >= end:
+            break
         leg = solve_ivp(motion, (t, end), state, method="RK23", rtol=1e-4, atol=1e-8, events=gap)
         t, state = leg.t[-1], leg.y[:, -1]
         if leg.status == 1:

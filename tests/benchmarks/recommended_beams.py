@@ -123,9 +123,11 @@ def trial(kind: str, beams: int) -> Row:
     """So many beams with one kind of stop; a beam that cannot be built is drawn anew."""
     rows: list[Row] = []
     refused: Counter[str] = Counter()
-    spent, above, seed, done = [0.0, 0.0], 0, 0, 0
-    while done < beams:
-        begun, seed = time.process_time(), seed + 1
+    spent, above, done = [0.0, 0.0], 0, 0
+    for seed in range(1, 20 * beams):
+        if done >= beams:
+            break
+        begun = time.process_time()
         try:
             study = vibeam.reduce(drawn(kind, seed), accuracy=WITHIN)
         except ValueError as fault:

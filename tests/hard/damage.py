@@ -57,11 +57,11 @@ def damaged(content: bytes, kind: str, rng: np.random.Generator) -> bytes:
 def half_done(name: str) -> dict[str, bytes]:
     """Files of a run that was killed with some of its points, by name."""
     with tempfile.TemporaryDirectory() as where:
-        folder, share = Path(where), 0.3
+        folder = Path(where)
         write_case(name, folder)
-        while not (folder / f"{name}.h5").exists() and share < 1:
-            vibeam(["run", f"{name}.toml"], folder, kill=(share * undisturbed(name).seconds, 9))
-            share += 0.1
+        for tenths in range(3, 10):
+            if not (folder / f"{name}.h5").exists():
+                vibeam(["run", f"{name}.toml"], folder, kill=(tenths / 10 * undisturbed(name).seconds, 9))
         return {str(file.relative_to(folder)): file.read_bytes() for file in folder.glob(f"{name}.h5*/**/*.npz")} | {
             f"{name}.h5": (folder / f"{name}.h5").read_bytes()
         }

@@ -7,6 +7,7 @@ from math import cos, cosh, exp, log, pi, sin, sinh, sqrt
 import mpmath
 import numpy as np
 import pytest
+from bounded import Bound
 from motions import COMPLETE, NONE, one, state
 
 import vibeam
@@ -142,7 +143,8 @@ def test_the_bound_holds_for_a_driven_motion_that_goes_on_bouncing() -> None:
     release = pi + np.arcsin(0.5)
     t, speed = 0.0, 3e-3
     first, count, largest = speed, 0, 0.0
-    while t < release - 0.05:
+    within = Bound()
+    while within(t < release - 0.05):
         t, speed = bouncer.flight(t, speed)
         highest = 1.5 if t > pi / 2 else bouncer.force(t)
         largest = max(largest, speed**2 / (first**2 * highest / 0.5))

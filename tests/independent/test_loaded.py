@@ -6,6 +6,7 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
+from bounded import Bound
 from events import Drive as Sine
 from events import Extremes, Modes, Motion, State, as_mpf
 from loaded import Flight, Loaded, Stop
@@ -163,7 +164,8 @@ def dop853(entry):
         0.0,
         [],
     )
-    while t < 1:
+    within = Bound()
+    while within(t < 1):
         i = int(np.searchsorted(knots, t, side="right")) - 1
         own, begin = (pieces[i], knots[i]) if i < len(pieces) else (np.zeros(4), t)
         limit = min(1.0, knots[i + 1]) if i < len(pieces) else 1.0

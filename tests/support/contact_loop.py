@@ -11,6 +11,7 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
+from bounded import Bound
 from scipy.integrate import solve_ivp
 
 from vibeam_models.arrays import Array
@@ -62,7 +63,7 @@ class Rig:
     def struck(self, t: float, v: Array, at: list[int], pressed: list[int]) -> Array:
         """Velocities after all impulses of one instant."""
         pressed, first = list(pressed), max(float(np.max(self.rows[at] @ v)), 0.0)
-        while True:
+        for _ in range(10_000):
             speeds = {j: float(self.rows[j] @ v) for j in at if j not in pressed}
             j = max(speeds, key=lambda each: (speeds[each], -each), default=-1)
             if j < 0 or speeds[j] <= 1e-12 * first or speeds[j] <= 0:
@@ -71,6 +72,7 @@ class Rig:
             self.hits.append((t, j, speeds[j]))
             v = v - answer * ((1 + self.restitutions[j]) * speeds[j] / float(self.rows[j] @ answer))
             pressed = [h for h in pressed if float(self.rows[h] @ answer) <= 1e-12]
+        raise AssertionError("impulses of one instant without end")
 
     def _answer(self, j: int, pressed: list[int]) -> Array:
         """Direction of the velocity jump: the held contacts that are pressed stay."""
@@ -86,7 +88,8 @@ class Rig:
     def run(self, x: Array, v: Array, end: float) -> tuple[Array, Array]:
         """The state at ``end``."""
         t, held, brief = 0.0, tuple[int, ...](), np.inf
-        while t < end:
+        within = Bound()
+        while within(t < end):
             leg = min(end, t + 2 * brief)  # the next impact may come soon: short steps at first
             t, x, v, which = self._fly(t, x, v, held, leg, min(0.002, brief / 4))
             brief = np.inf

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from bounded import Bound
 from scipy.integrate import solve_ivp
 
 import vibeam
@@ -60,7 +61,8 @@ def integrated(
     t, y, times, velocities, durations = 0.0, np.concatenate([state.displacement, state.velocity]), [], [], []
     size = np.array([np.max(np.abs(state.displacement)) + 1e-6] * n + [np.max(np.abs(state.velocity)) + 1e-3] * n)
     touched = None
-    while t < t_end:
+    within = Bound()
+    while within(t < t_end):
         direction = 1.0 if touched is None else -1.0
         events = [height(*stop, n, direction) for stop in (stops if touched is None else [touched])]
         if touched is not None and isinstance(law, LinearStop) and law.damping > 0:

@@ -41,7 +41,7 @@ NEAR = 1e-11  # share of a number by which another processor may have it
 
 
 class Edges(ast.NodeTransformer):
-    """Each number that a script formats is noted where it is ``NEAR`` another text: ``f"{x:.0f}"`` of 141.4999999999."""
+    """Each number that a script formats is noted where one ``NEAR`` it has another text, as 141.5 by ``.0f``."""
 
     def __init__(self) -> None:
         self.found: list[str] = []
@@ -90,7 +90,9 @@ def test_an_answer_holds_what_its_script_prints(
 
 def test_a_number_on_a_rounding_edge_is_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     place, edges = tmp_path / "one.py", Edges()
-    place.write_text('x = 141.5\nprint(f"{x:.0f} Hz, {x - 1e-10:.0f} Hz, {x:.1f} Hz, {141.0:.0f} Hz, {x!r}, {14:.0f}")\n')
+    place.write_text(
+        'x = 141.5\nprint(f"{x:.0f} Hz, {x - 1e-10:.0f} Hz, {x:.1f} Hz, {141.0:.0f} Hz, {x!r}, {14:.0f}")\n'
+    )
     assert edges.run(place, tmp_path, monkeypatch) == "142 Hz, 141 Hz, 141.5 Hz, 141 Hz, 141.5, 14\n"
     assert edges.found == ["141.5 as .0f", "141.4999999999 as .0f"]
 

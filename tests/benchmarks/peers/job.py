@@ -100,7 +100,9 @@ def _point(job: Job, leg: Leg, omega: float, y: Array) -> Impacts:
     n, c, t, end = job.size, job.contact, 0.0, job.end(omega)
     times: list[float] = []
     speeds: list[float] = []
-    while t < end and len(times) < LIMIT * job.periods:
+    for _ in range(LIMIT * job.periods):
+        if t >= end:
+            break
         t, y, struck = leg(omega, t, y, end)
         if struck:
             speed = float(c @ y[n:])

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bounded import Bound
 from scipy.integrate import solve_ivp
 from scipy.io import mmread, mmwrite
 from scipy.linalg import sqrtm
@@ -312,7 +313,8 @@ def impacts_by_integration(until: float) -> tuple[np.ndarray, np.ndarray]:
 
     contact.terminal, contact.direction = True, 1  # type: ignore[attr-defined]
     t, y, found = 0.0, np.zeros(4), []
-    while t < until:
+    within = Bound()
+    while within(t < until):
         path = solve_ivp(rate, (t, until), y, method="DOP853", rtol=1e-12, atol=1e-15, events=contact)
         t, y = float(path.t[-1]), path.y[:, -1].copy()
         if path.status == 1:

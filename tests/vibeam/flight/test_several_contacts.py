@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bounded import Bound
 from contact_loop import Rig
 
 import vibeam
@@ -168,7 +169,8 @@ def test_a_bar_lands_on_two_stops() -> None:
     path = vibeam.simulate(system, vibeam.Drive(0, 0), 4.0, vibeam.State([0, 0], [0, 0]))
     v, (first, second) = np.sqrt(2 * G * 0.1), (1.0, 1.0)
     hits = []
-    while max(first, second) > 0:
+    within = Bound()
+    while within(max(first, second) > 0):
         if first >= second:
             hits.append((0, first))
             first, second = -first / 2, second + 3 / 4 * first
@@ -385,7 +387,8 @@ def soft_and_hard(
         return y + h / 6 * (a + 2 * b + 2 * c + d)
 
     hits, t, y, h = list[float](), 0.0, np.zeros((2, 2)), 2e-6
-    while t < end:
+    within = Bound()
+    while within(t < end):
         after = step(t, y, h)
         if rows[1] @ after[0] > gaps[1] and rows[1] @ after[1] > 0:
             low, high = 0.0, h

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from bounded import Bound
 from scipy.integrate import solve_ivp
 from settled_orbits import closed_multipliers, settled
 
@@ -72,7 +73,8 @@ def mapped(system: ImpactSystem, omega: float, amplitude: float, begin: float, e
 
     gap.terminal, gap.direction = True, -1  # type: ignore[attr-defined]
     t, y = begin, start.copy()
-    while t < end:
+    within = Bound()
+    while within(t < end):
         flown = solve_ivp(rate, (t, end), y, "DOP853", events=gap, rtol=1e-12, atol=1e-14, first_step=1e-4)
         t, y = float(flown.t[-1]), flown.y[:, -1].copy()
         if flown.status == 1:

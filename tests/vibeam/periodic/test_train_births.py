@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from bounded import Bound
 from scipy.optimize import fsolve, minimize_scalar
 from settled_orbits import missed, settled, shot, trains
 
@@ -76,7 +77,8 @@ def pair_at(name: str, apart: float, near: Pair | None = None) -> Pair:
 def curve(name: str) -> list[Pair]:
     """The branch from its birth on, past its fold and back beyond the doubling's frequency."""
     found = [pair_at(name, 0.004)]
-    while (found[-1].omega - doubling(name).omega) * (found[0].omega - doubling(name).omega) > 0:
+    within = Bound()
+    while within((found[-1].omega - doubling(name).omega) * (found[0].omega - doubling(name).omega) > 0):
         found.append(pair_at(name, found[-1].apart + 0.004, found[-1]))
     return found
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bounded import Bound
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from stand_in import two_modes as rig
@@ -39,7 +40,8 @@ class Integrated:
         y = np.concatenate([state.displacement, state.velocity, np.zeros(2)])
         self.velocities: list[float] = []
         sensor: list[NDArray[np.float64]] = []
-        while t < end:
+        within = Bound()
+        while within(t < end):
             path = solve_ivp(
                 self.slope, (t, end), y, "DOP853", events=self.distance(), rtol=1e-11, atol=1e-15, first_step=1e-7,
                 max_step=1e-3, dense_output=True,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from bounded import Bound
 from scipy.integrate import solve_ivp
 from stand_in import two_modes as rig
 
@@ -31,7 +32,8 @@ def true_motion(system, harmonics, y, end):
 
     distance.terminal, distance.direction = True, -1
     t, impacts = 0.0, 0
-    while t < end:
+    within = Bound()
+    while within(t < end):
         path = solve_ivp(
             slope, (t, end), y, "DOP853", events=distance, rtol=1e-11, atol=1e-15, first_step=1e-7, max_step=2e-3
         )  # fmt: skip

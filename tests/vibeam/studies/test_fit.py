@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bounded import Bound
 from scipy.integrate import solve_ivp
 
 import vibeam
@@ -295,7 +296,8 @@ def test_the_integrator_of_the_trial_is_another_one_s(families):
 
     gap.terminal, gap.direction = True, -1.0
     time, y, end, impacts, seen = 0.0, np.zeros(4), 32 * 2 * np.pi / omega, 0, []
-    while time < end:
+    within = Bound()
+    while within(time < end):
         found = solve_ivp(slope, (time, end), y, events=gap, rtol=1e-9, atol=1e-14, max_step=2 * np.pi / omega / 100)
         seen += (system.outputs["sensor"] @ found.y[:2]).tolist()
         time, y = found.t[-1], found.y[:, -1].copy()
