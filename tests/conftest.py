@@ -15,10 +15,30 @@ from hypothesis import settings
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["VIBEAM_CACHE"] = ""  # a reduced solid of another run would hide a change
 
+SLOW_LIMIT = 3600  # seconds that a slow test may take; others: pyproject.toml
+
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.load_profile("fixed")
 
 typer.testing._get_command = cache(typer.testing._get_command)  # the command of an app never changes: 30 ms each time
+
+
+if os.environ.get("VIBEAM_TEST_ULP"):  # before a test takes solve_ivp by its name
+    import nudged
+
+    nudged.install()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Limits of time: an hour for slow tests; all times ``VIBEAM_TEST_PATIENCE``, for machines and kernels that are."""
+    patience = float(os.environ.get("VIBEAM_TEST_PATIENCE", "1"))
+    for item in items:
+        marked = item.get_closest_marker("timeout")
+        limit = marked.args[0] if marked else SLOW_LIMIT if item.get_closest_marker("slow") else None
+        if limit is not None or patience != 1:
+            item.add_marker(
+                pytest.mark.timeout(patience * (limit or float(item.config.getini("timeout")))), append=False
+            )
 
 
 @pytest.fixture
