@@ -15,6 +15,7 @@ from hypothesis import settings
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["VIBEAM_CACHE"] = ""  # a reduced solid of another run would hide a change
 
+BROWSERS = {"browser", "firefox"}  # fixtures that open pages in one
 SLOW_LIMIT = 3600  # seconds that a slow test may take; others: pyproject.toml
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
@@ -29,10 +30,13 @@ if os.environ.get("VIBEAM_TEST_ULP"):  # before a test takes solve_ivp by its na
     nudged.install()
 
 
+@pytest.hookimpl(tryfirst=True)  # before tests are chosen by their marks
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Limits of time: an hour for slow tests; all times ``VIBEAM_TEST_PATIENCE``, for machines and kernels that are."""
+    """The mark ``browser``, and limits of time: an hour for slow tests; times ``VIBEAM_TEST_PATIENCE`` on slow machines."""
     patience = float(os.environ.get("VIBEAM_TEST_PATIENCE", "1"))
     for item in items:
+        if BROWSERS & set(getattr(item, "fixturenames", ())):
+            item.add_marker("browser")
         marked = item.get_closest_marker("timeout")
         limit = marked.args[0] if marked else SLOW_LIMIT if item.get_closest_marker("slow") else None
         if limit is not None or patience != 1:
