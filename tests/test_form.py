@@ -18,8 +18,8 @@ FILES = sorted(
 )  # fmt: skip
 SCRIPTS = sorted((ROOT / "vibeam").rglob("*.js"))
 CHAPTERS = [file for file in FILES if file.name not in ("__init__.py", "__main__.py")]
-# Lines of each package, as it stands: a number may only fall (``test_no_bound_was_ever_raised``). What a capability costs
-# is found again in the same package: what it makes unnecessary goes with it.
+# Lines of each package: a number may only fall (``test_no_bound_was_ever_raised``). What a capability costs is found
+# again in the same package: what it makes unnecessary goes with it.
 BOUNDS = {
     "javascript": 6658, "models": 9196, "reductions": 532, "vibeam": 64, "vibeam/batches": 685, "vibeam/case":
     2310, "vibeam/casefile": 8184, "vibeam/cli": 2172, "vibeam/exchange": 4162, "vibeam/figures": 4660,
