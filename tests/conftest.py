@@ -32,7 +32,7 @@ if os.environ.get("VIBEAM_TEST_ULP"):  # before a test takes solve_ivp by its na
 
 @pytest.hookimpl(tryfirst=True)  # before tests are chosen by their marks
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The mark ``browser``, and limits of time: an hour for slow tests; all are multiplied by ``VIBEAM_TEST_PATIENCE``."""
+    """The mark ``browser``, and limits of time: an hour for slow tests, all by ``VIBEAM_TEST_PATIENCE``."""
     patience = float(os.environ.get("VIBEAM_TEST_PATIENCE", "1"))
     for item in items:
         if BROWSERS & set(getattr(item, "fixturenames", ())):

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,7 @@ def test_capabilities_are_declared_and_not_looked_for(tmp_path: Path) -> None:
     assert asks_for_attributes(tmp_path / "a.py")
 
 
+@cache
 def floors() -> dict[str, int]:
     """The floor of every package and room, the lowest 0, as the contracts of pyproject.toml have them."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]
