@@ -41,6 +41,9 @@ class Keys(Protocol):
     def case(self, settings: Mapping[str, Any]) -> Case:
         """The case with keys at other values, SI where they have no unit; CaseError for what it may not have."""
 
+    def alone(self, fidelity: str) -> Case:
+        """The case with one fidelity and nothing that is asked of it."""
+
     def value(self, key: str) -> Any:
         """Value of a key of the case itself, SI; None where it has none."""
 
@@ -258,6 +261,15 @@ class Case(Viewed):
     def with_keys(self, settings: Mapping[str, Any]) -> Case:
         """Case with keys at other values, as ``set`` of ``vibeam.load``; its references stay. CaseError as there."""
         return replace(self.keys.case(settings), references=self.references, locate=self.locate)
+
+    def alone(self, fidelity: str) -> Case:
+        """Case with one fidelity, whose changes are its rig's own, and nothing that is asked of it.
+
+        References, numbers, figures and studies may name other fidelities, or keys that a variant has not. KeyError
+        names the known fidelities.
+        """
+        self.scene_of(fidelity)
+        return replace(self.keys.alone(fidelity), locate=self.locate)
 
 
 def plan_of_record(case: Case) -> RecordPlan:

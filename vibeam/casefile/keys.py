@@ -64,6 +64,14 @@ class CaseKeys:
         """The case with keys at other values, SI where they have no unit; CaseError for what it may not have."""
         return self.read(content(self.declared), self.path, settings)
 
+    def alone(self, fidelity: str) -> Case:
+        """The case with one fidelity and nothing that is asked of it."""
+        own = self.model(fidelity).tables
+        table = own.fidelity[fidelity].model_copy(update={"set": None})  # what it sets, its rig has
+        plain = content(own.model_copy(update={"fidelity": {fidelity: table}}), "numbers")
+        said = {"units": "SI", "title": self.declared.title, "source": self.declared.source}
+        return self.read(said | plain, self.path, {})
+
     def value(self, key: str) -> Any:
         """Value of a key of the case itself, SI; None where it has none."""
         return value_at(self.declared, key)

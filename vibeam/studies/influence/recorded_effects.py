@@ -14,7 +14,6 @@ from vibeam.studies.record.ensembles import (
     Ensemble,
     NumberChange,
     Told,
-    alone,
     changes,
     ensembles,
     plain_finest,
@@ -80,7 +79,7 @@ def record_effects(case: Case, tolerance: float, told: Told | None = None, budge
     of_sweeps = ("quantities", "frequency", "frequency_tolerance", "restitution_tolerance", "points", "settle", "hold")
     require_usual("influence", case.influence, *of_sweeps, "repeats")
     name = plain_finest(case, case.influence.fidelity)
-    sets = subsets_of_record(alone(case, name), name)
+    sets = subsets_of_record(case.alone(name), name)
     sets = replace(sets, whole=within(sets.whole, name, budget, 2 * len(sets.effects) + 1))
     left_out = len(plan_of_record(case).seeds) - len(plan_of_record(sets.whole).seeds)
     return replace(_EffectMotions(case, sets, tolerance, told).study(), left_out=left_out)

@@ -15,8 +15,7 @@ from pydantic.fields import FieldInfo
 
 from vibeam.case.case import Case
 from vibeam.case.fineness import plain
-from vibeam.casefile.read import case_of
-from vibeam.casefile.tables.table import content, note
+from vibeam.casefile.tables.table import note
 from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
 from vibeam.system.curves import evenly
 from vibeam_models.arrays import Array
@@ -128,12 +127,7 @@ def subsets(case: Case) -> Subsets:
     """Subsets of a case's effects; ValueError where there is none."""
     name = case.influence.fidelity or finest(case)
     own = _with_effects(case, name)
-    alone = {
-        "fidelity": {name: own.fidelity[name].model_copy(update={"set": None, "without": None})},
-        "sweep": own.sweep.model_copy(update=_reduced(case)),
-    }
-    whole = case_of({"units": "SI"} | content(own.model_copy(update=alone), "numbers"), case.path, {})
-    return _subsets_of(whole, name, own)
+    return _subsets_of(case.alone(name).with_keys(_reduced(case)), name, own)
 
 
 def subsets_of_record(case: Case, name: str) -> Subsets:
@@ -164,8 +158,8 @@ def _reduced(case: Case) -> dict[str, Any]:
     plan, grid = case.influence, np.sort(case.sweep.frequency)
     chosen = evenly(0, len(grid) - 1, plan.points)
     given = {"settle": plan.settle, "hold": plan.hold}
-    periods = {name: value for name, value in given.items() if value is not None}
-    return {"frequency": tuple(grid[chosen].tolist())} | periods
+    periods = {f"sweep.{name}": value for name, value in given.items() if value is not None}
+    return {"sweep.frequency": grid[chosen].tolist()} | periods
 
 
 def finest(case: Case) -> str:

@@ -208,14 +208,3 @@ def plain_finest(case: Case, named: str | None = None) -> str:
     if named is not None and named not in names:
         raise ValueError(f"fidelity {named!r} changes the rig: name one of the rig itself")
     return named or finest(case, {name: case.system(name).size for name in names or case.fidelities})
-
-
-def alone(case: Case, fidelity: str) -> Case:
-    """The case with one fidelity, without what compares or draws others."""
-    return case.with_keys({**aside(case), **{f"fidelity.{name}": None for name in case.fidelities if name != fidelity}})
-
-
-def aside(case: Case) -> dict[str, None]:
-    """Tables of a case that compare or draw, which none of its variants needs, as settings that take them away."""
-    found = {"reference": case.references, "expect": case.expectations, "measured": case.measured, "show": case.shows}
-    return {name: None for name, each in found.items() if each}

@@ -12,7 +12,6 @@ from vibeam.studies.record.ensembles import (
     Ensemble,
     NumberChange,
     Told,
-    alone,
     changes,
     ensembles,
     plain_finest,
@@ -87,7 +86,7 @@ def record_modes(
     own = case.fidelities[name]
     if own.modes is None:
         raise ValueError(f'fidelity {name}: reduction = "{own.reduction}" says its modes itself: take one with modes')
-    whole = alone(case, name)
+    whole = case.alone(name)
     wanted = max(BEYOND * own.modes, LEAST)
     top = min(whole.model(name).most_modes or wanted, wanted)
     numbers = [*(count for count in STEPS if count < top), top]

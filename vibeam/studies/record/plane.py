@@ -12,7 +12,7 @@ import numpy as np
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
 from vibeam.exchange.faults import suggest
 from vibeam.runs.transient.motions import SCALED
-from vibeam.studies.record.ensembles import Told, aside, asked_number, ensembles
+from vibeam.studies.record.ensembles import Told, asked_number, ensembles
 from vibeam.studies.record.readings import AskedNumber
 from vibeam_models.arrays import Array, ValueRecord
 
@@ -76,12 +76,12 @@ def record_map(
     if unknown := [name for name in names if name not in case.fidelities]:
         raise ValueError(f"--fidelity: no fidelity {unknown[0]!r}; {suggest(unknown[0], case.fidelities)}")
     made = tuple(RecordAxis(key, tuple(map(float, each)), _unit(case, key)) for key, each in axes.items())
-    bare = aside(case)
-    cases = [case.with_keys(bare | _settings(dict(zip(axes, point, strict=True)))) for point in product(*axes.values())]
-    found = ensembles([(each, name) for name in names for each in cases], [number], told)
+    points = [_settings(dict(zip(axes, point, strict=True))) for point in product(*axes.values())]
+    variants = [(own.with_keys(each), name) for name in names for own in (case.alone(name),) for each in points]
+    found = ensembles(variants, [number], told)
     shape = tuple(len(each.values) for each in made)
     rows = [each.mean(number) for each in found]
-    parts = {name: rows[at * len(cases) : (at + 1) * len(cases)] for at, name in enumerate(names)}
+    parts = {name: rows[at * len(points) : (at + 1) * len(points)] for at, name in enumerate(names)}
     means = {name: np.array([each.mean for each in own]).reshape(shape) for name, own in parts.items()}
     errors = {name: np.array([each.error for each in own]).reshape(shape) for name, own in parts.items()}
     return RecordMap(case, made, number, means, errors, found[0].seconds.size)

@@ -105,12 +105,7 @@ def _swept(case: Case, fidelity: str, further: Array) -> Branches:
     from vibeam.runs.run import run
 
     grid = np.union1d(case.sweep.frequency, further)
-    own = replace(
-        case,
-        swept=replace(case.sweep, frequency=grid),
-        fidelities={fidelity: case.fidelities[fidelity]},
-        shows={},
-    )
+    own = replace(case.alone(fidelity), swept=replace(case.sweep, frequency=grid))
     found: Any = run(own, show=False)[fidelity]
     return found  # type: ignore[no-any-return]  # of a sweep
 

@@ -16,7 +16,6 @@ from vibeam.case.fineness import alike
 from vibeam.studies.record.ensembles import (
     Ensemble,
     Told,
-    alone,
     ensembles,
     plain_finest,
     usual_numbers,
@@ -96,8 +95,7 @@ class _Samples:
         """Numbers (q, m) of a fidelity at inputs (m, d), and the CPU time of a sample, s; ``nominal``: those at the
         case's own values behind them."""
         plan = plan_of_record(self.case)
-        one = {"uncertain": None, "record.over": plan.over, "record.values": [plan.values[0]]}
-        own = alone(self.case, fidelity).with_keys(one)
+        own = self.case.alone(fidelity).with_keys({"record.over": plan.over, "record.values": [plan.values[0]]})
         cases = [own.with_keys(dict(zip(self.keys, row, strict=True))) for row in inputs.tolist()] + [own] * nominal
         made: list[Ensemble] = ensembles([(each, fidelity) for each in cases], self.asked, self.told)
         numbers = np.array([[float(np.mean(each.of(asked))) for each in made] for asked in self.asked])
