@@ -22,7 +22,7 @@ class Stop:
     """
 
     position: float = quantity(
-        "m", "of the contact, from x = 0; absent = at the mass, if there is one", "132 mm", above=0, effect=True
+        "m", "of the contact, from x = 0; absent = at the mass, if there is one", "132 mm", above=0
     )
     gap: float = quantity(
         "m", "gap at rest; negative = the beam is pressed against the stop", "0 mm",

@@ -98,9 +98,10 @@ class InfluencePlan:
     tolerance: float = declare.quantity(
         "", "relative, of the peak, the ringing and its frequency", "1 %", 0.01, above=0
     )
-    frequency_tolerance: float = declare.quantity(
-        "Hz", "of the peak's frequency and the ends of period 1", "0.1 Hz", 0.1, above=0
-    )
+    frequency_accuracy: float | None = declare.quantity(
+        "", "relative, of the peak's frequency and the ends of period 1; absent = a fifth of tolerance", "1 %", None,
+        above=0,
+    )  # fmt: skip
     restitution_tolerance: float = declare.quantity("", "of the apparent restitution", 0.01, 0.01, above=0)
     points: int = declare.count(
         3,

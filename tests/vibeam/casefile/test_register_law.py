@@ -157,7 +157,7 @@ def test_a_stop_of_ones_own_goes_wherever_its_spring_does() -> None:
         assert pressed.outcome is vibeam.Outcome.SETTLED_ON_STOP
 
 
-def test_influence_takes_a_law_of_ones_own_away_with_its_keys() -> None:
+def test_influence_leaves_a_law_of_ones_own_to_the_stop() -> None:
     quick = {"beam.elements": 6, "influence.repeats": 1, "influence.points": 3, "influence.quantities": ["peak"]}
     text = (
         CASE.replace("decay", "restitution = 0.9\ncontact_time")
@@ -165,8 +165,10 @@ def test_influence_takes_a_law_of_ones_own_away_with_its_keys() -> None:
         .replace("0.4 m/s", "2 ms")
     )
     with vibeam.register_law(Brief):
-        study = influence(parse(text, set=quick))
-    assert [row.effect for row in study.rows] == ["stop.law"]
+        with pytest.raises(ValueError, match="names no effect"):
+            influence(parse(text, set=quick))
+        study = influence(parse(text, set=quick | {"mass.rotary_inertia": "3e-5 kg m^2"}))
+    assert [row.effect for row in study.rows] == ["mass.rotary_inertia"]
     assert not study.bare.why
 
 

@@ -71,7 +71,7 @@ def _optional(home: Home) -> tuple[Any, Any]:
 def with_effects(name: str, model: type[Table]) -> Any:
     """A table of every case with the effects that are keys of it."""
     keys = {
-        each: declared_key(declared, False if declared.flag else None, effect=True)
+        each: declared_key(declared, False if declared.flag else None, effect=each != "ends")  # which is the rig itself
         for each, declared in keys_in(name).items()
     }
     return table(model.__name__, model.__doc__ or "", model, keys)

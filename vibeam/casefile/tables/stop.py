@@ -147,7 +147,7 @@ def sdof_stop_table() -> type[Table]:
 @lru_cache(maxsize=8)
 def _stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
     meaning = "what the stop does; absent = restitution, the same at every velocity"
-    law = key(meaning, "linear", None, effect=True)
+    law = key(meaning, "linear", None)
     keys = {"law": (Annotated[Any, Word(tuple(LAWS))], law)}
     keys |= {name: declared_key(each, None, "law") for name, each in law_keys().items() if name != "restitution"}
     doc = "The stop: what it is depends on its law; keys of other laws are refused."

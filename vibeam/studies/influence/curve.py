@@ -56,12 +56,13 @@ class Change:
 
 def quantities(plan: InfluencePlan) -> tuple[Interest, ...]:
     """Quantities that the case asks for, with its tolerances."""
-    ratio, hertz = plan.tolerance, plan.frequency_tolerance
+    ratio = plan.tolerance
+    shift = ratio / 5 if plan.frequency_accuracy is None else plan.frequency_accuracy
     known = (
         Interest("peak", "the peak", "m", "relative", ratio),
-        Interest("peak_frequency", "its frequency", "Hz", "absolute", hertz),
-        Interest("period_one_from", "the lower end of period 1", "Hz", "absolute", hertz),
-        Interest("period_one_to", "the upper end of period 1", "Hz", "absolute", hertz),
+        Interest("peak_frequency", "its frequency", "Hz", "relative", shift),
+        Interest("period_one_from", "the lower end of period 1", "Hz", "relative", shift),
+        Interest("period_one_to", "the upper end of period 1", "Hz", "relative", shift),
         Interest("ringing", "the ringing", "m/s", "relative", ratio),
         Interest("ringing_frequency", "its frequency", "Hz", "relative", ratio),
         Interest("apparent_restitution", "the apparent R", "1", "absolute", plan.restitution_tolerance),

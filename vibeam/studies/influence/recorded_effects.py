@@ -76,7 +76,7 @@ def record_effects(case: Case, tolerance: float, told: Told | None = None, budge
     ``budget``: CPU seconds, about, by which realisations are left out. ValueError where the case names no effect, or
     has no rig that could have one.
     """
-    of_sweeps = ("quantities", "frequency", "frequency_tolerance", "restitution_tolerance", "points", "settle", "hold")
+    of_sweeps = ("quantities", "frequency", "frequency_accuracy", "restitution_tolerance", "points", "settle", "hold")
     require_usual("influence", case.influence, *of_sweeps, "repeats")
     name = plain_finest(case, case.influence.fidelity)
     sets = subsets_of_record(case.alone(name), name)
