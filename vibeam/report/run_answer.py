@@ -8,16 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibeam.case.held import Held, held_of
+from vibeam.casefile.toml_writing import to_toml
 from vibeam.figures.units import units_for
 from vibeam.runs.comparison.differences import HeldComparison, listed
-from vibeam.runs.estimate.records import EstimateSummary, summary
+from vibeam.runs.comparison.limit import GIVEN
+from vibeam.runs.estimate.records import WHOLE, EstimateSummary, summary
 from vibeam.runs.summary import Summary, compare, stays_clear
 from vibeam.system.number_text import begun, modes_in_words, percent
 from vibeam_models.arguments import counted
+from vibeam_models.scene import line_of
 
 if TYPE_CHECKING:
     from vibeam.runs.result import Result
@@ -82,10 +86,18 @@ def run_answer(result: Result, accuracy: float = USUAL) -> str:
         return "No point was completed."
     if not groups:
         return f"{_apart(result, rows, accuracy)} {_fixed(held_of(result.case.scene))}"
-    said = [_verdict(each, accuracy, len(groups) == 1) for each in groups]
+    said = [_rig(result, each) * (len(groups) > 1) + _verdict(each, accuracy, len(groups) == 1) for each in groups]
     if all(map(stays_clear, result.values())):
         return " ".join(["Nothing touches the stop.", *said])
-    return " ".join([*said, *filter(None, dict.fromkeys(map(_held, groups)))])
+    alike = groupby((each.compared for each in groups if each.compared), lambda each: (each.held, each.other))
+    return " ".join([*said, *(_held(list(each)) for _, each in alike)])
+
+
+def _rig(result: Result, group: PhysicsGroup) -> str:
+    """Begin of a sentence on one group of several: what its fidelities change of the rig."""
+    changes = result.case.fidelities[group.finest.fidelity].rig
+    keys = listed([f"{key} = {to_toml(value)}" for key, value in changes.items()])
+    return f"With {keys}: " if keys else "Of the case's own rig: "
 
 
 def groups_of(result: Result, rows: Sequence[Summary]) -> list[PhysicsGroup]:
@@ -107,11 +119,18 @@ def groups_of(result: Result, rows: Sequence[Summary]) -> list[PhysicsGroup]:
 
 def _own(result: Result, finest: Summary, found: HeldComparison | None) -> float:
     case, name = result.case, finest.fidelity
-    if finest.peak.point >= 0 and case.scene_of(name).given_mode and case.fidelities[name].solver == "flight":
+    scene: Any = case.scene_of(name)
+    whole = scene.given_mode or (_is_whole(result, name) and line_of(scene) is None)
+    if finest.peak.point >= 0 and whole and case.fidelities[name].solver == "flight":
         return 0.0
     if finest.peak.point < 0 or found is None or found.limit.why:
         return float("nan")
     return found.limit.held.peak if isfinite(found.limit.held.peak) else found.limit.held.rms
+
+
+def _is_whole(result: Result, name: str) -> bool:
+    """Test whether a fidelity is the full model of its scene."""
+    return name in result.estimates and result.estimates[name].whole
 
 
 def _verdict(group: PhysicsGroup, accuracy: float, modes: bool) -> str:
@@ -127,8 +146,11 @@ def _verdict(group: PhysicsGroup, accuracy: float, modes: bool) -> str:
         beside = "; ".join(_missed(group.others, 0.0))
         return f"No fidelity is known to be within {within}: {top}; beside it {beside}."
     unknown = _from_full(group)
+    if not enough and _gives_few(group):
+        said = "; ".join(_missed(group.others, accuracy, modes))
+        return f"{begun(said) if modes else said}. {unknown}."
     if not enough and not known:
-        return f"No other fidelity is known to be within {within} of {finest.fidelity}, and {unknown}{misses}."
+        return f"No other fidelity is known to be within {within} of {finest.fidelity}:{misses[1:]}. {unknown}."
     if not enough:
         where = ", ".join([finest.fidelity] * modes + [_from_limit(group)])
         return f"{_name(finest, modes)} suffice{_s([finest], modes)} for {within} ({where}){misses}."
@@ -139,7 +161,7 @@ def _verdict(group: PhysicsGroup, accuracy: float, modes: bool) -> str:
         return f"{_name(named[0], modes)} suffice{_s(named, modes)} for {within} ({detail}){misses}."
     if known:
         return f"{said} suffice{_s(named, modes)} for {within}{misses}."
-    return f"{said} {'is' if _s(named, modes) else 'are'} within {within} of {finest.fidelity}; {unknown}{misses}."
+    return f"{said} {'is' if _s(named, modes) else 'are'} within {within} of {finest.fidelity}{misses}. {unknown}."
 
 
 def _s(rows: Sequence[Summary], modes: bool) -> str:
@@ -159,30 +181,36 @@ def _detail(group: PhysicsGroup, row: Summary, accuracy: float, modes: bool) -> 
 
 def _from_limit(group: PhysicsGroup) -> str:
     if group.own == 0.0:
-        return "flown exactly"
+        return "computed exactly"
     side = "above" if group.own > 0 else "below"
     peak = group.compared is not None and isfinite(group.compared.limit.held.peak)
     return f"{_size(group.own)} {f'{side} its own limit at the peak' if peak else 'rms off its own limit'}"
 
 
 def _from_full(group: PhysicsGroup) -> str:
-    """Clause on the finest whose limit is not known: its largest error against the full model, where that is known."""
+    """Sentence on the finest whose limit is not known: what is known of its error."""
     name = group.finest.fidelity
     found = group.estimates.get(name)
+    if _gives_few(group):
+        return f"No reference beyond {modes_in_words(group.finest.modes)}: {GIVEN}"
+    reason = f" ({group.compared.limit.why})" if group.compared and group.compared.limit.why else ""
+    if found and found.why == WHOLE:
+        return f"How far {name}, the full model, is off by its mesh is not known{reason}"
     if found is None or not isfinite(found.worst) or not found.total:
-        return f"how far {name} itself is off is not known{_reason(group)}"
+        return f"How far {name} itself is off is not known{reason}"
     where = f"known at {found.points} of {found.total} points with impacts"
-    return f"{name} itself is up to {_size(found.worst)} off the full model of {found.modes} modes ({where})"
+    return f"The full model of {found.modes} modes is up to {_size(found.worst)} off {name} ({where})"
 
 
-def _reason(group: PhysicsGroup) -> str:
-    return f" ({group.compared.limit.why})" if group.compared and group.compared.limit.why else ""
+def _gives_few(group: PhysicsGroup) -> bool:
+    """Test whether the case gives the finest one's modes and no more."""
+    return group.compared is not None and group.compared.limit.why == GIVEN
 
 
-def _missed(rows: Sequence[Summary], accuracy: float) -> list[str]:
-    """Clauses on what the given fidelities miss, one for those of a kind."""
+def _missed(rows: Sequence[Summary], accuracy: float, modes: bool = False) -> list[str]:
+    """Clauses on what the given fidelities miss, one for those of a kind; ``modes``: these name them."""
     sparse = [row for row in rows if _off(row).points and _sparse(_off(row))]
-    said = [_miss(row, accuracy) for row in rows if row not in sparse]
+    said = [_miss(row, accuracy, modes) for row in rows if row not in sparse]
     if len(said) > FEW:
         said = [*said[: FEW - 1], f"{len(said) - FEW + 1} more are off as well"]
     clauses = [listed(said)] if said else []
@@ -192,14 +220,15 @@ def _missed(rows: Sequence[Summary], accuracy: float) -> list[str]:
     return clauses
 
 
-def _miss(row: Summary, accuracy: float) -> str:
-    off = _off(row)
+def _miss(row: Summary, accuracy: float, modes: bool) -> str:
+    off, name = _off(row), modes_in_words(row.modes) if modes else row.fidelity
+    name += " are" if modes and row.modes > 1 else " is"
     if not isfinite(off.rms):
         return f"{row.fidelity} has no point to compare"
     if isfinite(off.peak) and abs(off.peak) > accuracy and off.rms <= 2 * abs(off.peak):
-        return f"{row.fidelity} is {_signed(off.peak)}"
+        return f"{name} {_signed(off.peak)}" + " at the peak" * modes
     beside = f", {_signed(off.peak)} at the peak" if isfinite(off.peak) else ""
-    return f"{row.fidelity} is {_size(off.rms)} off (rms){beside}"
+    return f"{name} {_size(off.rms)} off (rms){beside}"
 
 
 def _peak(row: Summary) -> str:
@@ -221,14 +250,12 @@ def _size(value: float) -> str:
     return "more than " * (abs(value) > MOST) + (f"{round(size, 1):g} %" if size >= 1 else f"{size:.1g} %")
 
 
-def _held(group: PhysicsGroup) -> str:
-    """Sentence on what is held in a comparison, and what the other choice would give."""
-    found = group.compared
-    if found is None:
-        return ""
+def _held(compared: Sequence[HeldComparison]) -> str:
+    """Sentence on what is held alike in comparisons, and what the other choice would give."""
+    found = compared[0]
     if found.other is None:
         return _fixed(found.held)
-    known = [row for row in found.rows if isfinite(row.other.peak)]
+    known = [row for each in compared for row in each.rows if isfinite(row.other.peak)]
     named = ([row for row in known if row.turns] or known)[:FEW]
     if not named:
         return f"{found.held.label} is held; what {found.other.label} would give is not known."
@@ -249,7 +276,10 @@ def _apart(result: Result, rows: Sequence[Summary], accuracy: float) -> str:
         of = f"{rows[0].fidelity} ({counted(rows[0].modes, 'mode')})"
         peak = f"{units.lengths(rows[0].peak.amplitude)} at {units.frequencies(rows[0].peak.frequency)}"
         exact = _own(result, rows[0], None) == 0.0
-        known = "the mode that the case gives, flown exactly" if exact else "alone, and how far it is off is not known"
+        known = (
+            "the mode that the case gives, computed exactly" if exact else "alone, and how far it is off is not known"
+        )
+        known = "the full model" if _is_whole(result, rows[0].fidelity) else known
         return _estimated(result, rows[0], accuracy) or f"{of} is {known}; its peak is {peak}."
     swept = [row for row in rows if isfinite(row.peak.amplitude)]
     low, high = (pick(swept, key=lambda row: row.peak.amplitude) for pick in (min, max))

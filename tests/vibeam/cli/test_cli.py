@@ -62,7 +62,7 @@ def test_run_writes_results_and_figures_and_goes_on(command: Command, sdof: Path
     assert {path.name for path in tmp_path.iterdir()} == {"sdof.toml", "sdof.h5", "sdof.png", "sdof.svg"}
     assert first.stdout.endswith("\nwrote sdof.h5, sdof.png, sdof.svg\n")
     assert first.stdout.startswith(
-        "sdof (1 mode) is the mode that the case gives, flown exactly; its peak is 0.9512 at 2. "
+        "sdof (1 mode) is the mode that the case gives, computed exactly; its peak is 0.9512 at 2. "
     )
     again = command("run", sdof)
     assert again.stderr == "all 10 points are there already\n"

@@ -18,6 +18,7 @@ from vibeam.periodic.motions import OrbitKind, predicted
 from vibeam.periodic.nearby_orbits import nearby_orbits
 from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.trains import Trains
+from vibeam.report.run_answer import run_answer
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.of_case import estimates
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate, FidelityEstimate, estimate_texts
@@ -189,22 +190,47 @@ def test_points_without_impacts_and_without_a_period_are_told_apart() -> None:
 
 
 def test_no_point_has_an_estimate_at_which_the_full_model_makes_another_motion() -> None:
-    """Against the full model's own sweep: with that in the case, and without, where it is flown for the estimate."""
+    """Against the full model's own sweep, which is computed for the estimate."""
     case = vibeam.load(ROOT / "cases" / "matrices" / "frame.toml")
     result = vibeam.run(case, show=False)
     reduced = {name: result[name] for name in ("static", "one")}
     systems = {name: case.system(name) for name in case.fidelities}
-    for branches in (reduced, reduced | {"whole": result["whole"]}):
-        made, others = estimates(case, systems, branches, {}), 0
-        for name, responses in reduced.items():
-            for way, own in responses.items():
-                found, full = made[name].branches[way], dict(result["whole"].items())[way]
-                numbers = np.isfinite(found.amplitude_bound)
-                assert np.array_equal(numbers, found.known)
-                true = (own.amplitude / full.amplitude - 1)[numbers]  # settled to 1e-3 beside a doubling
-                assert found.amplitude[numbers] == pytest.approx(true, abs=1e-3)
-                others += found.reasons.get(Basis.ANOTHER, 0)
-        assert others > 10
+    made, others = estimates(case, systems, reduced, {}), 0
+    for name, responses in reduced.items():
+        for way, own in responses.items():
+            found, full = made[name].branches[way], dict(result["whole"].items())[way]
+            numbers = np.isfinite(found.amplitude_bound)
+            assert np.array_equal(numbers, found.known)
+            true = (own.amplitude / full.amplitude - 1)[numbers]  # settled to 1e-3 beside a doubling
+            assert found.amplitude[numbers] == pytest.approx(true, abs=1e-3)
+            others += found.reasons.get(Basis.ANOTHER, 0)
+    assert others > 10
+
+
+LINEAR = {"stop.law": "linear", "stop.stiffness": "2e4 N/m", "stop.restitution": 0.6}
+HARMONIC = {"drive.harmonic": [2], "drive.harmonic_share": ["5 %"]}
+
+
+@pytest.mark.parametrize("changes", [{}, LINEAR, HARMONIC, {"stop.second_gap": "2 mm"}, {"fidelity.whole.modes": 2}])
+def test_beside_the_full_model_in_the_run_errors_are_the_differences_from_it(changes: dict[str, object]) -> None:
+    """Whatever the stop and the drive, and where all modes are that model."""
+    quick = {"sweep.frequency.points": 21, "sweep.settle": 100, "sweep.hold": 20, "fidelity.stiff": None}
+    modal = {"fidelity.whole.reduction": "modal"} if "fidelity.whole.modes" in changes else {}
+    case = vibeam.load(ROOT / "cases" / "matrices" / "frame.toml", set=quick | modal | changes)
+    result = vibeam.run(case, show=False, compare=True)
+    assert result.estimates["whole"].whole
+    for name in ("static", "one"):
+        for way, own in result[name].items():
+            found, full = result.estimates[name].branches[way], dict(result["whole"].items())[way]
+            both = (own.period != 0) & (full.period != 0)
+            assert np.array_equal(found.known, both)
+            assert np.array_equal(found.amplitude[both], (own.amplitude / full.amplitude - 1)[both])
+            assert found.reasons == ({Basis.IRREGULAR: int((~both).sum())} if not both.all() else {})
+    cells = estimate_texts(result.estimates).cells
+    assert cells["whole"] == "full"
+    answer = run_answer(result)
+    assert answer.startswith("whole suffices for 5 % (computed exactly)")
+    assert "not known" not in answer.partition(" held")[0]
 
 
 def test_an_orbit_that_repeats_sooner_in_the_full_model_is_another_motion() -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 
 from vibeam.case.held import Held
+from vibeam.runs.comparison.limit import GIVEN
 from vibeam.system.curves import NAN, Difference
 from vibeam.system.number_text import percent, signed
 
@@ -132,7 +133,8 @@ def _own_limit(found: HeldComparison) -> str:
         return ""
     own, name = found.limit, found.finest
     if own.why:
-        return f"{name}: distance from its own limit not estimated ({own.why}): compare it with more modes"
+        cure = "" if own.why == GIVEN else ": compare it with more modes"
+        return f"{name}: distance from its own limit not estimated ({own.why}){cure}"
     near = [f"{row.fidelity} ({signed(_of(row))} ± {percent(row.uncertainty[0])})" for row in _near(found)]
     but = f"; that is not small against {listed(near)}: {_cure(found)}" if near else ""
     return f"{name} is off its own limit by {_distance(own)}{but}"

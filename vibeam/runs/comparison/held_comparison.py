@@ -16,7 +16,7 @@ from vibeam.case.held import held_of, other_choice, with_other_choice
 from vibeam.periodic.motions import ClosedCurve, closed_curve
 from vibeam.runs.closed_motions import without_closed_forms
 from vibeam.runs.comparison.differences import BothChoices, HeldComparison, OwnLimit
-from vibeam.runs.comparison.limit import limit
+from vibeam.runs.comparison.limit import GIVEN, limit
 from vibeam.system.curves import NAN, Difference
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, periodic
@@ -102,7 +102,8 @@ def _curve(model: ComparedModel, make: Callable[[], ImpactSystem]) -> Closed:
 
 def _own_limit(finest: ComparedModel, here: Closed, there: Closed) -> OwnLimit:
     if isinstance(here, str):
-        return OwnLimit(why=here)
+        given = isinstance(finest.scene, RigScene) and not finest.scene.all_modes
+        return OwnLimit(why=GIVEN if given else here)
     scene = _rig(finest)
     try:
         own = limit(scene, finest.system.size)

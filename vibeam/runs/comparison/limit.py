@@ -27,6 +27,7 @@ LEAST, MOST = 16, 32  # modes of the limit: twice the fidelity's, within these
 RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
 LEAST_SHARE = 0.8  # of the mobility of all modes that those kept must have
 
+GIVEN = "the case gives only these modes"
 FAR = (
     "the contact has little or no mass of its own: {modes} modes have {share:.0%} of its mobility, and with one "
     "coefficient of restitution mode 1 gets less of the impulse with each mode more"
@@ -88,7 +89,7 @@ def resolving(scene: Scene, modes: int) -> Scene:
 
 def _of_matrices(scene: RigScene, count: int) -> Limit:
     if not scene.all_modes:
-        raise ValueError(f"{scene.no_beam} to be refined")
+        raise ValueError(GIVEN)
     most = count if scene.in_three_dimensions else min(count, structure_of(scene).size)
     kept = system(holding(scene, "contact"), Fidelity("limit", "modal", most))
     mobility = mobility_at_contact(scene)

@@ -1,7 +1,8 @@
 """Error estimates of a case's fidelities against the full models of their own scenes: all modes, same restitution.
 
-The full model is swept too, where that takes no longer than a few seconds: points at which it makes another motion than
-that of the reduced model have no estimate (``full_sweep``).
+Where the run has the full model itself, errors are the differences from it. Elsewhere it is swept too, where that takes
+no longer than a few seconds: points at which it makes another motion than that of the reduced model have no estimate
+(``full_sweep``).
 """
 
 from __future__ import annotations
@@ -19,10 +20,10 @@ from vibeam.runs.closed_motions import SEVERAL
 from vibeam.runs.estimate.by_orbits import looked_at
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.full_sweep import FullSweep, Motion, without_another_motion
-from vibeam.runs.estimate.records import MANY, Basis, ErrorEstimate, FidelityEstimate
+from vibeam.runs.estimate.records import MANY, Basis, ErrorEstimate, FidelityEstimate, difference
 from vibeam.runs.estimate.work import LEAST, SHARE, CountedWork, TooDear, work_of
 from vibeam.system.impact_system import ImpactSystem
-from vibeam.system.response import Branches, join
+from vibeam.system.response import Branches, join, modes_of
 from vibeam.system.state import StatesAfter
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import AnyScene, RigScene
@@ -74,6 +75,9 @@ def estimates(
     shares = {name: CountedWork(most / len(branches)) for name in branches}
     for names in _scenes(case, branches):
         begun, scene = time.thread_time(), case.scene_of(names[0])
+        if whole := next((name for name in names if _is_whole(case, name, systems[name])), ""):
+            found |= {name: _beside_run(branches[name], branches[whole], systems[name].size) for name in names}
+            continue
         try:
             full = full_model(scene)
         except ValueError as refusal:
@@ -89,6 +93,22 @@ def estimates(
         short = full.size == MANY and _is_large(scene)
         found |= {name: replace(one, cpu_seconds=each, short=short) for name, one in made.items()}
     return {name: found[name] for name in branches}
+
+
+def _is_whole(case: Case, name: str, system: ImpactSystem) -> bool:
+    """Test whether a fidelity is the full model of its scene, and computed exactly."""
+    scene, own = case.scene_of(name), case.fidelities[name]
+    if own.solver != "flight" or not (isinstance(scene, RigScene) and scene.all_modes):
+        return False
+    return own.reduction == "full" or (not _is_large(scene) and system.size >= structure_of(scene).size)
+
+
+def _beside_run(own: Branches, whole: Branches, modes: int) -> FidelityEstimate:
+    """Errors against the run of the full model, itself among those that are judged."""
+    if modes == modes_of(whole):
+        return FidelityEstimate(modes, {}, whole=True)
+    full = dict(whole.items())
+    return FidelityEstimate(modes_of(whole), {way: difference(each, full[way]) for way, each in own.items()})
 
 
 def _scenes(case: Case, names: Iterable[str]) -> list[list[str]]:
@@ -150,14 +170,10 @@ def _of_own_motions(
     }
     if not expected:
         return dict(made)
-    whole = next((n for n, each in made.items() if each.whole and case.fidelities[n].solver == "flight"), None)
-    if whole is None:
-        ways = [way for way, _ in branches[next(iter(expected))].items()]
-        flown = _flown(
-            case, next(iter(expected)), full, {way: [own[way] for own in expected.values()] for way in ways}, left
-        )
-    else:
-        flown = {way: Motion.of(response) for way, response in branches[whole].items()}
+    ways = [way for way, _ in branches[next(iter(expected))].items()]
+    flown = _flown(
+        case, next(iter(expected)), full, {way: [own[way] for own in expected.values()] for way in ways}, left
+    )
     if not flown:
         return dict(made) | {name: replace(made[name], swept=False) for name in expected}
     return dict(made) | {

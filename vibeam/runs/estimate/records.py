@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vibeam.system.number_text import percent
 from vibeam.system.quantities import CodedEnum
+from vibeam.system.response import FrequencyResponse, complete, periodic
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, ValueRecord
 
@@ -33,14 +34,17 @@ class Basis(CodedEnum):
     REACHED = "along the orbit that the full model comes to from this motion"
     LEFT_OUT = "not computed: between points whose orbits are"
     DEAR = "not computed: flights of the full model take too long"
+    BESIDE = "beside the full model of the same run"
+    IRREGULAR = "one of the two motions does not repeat"
 
 
-KNOWN = (Basis.ORBIT, Basis.REACHED, Basis.FREE)  # those with an estimate
+KNOWN = (Basis.ORBIT, Basis.REACHED, Basis.FREE, Basis.BESIDE)  # those with an estimate
 NOT_COMPUTED = (Basis.LEFT_OUT, Basis.DEAR)
 WITHOUT_IMPACTS = (Basis.FREE, Basis.FAILED, *NOT_COMPUTED)  # neither model is known to touch the stop
 
 
 QUANTITIES = ("amplitude", "reach", "impact_velocity")
+NAN = float("nan")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -80,6 +84,17 @@ class ErrorEstimate(ValueRecord):
         return counted_reasons([self.basis[self.impacting & ~self.known]])
 
 
+def difference(own: FrequencyResponse, full: FrequencyResponse) -> ErrorEstimate:
+    """Error of a response against that of the full model: their difference, wherever both motions repeat."""
+    both = periodic(own) & periodic(full)
+    clear, failed = (own.period == -1) & (full.period == -1), ~(complete(own) & complete(full))
+    codes = [each.code for each in (Basis.FAILED, Basis.FREE, Basis.BESIDE)]
+    basis = np.select([failed, clear, both], codes, Basis.IRREGULAR.code)
+    errors = {name: np.where(both, getattr(own, name) / getattr(full, name) - 1, NAN) for name in QUANTITIES}
+    bounds = {f"{name}_bound": np.abs(each) for name, each in errors.items()}
+    return ErrorEstimate(own.frequency, **errors, **bounds, correction=np.full(len(own), NAN), basis=basis)
+
+
 @dataclass(frozen=True, eq=False)
 class FidelityEstimate:
     """Estimates of one fidelity, by direction; ``why``: there is none at all.
@@ -97,7 +112,6 @@ class FidelityEstimate:
     short: bool = False
 
 
-NAN = float("nan")
 WHOLE = "it is the full model"
 COLUMN = "est. off"
 
