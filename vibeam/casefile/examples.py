@@ -52,14 +52,37 @@ def meanings() -> dict[str, str]:
     return {name: tables(name)["title"] for name in PLACES}
 
 
-def texts(name: str) -> tuple[str, dict[str, str]]:
-    """An example's text and, by name, those of the files that stand beside it once it is written."""
+def texts(name: str, brief: bool = False) -> tuple[str, dict[str, str]]:
+    """An example's text and, by name, those of the files that stand beside it once it is written.
+
+    ``brief``: what it computes alone, with one comment on the choice that its answer hangs on.
+    """
     case = folder() / PLACES[name]
     lines = _text(case).splitlines(keepends=True)
     text = "".join(line for line in lines if not line.startswith("# numbers:"))  # of the checkout's pages
-    for file in files_of(name, tables(name)):
+    text = _brief(text) if brief else text
+    files = [file for file in files_of(name, tables(name)) if f'"{file}"' in text]
+    for file in files:
         text = text.replace(f'"{file}"', f'"{Path(file).name}"')
-    return text, {Path(file).name: _text(case.parent / file) for file in files_of(name, tables(name))}
+    return text, {Path(file).name: _text(case.parent / file) for file in files}
+
+
+ASIDE = ("reference", "expect", "measured", "show")  # tables that compare and draw
+WHOSE = '# whose R: "first mode", as a sensor shows it of slow motion (few modes do); "contact", the impact\'s own'
+LAW = "# a stop that yields, in place of a rigid one with R: it moves no mode much faster than its contact lasts"
+
+
+def _brief(text: str) -> str:
+    """The lines of an example that decide what it computes, whose R it is among them."""
+    kept, aside = list[str](), False
+    for line in text.splitlines():
+        aside = line.strip("[]").partition(".")[0] in ASIDE if line.startswith("[") else aside
+        if line and not line.startswith("#") and not aside:
+            kept.append(line.partition("  # ")[0])
+    chosen = next((each for key in ("law", "restitution_of") for each in kept if each.startswith(f"{key} = ")), "")
+    at = kept.index(chosen or next(each for each in kept if each.startswith("restitution = "))) + (not chosen)
+    kept[at:at] = [LAW if chosen.startswith("law") else WHOSE, *([] if chosen else ['restitution_of = "contact"'])]
+    return "\n".join(kept) + "\n"
 
 
 def files_of(name: str, part: Any) -> Iterator[str]:

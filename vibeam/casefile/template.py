@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.casefile.documentation import default_of
-from vibeam.casefile.examples import tables
+from vibeam.casefile.examples import WHOSE, tables
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
@@ -41,8 +41,9 @@ SHOWN: Mapping[str, Mapping[str, Any]] = {
     "fidelity": tables(EXAMPLE)["fidelity"],
 }  # tables with names, as the template shows them
 NEEDED = (
-    "beam.length beam.width beam.thickness beam.youngs_modulus beam.density beam.damping_ratio mass.mass mass.position"
-    " stop.gap stop.restitution sensor.position drive.amplitude sweep.frequency sweep.settle sweep.hold"
+    "beam.length beam.width beam.thickness beam.youngs_modulus beam.density beam.damping_ratio mass.mass mass.position "
+    "stop.gap stop.restitution stop.restitution_of sensor.position drive.amplitude sweep.frequency sweep.settle "
+    "sweep.hold"
 )  # keys that suffice for a first run
 FIRST = {"sdof": {"reduction": "static_mode"}, "beam": {"reduction": "modal", "modes": 8}}  # fidelities of it
 
@@ -80,7 +81,8 @@ def short() -> str:
         lines.append(f"[{table}]")
         for path in keys:
             key = path.partition(".")[2]
-            lines.append(_with_few_words(f"{key} = {to_toml(known[path])}", fields[key]))
+            line = f"{key} = {to_toml(known[path])}"
+            lines.append(f"{WHOSE}\n{line}" if key == "restitution_of" else _with_few_words(line, fields[key]))
     reduction = fields_of(table_of(fields_by_table["fidelity"]) or BaseModel)["reduction"]
     lines.append("[fidelity]")
     lines += [_with_few_words(f"{title} = {to_toml(value)}", reduction) for title, value in FIRST.items()]

@@ -93,7 +93,7 @@ def _keys_sheet(name: str | None, rows: list[KeyRow], whole: bool) -> StudySheet
 def new(
     path: NewFile = None,
     out: Annotated[str | None, out_option("The same, as an option.")] = None,
-    short: Annotated[bool, typer.Option("--short", help="Some 25 lines: what a first run needs.")] = False,
+    short: Annotated[bool, typer.Option("--short", help="Some 25 lines: what a run needs.")] = False,
     example: ExampleName = None,
 ) -> None:
     """Write a case to start from, each key explained.
@@ -103,18 +103,16 @@ def new(
     \b
     Examples:
       vibeam new mine.toml --short
-      vibeam new --from relay
+      vibeam new --from relay --short
     """
     from vibeam.report.output import StudySheet
 
-    if example is not None and short:
-        raise UsageError("--from writes an example as it is: leave --short away")
     if example == "list":
         print_sheet(_examples_sheet())
         return
     if path is not None and out is not None:
         raise UsageError(f"--out {out}: the file is {path} already: name one of them")
-    text, beside = (_template(short), {}) if example is None else _of_example(example)
+    text, beside = (_template(short), {}) if example is None else _of_example(example, short)
     name = f"{example or 'case'}.toml"
     target = output_path(out or path or name, name, (".toml",), "a case file")
     texts = {target.with_name(other): content for other, content in beside.items()} | {target: text}
@@ -135,13 +133,13 @@ def _template(brief: bool) -> str:
     return short() if brief else template()
 
 
-def _of_example(name: str) -> tuple[str, dict[str, str]]:
+def _of_example(name: str, brief: bool) -> tuple[str, dict[str, str]]:
     """Text of an example, and those of the files beside it by name."""
     from vibeam.casefile.examples import PLACES, texts
 
     if name not in PLACES:
         raise UsageError(f"--from {name}: no such example; {suggest(name, PLACES)}")
-    return texts(name)
+    return texts(name, brief)
 
 
 def _examples_sheet() -> StudySheet:
