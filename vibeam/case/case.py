@@ -193,11 +193,14 @@ class Case(Viewed):
             said = f"of fidelity {name}, {str(error).removeprefix('start: ')}"
             raise CaseError([self.fault("start", message=said)]) from None
 
-    def _require_sine(self) -> None:
-        """CaseError of a record case, whose input has no one amplitude."""
+    def _amplitude(self, scene: AnyScene, omega: NDArray[np.float64] | None = None) -> Any:
+        """Amplitude of a scene's drive, or of its base; CaseError of a record case, whose input has none."""
+        from vibeam_models.base_motion import base_amplitude, drive_amplitude
+
         if self.record is not None:
             said = "has an input over time and no amplitude at a frequency: case.input(fidelity) is its record"
             raise CaseError([self.fault("record", message=said)])
+        return base_amplitude(scene) if omega is None else drive_amplitude(scene, omega)
 
     @property
     def base_amplitude(self) -> float:
@@ -205,17 +208,12 @@ class Case(Viewed):
 
         ValueError where it depends on the frequency, as on a platform: ``amplitude`` has it there too.
         """
-        from vibeam_models.base_motion import base_amplitude
-
-        self._require_sine()
-        return base_amplitude(self.scene)
+        return float(self._amplitude(self.scene))
 
     def amplitude(self, omega: NDArray[np.float64]) -> float | NDArray[np.float64]:
         """Drive amplitude for a sweep over ``omega`` (rad/s): one for all, or one each where it depends on that."""
-        from vibeam_models.base_motion import drive_amplitude
-
-        self._require_sine()
-        return drive_amplitude(self.scene, omega)
+        found: float | NDArray[np.float64] = self._amplitude(self.scene, omega)
+        return found
 
     def scene_of(self, name: str) -> AnyScene:
         """Scene of one fidelity, with its changes; KeyError names the known fidelities."""
@@ -229,11 +227,8 @@ class Case(Viewed):
 
     def amplitude_of(self, name: str, omega: NDArray[np.float64] | None = None) -> float | NDArray[np.float64]:
         """Drive amplitude of one fidelity; without ``omega`` its ``base_amplitude``. Errors as in ``scene_of``."""
-        from vibeam_models.base_motion import base_amplitude, drive_amplitude
-
-        self._require_sine()
-        scene = self.scene_of(name)
-        return base_amplitude(scene) if omega is None else drive_amplitude(scene, omega)
+        found: float | NDArray[np.float64] = self._amplitude(self.scene_of(name), omega)
+        return found
 
     def with_reference(self, name: str, curve: ReferenceCurve, fidelity: str, tolerance: float | None = None) -> Case:
         """Same case with a reference ``curve`` of ``fidelity``; ``tolerance`` None: compared without a verdict.
@@ -263,10 +258,9 @@ class Case(Viewed):
         return replace(self.keys.case(settings), references=self.references, locate=self.locate)
 
     def alone(self, fidelity: str) -> Case:
-        """Case with one fidelity, whose changes are its rig's own, and nothing that is asked of it.
+        """Case with one fidelity, whose changes are its rig's own, and nothing that is asked of it or names others.
 
-        References, numbers, figures and studies may name other fidelities, or keys that a variant has not. KeyError
-        names the known fidelities.
+        KeyError names the known fidelities.
         """
         self.scene_of(fidelity)
         return replace(self.keys.alone(fidelity), locate=self.locate)

@@ -39,13 +39,8 @@ def axis_faults(keys: Sequence[str], carried: bool, frequency: float | None, ran
         found.append(("frequency", f'missing where {FREQUENCY} is no axis: write frequency = "15.3 Hz"'))
     given = [key for key in keys if key in STARTS]
     if carried and keys and is_structural(keys[-1]):
-        found.append(
-            (
-                keys[-1],
-                "changes the modes, so no state is carried along it: put another axis last, or write "
-                'direction = "apart"',
-            )
-        )
+        cure = 'put another axis last, or write direction = "apart"'
+        found.append((keys[-1], f"changes the modes, so no state is carried along it: {cure}"))
     if carried and (given or random):
         what = given[0] if given else "starts"
         found.append((what, 'where each motion has a start of its own none is carried: write direction = "apart"'))

@@ -34,11 +34,8 @@ def gap_of_output(case: Case, fidelity: str, omega: Array) -> Array:
 
 def touching(system: ImpactSystem, output: str, gap: Array) -> Array:
     """Displacement of an output at static contact with a stop at ``gap``, under a force at the contact."""
-    row, pushed, sagged = (
-        system.output(output),
-        static_shape(system, system.contact),
-        static_shape(system, system.static),
-    )
+    row, pushed = system.output(output), static_shape(system, system.contact)
+    sagged = static_shape(system, system.static)
     force = (gap - float(system.contact @ sagged)) / float(system.contact @ pushed)
     return np.asarray(float(row @ sagged) + float(row @ pushed) * force)
 

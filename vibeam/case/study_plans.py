@@ -99,9 +99,8 @@ class InfluencePlan:
         "", "relative, of the peak, the ringing and its frequency", "1 %", 0.01, above=0
     )
     frequency_accuracy: float | None = declare.quantity(
-        "", "relative, of the peak's frequency and the ends of period 1; absent = a fifth of tolerance", "1 %", None,
-        above=0,
-    )  # fmt: skip
+        "", "of the peak's frequency and the ends of period 1; absent = a fifth of tolerance", "1 %", None, above=0
+    )
     restitution_tolerance: float = declare.quantity("", "of the apparent restitution", 0.01, 0.01, above=0)
     points: int = declare.count(
         3,

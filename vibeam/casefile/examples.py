@@ -6,6 +6,7 @@ They are the files below ``cases/`` of a checkout; a wheel has them beside its m
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterator
 from functools import cache
@@ -67,22 +68,19 @@ def texts(name: str, brief: bool = False) -> tuple[str, dict[str, str]]:
     return text, {Path(file).name: _text(case.parent / file) for file in files}
 
 
-ASIDE = ("reference", "expect", "measured", "show")  # tables that compare and draw
+ASIDE = re.compile(r"(?m)^(#.*\n|\n|\[(reference|expect|measured|show)\..*\n([^\[].*\n|\n)*)|  # .*$")
 WHOSE = '# whose R: "first mode", as a sensor shows it of slow motion (few modes do); "contact", the impact\'s own'
 LAW = "# a stop that yields, in place of a rigid one with R: it moves no mode much faster than its contact lasts"
 
 
 def _brief(text: str) -> str:
     """The lines of an example that decide what it computes, whose R it is among them."""
-    kept, aside = list[str](), False
-    for line in text.splitlines():
-        aside = line.strip("[]").partition(".")[0] in ASIDE if line.startswith("[") else aside
-        if line and not line.startswith("#") and not aside:
-            kept.append(line.partition("  # ")[0])
-    chosen = next((each for key in ("law", "restitution_of") for each in kept if each.startswith(f"{key} = ")), "")
-    at = kept.index(chosen or next(each for each in kept if each.startswith("restitution = "))) + (not chosen)
-    kept[at:at] = [LAW if chosen.startswith("law") else WHOSE, *([] if chosen else ['restitution_of = "contact"'])]
-    return "\n".join(kept) + "\n"
+    text = ASIDE.sub("", text)
+    if "\nlaw = " in text:
+        return text.replace("\nlaw = ", f"\n{LAW}\nlaw = ")
+    if "\nrestitution_of" not in text:
+        text = re.sub(r"\nrestitution = .*", r'\g<0>\nrestitution_of = "contact"', text)
+    return text.replace("\nrestitution_of", f"\n{WHOSE}\nrestitution_of")
 
 
 def files_of(name: str, part: Any) -> Iterator[str]:

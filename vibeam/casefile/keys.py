@@ -21,7 +21,6 @@ from vibeam.casefile.tables.drive import harmonic_checks
 from vibeam.casefile.tables.stop import stop_checks
 from vibeam.casefile.tables.sweep import fidelity_of, is_solid, plan_checks
 from vibeam.casefile.tables.table import content
-from vibeam.casefile.validation import SHARED, physics_keys
 from vibeam.casefile.validation import read as read_tables
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault
 from vibeam_models.scene import AnyScene
@@ -66,11 +65,8 @@ class CaseKeys:
 
     def alone(self, fidelity: str) -> Case:
         """The case with one fidelity and nothing that is asked of it."""
-        own = self.model(fidelity).tables
-        table = own.fidelity[fidelity].model_copy(update={"set": None})  # what it sets, its rig has
-        plain = content(own.model_copy(update={"fidelity": {fidelity: table}}), "numbers")
-        said = {"units": "SI", "title": self.declared.title, "source": self.declared.source}
-        return self.read(said | plain, self.path, {})
+        said = {"title": self.declared.title, "source": self.declared.source}
+        return self.read(said | _plain(self.model(fidelity).tables, fidelity), self.path, {})
 
     def value(self, key: str) -> Any:
         """Value of a key of the case itself, SI; None where it has none."""
@@ -104,10 +100,7 @@ class KeyedModel(Model):
     changes: frozenset[str] = frozenset()
 
     def __reduce__(self) -> tuple[Callable[..., KeyedModel], tuple[dict[str, Any], str, Path]]:
-        kept = {*physics_keys(type(self.tables)), *SHARED} - {"measurement"}
-        own = {key: each for key, each in content(self.tables).items() if key in kept}
-        fidelity = {"fidelity": {self.name: content(self._table, without=("set",))}}
-        return KeyedModel._of_content, (own | fidelity, self.name, self.path)
+        return KeyedModel._of_content, (_plain(self.tables, self.name), self.name, self.path)
 
     @classmethod
     def _of_content(cls, plain: dict[str, Any], name: str, path: Path) -> KeyedModel:
@@ -159,6 +152,12 @@ class KeyedModel(Model):
     def most_modes(self) -> int:
         """As ``Model.most_modes``."""
         return 0 if is_solid(self._table) else KINDS[self.tables.kind].most_modes_of(self.tables, self.path.parent)[0]
+
+
+def _plain(tables: Any, fidelity: str) -> dict[str, Any]:
+    """Plain data of a fidelity's tables that decide its numbers; what it sets, its rig has."""
+    own = tables.fidelity[fidelity].model_copy(update={"set": None})
+    return {"units": "SI"} | content(tables.model_copy(update={"fidelity": {fidelity: own}}), "numbers")
 
 
 def model_of(declared: Any, changed: Mapping[str, Any], path: Path, fidelity: str) -> KeyedModel:

@@ -95,19 +95,13 @@ def _put(place: Any, where: str | int, value: Any, literal: bool) -> None:
 
 def _shallow(value: Any) -> Any:
     """As ``_toml_value``; OverrideError for a value that is nested deeper than any of a case."""
-    try:
-        found = _toml_value(value)
-    except RecursionError:
-        raise OverrideError(TOO_DEEP) from None
-    if too_deep([found]):
-        raise OverrideError(TOO_DEEP)
-    return found
+    return tables_of([value], read=None)[0]
 
 
-def tables_of(content: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables of a case given as Python's own; OverrideError for what no case can hold."""
+def tables_of(content: Any, read: Callable[[str], Any] | None = str) -> Any:
+    """The tables of a case given as Python's own, or its values; OverrideError for what no case can hold."""
     try:
-        found: dict[str, Any] = _toml_value(content, read=str)
+        found = _toml_value(content, read)
     except RecursionError:
         raise OverrideError(TOO_DEEP) from None
     if too_deep(found):
@@ -187,13 +181,9 @@ class Places:
         for place in places:
             if place in self.lines:
                 return Fault(self.file, self.lines[place], key, message)
-            if self._opened(place):
+            if any(other[: len(place)] == place for other in self.overridden):  # which opened this table
                 return Fault(OVERRIDE, None, key, message)
         return Fault(self.file, None, key, message)
-
-    def _opened(self, place: KeyPath) -> bool:
-        """Test whether an override opened this table."""
-        return any(path[: len(place)] == place for path in self.overridden)
 
 
 def with_value(tables: Any, key: str, value: float) -> Any:

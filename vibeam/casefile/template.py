@@ -45,7 +45,7 @@ NEEDED = (
     "stop.gap stop.restitution stop.restitution_of sensor.position drive.amplitude sweep.frequency sweep.settle "
     "sweep.hold"
 )  # keys that suffice for a first run
-FIRST = {"sdof": {"reduction": "static_mode"}, "beam": {"reduction": "modal", "modes": 8}}  # fidelities of it
+FIRST = {"fidelity.sdof": {"reduction": "static_mode"}, "fidelity.beam": {"reduction": "modal", "modes": 8}}
 
 
 @cache
@@ -75,21 +75,19 @@ def short() -> str:
         "# a cantilever with an attached mass, the DTU rig",
         "# every key: vibeam new; those of one table: vibeam keys stop",
     ]
-    known = _given() | {"drive.amplitude": "0.1 mm"}
-    for table, keys in groupby(NEEDED.split(), key=lambda key: key.partition(".")[0]):
+    known = _given() | {"drive.amplitude": "0.1 mm"} | FIRST
+    for table, keys in groupby([*NEEDED.split(), *FIRST], key=lambda key: key.partition(".")[0]):
         fields = fields_of(table_of(fields_by_table[table]) or BaseModel)
         lines.append(f"[{table}]")
         for path in keys:
             key = path.partition(".")[2]
             line = f"{key} = {to_toml(known[path])}"
-            lines.append(f"{WHOSE}\n{line}" if key == "restitution_of" else _with_few_words(line, fields[key]))
-    reduction = fields_of(table_of(fields_by_table["fidelity"]) or BaseModel)["reduction"]
-    lines.append("[fidelity]")
-    lines += [_with_few_words(f"{title} = {to_toml(value)}", reduction) for title, value in FIRST.items()]
+            field = fields.get(key, fields.get("reduction"))  # of a fidelity, whatever its name
+            lines.append(f"{WHOSE}\n{line}" if key == "restitution_of" else _with_few_words(line, field))
     return "\n".join(lines) + "\n"
 
 
-def _with_few_words(text: str, field: FieldInfo) -> str:
+def _with_few_words(text: str, field: Any) -> str:
     """A key with its meaning, less what is said of its absence, of other values and of other keys."""
     whole = (field.description or "").removeprefix("effect: ")
     meaning = re.split("; |, instead|, on the|, and the|, whose| on the beam where|, absent|, in \\(", whole)[0]

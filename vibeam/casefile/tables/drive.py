@@ -106,7 +106,8 @@ def _without_platform(case: SimpleNamespace) -> Iterator[Complaint]:
     ways = [*(name for name in (*MOTIONS, *LOADS) if getattr(drive, name) is not None), *_by_voltage(drive)]
     loads = [name for name in ways if name in LOADS]
     if loads and drive.at is None:
-        yield ("drive", loads[0]), _placeless(loads[0])
+        on, or_else = (", or on a platform", ", or add [platform]") if loads[0] == "force" else ("", "")
+        yield ("drive", loads[0]), f'acts on the beam{on}: write at = "120 mm"{or_else}'
     elif drive.at is not None and ways and not loads:
         yield ("drive", "at"), 'is where a force or a moment acts on the beam: write force = "1 N", or take at away'
     elif len(ways) == 1 and loads:
@@ -119,12 +120,6 @@ def _by_voltage(drive: SimpleNamespace) -> list[str]:
     """The shaker's keys as one way to say the base motion."""
     said = [name for name in ("voltage", "gain") if getattr(drive, name) is not None]
     return [" and ".join(said)] if said else []
-
-
-def _placeless(load: str) -> str:
-    if load == "force":
-        return 'acts on the beam, or on a platform: write at = "120 mm", or add [platform]'
-    return 'acts on the beam: write at = "120 mm"'
 
 
 def _said_once(drive: SimpleNamespace, ways: list[str]) -> Iterator[Complaint]:
@@ -180,19 +175,14 @@ def _driven_platform(case: SimpleNamespace) -> Iterator[Complaint]:
     else:
         ways = [name for name in said if name in MOTIONS]
         yield from _said_once(drive, [*ways, *_by_voltage(drive)])
-        yield from _measured_motion(drive, ways)
+        for name in (each for each in ways if isinstance(getattr(drive, each), tuple)):
+            told = "a base motion over frequency has the platform in it: take [platform] out, or give its force"
+            yield ("drive", name), told
     by_itself = case.shaker is not None or "force" in said
     if calibrated is None and not by_itself:
         yield (("platform", "calibrated_at"), 'missing (where the drive\'s motion holds): write calibrated_at = "… Hz"')
     elif calibrated is not None and by_itself:
         yield ("platform", "calibrated_at"), "goes with a base motion alone: a force or a shaker says the drive already"
-
-
-def _measured_motion(drive: SimpleNamespace, ways: list[str]) -> Iterator[Complaint]:
-    for name in ways:
-        if isinstance(getattr(drive, name), tuple):
-            said = "a base motion over frequency has the platform in it: take [platform] out, or give its force"
-            yield ("drive", name), said
 
 
 def list_checks(case: SimpleNamespace) -> Iterator[Complaint]:

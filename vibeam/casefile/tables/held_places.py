@@ -56,22 +56,20 @@ def _moving(case: SimpleNamespace, held: dict[float, bool], length: float) -> It
         cure = "take [mass] out, or write [[added_mass]] for what turns there"
         yield from complaint(("mass", "position"), case.mass.position, f"a mass does not move there; {cure}")
     if case.opposite is None:
-        yield from complaint(("stop", "position"), case.stop.position, "it never meets a stop there; move the stop")
+        unmet = "it never meets a stop there; move the stop"
+        yield from complaint(("stop", "position"), case.stop.position, unmet)
         for index, stop in enumerate(case.further_stop or ()):
-            yield from complaint(
-                ("further_stop", index, "position"), stop.position, "it never meets a stop there; move the stop"
-            )
+            yield from complaint(("further_stop", index, "position"), stop.position, unmet)
     yield from complaint(("sensor", "position"), case.sensor.position, "a sensor reads 0 there; move it")
     at = _at(case.drive.at, held, length)
     if at is not None and case.drive.force is not None:
         yield from complaint(("drive", "at"), case.drive.at, "a force moves nothing there; move it")
     elif at is not None and case.drive.moment is not None and held[at]:
         yield from complaint(("drive", "at"), case.drive.at, "a moment moves nothing there; move it")
-    if case.sweep is not None and case.sweep.output == "tip":
-        yield from complaint(("sweep", "output"), length, 'the tip does not move; write output = "sensor"')
-    for name, show in case.show.items():
-        if show.output == "tip":
-            yield from complaint(("show", name, "output"), length, 'the tip does not move; write output = "sensor"')
+    readers: dict[KeyPath, Any] = {("sweep",): case.sweep} | {("show", name): each for name, each in case.show.items()}
+    for path, reader in readers.items():
+        if reader is not None and reader.output == "tip":
+            yield from complaint((*path, "output"), length, 'the tip does not move; write output = "sensor"')
 
 
 def _met(case: SimpleNamespace) -> Iterator[Complaint]:

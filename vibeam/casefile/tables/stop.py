@@ -112,16 +112,10 @@ def _drift(stop: SimpleNamespace) -> Iterator[Complaint]:
 def _wear(case: SimpleNamespace) -> Iterator[Complaint]:
     """A fidelity that leaves the wear out is judged by itself, without it."""
     for name, fidelity in case.fidelity.items() if case.stop.wear is not None else ():
-        if (
-            fidelity.solver is not None
-            and SOLVERS[fidelity.solver].stationary
-            and not {"stop.wear", "stop"} & {*(fidelity.without or ())}
-        ):
-            yield (
-                ("fidelity", name, "solver"),
-                f"{as_shown_in_message(fidelity.solver)} counts no impacts, so stop.wear has nothing to go by: "
-                'write solver = "flight", or without = ["stop.wear"]',
-            )
+        stationary = fidelity.solver is not None and SOLVERS[fidelity.solver].stationary
+        if stationary and not {"stop.wear", "stop"} & {*(fidelity.without or ())}:
+            said = f"{as_shown_in_message(fidelity.solver)} counts no impacts, so stop.wear has nothing to go by"
+            yield ("fidelity", name, "solver"), f'{said}: write solver = "flight", or without = ["stop.wear"]'
 
 
 AT_REST = ("gap", "gap_at", "restitution", "restitution_of", "position")  # keys before those of the law
@@ -147,8 +141,7 @@ def sdof_stop_table() -> type[Table]:
 @lru_cache(maxsize=8)
 def _stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
     meaning = "what the stop does; absent = restitution, the same at every velocity"
-    law = key(meaning, "linear", None)
-    keys = {"law": (Annotated[Any, Word(tuple(LAWS))], law)}
+    keys = {"law": (Annotated[Any, Word(tuple(LAWS))], key(meaning, "linear", None))}
     keys |= {name: declared_key(each, None, "law") for name, each in law_keys().items() if name != "restitution"}
     doc = "The stop: what it is depends on its law; keys of other laws are refused."
     own = plan_keys(Stop) | {"position": declared_key(keys_of(Stop)["position"], None)}
