@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
-from math import ceil, isfinite
+from math import ceil, inf, isfinite
 from shlex import quote
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,6 @@ from vibeam.system.number_text import percent, shown_in, signed
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.studies.cost.planning import LeftOut
     from vibeam.studies.cost.row import Part, RunRow, Split
     from vibeam.studies.cost.study import CostStudy
 
@@ -178,7 +177,8 @@ def _run(row: RunRow, exact: float, frequencies: int, best: bool) -> Iterator[st
     yield str(row.modes)
     yield from map(share, (own.path, own.impact_velocities))
     yield f"{share(own.statistics)} ({share(own.scatter)})" if isfinite(own.statistics) else ""
-    yield from map(_micro, (work.per_period, work.per_impact)) if work else ("–", "–")
+    times = (work.per_period, work.per_impact) if work else (inf, inf)
+    yield from (f"{1e6 * each:.3g}" if isfinite(each) else "–" for each in times)
     yield Text(row.why, "red")
 
 
@@ -258,11 +258,7 @@ def details(study: CostStudy) -> Iterator[str]:
     yield from settled(study.comparison)
     for name, twin in study.same.items():
         yield f"{name}: the same model as {twin}."
-    yield from _refusals(study.refused)
-
-
-def _refusals(refused: tuple[LeftOut, ...]) -> Iterator[str]:
-    for solver, found in groupby(sorted(refused, key=lambda each: each.run), key=lambda each: each.run):
+    for solver, found in groupby(sorted(study.refused, key=lambda each: each.run), key=lambda each: each.run):
         several = list(found)
         why = several[0].why.removeprefix(f"solver {solver!r} cannot take ")
         yield f"{solver} cannot take {', '.join(each.fidelity for each in several)}: {why}."
@@ -273,7 +269,3 @@ def share(value: float) -> str:
     if not isfinite(value):
         return "–"
     return percent(value) if abs(value) >= 1e-3 else "0" if abs(value) <= ROUND_OFF else f"{value:.0e}"
-
-
-def _micro(seconds: float) -> str:
-    return f"{1e6 * seconds:.3g}" if isfinite(seconds) else "–"

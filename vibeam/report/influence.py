@@ -16,7 +16,6 @@ from vibeam.case.plans import FigurePlan
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import COLOURS
 from vibeam.report.output import StudySheet
-from vibeam.report.record_studies import of_effects
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import both_peaks, doubts, listed, settled
 from vibeam.system.number_text import signed
@@ -43,10 +42,8 @@ LEAST, MOST = 1e-3, 1e3  # changes over tolerance: larger ones are drawn at the 
 MOVED = 0.005  # relative change above which a mode's frequency counts as changed
 
 
-def sheet(study: Any, case: Case) -> StudySheet:
+def sheet(study: InfluenceStudy, case: Case) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a model and quantity."""
-    if case.record is not None:
-        return of_effects(study)
     said = list(details(study))
     return StudySheet(
         answer=answer(study),
@@ -156,14 +153,12 @@ def _changes(study: InfluenceStudy, variant: Variant) -> Iterator[str]:
 
 
 def _amount(quantity: Interest, each: Change) -> str:
-    """Change as text: signed, in percent or in its unit; a dash without a value."""
+    """Change as text: signed, in percent, of R as it is; a dash without a value."""
     if not isfinite(each.amount):
         return "–"
     if each.share <= DUST:
         return "0"
-    return (
-        signed(each.amount) if quantity.how == "relative" else f"{each.amount:+.2g} {SHOWN[quantity.unit][0]}".strip()
-    )
+    return signed(each.amount) if quantity.how == "relative" else f"{each.amount:+.2g}"
 
 
 def _added(row: EffectRow) -> tuple[str, str, str]:
@@ -288,7 +283,8 @@ def bars(study: InfluenceStudy, plan: FigurePlan = USUAL) -> Figure:
     for index, quantity in enumerate(quantities):
         shares = [_drawn(row.without, index) for row in study.rows]
         places = np.arange(count) + (index - (len(quantities) - 1) / 2) * thick
-        label = f"{quantity.name.replace('_', ' ')} ({_tolerance(quantity.how, quantity.tolerance, quantity.unit)})"
+        tolerance = f"{100 * quantity.tolerance:g} %" if quantity.how == "relative" else f"{quantity.tolerance:g}"
+        label = f"{quantity.name.replace('_', ' ')} ({tolerance})"
         for place, row in zip(places, study.rows, strict=True):
             if row.without.why or np.isinf(row.without.changes[index].share):
                 axes.text(MOST, place, "∞ ", ha="right", va="center", color="white", fontsize=6)
@@ -303,10 +299,6 @@ def _drawn(variant: Variant, index: int) -> float:
     """Length of the bar from ``LEAST``."""
     value = MOST if variant.why else variant.changes[index].share
     return float(np.clip(value, LEAST, MOST)) - LEAST
-
-
-def _tolerance(how: str, tolerance: float, unit: str) -> str:
-    return f"{100 * tolerance:g} %" if how == "relative" else f"{tolerance:g} {unit if unit != '1' else ''}".strip()
 
 
 def _dress(axes: Axes, study: InfluenceStudy) -> None:

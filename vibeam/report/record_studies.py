@@ -18,7 +18,7 @@ from vibeam.system.number_text import begun, modes_in_words, percent, signed, wi
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
-    from vibeam.studies.influence.recorded_effects import EffectsVariant, RecordEffects
+    from vibeam.studies.influence.recorded_effects import RecordEffects
     from vibeam.studies.record.fidelities import RecordFidelities
     from vibeam.studies.record.modes import RecordModes
     from vibeam.studies.uncertainty.recorded_inputs import RecordUncertainty
@@ -148,17 +148,14 @@ def of_effects(study: RecordEffects) -> StudySheet:
         table.add_row(row.effect, "yes" if row.needed else "no", *cells, percent(row.alone.worst))
     kept, first = study.enough.kept, study.rows[0]
     some = f"{listed(kept)} suffice{'s' * (len(kept) == 1)}" if kept else "none of the effects is needed"
-    answer = f"For {percent(study.tolerance)} of the peaks {some}; without {first.effect} {_without(first.without)}"
+    lost = "there is no model" if first.without.why else f"they change by up to {percent(first.without.worst)}"
+    answer = f"For {percent(study.tolerance)} of the peaks {some}; without {first.effect} {lost}"
     tried = "all sets were tried" if study.exact else "sets were tried one effect at a time"
     notes = [f"{tried}, {study.models} models", FEW if study.reference.seconds.size > 1 else ONE]
     rows = [_row(each, effect=row.effect, needed=row.needed) for row in study.rows for each in row.without.changes]
     data = {"rows": study.rows, "enough": kept}
     answer += f"{_left_out(study.left_out)}."
     return StudySheet(answer, [table], notes, data=data, rows=rows, study="effects")
-
-
-def _without(found: EffectsVariant) -> str:
-    return "there is no model" if found.why else f"they change by up to {percent(found.worst)}"
 
 
 def of_uncertainty(study: RecordUncertainty) -> StudySheet:

@@ -110,10 +110,9 @@ def groups_of(result: Result, rows: Sequence[Summary]) -> list[PhysicsGroup]:
         if others:
             ordered = tuple(sorted(others, key=lambda row: row.modes))
             found = compared.get(top.fidelity)
-            solids = {
-                each.fidelity for each in (top, *others) if result.case.scene_of(each.fidelity).in_three_dimensions
-            }
-            groups.append(PhysicsGroup(top, ordered, found, _own(result, top, found), estimates, frozenset(solids)))
+            names = [each.fidelity for each in (top, *others)]
+            solids = frozenset(name for name in names if result.case.scene_of(name).in_three_dimensions)
+            groups.append(PhysicsGroup(top, ordered, found, _own(result, top, found), estimates, solids))
     return groups
 
 
@@ -194,10 +193,9 @@ def _from_full(group: PhysicsGroup) -> str:
     if _gives_few(group):
         return f"No reference beyond {modes_in_words(group.finest.modes)}: {GIVEN}"
     reason = f" ({group.compared.limit.why})" if group.compared and group.compared.limit.why else ""
-    if found and found.why == WHOLE:
-        return f"How far {name}, the full model, is off by its mesh is not known{reason}"
+    what = f"{name}, the full model, is off by its mesh" if found and found.why == WHOLE else f"{name} itself is off"
     if found is None or not isfinite(found.worst) or not found.total:
-        return f"How far {name} itself is off is not known{reason}"
+        return f"How far {what} is not known{reason}"
     where = f"known at {found.points} of {found.total} points with impacts"
     return f"The full model of {found.modes} modes is up to {_size(found.worst)} off {name} ({where})"
 
@@ -275,11 +273,9 @@ def _apart(result: Result, rows: Sequence[Summary], accuracy: float) -> str:
     if len(rows) == 1:
         of = f"{rows[0].fidelity} ({counted(rows[0].modes, 'mode')})"
         peak = f"{units.lengths(rows[0].peak.amplitude)} at {units.frequencies(rows[0].peak.frequency)}"
-        exact = _own(result, rows[0], None) == 0.0
-        known = (
-            "the mode that the case gives, computed exactly" if exact else "alone, and how far it is off is not known"
-        )
-        known = "the full model" if _is_whole(result, rows[0].fidelity) else known
+        exact, whole = _own(result, rows[0], None) == 0.0, _is_whole(result, rows[0].fidelity)
+        said = "the full model" if whole else "the mode that the case gives, computed exactly"
+        known = said if whole or exact else "alone, and how far it is off is not known"
         return _estimated(result, rows[0], accuracy) or f"{of} is {known}; its peak is {peak}."
     swept = [row for row in rows if isfinite(row.peak.amplitude)]
     low, high = (pick(swept, key=lambda row: row.peak.amplitude) for pick in (min, max))

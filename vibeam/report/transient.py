@@ -50,6 +50,7 @@ def fidelities(result: TransientResult) -> ReportTable:
     table = _table(result, "Fidelities", "modes|", f"peak {first.name}{_of(result, unit)}|", "off|")
     table.add("impacts|", "off|", f"hardest{_of(result, 'm/s')}|", "off|", "agrees until|", "CPU ratio|")
     cheapest = min(float(np.nansum(each.cpu_seconds)) for each in result.values()) or float("nan")
+    finest = {each.finest for each in result.comparison.values()}
     for name, own in result.items():
         of, ratio = result.comparison.get(name), float(np.nansum(own.cpu_seconds)) / cheapest
         for at, head in _values(result, name):
@@ -57,14 +58,10 @@ def fidelities(result: TransientResult) -> ReportTable:
             numbers.append((own.of("hardest_impact")[at], "hardest_impact", ""))
             cells = [cell for values, quantity, signal in numbers
                      for cell in (mean_text(mean_of(values)), _off(of, quantity, signal, at))]  # fmt: skip
-            until = "finest" if of is None and _is_finest(result, name) else "" if of is None else _until(of, at)
+            until = "finest" * (name in finest) if of is None else _until(of, at)
             table.add_row(*head, str(own.modes), *cells, until, f"{ratio:.3g}")
     table.caption = "\n".join(_caption(result))
     return table
-
-
-def _is_finest(result: TransientResult, name: str) -> bool:
-    return any(each.finest == name for each in result.comparison.values())
 
 
 def _caption(result: TransientResult) -> Iterator[str]:
@@ -139,19 +136,16 @@ def energies(result: TransientResult) -> ReportTable:
 
 def modal_energies(result: TransientResult) -> Iterator[ReportTable]:
     """Tables of the finest fidelities: work, energy lost and left of every mode, at the last value."""
+    last = f"; at {result.over} = {factor_text(result, result.factors[-1])}" * (len(result.factors) > 1)
     for name in dict.fromkeys(result.finest.values()):
         own = result[name]
         heads = (f"{each}{_of(result, 'J')}|" for each in ("work", "by damping", "to the stop", "left"))
         table = blank(f"Energy by mode, {name}", "mode|", *heads)
-        table.caption = "to the stop: less than 0 is handed to the mode by impacts" + _at_last(result)
+        table.caption = "to the stop: less than 0 is handed to the mode by impacts" + last
         found = [np.nanmean(getattr(own, each)[-1], axis=0) for each in ("work", "damping", "lost", "left")]
         for mode, row in enumerate(np.transpose(found), 1):
             table.add_row(str(mode), *(f"{each:.3g}" for each in row))
         yield table
-
-
-def _at_last(result: TransientResult) -> str:
-    return f"; at {result.over} = {factor_text(result, result.factors[-1])}" if len(result.factors) > 1 else ""
 
 
 def impacts(result: TransientResult) -> ReportTable:

@@ -73,8 +73,7 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
 
         return solid.sheet(stage.record)
     if case.record is not None:
-        found: StudySheet = UNDER_RECORD[stage.name](stage.record)
-        return found
+        return UNDER_RECORD[stage.name](stage.record)
     if stage.name == "modes":
         return modes_needed.sheet(stage.record)
     if stage.name == "effects":

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from math import isfinite
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from vibeam.system.curves import NAN, Difference
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, periodic
 from vibeam_models.arrays import Array
-from vibeam_models.scene import AnyScene, RigScene
+from vibeam_models.scene import RigScene
 
 SAME = 0.01  # share by which the amplitude of a run and that of the closed form of its motion may differ
 SURE = 1e-4  # differences smaller than this share have no sign
@@ -37,7 +38,7 @@ class ComparedModel:
     """
 
     name: str
-    scene: AnyScene
+    scene: Any
     system: ImpactSystem
     omega: Array
     base: Array
@@ -68,7 +69,7 @@ def _both(model: ComparedModel) -> tuple[Closed, Closed]:
     """Closed-form curves of a model as held and with the other choice."""
     if why := _excluded(model):
         return why, why
-    return _curve(model, lambda: model.system), _curve(model, lambda: with_other_choice(_rig(model), model.system))
+    return _curve(model, lambda: model.system), _curve(model, lambda: with_other_choice(model.scene, model.system))
 
 
 def _excluded(model: ComparedModel) -> str:
@@ -76,20 +77,11 @@ def _excluded(model: ComparedModel) -> str:
     if model.scene.given_mode is not None:
         return "a single degree of freedom given directly has no more modes"
     if model.system.beyond_plain:
-        features = _as_written(model, " or ".join(model.system.beyond_plain))
+        features, law = " or ".join(model.system.beyond_plain), getattr(model.scene.stop, "law", None)
+        if law is not None and model.system.law is not None:  # without loss hunt-crossley is hertz to the system
+            features = features.replace(f'"{model.system.law.name}"', f'"{law.name}"')
         return f"its limit is computed in closed form alone, not with {features}"
     return model.why
-
-
-def _as_written(model: ComparedModel, features: str) -> str:
-    """Features with the contact law by the case's name: without loss hunt-crossley is hertz to the system."""
-    law, built = getattr(model.scene.stop, "law", None), model.system.law
-    return features if law is None or built is None else features.replace(f'"{built.name}"', f'"{law.name}"')
-
-
-def _rig(model: ComparedModel) -> RigScene:
-    assert isinstance(model.scene, RigScene)
-    return model.scene
 
 
 def _curve(model: ComparedModel, make: Callable[[], ImpactSystem]) -> Closed:
@@ -101,10 +93,9 @@ def _curve(model: ComparedModel, make: Callable[[], ImpactSystem]) -> Closed:
 
 
 def _own_limit(finest: ComparedModel, here: Closed, there: Closed) -> OwnLimit:
+    scene = finest.scene
     if isinstance(here, str):
-        given = isinstance(finest.scene, RigScene) and not finest.scene.all_modes
-        return OwnLimit(why=GIVEN if given else here)
-    scene = _rig(finest)
+        return OwnLimit(why=GIVEN if isinstance(scene, RigScene) and not scene.all_modes else here)
     try:
         own = limit(scene, finest.system.size)
     except ValueError as refusal:

@@ -74,7 +74,7 @@ def limit(scene: RigScene, modes: int) -> Limit:
         for each in (elements, elements // 2)
     )
     own, half = (each.mobility for each in (fine, coarse))
-    inertia, kept = 2 / own - 1 / half, _lowest(fine, count)
+    inertia, kept = 2 / own - 1 / half, lowest_modes(fine, count)
     share = kept.mobility * inertia
     if share < LEAST_SHARE:
         raise ValueError(FAR.format(modes=kept.size, share=max(share, 0.0)))
@@ -99,7 +99,7 @@ def _of_matrices(scene: RigScene, count: int) -> Limit:
     return Limit(kept, 0, mobility)
 
 
-def _lowest(whole: ImpactSystem, count: int) -> ImpactSystem:
+def lowest_modes(whole: ImpactSystem, count: int) -> ImpactSystem:
     """System truncated to its lowest modes."""
     kept = np.argsort(whole.omega, kind="stable")[:count]
     rows = {name: getattr(whole, name)[kept] for name in ("omega", "zeta", "contact", "load", "static")}

@@ -26,6 +26,7 @@ from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import near
 from vibeam.periodic.shooting import NoOrbit, shoot
 from vibeam.periodic.stroboscopic import NEAR, Flown, MotionEnded, StroboscopicMap
+from vibeam.runs.comparison.limit import lowest_modes
 from vibeam.runs.estimate.records import QUANTITIES, Basis
 from vibeam.runs.estimate.work import CountedMap, CountedWork, TooDear
 from vibeam.system.curves import evenly
@@ -47,15 +48,10 @@ KEPT = 4  # steps of Newton's method with one Jacobian of the lower modes
 
 def in_order(response: FrequencyResponse, which: Index) -> Index:
     """Points ``which``, the highest first, then evenly spread, ever finer."""
-    spread = sorted(range(len(which)), key=_bits_reversed)
+    spread = sorted(range(len(which)), key=lambda place: f"{place:032b}"[::-1])  # van der Corput's sequence
     done = complete(response)[which]
     top = int(np.argmax(np.where(done, response.amplitude[which], -np.inf))) if done.any() else 0
     return which[[top, *(place for place in spread if place != top)]] if len(which) else which
-
-
-def _bits_reversed(number: int) -> str:
-    """Digits of van der Corput's sequence."""
-    return f"{number:032b}"[::-1]
 
 
 def looked_at(response: FrequencyResponse) -> Flags:
@@ -189,7 +185,7 @@ class ReadyModel:
         decays = 2 * np.pi / slowest * system.zeta * system.omega
         count = max(LEAST_MODES, int(np.count_nonzero(decays < LASTS)))
         few = system.coupling is None and system.further is None and 2 * count <= system.size
-        self.lower = ReadyModel(_first_modes(system, count), slowest, self._work) if few else None
+        self.lower = ReadyModel(lowest_modes(system, count), slowest, self._work) if few else None
 
     def section(self, drive: Drive) -> CountedMap:
         """The stroboscopic map at phase 0 of a drive."""
@@ -224,11 +220,6 @@ class ReadyModel:
                 return Basis.ANOTHER, None
             own = found
         return (basis, own) if own.stable else (Basis.UNSTABLE, None)
-
-
-def _first_modes(system: ImpactSystem, count: int) -> ImpactSystem:
-    rows = {name: getattr(system, name)[:count] for name in ("omega", "zeta", "contact", "load", "static")}
-    return replace(system, **rows, outputs={}, derivatives={})
 
 
 class MapByLowerModes(CountedMap):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from vibeam.periodic.modal_sums import resonant
 from vibeam.periodic.motions import Motions, OrbitKind, predicted, predicted_free, unsuited
 from vibeam.periodic.nearby_orbits import nearby_orbits
 from vibeam.periodic.trains import Trains
-from vibeam.runs.estimate.by_orbits import SETTLED, BesidePoint, ModelPair, beside
+from vibeam.runs.estimate.by_orbits import SETTLED, ModelPair, beside
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate
 from vibeam.runs.estimate.work import CountedWork
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -152,7 +152,8 @@ def estimate_error(
     """
     base = np.array(np.broadcast_to(np.asarray(amplitude, dtype=float), len(response)))
     closed = drift is None and not (unsuited(system) or unsuited(full))
-    swept = swept_motions(system, response, base, after) if closed else _nothing_swept(len(response))
+    nothing = SweptMotions((), np.zeros(0, dtype=np.int64), np.full(len(response), Basis.LEFT_OUT.code))
+    swept = swept_motions(system, response, base, after) if closed else nothing
     made = _Rows(np.full((len(QUANTITIES), len(response)), np.nan), np.full((4, len(response)), np.nan), swept.basis)
     for which, trains in _without_resonance(full, swept):
         different, back = _distinct(trains)
@@ -166,17 +167,14 @@ def estimate_error(
         which = np.flatnonzero(open_ if closed or points is None else points)
         made.basis[open_] = Basis.LEFT_OUT.code
         states = after or StatesAfter.unknown(len(response), system.size)
-        made.enter_shot(
-            beside(ModelPair(system, full, output, drift), response, base, states, which, work or CountedWork())
-        )
+        pair, work = ModelPair(system, full, output, drift), work or CountedWork()
+        for point, shot in beside(pair, response, base, states, which, work):
+            made.signed[:, point], made.basis[point] = shot.errors, shot.basis.code
+            size = np.abs(shot.errors)
+            made.bounds[:, point] = *(size + (1 + size) * READ_OFF), shot.correction
     names = (*QUANTITIES, *(f"{name}_bound" for name in QUANTITIES), "correction")
     rows = dict(zip(names, (*made.signed, *made.bounds), strict=True))
     return ErrorEstimate(frequency=response.frequency.copy(), basis=made.basis, **rows)
-
-
-def _nothing_swept(points: int) -> SweptMotions:
-    """Points of which no closed form knows anything."""
-    return SweptMotions((), np.zeros(0, dtype=np.int64), np.full(points, Basis.LEFT_OUT.code))
 
 
 def _distinct(trains: Trains) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -217,11 +215,3 @@ class _Rows:
         self.bounds[3, which] = there.first
         codes = np.array([same.code, *(Basis[each.name].code for each in OrbitKind if each is not OrbitKind.ORBIT)])
         self.basis[which] = codes[there.found]
-
-    def enter_shot(self, found: Iterable[tuple[int, BesidePoint]]) -> None:
-        """Enter what was found beside points by orbits."""
-        for point, there in found:
-            signed = there.errors
-            self.signed[:, point] = signed
-            self.bounds[:, point] = *(np.abs(signed) + (1 + np.abs(signed)) * READ_OFF), there.correction
-            self.basis[point] = there.basis.code

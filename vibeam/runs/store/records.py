@@ -123,12 +123,9 @@ def read_comparisons(home: h5py.Group) -> tuple[HeldComparison, ...]:
 
 def _comparison(values: dict[str, Any]) -> HeldComparison:
     other = None if values["other"] is None else Held(**values["other"])
-    rows, limit = tuple(map(_choices, values["rows"])), OwnLimit(**_with_differences(values["limit"]))
+    each = (_with_differences(row) | {"uncertainty": tuple(row["uncertainty"])} for row in values["rows"])
+    rows, limit = tuple(BothChoices(**row) for row in each), OwnLimit(**_with_differences(values["limit"]))
     return HeldComparison(**values | {"held": Held(**values["held"]), "other": other, "rows": rows, "limit": limit})
-
-
-def _choices(values: dict[str, Any]) -> BothChoices:
-    return BothChoices(**_with_differences(values) | {"uncertainty": tuple(values["uncertainty"])})
 
 
 def _with_differences(values: dict[str, Any]) -> dict[str, Any]:

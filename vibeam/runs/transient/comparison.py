@@ -88,7 +88,8 @@ def compared(own: Transient, finest: Transient, period: float, twins: Mapping[in
         before[place] = _off_before(own, finest, place, horizon[place])
     twin = np.full(shape[0], np.nan)
     for value, reading in twins.items():
-        twin[value] = agreement(_train(finest, value, 0), _train_of(reading), tolerance, finest.duration)
+        near = ImpactTrain(reading["impact_times"], reading["impact_velocities"], reading["impact_contacts"])
+        twin[value] = agreement(_train(finest, value, 0), near, tolerance, finest.duration)
     off = _shares(_peaks(own, finest), finest.peak)
     differences = tuple(_differences(own, finest))
     return TransientComparison(
@@ -98,10 +99,6 @@ def compared(own: Transient, finest: Transient, period: float, twins: Mapping[in
 
 def _train(of: Transient, value: int, seed: int) -> ImpactTrain:
     return ImpactTrain(*(each[value][seed] for each in (of.impact_times, of.impact_velocities, of.impact_contacts)))
-
-
-def _train_of(reading: Reading) -> ImpactTrain:
-    return ImpactTrain(reading["impact_times"], reading["impact_velocities"], reading["impact_contacts"])
 
 
 def _peaks(own: Transient, finest: Transient) -> Array:

@@ -120,17 +120,15 @@ def result_of(
         duration = plan_of_record(case).duration
         transients[name] = assembled(name, duration, model.signals, table, histories)
         near = {each.value: known.motions.get(each.key) for each in motions_of(case, name, twins=True)}
-        twins[name] = {value: each[1] for value, each in near.items() if each and _is_complete(each[1])}
+        twins[name] = {
+            value: each[1] for value, each in near.items() if each and each[1]["ended"] == Ended.COMPLETE.code
+        }
         if kept is not None:
             shown[name] = input_of(kept)
     alike = len(set(shown.values())) == 1
     inputs = {"": next(iter(shown.values()))} if alike else shown
     periods = {name: model.period for name, model in own.items()}
     return TransientResult(case, transients, path, found, periods, twins, inputs, sheets)
-
-
-def _is_complete(reading: Reading) -> bool:
-    return int(reading["ended"]) == Ended.COMPLETE.code
 
 
 def _numbers(rows: Mapping[tuple[int, int], Realisation], of: int) -> list[int]:
