@@ -58,6 +58,48 @@ def test_the_page_has_the_floors_of_the_contract() -> None:
     assert layers == [{name for name in own if own[name] == floor} for floor in sorted(set(own.values()))]
 
 
+def imported(package: Path) -> set[str]:
+    """Rooms, and packages beside ``vibeam``, that the modules of a folder import."""
+    nodes = [node for path in package.rglob("*.py") for node in ast.walk(ast.parse(path.read_text("utf-8")))]
+    names = [node.module or "" for node in nodes if isinstance(node, ast.ImportFrom)]
+    names += [each.name for node in nodes if isinstance(node, ast.Import) for each in node.names]
+    return {".".join(name.split(".")[: 2 if name.startswith("vibeam.") else 1]) for name in names}
+
+
+def faults_of_diagram(page: str) -> list[str]:
+    """Rooms that a page's diagram lacks or invents, arrows that do not lead down, and those that nothing imports."""
+    drawn = page.partition("```mermaid\n")[2].partition("```")[0]
+    own = floors()
+    label = {name: name.removeprefix("vibeam.").removeprefix("vibeam_") for name in own}
+    homes = {label[name]: home for name, home in zip(own, map(home_of, own), strict=True)}
+    names = {shown: name for name, shown in label.items()}
+    arrows = re.findall(r"^ +(\w+)(?:\[.*?\])? --> (\w+)", drawn, re.MULTILINE)
+    shown = {each for arrow in arrows for each in arrow}
+    missed = [f"{each}: not drawn" for each in sorted(names.keys() - shown)]
+    unknown = [f"{each}: no room" for each in sorted(shown - names.keys())]
+    known = [(above, below) for above, below in arrows if {above, below} <= names.keys()]
+    upward = [f"{above} → {below}: up" for above, below in known if own[names[above]] <= own[names[below]]]
+    idle = [f"{above} → {below}: no import" for above, below in known if names[below] not in imported(homes[above])]
+    return [*missed, *unknown, *upward, *idle]
+
+
+def home_of(name: str) -> Path:
+    """Folder of a room or package."""
+    if name.startswith("vibeam."):
+        return ROOT / name.replace(".", "/")
+    return next(package for package in PACKAGES if package.name == name)
+
+
+def test_the_diagram_has_the_rooms_of_the_contract_and_arrows_that_are_imports() -> None:
+    page = (ROOT / "vibeam" / "README.md").read_text("utf-8")
+    assert faults_of_diagram(page) == []
+    assert faults_of_diagram(page.replace("batches", "batch")) == ["batches: not drawn", "batch: no room"]
+    assert "flight → exchange: no import" in faults_of_diagram(
+        page.replace("flight --> observe", "flight --> exchange")
+    )
+    assert "store → runs: up" in faults_of_diagram(page.replace("runs --> store", "store --> runs"))
+
+
 def upward_names(path: Path, room: str) -> list[str]:
     """Strings of a file in ``room`` that name a module of another room that is not below: ``"package.module:name"``."""
     found, known = [], floors()
