@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from vibeam.cli.main import app
 from vibeam.system.response import Ended
 
 PROJECT = Path(__file__).parents[3]
+NUMBERS = {16: "sixteen", 17: "seventeen", 18: "eighteen", 19: "nineteen", 20: "twenty"}
 
 
 def new(*words: object, expect: int = 0) -> str:
@@ -70,6 +72,13 @@ def test_a_name_that_is_none_lists_the_examples(tmp_path: Path) -> None:
     assert [line.split()[0] for line in listed if line][4:] == list(examples.PLACES)
     assert len(examples.PLACES) >= 10
     assert max(map(len, listed)) <= 80
+
+
+@pytest.mark.parametrize("page", ["README.md", "cases/README.md"])
+def test_a_page_has_the_number_of_examples(page: str) -> None:
+    text = " ".join((PROJECT / page).read_text(encoding="utf-8").split())
+    found = re.findall(r"(\w+) (?:examples that|of them) come with vibeam", text)
+    assert [each.lower() for each in found] == [NUMBERS[len(examples.PLACES)]]
 
 
 def test_a_wheel_has_all_examples() -> None:
