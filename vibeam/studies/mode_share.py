@@ -106,7 +106,7 @@ def rigid_shares(structure: Structure, restitution: float) -> Iterator[ModeShare
     """Shares with a rigid stop, up to all modes of the mesh: it is met in no time, and every mode counts."""
     contact = structure.contact @ structure.modes().shapes
     first = _first(contact)
-    for n in (*counts_up_to(min(MOST, len(contact))), len(contact)):
+    for n in sorted({*counts_up_to(min(MOST, len(contact))), len(contact)}):
         mobility, struck = float(np.sum(contact[:n] ** 2)), float(contact[first])
         if n > first:
             needed = needed_restitution(restitution, struck, mobility)

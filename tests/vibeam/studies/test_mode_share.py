@@ -33,6 +33,20 @@ def structure() -> Structure:
     return assemble(replace(RIG, base=Base()))
 
 
+@pytest.mark.parametrize(
+    ("case", "settings", "numbers"),
+    [
+        ("paper/eq38.toml", {}, [1]),  # a static mode
+        ("dtu_neutral.toml", {"beam.elements": 8}, [1, 2, 4, 8, 16]),
+        ("dtu_neutral.toml", {"beam.elements": 16}, [1, 2, 4, 8, 16, 28]),
+        ("dtu_neutral.toml", {"beam.elements": 12}, [1, 2, 4, 8, 16, 22]),
+    ],
+)
+def test_each_number_of_modes_is_a_row_once(case: str, settings: dict[str, Any], numbers: list[int]) -> None:
+    found = derive(vibeam.load(CASES / case, settings)).impact
+    assert [row.modes for row in found.shares] == numbers
+
+
 def test_a_rigid_stop_by_an_impulse_on_the_modes() -> None:
     table = derive(NEUTRAL)
     modes = assemble(replace(vibeam.load(NEUTRAL).scene, base=Base())).modes()
