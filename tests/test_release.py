@@ -11,12 +11,10 @@ from pathlib import Path
 import pytest
 
 import vibeam
-from vibeam.cli.main import EARLIER
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 SOURCE = PROJECT["urls"]["Source"]
-EARLIER_NAMES = re.compile(r"^\| said before \|.*\n\|[-|]+\n((?:\|.*\n)+)", re.MULTILINE)
 TARGET = re.compile(r"\]\(([^)#]+)")
 
 
@@ -78,26 +76,3 @@ def test_a_link_with_an_address_stays_as_it_is(pattern: int) -> None:
     [found, put] = tool["substitutions"][pattern].values()
     text = "![a](https://a.example/b.png) [c](mailto:d) [e](#f)"
     assert re.sub(found, put, text) == text
-
-
-def told_of_earlier_names() -> dict[str, tuple[str, str]]:
-    """``{name: (what it is now, the version that drops it)}`` by the page."""
-    table = EARLIER_NAMES.search(read("CONTRIBUTING.md"))
-    assert table is not None
-    rows = [[cell.strip() for cell in line.split("|")[1:4]] for line in table[1].splitlines()]
-    return {name: (now.strip("`"), until) for names, now, until in rows for name in re.findall("`([^`]+)`", names)}
-
-
-def test_the_page_tells_until_when_earlier_names_work() -> None:
-    assert told_of_earlier_names() == {name: (now, until) for name, (now, _, until) in EARLIER.items()}
-
-
-def due(version: str) -> list[str]:
-    """Earlier names that a version drops."""
-    numbers = [int(each) for each in version.split(".")[:2]]
-    return [name for name, (_, _, until) in EARLIER.items() if [int(each) for each in until.split(".")] <= numbers]
-
-
-def test_no_earlier_name_outlives_its_version() -> None:
-    assert due(vibeam.__version__) == []
-    assert "reduce" in due("0.3.1")

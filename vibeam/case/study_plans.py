@@ -16,7 +16,7 @@ MOST_POINTS = 1_000_000
 
 @dataclass(frozen=True)
 class CostPlan:
-    """Plan of ``vibeam cost``: frequencies in Hz, ``budget`` in CPU seconds; None: the defaults."""
+    """Plan of ``vibeam verdict --only solvers``: frequencies in Hz, ``budget`` in CPU seconds; None: the defaults."""
 
     frequency: tuple[float, ...] | None = declare.quantity(
         "Hz",
@@ -82,7 +82,7 @@ class ModesNeededPlan:
 
 @dataclass(frozen=True)
 class InfluencePlan:
-    """Plan of ``vibeam influence``: frequencies in Hz; None: the defaults."""
+    """Plan of ``vibeam verdict --only effects``: frequencies in Hz; None: the defaults."""
 
     fidelity: str | None = declare.text("whose effects are taken away; absent = the one with most modes", "beam", None)
     quantities: tuple[str, ...] = declare.word(

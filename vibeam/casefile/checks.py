@@ -63,7 +63,6 @@ def checked(
     _share_units(tables)
     _leave_free(tables)
     _name_fidelities(tables, lines)
-    faults += map(place.fault, _retired(tables))
     case, wrong = _validated(tables, file.parent)
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
     own = {name: variant.declared for name, variant in changed.items()}
@@ -100,22 +99,6 @@ def _name_fidelities(tables: dict[str, Any], lines: dict[KeyPath, int]) -> None:
                 table["fidelities"] = table.pop("fidelity")
                 line = lines.get((kind, name, "fidelity"), lines.get((kind, "fidelity"), lines.get((kind,))))
                 lines |= {} if line is None else {(kind, name, "fidelities"): line, (kind, "fidelities"): line}
-
-
-def _retired(tables: dict[str, Any]) -> Iterator[Complaint]:
-    """Complaints about figures that earlier versions drew; what is checked after them is, in place, a ``vtu``."""
-    shows = tables.get("show")
-    for name, table in shows.items() if isinstance(shows, dict) else ():
-        if isinstance(table, dict) and table.get("kind") == "animation":
-            yield ("show", name, "kind"), RETIRED
-            table["kind"] = "vtu"
-            table.pop("format", None)
-
-
-RETIRED = (
-    "no GIF or MP4 animation is drawn any more: vibeam explore, or the page of vibeam report, shows the motion live; "
-    'leave the table away, or for ParaView write kind = "vtu" without format'
-)
 
 
 def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:

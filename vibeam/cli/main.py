@@ -1,4 +1,4 @@
-"""Entry point of ``vibeam``: its commands in the groups of its help, and the names that commands had before.
+"""Entry point of ``vibeam``: its commands in the groups of its help.
 
 Results go to stdout, everything else to stderr. Exit code 0: success, 1: a check was missed, 2: a fault in
 the case, an argument or a file, 130: stopped, 141: the reader of stdout has gone.
@@ -17,7 +17,7 @@ from typer.core import TyperGroup
 
 from vibeam.cli.commands import case_files, checks, maps, measured, modes, pages, runs, studies
 from vibeam.cli.errors import UsageError, mistakes
-from vibeam.cli.streams import put, say, standard_streams
+from vibeam.cli.streams import put, standard_streams
 from vibeam.cli.verbosity import with_verbosity
 from vibeam_models.phases import phases_told
 
@@ -29,37 +29,13 @@ GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "Case files": (case_files.new, case_files.keys, case_files.doctor),
 }
 
-KEYS = "; --within is --accuracy, its other options are keys (vibeam keys modes_needed)"
-#: what commands of earlier versions are now, what of their options is to be said, and the version that drops them
-EARLIER = {
-    "reduce": ("verdict --only modes", KEYS, "0.3"),
-    "limit": ("verdict --only modes", KEYS, "0.3"),
-    "influence": ("verdict --only effects", "", "0.3"),
-    "cost": ("verdict --only solvers", "", "0.3"),
-    "identify": ("fit", "", "0.3"),
-    "record": ("check --record", "", "0.3"),
-    "stability": ("map --picture stability", "; --points N,M stands for --frequencies M", "0.3"),
-    "new --rig": ("new --from", "", "0.3"),
-}
-
 
 class Commands(TyperGroup):
-    """Commands in groups, each with its whole line of help; the earlier names of some are known too."""
+    """Commands in groups, each with its whole line of help."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """The command of the first word, by the name that it has now."""
-        if args[-1:] == ["--from"]:
-            args = [*args, "list"]
-        if args[:1] == ["new"] and any(each.partition("=")[0] == "--rig" for each in args):
-            args = [
-                "new --rig",
-                *(each.replace("--rig", "--from", 1) if each[:5] == "--rig" else each for each in args[1:]),
-            ]
-        if args and args[0] in EARLIER:
-            now, options, until = EARLIER[args[0]]
-            say(f"vibeam {args[0]} is now: vibeam {now}{options} (version {until} drops the old name)")
-            args = [*now.removesuffix(" --from").split(), *args[1:]]
-        return super().resolve_command(ctx, args)
+        """The command of the first word; ``--from`` without an example lists them."""
+        return super().resolve_command(ctx, [*args, "list"] if args[-1:] == ["--from"] else args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the commands, a section a group."""

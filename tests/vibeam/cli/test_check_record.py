@@ -1,4 +1,4 @@
-"""``vibeam check``: ``--record`` writes regression values, and never over a file unasked; ``--plot`` draws."""
+"""``vibeam check``: ``--write`` writes regression values, and never over a file unasked; ``--plot`` draws."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def changed(rig: Path, change: Callable[[str], str]) -> None:
 
 
 def test_a_recorded_curve_is_a_regression_value_and_met(rig: Path) -> None:
-    said = vibeam("check", rig, "--record").output
+    said = vibeam("check", rig, "--write").output
     file = rig.parent / "references" / "rig_sdof.csv"
     head = [line for line in file.read_text(encoding="utf-8").splitlines() if line.startswith("#")]
     assert head[0] == "# Regression values: recorded by vibeam, which is no reference"
@@ -52,26 +52,26 @@ def test_a_recorded_curve_is_a_regression_value_and_met(rig: Path) -> None:
 
 
 def test_a_file_that_is_there_stays_unless_it_is_forced(rig: Path) -> None:
-    vibeam("record", rig)
+    vibeam("check", rig, "--write")
     file = rig.parent / "references" / "rig_sdof.csv"
     file.write_text("kept\n", encoding="utf-8")
-    said = vibeam("record", rig, code=2).output
+    said = vibeam("check", rig, "--write", code=2).output
     assert "is there already: --force replaces it, --out FOLDER writes elsewhere" in said
     assert file.read_text(encoding="utf-8") == "kept\n"
-    vibeam("check", rig, "--record", "--out", rig.parent / "new")
+    vibeam("check", rig, "--write", "--out", rig.parent / "new")
     assert len(read_curve(rig.parent / "new" / "rig_sdof.csv").points) == 10
-    vibeam("check", rig, "--record", "--force")
-    assert "--record, which is not asked for" in vibeam("check", rig, "--force", code=2).output
+    vibeam("check", rig, "--write", "--force")
+    assert "--write, which is not asked for" in vibeam("check", rig, "--force", code=2).output
     assert read_curve(file).recorded
-    said = vibeam("check", rig, "--record", "--fresh", "--plot", "x.png", code=2).output
-    assert "--plot: of a check, and --record makes none" in said
-    assert "--fresh: of a check, and --record makes none" in said
+    said = vibeam("check", rig, "--write", "--fresh", "--plot", "x.png", code=2).output
+    assert "--plot: of a check, and --write makes none" in said
+    assert "--fresh: of a check, and --write makes none" in said
     assert "this one has none: write a [reference.NAME]" in vibeam("check", rig, "--plot", "x.png", code=2).output
-    assert "no such fidelity; known here: sdof" in vibeam("check", rig, "--record", "--fidelity", "beam", code=2).output
+    assert "no such fidelity; known here: sdof" in vibeam("check", rig, "--write", "--fidelity", "beam", code=2).output
 
 
 def test_check_draws_references_and_model(rig: Path) -> None:
-    vibeam("record", rig)
+    vibeam("check", rig, "--write")
     changed(rig, lambda text: text.replace("restitution = 0.9", "restitution = 0.8") + TABLE + "tolerance = 1e-6\n")
     said = vibeam("check", rig, "--plot", rig.parent / "figure.svg", code=1)
     assert f"wrote {rig.parent / 'figure.svg'}" in said.output

@@ -33,7 +33,7 @@ def shock(tmp_path: Path) -> Path:
     return file
 
 
-@pytest.mark.parametrize("said", [("explore",), ("study", "cost"), ("study", "modes_needed"), ("check", "--record")])
+@pytest.mark.parametrize("said", [("explore",), ("study", "cost"), ("study", "modes_needed"), ("check", "--write")])
 def test_whatever_goes_over_frequencies_says_so(shock: Path, said: tuple[str, ...]) -> None:
     done = CliRunner().invoke(app, [*said, str(shock)])
     assert done.exit_code == 2

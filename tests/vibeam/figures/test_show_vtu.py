@@ -162,13 +162,3 @@ def test_what_makes_no_sense_is_refused(changed: Any, said: str) -> None:
 def test_a_case_without_a_beam_is_refused() -> None:
     with pytest.raises(CaseError, match='"vtu" shows a beam, and this case has none'):
         parse(SDOF, set={"show.it": {"kind": "vtu", "frequency": 0.3}})
-
-
-@pytest.mark.parametrize("form", [None, "gif", ["mp4", "pvd"]])
-def test_an_animation_of_earlier_versions_has_one_message(form: Any) -> None:
-    show = {"kind": "animation", "frequency": 10.0, **({} if form is None else {"format": form})}
-    with pytest.raises(CaseError) as refused:
-        parse(CASE, set={"show.it": show})
-    (fault,) = refused.value.faults
-    assert fault.key == "show.it.kind"
-    assert all(cure in fault.message for cure in ("vibeam explore", "vibeam report", 'kind = "vtu"'))

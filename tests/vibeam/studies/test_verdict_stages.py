@@ -79,24 +79,29 @@ def test_one_stage_is_its_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     done = asked("--only", "modes", "--accuracy", "1 %")
     assert done.stdout.startswith("Three modes suffice for 1 %")
     assert {each.suffix for each in tmp_path.iterdir()} == {".csv", ".png", ".svg"}
-    earlier = CliRunner().invoke(app, ["reduce", str(RIG), "--accuracy", "1 %", "--set", "sweep.frequency.points=5"])
-    assert earlier.stderr.startswith("vibeam reduce is now: vibeam verdict --only modes; --within is --accuracy")
-    assert earlier.stdout.startswith("Three modes suffice for 1 %")
+
+
+def test_a_key_without_a_usual_range_is_refused_with_the_command_that_takes_one() -> None:
+    done = asked("--over", "restitution")
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert "vibeam map CASE --picture verdict --over restitution --from" in done.stderr
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    "words",
     [
-        (("reduce", "CASE", "--within=50"), "vibeam keys modes_needed"),
-        (("cost", "CASE", "--budget", "0 s"), "vibeam cost is now: vibeam verdict --only solvers"),
-        (("stability", "CASE", "--frequencies", "9"), "--points N,M stands for --frequencies"),
-        (("new", "--rig", "no such"), "vibeam new --rig is now: vibeam new --from"),
-        (("verdict", "CASE", "--over", "restitution"), "vibeam map CASE --picture verdict --over restitution --from"),
+        *((name, str(RIG)) for name in ("reduce", "limit", "influence", "cost", "identify", "record", "stability")),
+        ("new", "--rig", "relay"), ("check", str(RIG), "--record"),
     ],
-)
-def test_options_of_earlier_versions_say_what_they_are_now(words: tuple[str, ...], said: str) -> None:
-    done = CliRunner().invoke(app, [str(RIG) if word == "CASE" else word for word in words])
-    assert (done.exit_code, said in done.stderr, done.stdout) == (2, True, "")
+)  # fmt: skip
+def test_names_that_no_release_had_are_unknown(
+    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(app, list(words))
+    assert (done.exit_code, done.stdout, list(tmp_path.iterdir())) == (2, "", [])
+    assert "No such" in done.stderr
+    assert "is now" not in done.stderr
 
 
 def test_the_default_of_an_option_is_shown_as_its_example() -> None:

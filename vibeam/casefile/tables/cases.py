@@ -116,7 +116,7 @@ def _asked(show: Any, map_: Any) -> Parts:
         "map": (dict[str, map_], key("maps over keys of the case", None, {}, **ASIDE)),
         "uncertain": (Annotated[Any, settings()], key(uncertain, inputs, None, **ASIDE)),
         "figure": (FigureTable, key("how figures are written", None, FigureTable(), **ASIDE)),
-        "cost": (CostTable, key("what vibeam cost does", None, CostTable(), **ASIDE)),
+        "cost": (CostTable, key("what vibeam verdict --only solvers does", None, CostTable(), **ASIDE)),
         "fit": (FitTable | None, key(fit, None, None, **ASIDE)),
     } | {name: _study(name, home) for name, home in STUDY_PLANS.items()}
 
@@ -131,7 +131,9 @@ def _study(name: str, home: Home) -> tuple[Any, Any]:
 
 
 def _influence() -> Parts:
-    return {"influence": (InfluenceTable, key("what vibeam influence does", None, InfluenceTable(), **ASIDE))}
+    return {
+        "influence": (InfluenceTable, key("what vibeam verdict --only effects does", None, InfluenceTable(), **ASIDE))
+    }
 
 
 SOLID = EffectTable(Home("solid", "vibeam.casefile.tables.solid:SolidTable"), own=True)

@@ -57,10 +57,12 @@ def _cost(case: SimpleNamespace) -> Iterator[Complaint]:
 
 
 CostTable: Any = table(
-    "CostTable", "Plan of vibeam cost; absent = the defaults.", plan_keys(CostPlan, solvers=Each(Word(SOLVERS)))
+    "CostTable",
+    "Plan of vibeam verdict --only solvers; absent = the defaults.",
+    plan_keys(CostPlan, solvers=Each(Word(SOLVERS))),
 )
 InfluenceTable: Any = table(
-    "InfluenceTable", "Plan of vibeam influence; absent = the defaults.", plan_keys(InfluencePlan)
+    "InfluenceTable", "Plan of vibeam verdict --only effects; absent = the defaults.", plan_keys(InfluencePlan)
 )
 
 

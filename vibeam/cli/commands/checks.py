@@ -42,29 +42,29 @@ def check(
     fresh: Fresh = False,
     fidelity: Fidelities = None,
     plot: Annotated[str | None, option(_PLOT, "--plot", metavar="FILE")] = None,
-    record: Annotated[
-        bool, typer.Option("--record", help="Write the curves as regression values, into the folder of --out.")
+    write: Annotated[
+        bool, typer.Option("--write", help="Write the curves as regression values, into the folder of --out.")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="With --record: replace files that are there.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="With --write: replace files that are there.")] = False,
 ) -> None:
     """Say whether references and measured numbers hold.
 
-    References are compared at their own frequencies. Exit code 1 where one is missed. What --record writes goes into
+    References are compared at their own frequencies. Exit code 1 where one is missed. What --write writes goes into
     references/ beside the case where no --out says otherwise.
 
     \b
     Examples:
       vibeam check mine.toml --plot check.png
-      vibeam check mine.toml --record --fidelity sdof
+      vibeam check mine.toml --write --fidelity sdof
     """
     loaded = of_fidelities(load(case, set_), fidelity)
-    if force and not record:
-        raise UsageError("--force: replaces files of --record, which is not asked for")
-    if found := [name for name, given in (("--plot", plot), ("--fresh", fresh)) if record and given]:
-        raise UsageError("\n".join(f"{name}: of a check, and --record makes none: leave it out" for name in found))
+    if force and not write:
+        raise UsageError("--force: replaces files of --write, which is not asked for")
+    if found := [name for name, given in (("--plot", plot), ("--fresh", fresh)) if write and given]:
+        raise UsageError("\n".join(f"{name}: of a check, and --write makes none: leave it out" for name in found))
     if plot is not None and not loaded.references:
         raise UsageError("--plot: draws the references of a case, and this one has none: write a [reference.NAME]")
-    if record:
+    if write:
         print_sheet(*_recorded(loaded, out, force))
         return
     files = [] if plot is None else [output_path(plot, f"{loaded.path.stem}_check.png", DRAWN, "a figure")]

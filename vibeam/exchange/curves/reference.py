@@ -17,7 +17,7 @@ from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in, sug
 from vibeam.exchange.files import FormatError, file_fault
 from vibeam_models.arrays import Array
 
-RECORDED = "# Regression values: recorded by vibeam"  # first line of a file that ``vibeam record`` wrote
+RECORDED = "# Regression values: recorded by vibeam"  # first line of a file that ``vibeam check --write`` wrote
 NO_COLUMNS = "does not begin with the names of its columns: write {}"
 OWN = COLUMNS[0]  # head of the frequencies in a file of vibeam's own form
 FREQUENCY_HEADS = ("frequency", "freq", "f")
