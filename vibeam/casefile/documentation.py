@@ -6,7 +6,6 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from textwrap import shorten
 from typing import Any
 
 from pydantic import BaseModel
@@ -40,7 +39,7 @@ class TableRow:
 
 @dataclass(frozen=True)
 class KeyLine:
-    """One key by its dotted name, its default, and its meaning in a few words with what it may hold."""
+    """One key by its dotted name, its default, and its meaning with what it may hold."""
 
     key: str
     default: str
@@ -93,15 +92,18 @@ def tables_of() -> list[TableRow]:
     return [*rows, TableRow("[STUDY]", sum(counts[(name,)] for name in plans), commands)]
 
 
-def lines_of(rows: Iterable[KeyRow]) -> list[KeyLine]:
-    """A line for each of these keys; not for those of another kind of case, of which there are some without."""
+def lines_of(rows: Iterable[KeyRow], whole: bool = True) -> list[KeyLine]:
+    """A line for each of these keys, its meaning ``whole`` or up to the first semicolon.
+
+    Not for those of another kind of case, of which there are some without.
+    """
     found = list(rows)
     own = [row for row in found if not _WITH.search(row.table)] or found
     return [
         KeyLine(
             ".".join((*_place(row.table), row.key)),
-            shorten("required" if row.required else row.default, 16, placeholder=" …"),
-            shorten(f"{row.meaning.partition('; ')[0]} [{row.unit}]", 62, placeholder=" …"),
+            "required" if row.required else row.default,
+            f"{row.meaning if whole else row.meaning.partition('; ')[0]} [{row.unit}]",
         )
         for row in own
     ]

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, TextIO, cast
 from rich import box
 from rich.cells import cell_len
 from rich.console import Console
+from rich.segment import Segment
 from rich.table import Column, Table
 from rich.text import Text
 
@@ -32,8 +33,11 @@ LINES = (24, 16, 12)  # characters of text that stay on one line in a narrow col
 class ReportTable(Table):
     """Table whose first ``heads`` columns identify a row; they are repeated in its continuations.
 
-    ``details``: places of the columns that are shown with ``-v`` and on the page alone.
+    ``details``: places of the columns that are shown with ``-v`` and on the page alone. ``unbroken``: in a file each
+    row is one line.
     """
+
+    unbroken = False
 
     def __init__(self, title: str, heads: int = 1) -> None:
         super().__init__(title=title, box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False, show_edge=False)
@@ -56,7 +60,7 @@ def _copied(
 ) -> ReportTable:
     """Table of the chosen columns, of these widths where they are given, and of its first rows."""
     made = ReportTable(str(table.title), table.heads)
-    made.caption = table.caption
+    made.caption, made.unbroken = table.caption, table.unbroken
     for at, size in zip_longest(chosen, sizes):
         column = table.columns[at]
         made.add_column(column.header, justify=column.justify, overflow="fold", width=size)
@@ -184,11 +188,16 @@ def print_table(table: ReportTable) -> None:
         _print(_console(table, sys.stdout), table)
 
 
+def on_screen() -> bool:
+    """Test whether stdout is a terminal, or of the width of one."""
+    return sys.stdout.isatty() or "COLUMNS" in os.environ
+
+
 def _console(table: ReportTable, file: TextIO) -> Console:
-    """Console as wide as the terminal; in a file as wide as the table, 80 to ``USUAL`` columns."""
+    """Console as wide as the terminal; in a file as wide as the table, 80 to ``USUAL`` columns where it is broken."""
     console = Console(file=file, highlight=False, markup=False)
-    if not sys.stdout.isatty() and not console.is_terminal and "COLUMNS" not in os.environ:
-        console.width = max(80, min(USUAL, needed(table)))
+    if not on_screen() and not console.is_terminal:
+        console.width = max(80, needed(table) if table.unbroken else min(USUAL, needed(table)))
     elif not console.is_terminal:
         console.width = get_terminal_size().columns
     return console
@@ -200,11 +209,16 @@ def _print(console: Console, table: ReportTable) -> None:
         title, piece.title, piece.caption = str(piece.title), None, None
         console.width = max(width, needed(piece))  # a single number may be wider than a very narrow terminal
         console.print(Text(title, style="bold"))
-        console.print(piece)
+        stripped = table.unbroken and not console.is_terminal
+        console.print(Text("\n".join(map(_text, console.render_lines(piece)))) if stripped else piece)
         console.width = width
     if table.caption:
         console.print(Text(str(table.caption), style="dim italic"))
     console.print()
+
+
+def _text(line: Iterable[Segment]) -> str:
+    return "".join(each.text for each in line).rstrip()
 
 
 def plain(quantity: str) -> str:

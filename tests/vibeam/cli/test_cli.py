@@ -398,25 +398,39 @@ def test_modes_writes_the_matrices_and_the_table_that_reads_them(command: Comman
     assert command("derive", "frame.toml", expect=2).stderr.startswith("frame.toml: nothing to derive: this case gives")
 
 
-def test_keys_fits_a_screen(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_keys_wraps_and_cuts_nothing(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     lines = command("keys").stdout.splitlines()
-    assert len(lines) <= 40
     assert max(map(len, lines)) <= 100
     assert f" {len(json.loads(command('keys', '--json').stdout)['rows'])} keys. " in lines[0]
-    assert any(line.startswith("[stop] ") for line in lines)
+    assert all(any(line.startswith(head) for line in lines) for head in ("above all", "[stop] ", "[STUDY] "))
     assert command("keys", "-v").stdout == command("keys", "--all").stdout
     for table in ("beam", "section", "stop", "show", "map", "fidelity", "drive"):
         shown = command("keys", table).stdout.splitlines()
-        assert len(shown) <= 40
         assert max(map(len, shown)) <= 100
-        for row in json.loads(command("keys", table, "--json").stdout)["rows"]:
+        words = " ".join(" ".join(shown).split())
+        rows = json.loads(command("keys", table, "--json").stdout)["rows"]
+        own = [row["meaning"].partition("; ")[0] + row["unit"] for row in rows if " with [" not in row["table"]]
+        assert words.count("…") == "".join(own).count("…")  # of their own: 1, 2 …
+        for row in rows:
             assert " with [" in row["table"] or any(f".{row['key']} " in line for line in shown), row
+            assert " with [" in row["table"] or row["unit"].split()[-1] in words, row
     assert "linear" in command("keys", "stop.law").stdout
     assert "[stop] with [sdof]" in command("keys", "stop.gap").stdout, (
         "one name is shown in full, of every kind of case"
     )
     assert command("keys", "stop", "-q").stdout.count("\n") == 1
+
+
+@pytest.mark.parametrize("table", ["beam", "stop", "show", "map", "drive", "sweep.frequency", "record", "fit"])
+def test_keys_cuts_nothing_in_a_pipe(command: Command, monkeypatch: pytest.MonkeyPatch, table: str) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    rows = [row for row in json.loads(command("keys", table, "--json").stdout)["rows"] if " with [" not in row["table"]]
+    said, *lines = command("keys", table).stdout.rstrip().splitlines()
+    assert said.startswith(f"{len(rows)} key")
+    for row, line in zip(rows, lines[-len(rows) :], strict=True):
+        assert line.split()[0].endswith(row["key"])
+        assert line.endswith(f"{row['meaning']} [{row['unit']}]"), line
 
 
 def test_keys_lists_every_key(command: Command) -> None:

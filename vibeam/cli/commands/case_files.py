@@ -67,7 +67,7 @@ def keys(
     files = [] if out is None else [output_path(out, "keys.csv", (".csv",), "a table")]
     for file in files:
         write_csv(rows, file)
-    print_sheet(_keys_sheet(name, rows, every or verbosity().verbose), files, whole=every)
+    print_sheet(_keys_sheet(name, rows, every or verbosity().verbose), files, whole=True)
 
 
 def _keys_sheet(name: str | None, rows: list[KeyRow], whole: bool) -> StudySheet:
@@ -77,14 +77,15 @@ def _keys_sheet(name: str | None, rows: list[KeyRow], whole: bool) -> StudySheet
     from vibeam.report.output import StudySheet
     from vibeam_models.arguments import counted
 
-    lines = lines_of(rows)
+    lines = lines_of(rows, whole=not tables.on_screen())
     if name is None:
         answer = f"A case file has {len(rows)} keys. Those of one table: vibeam keys stop; of all: vibeam keys --all"
         table = tables.rows_of("Tables of a case file", tables_of())
     else:
-        one = f"; one in full: vibeam keys {lines[0].key}; all: -v" if len(lines) > 1 else ""
+        one = f"; one in full: vibeam keys {lines[0].key}; all in full: -v" if len(lines) > 1 else ""
         answer = f"{counted(len(lines), 'key')} by the name {name}{one}"
         table = tables.rows_of("Keys", lines)
+    table.unbroken = True
     return StudySheet(
         answer, [tables.keys(rows) if whole or len(lines) == 1 else table], data={"rows": rows}, rows=rows
     )
