@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from vibeam.report.tables import ReportTable
 
 LINES = 40  # of a screen
-NOTES = 5  # remarks on a screen
+NOTES = 5  # remarks on a screen, a sentence each
 
 
 def print_json(data: dict[str, Any]) -> None:
@@ -56,10 +56,10 @@ def _answer(sheet: StudySheet, first: str) -> list[str]:
 
 
 def _put_screen(sheet: StudySheet, files: Sequence[Path], first: str) -> None:
-    above, notes = _answer(sheet, first), list(sheet.notes[:NOTES])
+    above, notes = _answer(sheet, first), [note.partition("\n")[0] for note in sheet.notes[:NOTES]]
     wrote = [f"wrote {', '.join(map(str, files))}"] if files else []
     tables = _fitting(sheet.tables, LINES - 1 - len(_lines([first, *above, *notes, *wrote])))
-    rest = [sheet.tables[len(tables) :], sheet.notes[NOTES:], sheet.more, sheet.details]
+    rest = [sheet.tables[len(tables) :], notes != [*sheet.notes], sheet.more, sheet.details]
     put_lines(above)
     _put_tables(tables)
     put_lines([*notes, *(["more: -v"] if any(rest) else []), *wrote])

@@ -163,7 +163,7 @@ def record_report(case: Case, files: Mapping[str, Path]) -> StudySheet:
         tables.append("\n".join([*lines, 'quantity = "amplitude"', 'tolerance = "0.001 %"', ""]))
     fidelities = f"{len(files)} fidelities are" if len(files) > 1 else f"{next(iter(files))} is"
     answer = f"{fidelities} recorded as regression values; a table like this in the case checks them:"
-    return StudySheet(answer, notes=tables)
+    return StudySheet("\n".join([answer, *tables]))
 
 
 def record(result: Result, name: str) -> str:

@@ -6,7 +6,7 @@ form. Under a record a row is a motion, and beside them stands every impact.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,19 +18,21 @@ from vibeam.runs.result import Result, output_units
 if TYPE_CHECKING:
     from vibeam.runs.transient.result import TransientResult
 
+FEW = 8  # modes whose energies a table has unless all are asked for
 SHOWN = {" s-2": "/s²", " s-1": "/s", "s-2": "1/s²", "s-1": "1/s"}  # units of results files, as tables have them
 
 
-def write_tables(result: Any, path: Path) -> list[Path]:
+def write_tables(result: Any, path: Path, left_out: Collection[str] = ()) -> list[Path]:
     """Write all points or motions to ``path``, beside it known motions or impacts where there are any; the files.
 
-    ``result``: a ``Result``, of a case with [record] a ``TransientResult``.
+    ``result``: a ``Result``, of a case with [record] a ``TransientResult``. ``left_out``: columns that are not written.
     """
     parts, units = result.columns()
     rows: list[dict[str, Any]] = []
     for part in parts:
-        heads = [_head(name, units.get(name, "1")) for name in part]
-        rows += (dict(zip(heads, row, strict=True)) for row in zip(*map(plain, part.values()), strict=True))
+        shown = {name: values for name, values in part.items() if name not in left_out}
+        heads = [_head(name, units.get(name, "1")) for name in shown]
+        rows += (dict(zip(heads, row, strict=True)) for row in zip(*map(plain, shown.values()), strict=True))
     write_csv(rows, path)
     swept = result.case.record is None
     kind, own = ("curves", "motions") if swept else ("motions", "impacts")
@@ -40,6 +42,12 @@ def write_tables(result: Any, path: Path) -> list[Path]:
     beside = path.with_name(f"{path.stem.removesuffix(f'_{kind}')}_{own}.csv")
     write_csv(known, beside)
     return [path, beside]
+
+
+def many_energies(result: Any) -> list[str]:
+    """Columns of modal energies where a fidelity has more than ``FEW`` of them."""
+    names = dict.fromkeys(name for part in result.columns()[0] for name in part if name.startswith("mode_energy_"))
+    return list(names) if len(names) > FEW else []
 
 
 def impacts(result: TransientResult) -> Iterator[dict[str, Any]]:

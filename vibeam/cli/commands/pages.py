@@ -36,7 +36,7 @@ def report(
 
     The page holds the answer, the scene, curves, motions, cost and checks, and an engine that flies the case again as
     sliders move; it needs no network. The table has a row for every point of every fidelity and way, and a column for
-    every quantity, with its unit.
+    every quantity, with its unit; with -v modal energies of more than eight modes too.
 
     \b
     Examples:
@@ -56,9 +56,13 @@ def report(
     wanted = (f"{results.stem}_{rows}.csv", (".csv",), "a table")
     path = output_path(out, *(wanted if csv else (f"{results.stem}.html", PAGES, "a page")))
     if csv:
-        from vibeam.report.result_tables import write_tables
+        from vibeam.cli.progress import stderr
+        from vibeam.report.result_tables import many_energies, write_tables
 
-        files = write_tables(found.result, path)
+        left_out = [] if verbosity().verbose else many_energies(found.result)
+        files = write_tables(found.result, path, left_out)
+        if left_out:
+            stderr().print(f"{left_out[0]} to {left_out[-1]} are left out: -v writes them")
     else:
         from vibeam.exchange.whole_files import write_whole
 
