@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vibeam.cli.completion import COMPLETED
 from vibeam.cli.errors import Made, UsageError, of_case
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ RESULTS = (".h5", ".hdf5")
 
 def option(said: str, *names: str, **more: Any) -> Any:
     """Option of a command; what it is without it stands in what is ``said``."""
-    return typer.Option(*names, help=said, show_default=False, **more)
+    completion = next((COMPLETED[each] for each in (*names, more.get("metavar")) if each in COMPLETED), None)
+    return typer.Option(*names, help=said, show_default=False, autocompletion=completion, **more)
 
 
 def out_option(said: str) -> Any:

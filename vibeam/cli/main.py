@@ -34,8 +34,8 @@ class Commands(TyperGroup):
     """Commands in groups, each with its whole line of help."""
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """The command of the first word; ``--from`` without an example lists them."""
-        return super().resolve_command(ctx, [*args, "list"] if args[-1:] == ["--from"] else args)
+        """The command of the first word; ``new --from`` without an example lists them."""
+        return super().resolve_command(ctx, [*args, "list"] if (args[:1], args[-1:]) == (["new"], ["--from"]) else args)
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the commands, a section a group."""

@@ -9,9 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, table_path
+from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, option, table_path
+from vibeam.cli.completion import words
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet, put_lines
 from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
@@ -68,7 +67,8 @@ def _option(name: str, key: Key, default: Any) -> inspect.Parameter:
     """Option of a key; its text is read as a case's is, and its default is shown as the example writes it."""
     shown = "|".join(key.words) if key.words else key.unit.upper() or ("TEXT" if key.text else "NUMBER")
     usual = "" if default is None or key.several else f"; absent = {key.example}"
-    said = typer.Option(f"--{name.replace('_', '-')}", metavar=shown, help=begun(key.meaning) + usual)
+    said = option(begun(key.meaning) + usual, f"--{name.replace('_', '-')}", metavar=shown)
+    said.autocompletion = words(key.words) if key.words else None
     kind = list[str] | None if key.several else str | None
     return inspect.Parameter(name, _KIND, default=None, annotation=Annotated[kind, said])
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from vibeam.cli.arguments import TableFile, option, out_option, output_path
+from vibeam.cli.completion import keys as key_names
 from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_json, print_sheet
 from vibeam.cli.streams import MISSED, put, put_json
@@ -23,7 +24,7 @@ KeyName = Annotated[
     str | None,
     typer.Argument(
         metavar="NAME", help="A table, stop, or a key, stop.gap or gap; absent = the list of tables.",
-        show_default=False,
+        show_default=False, autocompletion=key_names,
     ),
 ]  # fmt: skip
 

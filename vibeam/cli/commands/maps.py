@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vibeam.cli.arguments import CaseFile, Fidelities, Fresh, Overrides, folder, load, option, out_option, output_path
+from vibeam.cli.completion import names as names_of
 from vibeam.cli.errors import Answered, UsageError, of_case
 from vibeam.cli.output import print_sheet
 from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
@@ -22,9 +23,8 @@ if TYPE_CHECKING:
     from vibeam.maps.result import MapResult
     from vibeam.report.output import StudySheet
 
-Names = Annotated[
-    list[str] | None, typer.Argument(metavar="NAME", help="These maps of the case; absent = all that it has.")
-]
+_NAMES = "These maps of the case; absent = all that it has."
+Names = Annotated[list[str] | None, typer.Argument(metavar="NAME", help=_NAMES, autocompletion=names_of("map"))]
 _OUT = "The map's file (.h5), or the folder for all; folders on the way are made; absent = the current folder."
 _PICTURE = "For a case without such a table: period, values, bifurcation, spectra, stability, verdict."
 _OVER = "gap, drive, restitution, frequency or a dotted key."
@@ -63,7 +63,7 @@ def map(
 
     \b
     Examples:
-      vibeam map cases/maps/fig18.toml fig18
+      vibeam map cases/maps/fig18.toml period
       vibeam map cases/dtu_neutral.toml --picture verdict --over gap --accuracy "2 %"
       vibeam map shock.toml --over gap,level --from "0 mm,0.5" --to "1 mm,2"
     """
