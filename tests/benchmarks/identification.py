@@ -84,7 +84,7 @@ def modal(random: Random) -> Identification:
     case = vibeam.load(CASE, set={"units": "SI"} | TRUE_KEYS)
     exact = [row.frequency for row in vibeam.modes(case, 5).rows]
     found = {
-        name: replace(each, value=f * (1 + 1e-3 * random.standard_normal()), scatter=1e-3 * f)
+        name: replace(each, value=f * (1 + 1e-3 * random.standard_normal()), uncertainty=1e-3 * f)
         for f, (name, each) in zip(exact, case.measured.items(), strict=True)
     }
     return vibeam.identify_keys(replace(case, measured=found), list(TRUE_KEYS))

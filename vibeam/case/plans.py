@@ -45,10 +45,12 @@ class ResultNumber:
         above=0,
     )
     show: str | None = declare.text(
-        "the [show.NAME] that the quantity is read off, its mean unless number chooses one", "ringing", None
+        "the [show.NAME] that the quantity is read off, its mean unless number chooses one; absent = of modes",
+        "ringing",
+        None,
     )
     number: float | None = declare.quantity(
-        "", "number of the mode, or order of the harmonic, that is read off the figure of show", 2, None, least=0
+        "", "number of the mode, or order of the harmonic, that is read", 2, None, least=0
     )
     against: str | None = declare.text(
         "another fidelity: the value is then the relative difference to it", "beam", None
@@ -92,13 +94,13 @@ class Expectation(ResultNumber):
 class MeasuredNumber(ResultNumber):
     """Number that was measured as ``value``, in ``unit`` (m, m/s, Hz, 1/s, 1), from ``source``.
 
-    ``scatter`` is of the measurement, in the same unit; None: not given. ``chose``: keys of the fidelity's model whose
-    values this number chose: the model is calibrated by it, else predicts it.
+    ``uncertainty`` is of the measurement, in the same unit; None: not given. ``chose``: keys of the fidelity's model
+    whose values this number chose: the model is calibrated by it, else predicts it.
     """
 
     value: float = declare.quantity("", "the number measured, with its unit", "0.39 mm")
-    scatter: float | None = declare.quantity(
-        "", "scatter of the measurement, in its unit or as a percentage; absent = not given", "5 %", None, above=0
+    uncertainty: float | None = declare.quantity(
+        "", "standard one of the measurement, in its unit or as a percentage; absent = not given", "5 %", None, above=0
     )
     source: str = declare.text("figure, table or section that gives it", "Fig. 31(b)")
     unit: str

@@ -39,8 +39,8 @@ SYNONYMS = {
     "omega": ("sweep.frequency",), "transient": ("sweep.settle", "record"), "periods": ("sweep.hold",),
     "method": ("fidelity.reduction", "fidelity.solver"), "model": ("fidelity.reduction",), "models": ("fidelity",),
     "gmsh": ("solid.mesh",), "hexahedra": ("solid",), "three_dimensional": ("solid",), "patch": ("solid.contact",),
-    "block": ("solid.mass_size",), "n": ("fidelity.modes",),
-    "order": ("fidelity.modes",), "plot": ("show",), "plots": ("show",),
+    "block": ("solid.mass_size",), "n": ("fidelity.modes",), "order": ("fidelity.modes",), "plot": ("show",),
+    "plots": ("show",), "scatter": ("measured.uncertainty",), "sigma": ("measured.uncertainty",),
 }  # fmt: skip
 
 

@@ -294,6 +294,8 @@ FIGURES = Registry(
 
 #: units of what [expect.NAME] and [measured.NAME] can read off figures
 READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
+#: kind off which a quantity is read without a [show.NAME]: one that needs and takes no key
+ALONE = {name: kind.name for kind in FIGURES.values() if not kind.known for name in kind.reads}
 COMMON = ("frequency", "periods", "settle", "quantity", "output", "near")  # keys that no kind alone declares
 
 

@@ -19,16 +19,14 @@ class FigureKind:
     either for all plans, where the usual ones will not do.
 
     ``keys``: of the table, by name, that are its own: what it may have beside what it ``takes``; what it ``needs`` it
-    must have. ``reads``: its columns that [expect.NAME] and
-    [measured.NAME] compare with a number, and their units (q, q/s: of the output and its rate), ``entries``: the column
-    by which one of them is chosen (none: their mean is meant). ``exact``:
-    True where the motion must be exact between events. ``derivatives``: it shows outputs that are velocities or
-    accelerations too. ``transient``: True where no settled motion will do.
-    ``record``: it is drawn of a case with [record], ``sweep``: of one with [sweep]; of one of both ``record_keys`` are
-    all keys that its table may have beside [record].
-    ``one_harmonic``: True where it knows a drive of one harmonic alone. ``ending``: of the file that it has in place of
-    a picture; its module then has ``write(path, sheets, mark)`` in place of ``draw``. ``of_beam``: True where it shows
-    the beam itself. ``refuses``: True where it cannot show all systems:
+    must have. ``reads``: its columns that [expect.NAME] and [measured.NAME] compare with a number, and their units (q,
+    q/s: of the output and its rate), ``entries``: the column by which one of them is chosen (none: their mean is
+    meant). ``exact``: True where the motion must be exact between events. ``derivatives``: it shows outputs that are
+    velocities or accelerations too. ``transient``: True where no settled motion will do. ``record``: it is drawn of a
+    case with [record], ``sweep``: of one with [sweep]; of one of both ``record_keys`` are all keys that its table may
+    have beside [record]. ``one_harmonic``: True where it knows a drive of one harmonic alone. ``ending``: of the file
+    that it has in place of a picture; its module then has ``write(path, sheets, mark)`` in place of ``draw``.
+    ``of_beam``: True where it shows the beam itself. ``refuses``: True where it cannot show all systems:
     ``refusal(case, fidelity, system)`` of its module then says why, or is empty.
 
     >>> import vibeam

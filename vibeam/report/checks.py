@@ -68,7 +68,7 @@ def check_answer(rows: Sequence[CheckRow], measured: Sequence[MeasuredRow]) -> s
         names = {row.measured for row in measured}
         judged = {row.measured for row in measured if row.within is not None}
         held = judged - {row.measured for row in measured if row.within is False}
-        within = f", {len(held)} of {len(judged)} within the scatter" * bool(judged)
+        within = f", {len(held)} of {len(judged)} within the uncertainty" * bool(judged)
         beside.append(f"{counted(len(names), 'measured number')} {_are(len(names))} beside the model's{within}")
     count = sum(row.passed is True for row in rows)
     every = "All " * (count > 1 and not missed)
@@ -112,15 +112,15 @@ def _verdict(passed: bool | None) -> Text:
 
 
 def measurements(rows: Sequence[MeasuredRow], units: DisplayUnits = METRIC) -> ReportTable:
-    """Table of measured numbers: the model's, their difference, whether it is within the scatter."""
+    """Table of measured numbers: the model's, their difference, whether it is within the uncertainty."""
     table = ReportTable("Measured", 1)
-    table.add("measured", "fidelity", "quantity", "at|", "measured|", "scatter|", "model|", "difference|", "within")
+    table.add("measured", "fidelity", "quantity", "at|", "measured|", "uncertainty|", "model|", "difference|", "within")
     table.add("the model", "chosen by it", "source", "why", detail=True)
-    table.caption = "difference: model − measured; within: its scatter, nothing where that is not given"
+    table.caption = "difference: model − measured; within: its uncertainty, nothing where that is not given"
     if any(row.chose for row in rows):
         table.caption += "\ncalibrated: the number chose keys of the model, and tests nothing"
     for row in rows:
-        numbers = (row.value, row.scatter, row.model)
+        numbers = (row.value, row.uncertainty, row.model)
         values = ("" if each is None else _amount(row, each, units) for each in numbers)
         words = (WITHIN[row.within], "calibrated" if row.chose else "predicted")
         further = (", ".join(row.chose), row.source, "; ".join(row.notes))

@@ -143,10 +143,10 @@ def errors(study: UncertaintyStudy) -> ReportTable:
     table.add("to the finest|", "measured|", "to the measured|", "u_val|")
     table.caption = (
         "standard uncertainties; numerical: distance from its own limit; by the inputs: standard deviation;\n"
-        "data: scatter of the measurement; u_val: the root of the sum of their squares (ASME V&V 20). –: not known here"
+        "data: of the measurement; u_val: the root of the sum of their squares (ASME V&V 20). –: not known here"
     )
     for row in study.errors:
-        values = (row.numerical, row.given, row.scatter, row.form, row.measured, row.comparison, row.validation)
+        values = (row.numerical, row.given, row.uncertainty, row.form, row.measured, row.comparison, row.validation)
         table.add_row(row.fidelity, *(plain(units.lengths(value)) for value in (row.peak, *values)))
     return table
 

@@ -46,7 +46,7 @@ fidelity = "sdof"
 quantity = "impact_velocity"
 frequency = "15 Hz"
 value = "30 mm/s"
-scatter = "2 mm/s"
+uncertainty = "2 mm/s"
 source = "by hand"
 [map.gaps]
 axes = [{ key = "stop.gap", values = ["0.1 mm", "0.2 mm"] }, { key = "start.velocity", from = "0 m/s", to = "0.1 m/s", points = 2 }]
@@ -104,7 +104,7 @@ def test_a_number_without_a_unit_is_refused_with_what_it_may_mean():
 def test_every_number_that_has_a_dimension_is_named():
     said = "\n".join(faults(bare("SI"), sensor__position="132 mm"))
     keys = ("beam.width", "stop.gap", "drive.acceleration", "drive.harmonic_phase", "sweep.frequency.to",
-            'fidelity.wide.set."stop.gap"', "expect.peak.value", "measured.speed.value", "measured.speed.scatter",
+            'fidelity.wide.set."stop.gap"', "expect.peak.value", "measured.speed.value", "measured.speed.uncertainty",
             "map.gaps.axes.0.values.1", "map.gaps.axes.1.to", "map.gaps.frequency")  # fmt: skip
     assert [key for key in keys if f" {key}: " not in said] == []
     assert "from" not in [line.split(": ")[1] for line in said.splitlines() if "axes.1" in line]  # 0 needs none

@@ -248,10 +248,10 @@ def test_check_keeps_what_it_computes_where_it_is_told(command: Command, sdof: P
 
 
 def test_a_measured_number_is_shown_and_decides_nothing(command: Command, sdof: Path) -> None:
-    table = '\n[measured.top]\nfidelity = "sdof"\nquantity = "peak"\nvalue = 9\nscatter = 0.1\nsource = "Fig. 3"\n'
+    table = '\n[measured.top]\nfidelity = "sdof"\nquantity = "peak"\nvalue = 9\nuncertainty = 0.1\nsource = "Fig. 3"\n'
     sdof.write_text(sdof.read_text(encoding="utf-8") + table, encoding="utf-8")
     shown = command("check", sdof, "-v").stdout
-    assert shown.startswith("1 measured number is beside the model's, 0 of 1 within the scatter.\n")
+    assert shown.startswith("1 measured number is beside the model's, 0 of 1 within the uncertainty.\n")
     assert all(word in shown for word in ("Measured", "predicted", "no", "Fig. 3"))
     assert "References" not in shown
     row = json.loads(command("check", sdof, "--json").stdout)["rows"][0]

@@ -343,7 +343,7 @@ MEASURED = """
 fidelity = "beam"
 quantity = "peak"
 value = "0.2 mm"
-scatter = "5 %"
+uncertainty = "5 %"
 source = "lab"
 [measured.where]
 fidelity = "beam"

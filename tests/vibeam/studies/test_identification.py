@@ -185,7 +185,7 @@ show = "modes"
 quantity = "mode_frequency"
 number = {number}
 value = {value!r}
-scatter = "0.1 %"
+uncertainty = "0.1 %"
 source = "Euler and Bernoulli"
 """
 ROOTS = (1.8751040687119611, 4.694091132974174)  # of cos x cosh x = −1

@@ -1,4 +1,4 @@
-"""Numbers that were measured: beside the model's, within the scatter or not, never a verdict."""
+"""Numbers that were measured: beside the model's, within the uncertainty or not, never a verdict."""
 
 from __future__ import annotations
 
@@ -35,18 +35,18 @@ def rows(lines: str, ours: Branches = SAME) -> list[MeasuredRow]:
 
 
 @pytest.mark.parametrize(
-    ("scatter", "within"),
+    ("uncertainty", "within"),
     [
-        ("scatter = 0.51", True),
-        ("scatter = 0.49", False),
-        ('scatter = "20.1 %"', True),
-        ('scatter = "19 %"', False),
+        ("uncertainty = 0.51", True),
+        ("uncertainty = 0.49", False),
+        ('uncertainty = "20.1 %"', True),
+        ('uncertainty = "19 %"', False),
         ("", None),
     ],
 )
-def test_a_number_within_the_scatter_or_not(scatter: str, within: bool | None) -> None:
+def test_a_number_within_the_scatter_or_not(uncertainty: str, within: bool | None) -> None:
     """The model's 3.0 is 0.5 above the measured 2.5, which is 20 % of 2.5."""
-    (row,) = rows(f'quantity = "peak"\nvalue = 2.5\n{scatter}')
+    (row,) = rows(f'quantity = "peak"\nvalue = 2.5\n{uncertainty}')
     assert (row.model, row.difference, row.within) == (3.0, 0.5, within)
     assert not row.chose
 
@@ -61,12 +61,12 @@ def test_branches_that_differ_have_a_row_each() -> None:
 
 
 def test_a_difference_of_two_fidelities() -> None:
-    (row,) = rows('quantity = "peak"\nagainst = "theirs"\nvalue = "40 %"\nscatter = "11 %"')
+    (row,) = rows('quantity = "peak"\nagainst = "theirs"\nvalue = "40 %"\nuncertainty = "11 %"')
     assert (row.unit, row.model, row.within) == ("1", 0.5, True)
 
 
 def test_a_number_that_the_model_does_not_have_says_why_once() -> None:
-    (row,) = rows('quantity = "amplitude"\nfrequency = 15.5\nvalue = 2.8\nscatter = 0.1')
+    (row,) = rows('quantity = "amplitude"\nfrequency = 15.5\nvalue = 2.8\nuncertainty = 0.1')
     assert np.isnan(row.model)
     assert np.isnan(row.difference)
     assert (row.within, row.notes) == (None, ("15.5 Hz is not in the sweep's grid",))
@@ -79,9 +79,9 @@ def test_a_measured_number_changes_no_key_and_is_no_expectation() -> None:
     assert parse(case.text).text == case.text
 
 
-@pytest.mark.parametrize("scatter", ["7 %", "0.07 %", "12.5 %", "1e-3 %"])
-def test_a_percentage_is_written_back_as_it_was_read(scatter: str) -> None:
-    case = parse(f'{CASE}{MEASURED}quantity = "peak_frequency"\nvalue = "15.3 Hz"\nscatter = "{scatter}"\n')
+@pytest.mark.parametrize("uncertainty", ["7 %", "0.07 %", "12.5 %", "1e-3 %"])
+def test_a_percentage_is_written_back_as_it_was_read(uncertainty: str) -> None:
+    case = parse(f'{CASE}{MEASURED}quantity = "peak_frequency"\nvalue = "15.3 Hz"\nuncertainty = "{uncertainty}"\n')
     assert parse(case.text).measured == case.measured
 
 
@@ -90,9 +90,12 @@ def test_a_percentage_is_written_back_as_it_was_read(scatter: str) -> None:
     [
         ('quantity = "peak_frequency"\nvalue = "3 mm"', 'value: a length, but "peak_frequency" is a frequency'),
         ('quantity = "peak"\nvalue = "3 mm"', 'value: a length, but "peak" is a plain number'),
-        ('quantity = "period"\nvalue = 2\nscatter = "3 Hz"', 'scatter: a frequency, but "period" is a plain number'),
+        (
+            'quantity = "period"\nvalue = 2\nuncertainty = "3 Hz"',
+            'uncertainty: a frequency, but "period" is a plain number',
+        ),
         ('quantity = "peak_frequency"\nvalue = "3 %"', 'value: a percentage, but "peak_frequency" is a frequency'),
-        ('quantity = "peak"\nvalue = 3\nscatter = 0', "scatter: 0 must be > 0"),
+        ('quantity = "peak"\nvalue = 3\nuncertainty = 0', "uncertainty: 0 must be > 0"),
         ('quantity = "peak"\nvalue = "3 kg"', "value: '3 kg' is a mass, not a plain number"),
         ('quantity = "reach"\nvalue = 3', 'frequency: missing: "reach" is read at one frequency'),
         ('quantity = "peak"\nvalue = 3\nagainst = "their"', "against: no fidelity 'their'; did you mean 'theirs'?"),
@@ -126,7 +129,7 @@ ROW = MeasuredRow(
     [
         ({}, ["103 Hz", "0.5 Hz", "101 Hz", "-2 Hz (-1.94 %)", "no", "predicted", "Fig. 27"]),
         ({"chose": ("beam.width", "beam.length"), "within": True}, ["yes", "calibrated", "beam.width, beam.length"]),
-        ({"scatter": None, "within": None}, ["nothing where that is not given"]),
+        ({"uncertainty": None, "within": None}, ["nothing where that is not given"]),
         (
             {"unit": "m/s", "value": 0.035, "model": 0.0223, "difference": -0.0127},
             ["35 mm/s", "22.3 mm/s", "-12.7 mm/s"],

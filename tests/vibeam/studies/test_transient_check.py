@@ -87,7 +87,13 @@ def test_what_is_not_there_is_missed_with_its_reason(result: Any) -> None:
 
 
 def test_measured_numbers_stand_beside_the_models(result: Any) -> None:
-    number = {"fidelity": "events", "quantity": "hardest_impact", "value": 0.2, "scatter": 0.5, "source": "a log book"}
+    number = {
+        "fidelity": "events",
+        "quantity": "hardest_impact",
+        "value": 0.2,
+        "uncertainty": 0.5,
+        "source": "a log book",
+    }
     case = vibeam.Case.of(TABLES | {"measured": {"hardest": number}})
     made = type(result)(case, result)
     (row,) = vibeam.compare_measured(case, made)

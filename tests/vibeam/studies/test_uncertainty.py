@@ -313,7 +313,7 @@ def test_several_fidelities_give_the_mean_of_the_finest(study):
 
 def test_errors_stand_side_by_side():
     text = (
-        '[measured.lab]\nfidelity = "beam"\nquantity = "peak"\nvalue = "0.1 mm"\nscatter = "1 µm"\nsource = "bench"\n'
+        '[measured.lab]\nfidelity = "beam"\nquantity = "peak"\nvalue = "0.1 mm"\nuncertainty = "1 %"\nsource = "log"\n'
     )
     text += '[chosen_by]\n"drive.amplitude" = ["lab"]\n'
     study = uncertainty(parse(f'{CASE}\n{text}\n[uncertain]\n"drive.amplitude" = "± 1 %"'), samples=16)

@@ -25,7 +25,8 @@ from vibeam.casefile.tables.transient_numbers import (
     transient_dimension,
 )
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
-from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, READ
+from vibeam.figures import ALONE, FIGURES, LIMITS, OF_OUTPUT, READ
+from vibeam.figures.declaration import FigureKind
 from vibeam.system.quantities import LAYOUT
 
 RATE = units.dimension("1/s")
@@ -126,8 +127,7 @@ class AmountEntry(Entry):
         return units.with_unit(value.number, value.kind or units.RATIO)
 
 
-AMOUNTS = {"expect": ("value",), "measured": ("value", "scatter"), "reference": ("offset", "uncertainty")}
-SHARES = ("scatter", "uncertainty")  # which may be a percentage of the value
+AMOUNTS = {"expect": ("value",), "measured": ("value", "uncertainty"), "reference": ("offset", "uncertainty")}
 
 
 def amount_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -136,7 +136,7 @@ def amount_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         for name, reading in getattr(case, kind).items():
             for key in keys if reading.quantity is not None else ():
                 amount = getattr(reading, key)
-                if amount is None or (amount.percent and key in SHARES):
+                if amount is None or (amount.percent and key == "uncertainty"):
                     continue
                 if fault := amount.fault(reading.quantity, dimension_read(case, reading)):
                     yield (kind, name, key), fault
@@ -214,6 +214,9 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
 
 def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about a number that is, or should be, read off a figure."""
+    if expect.show is None and expect.quantity in ALONE:
+        yield from _chosen(path, expect, FIGURES[ALONE[expect.quantity]])
+        return
     if expect.show is None:
         what = (
             f"[show.NAME] that {as_shown_in_message(expect.quantity)} is read off" if expect.quantity else "[show.NAME]"
@@ -233,15 +236,20 @@ def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) 
     if expect.quantity not in kind.reads:
         words = " | ".join(f'"{word}"' for word in kind.reads) or "nothing that can be expected"
         yield (*path, "quantity"), f'kind = "{show.kind}" has {words}'
+    yield from _chosen(path, expect, kind)
+
+
+def _chosen(path: KeyPath, expect: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
+    """Complaints about the entry, and the frequency, at which a figure of a ``kind`` is read."""
     if expect.number is None and kind.entries:
-        yield (*path, "number"), f'missing: which {kind.entries} of kind = "{show.kind}" is meant; write number = 2'
+        yield (*path, "number"), f'missing: which {kind.entries} of kind = "{kind.name}" is meant; write number = 2'
     elif expect.number is not None and not kind.entries:
-        yield (*path, "number"), f'kind = "{show.kind}" is read by its mean: leave it away'
+        yield (*path, "number"), f'kind = "{kind.name}" is read by its mean: leave it away'
     there = "frequency" in kind.needs + kind.takes
     if there and expect.frequency is None:
-        yield (*path, "frequency"), f'missing: kind = "{show.kind}" is read at one frequency'
+        yield (*path, "frequency"), f'missing: kind = "{kind.name}" is read at one frequency'
     elif not there and expect.frequency is not None:
-        yield (*path, "frequency"), f'kind = "{show.kind}" has no use for it: leave it away'
+        yield (*path, "frequency"), f'kind = "{kind.name}" has no use for it: leave it away'
 
 
 def swept_checks(case: SimpleNamespace, path: KeyPath, way: str | None) -> Iterator[Complaint]:
@@ -270,7 +278,7 @@ MeasuredTable: Any = _reading_table(
     MeasuredNumber,
     "A number that was measured, which the model is compared with and never judged by, one table each.",
     value=AmountEntry(ANY),
-    scatter=AmountEntry(POSITIVE),
+    uncertainty=AmountEntry(POSITIVE),
 )
 
 
@@ -293,16 +301,16 @@ def measured_number(name: str, case: Any, swept: Direction, chose: tuple[str, ..
         said,
         name=name,
         value=said.value.number,
-        scatter=_absolute_scatter(said),
+        uncertainty=_absolute_uncertainty(said),
         direction=said.direction or swept,
         unit=si_unit(case, said),
         chose=chose,
     )
 
 
-def _absolute_scatter(said: Any) -> float | None:
-    """Scatter in the unit of the value; a percentage is of the value, of a difference by itself."""
-    if said.scatter is None:
+def _absolute_uncertainty(said: Any) -> float | None:
+    """Uncertainty in the unit of the value; a percentage is of the value, of a difference by itself."""
+    if said.uncertainty is None:
         return None
-    relative = said.scatter.percent and said.against is None and said.value.number != 0
-    return float(said.scatter.number) * (abs(said.value.number) if relative else 1.0)
+    relative = said.uncertainty.percent and said.against is None and said.value.number != 0
+    return float(said.uncertainty.number) * (abs(said.value.number) if relative else 1.0)

@@ -173,7 +173,7 @@ def _references(result: Result) -> Iterator[dict[str, Any]]:
         at = peaks.get(each.fidelity) if each.quantity == "peak" else each.frequency
         if at is not None and each.fidelity in result:
             quantity = "amplitude" if each.quantity == "peak" else each.quantity
-            yield _marks(each, quantity, [(at, each.value, each.scatter or 0.0)], single=True)
+            yield _marks(each, quantity, [(at, each.value, each.uncertainty or 0.0)], single=True)
 
 
 def _marks(

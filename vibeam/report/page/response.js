@@ -150,7 +150,7 @@ function listKinds(quantity) {
     if (number === 0 && alone) entries.push([null, "full", `${kind.name}, at one frequency alone`]);
   });
   if (quantity.name === "amplitude" && data.fidelities.some((each) => (each.grazing ?? 0) > 0)) entries.push([{ width: 1.2, dash: [1.5, 2.5] }, "", "grazing: mode 1 reaches the stop"]);
-  for (const each of measured(quantity)) entries.push([null, each.single ? "D" : "o", `${each.name}, of ${fidelity[each.fidelity]?.label ?? each.fidelity}${!each.bar.some(Boolean) ? "" : each.single ? "; bar: its scatter" : "; bar: twice the standard uncertainty"}`]);
+  for (const each of measured(quantity)) entries.push([null, each.single ? "D" : "o", `${each.name}, of ${fidelity[each.fidelity]?.label ?? each.fidelity}${!each.bar.some(Boolean) ? "" : each.single ? "; bar: its uncertainty" : "; bar: twice the standard uncertainty"}`]);
   byId("kinds").replaceChildren(...entries.map(([line, marker, words]) => {
     const svg = drawn("svg", { viewBox: "0 0 30 12", width: 30, height: 12, "aria-hidden": "true" });
     if (line) svg.append(drawn("path", { d: "M1 6H29", "stroke-width": 1.2 * line.width, "stroke-dasharray": line.dash.join(" ") }));

@@ -1,6 +1,6 @@
 """Keys of a case from measured modal frequencies: least squares, intervals, and what the frequencies cannot separate.
 
-Measured are the [measured.NAME] with quantity = "mode_frequency"; their scatter is taken as the standard deviation σ.
+Measured are the [measured.NAME] with quantity = "mode_frequency"; σ is their uncertainty.
 Minimised is Σ ((f_model − f_measured)/σ)² over the logarithms of the keys, so that a section, a mass, an inertia, a
 rigid zone or a spring stays above 0, from the case's values. Derivatives are central differences of the model, of which
 every evaluation is a case of its own: what a fidelity sets itself stays. Where the frequencies do not fix a direction
@@ -33,11 +33,11 @@ def identify_keys(case: Case, keys: Sequence[str], measured: Sequence[str] = ())
     """Values of ``keys`` of a case (``"beam.thickness"``), in SI, from its measured modal frequencies.
 
     ``measured``: names of those used; empty: all. ValueError for a key without a value above 0 in the case, a measured
-    frequency without scatter, or none at all.
+    frequency without uncertainty, or none at all.
 
     >>> import vibeam
-    >>> number = {"fidelity": "beam", "quantity": "mode_frequency", "show": "m", "number": 1, "value": "7.6 Hz"}
-    >>> measured = {"measured.first": number | {"scatter": "0.1 %", "source": "a decay"}, "show.m.kind": "modal"}
+    >>> number = {"fidelity": "beam", "quantity": "mode_frequency", "number": 1, "value": "7.6 Hz"}
+    >>> measured = {"measured.first": number | {"uncertainty": "0.1 %", "source": "a decay"}}
     >>> case = vibeam.load("cases/dtu_neutral.toml", measured | {"beam.elements": 6})
     >>> round(1e3 * vibeam.identify_keys(case, ["beam.thickness"]).rows[0].value, 3)  # mm
     1.034
@@ -46,13 +46,11 @@ def identify_keys(case: Case, keys: Sequence[str], measured: Sequence[str] = ())
 
     start = np.array([_value(case, key) for key in _distinct(keys)])
     used = _used(case, measured)
-    value, scatter = np.array([each.value for each in used]), np.array([each.scatter for each in used], dtype=float)
+    value, sigma = (np.array([getattr(each, name) for each in used], float) for name in ("value", "uncertainty"))
 
     def deviations(values: Array) -> Array:
         try:
-            return np.asarray(
-                (_frequencies(case, dict(zip(keys, values.tolist(), strict=True)), used) - value) / scatter
-            )
+            return np.asarray((_frequencies(case, dict(zip(keys, values.tolist(), strict=True)), used) - value) / sigma)
         except ValueError:  # no such case: the search turns back there
             return np.full(len(used), np.inf)
 
@@ -67,7 +65,7 @@ def identify_keys(case: Case, keys: Sequence[str], measured: Sequence[str] = ())
     best = start * np.exp(found.x)
     spread = spread_of(slopes(best), None, keys)
     rows = estimates(keys, best.tolist(), spread.half, [case.keys.unit(key) for key in keys])
-    left = float(np.sqrt(np.mean((found.fun * scatter / value) ** 2)))
+    left = float(np.sqrt(np.mean((found.fun * sigma / value) ** 2)))
     method = f"{len(used)} measured modal frequencies, least squares"
     return Identification(rows, method, len(used), left, spread.directions, tuple(_notes(used, found.fun, spread.half)))
 
@@ -94,12 +92,10 @@ def _used(case: Case, names: Sequence[str]) -> list[MeasuredNumber]:
     used = [known[name] for name in dict.fromkeys(names)] or list(known.values())
     if not used:
         _ = case.sweep  # CaseError of a record case, in which there can be none
-        raise ValueError(
-            f"no [measured.NAME] with quantity = {QUANTITY!r}: say what was measured, and show = a modal figure"
-        )
-    without = [each.name for each in used if not each.scatter]
+        raise ValueError(f"no [measured.NAME] with quantity = {QUANTITY!r}: write what was measured")
+    without = [each.name for each in used if not each.uncertainty]
     if without:
-        raise ValueError(f"measured.{without[0]}.scatter is missing: the weight of a frequency is its scatter")
+        raise ValueError(f"measured.{without[0]}.uncertainty is missing: the weight of a frequency is its uncertainty")
     return used
 
 
@@ -129,7 +125,7 @@ def _notes(used: Sequence[MeasuredNumber], deviations: Array, half: Array) -> li
     free = len(used) - int(np.sum(np.isfinite(half)))
     misfit = float(np.sum(deviations**2))
     if free > 0 and chi2.sf(misfit, free) < UNLIKELY:
-        told = f"the model misses the frequencies by more than their scatter (χ² = {misfit:.3g} for {free} to spare)"
+        told = f"the model misses the frequencies by more than their σ (χ² = {misfit:.3g} for {free} to spare)"
         notes.append(f"{told}: the intervals do not hold")
     if chosen := [each.name for each in used if each.chose]:
         notes.append(f"{', '.join(chosen)}: used as the others, though keys of the case were chosen by them")

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.plans import MeasuredNumber, ResultNumber
+from vibeam.case.plans import MeasuredNumber, ResultNumber, ShowPlan
 from vibeam.case.response_quantities import values_of
 from vibeam.exchange.curves.record import SAME_FREQUENCY
-from vibeam.figures import FIGURES, LIMITS
+from vibeam.figures import ALONE, FIGURES, LIMITS
 from vibeam.studies.regression.number_read import NAN, NumberRead
 from vibeam.system.response import Ended, FrequencyResponse
 
@@ -25,7 +25,7 @@ def directions(reading: ResultNumber, case: Case) -> tuple[str, ...]:
     """Directions of the branches that a reading is of; one that says nothing under a record."""
     if case.record is not None:
         return ("",)
-    if reading.quantity in LIMITS or reading.show:
+    if reading.quantity in LIMITS or of_figure(reading):
         return ("up",)  # of the motions as such, whichever direction they are swept in
     return ("up", "down") if reading.direction == "both" else (reading.direction,)
 
@@ -49,8 +49,8 @@ def read(reading: ResultNumber, result: Result, direction: str) -> NumberRead:
 
 
 def _number(reading: ResultNumber, result: Result, name: str, direction: str) -> NumberRead:
-    if reading.show is not None:
-        return _read_off(reading, reading.show, result, name)
+    if of_figure(reading):
+        return _read_off(reading, result, name)
     if reading.quantity in LIMITS:
         return _limit(reading, result, name)
     response = dict(result[name].items())[direction]
@@ -76,11 +76,18 @@ def _limit(reading: ResultNumber, result: Result, name: str) -> NumberRead:
     return NumberRead(number, "" if isfinite(number) else "there is none")
 
 
-def _read_off(reading: ResultNumber, show: str, result: Result, name: str) -> NumberRead:
+def of_figure(reading: ResultNumber) -> bool:
+    """Test whether a number is read off a figure, that of its [show.NAME] or one that needs no such table."""
+    return reading.show is not None or reading.quantity in ALONE
+
+
+def _read_off(reading: ResultNumber, result: Result, name: str) -> NumberRead:
     """Read the number off a figure's data, computed for this alone where the run has none."""
     from vibeam.figures.sheet import sheet_at
 
-    plan = result.case.shows[show]
+    show = reading.show or ""
+    usual = ShowPlan(name="", kind=ALONE.get(reading.quantity, ""), key="", fidelities=(name,))
+    plan = result.case.shows.get(show, usual)
     sheet = sheet_at(result.case, plan, name, reading.frequency, result.shown.get(show, ()))
     if sheet.fault:
         return NumberRead(NAN, sheet.fault)
@@ -106,7 +113,7 @@ EXTENTS: dict[str, Callable[[FrequencyResponse], float]] = {
 }
 
 
-SAME = 1e-6  # relative difference of branches that are one row, and of a difference that is just the scatter
+SAME = 1e-6  # relative difference of branches that are one row, and of a difference that is just the uncertainty
 
 
 @dataclass(frozen=True)
@@ -114,9 +121,9 @@ class MeasuredRow:
     """Measured number beside the model's, in ``unit`` (m, m/s, Hz, 1/s, 1).
 
     ``number``: of the mode or order. ``frequency`` in Hz, ``difference``: model − measured, NaN where the model has no
-    such number (``notes`` say why). ``within``: whether it is within the scatter of the measurement; None where that is
-    not given. ``chose``: keys of the model that the number chose: with any, the model is calibrated by it and it
-    tests nothing; without, the model predicts it.
+    such number (``notes`` say why). ``within``: whether it is within the uncertainty of the measurement; None where
+    that is not given. ``chose``: keys of the model that the number chose: with any, the model is calibrated by it and
+    it tests nothing; without, the model predicts it.
     """
 
     measured: str
@@ -128,7 +135,7 @@ class MeasuredRow:
     direction: str
     unit: str
     value: float
-    scatter: float | None
+    uncertainty: float | None
     model: float
     difference: float
     within: bool | None
@@ -138,7 +145,7 @@ class MeasuredRow:
     kind: str = "measured"
 
 
-OF_MEASURED = ("fidelity", "quantity", "number", "against", "unit", "value", "scatter", "chose", "source")
+OF_MEASURED = ("fidelity", "quantity", "number", "against", "unit", "value", "uncertainty", "chose", "source")
 
 
 def compare(case: Case, result: Result) -> list[MeasuredRow]:
@@ -150,13 +157,13 @@ def _rows(measured: MeasuredNumber, result: Result) -> Iterator[MeasuredRow]:
     rows = [_row(measured, result, direction) for direction in directions(measured, result.case)]
     first, last = rows[0], rows[-1]
     same = isclose(first.model, last.model, rel_tol=SAME) or (first.notes and first.notes == last.notes)
-    yield from [replace(first, direction="both" if measured.show else measured.direction)] if same else rows
+    yield from [replace(first, direction="both" if of_figure(measured) else measured.direction)] if same else rows
 
 
 def _row(measured: MeasuredNumber, result: Result, direction: str) -> MeasuredRow:
     found = read(measured, result, direction)
     difference = found.number - measured.value
-    known = measured.scatter is not None and isfinite(difference)
+    known = measured.uncertainty is not None and isfinite(difference)
     return MeasuredRow(
         **{name: getattr(measured, name) for name in OF_MEASURED},
         measured=measured.name,
@@ -164,6 +171,6 @@ def _row(measured: MeasuredNumber, result: Result, direction: str) -> MeasuredRo
         direction=direction,
         model=found.number,
         difference=difference,
-        within=abs(difference) <= (measured.scatter or 0.0) * (1 + SAME) if known else None,
+        within=abs(difference) <= (measured.uncertainty or 0.0) * (1 + SAME) if known else None,
         notes=tuple(filter(None, (found.fault, found.note))),
     )

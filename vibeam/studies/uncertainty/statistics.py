@@ -122,8 +122,8 @@ class ErrorRow:
     """Peak of one fidelity, all in its unit; NaN where not known.
 
     ``numerical``: distance of the fidelity from its own limit; ``given``: standard deviation by the inputs;
-    ``measured`` value and its ``scatter``, ``chose``: keys of the fidelity that it chose, so that it validates nothing;
-    ``form``: difference to the finest, which is error of the reduction.
+    ``measured`` value and its ``uncertainty``, ``chose``: keys of the fidelity that it chose, so that it validates
+    nothing; ``form``: difference to the finest, which is error of the reduction.
     """
 
     fidelity: str
@@ -131,7 +131,7 @@ class ErrorRow:
     numerical: float
     given: float
     measured: float
-    scatter: float
+    uncertainty: float
     form: float
     chose: tuple[str, ...] = ()
 
@@ -143,7 +143,7 @@ class ErrorRow:
     @property
     def validation(self) -> float:
         """u_val of what is known of it; NaN without a measurement."""
-        known = [each for each in (self.numerical, self.given, self.scatter) if each == each]
+        known = [each for each in (self.numerical, self.given, self.uncertainty) if each == each]
         return hypot(*known) if self.measured == self.measured else nan
 
 
@@ -163,7 +163,7 @@ def error_rows(result: Result, peaks: Mapping[str, Distribution]) -> tuple[Error
                 abs(limits[name]) * spread.nominal if name in limits else nan,
                 spread.deviation,
                 nan if measured is None else measured.value,
-                nan if measured is None or measured.scatter is None else measured.scatter,
+                nan if measured is None or measured.uncertainty is None else measured.uncertainty,
                 nan if name == finest else spread.nominal - peaks[finest].nominal,
                 () if measured is None else measured.chose,
             )
