@@ -67,13 +67,23 @@ def composed(make: Callable[[], Figure]) -> Figure:
         return figure
 
 
+class Picture(Figure):
+    """Figure that a notebook shows by itself."""
+
+    def _repr_png_(self) -> bytes:
+        content = BytesIO()
+        with mpl.rc_context(PAGE):
+            self.savefig(content, format="png")
+        return content.getvalue()
+
+
 def blank_page(size: tuple[float, float], plan: FigurePlan) -> Figure:
     """Empty figure of ``size`` (width, height in inches), or as wide as the plan says."""
     width, height = size
     if plan.width is not None:
         share = plan.width / INCH / width
         width, height = share * width, max(share, LEAST_SHARE) * height
-    return Figure(figsize=(width, height), layout="constrained")
+    return Picture(figsize=(width, height), layout="constrained")
 
 
 def titled(figure: Figure, plan: FigurePlan, title: str, shows: str) -> None:

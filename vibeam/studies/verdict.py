@@ -22,6 +22,7 @@ from vibeam.studies.cost.study import cost
 from vibeam.studies.fidelity_map.study import fidelity_map
 from vibeam.studies.influence.study import influence
 from vibeam.studies.modes_needed.study import modes_needed
+from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 
 Tell = Callable[[str], None]
@@ -44,7 +45,7 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
-class Verdict:
+class Verdict(ViewedTable):
     """Verdict on a case by a ``plan``: its ``stages`` in their order.
 
     >>> import vibeam

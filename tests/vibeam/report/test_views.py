@@ -16,6 +16,7 @@ import pytest
 
 import vibeam
 from vibeam.report.views import SHEETS, UNITS
+from vibeam.system.labelled import Viewed
 from vibeam_models.registry import loaded
 
 CASE = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
@@ -39,6 +40,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Any]:
         "Case": case, "Result": lambda: vibeam.run(own, show=False), "ModeTable": lambda: vibeam.modes(own, 3),
         "Branches": lambda: of("Result")["beam"], "FrequencyResponse": lambda: of("Result")["beam"].up,
         "DerivedTable": lambda: vibeam.derive(own), "Orbit": orbit,
+        "Verdict": lambda: vibeam.verdict(case(**{"modes_needed.most": 3}), only=["modes", "effects"]),
         "Stability": lambda: vibeam.stability(own, points=3, frequencies=5, fidelities=["sdof"]),
         "GridResponse": lambda: vibeam.evaluate(own, "sdof", AXES, direction="both"),
         "MapResult": lambda: vibeam.run_map(mapped(), "m", tmp_path_factory.mktemp("map") / "m.h5"),
@@ -83,7 +85,7 @@ VIEWED = {
     "Case": ("two_modes", True), "Result": ("two_modes", True), "ModeTable": ("7.597", True),
     "DerivedTable": ("stiffness", False), "Orbit": ("Stable motion with one impact in 1 drive period.", True),
     "Branches": ("Branches", True), "FrequencyResponse": ("Frequency response", True), "Stability": ("Stability", True),
-    "GridResponse": ("stop.gap", True), "MapResult": ("not periodic", True),
+    "GridResponse": ("stop.gap", True), "MapResult": ("not periodic", True), "Verdict": ("How many modes?", False),
 }  # fmt: skip
 
 
@@ -97,6 +99,21 @@ def test_a_notebook_shows_answer_table_and_figure(made: Callable[[str], Any], ki
     assert not re.search(r"<script|https?://(?!www\.w3\.org)|<b> &", text)
     assert len(text) < 300_000
     assert len(repr(record)) < 900
+
+
+def test_every_record_with_a_view_is_one() -> None:
+    """A name in the table of views without its mixin has a sheet that no notebook shows."""
+    named = {name: getattr(place, name) for place in (vibeam, vibeam.studies) for name in dir(place)}
+    classes = {name: named[name] for name in SHEETS if isinstance(named.get(name), type)}
+    assert len(classes) > 12
+    assert [name for name, each in classes.items() if not issubclass(each, Viewed)] == []
+
+
+@pytest.mark.parametrize("kind", [kind for kind, (_, drawn) in VIEWED.items() if drawn and kind != "Case"])
+def test_a_notebook_shows_what_is_plotted_without_a_backend(made: Callable[[str], Any], kind: str) -> None:
+    image = made(kind).plot()._repr_png_()
+    assert image[:8] == b"\x89PNG\r\n\x1a\n"
+    assert 5_000 < len(image) < 400_000
 
 
 def test_a_stop_that_yields_has_no_coefficient() -> None:
