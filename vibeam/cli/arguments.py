@@ -37,6 +37,8 @@ CaseFile = Annotated[
     typer.Argument(metavar="CASE", help="The case file (TOML).", show_default=False),
 ]
 
+CaseFiles = Annotated[list[Path], typer.Argument(metavar="CASE...", help="The case file (TOML), or several.")]
+
 _SAID = "A key of the case, in place of the file's. Repeatable."
 Overrides = Annotated[list[str] | None, option(_SAID, "--set", "-s", metavar="KEY=VALUE")]
 

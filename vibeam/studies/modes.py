@@ -72,15 +72,17 @@ LOAD_UNITS = {None: "kg^½", 0: "kg^-½", 1: "kg^-½ m^-1"}  #: of a base that m
 
 
 @of_source
-def modes(case: Case, count: int = 10) -> ModeTable:
-    """Compute the first ``count`` modes of a case's finite-element beam: see ``mode_table``.
+def modes(case: Case, count: int = 10, *, fidelity: str | None = None) -> ModeTable:
+    """Compute the first ``count`` modes of a case's structure, of a ``fidelity`` its own: see ``mode_table``.
+
+    KeyError for a fidelity that the case has not.
 
     >>> import vibeam
     >>> table = vibeam.modes("cases/dtu_neutral.toml", 2)
     >>> [round(row.frequency, 1) for row in table.rows]  # Hz
     [7.6, 101.1]
     """
-    return mode_table(case.scene, count)
+    return mode_table(case.scene if fidelity is None else case.scene_of(fidelity), count)
 
 
 def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:

@@ -134,7 +134,7 @@ def test_several_cases_are_run_each_into_its_own_file(command: Command, sdof: Pa
     done = command("run", sdof, wrong, other, built, "--out", "results", expect=2)
     lines = done.stdout.splitlines()
     assert [line.partition(": ")[0] for line in lines] == [str(each) for each in (sdof, wrong, other, built)]
-    assert lines[1].startswith(f"{wrong}: not run: ")
+    assert lines[1].startswith(f"{wrong}: no answer: ")
     assert " is the mode that the case gives" in lines[0]
     places = [done.stderr.index(said) for said in ("titl", "drag", f"{sdof}:\n", f"{other}:\n")]
     assert places == sorted(places), "all faults are told before anything is run"
@@ -256,6 +256,35 @@ def test_a_measured_number_is_shown_and_decides_nothing(command: Command, sdof: 
     assert "References" not in shown
     row = json.loads(command("check", sdof, "--json").stdout)["rows"][0]
     assert (row["kind"], row["within"], row["value"]) == ("measured", False, 9)
+
+
+def test_several_cases_are_checked_each_with_its_head(command: Command, sdof: Path) -> None:
+    curve, text = curve_of(sdof), sdof.read_text(encoding="utf-8")
+    good = with_reference(sdof, curve)
+    (folder := sdof.parent / "b").mkdir()
+    bad, plain, wrong = (folder / name for name in ("sdof.toml", "plain.toml", "wrong.toml"))
+    bad.write_text(text, encoding="utf-8")
+    with_reference(bad, curve.replace("up,0.", "up,0.9"))
+    plain.write_text(text, encoding="utf-8")
+    wrong.write_text("titl = 1\n", encoding="utf-8")
+    done = command("check", good, plain)
+    assert [line for line in done.stdout.splitlines() if line.startswith("/")] == [
+        f"{good}: 1 reference holds.",
+        f"{plain}: The case is sound; it names no reference to check against and no measured number.",
+    ]
+    assert done.stdout.count("passed") == 1
+    heads = command("check", bad, good, "-q", expect=1).stdout.splitlines()
+    assert heads == [f"{bad}: 1 of 1 reference missed (exact).", f"{good}: 1 reference holds."]
+    both = command("check", wrong, bad, good, expect=2)
+    assert both.stderr.index("titl") < both.stderr.index(f"{bad}:\n"), "all faults are told before anything is run"
+    assert [line.partition(": ")[0] for line in both.stdout.splitlines() if line.startswith("/")] == [
+        str(each) for each in (bad, good, wrong)
+    ]
+    found = json.loads(command("check", bad, good, "--json", expect=1).stdout)
+    assert (found["schema"], [each["missed"] for each in found["checks"]]) == ("vibeam.check/1", [1, 0])
+    for words in (("--plot", "a.png"), ("--out", "a.h5")):
+        assert "names a folder where there are several cases" in command("check", bad, good, *words, expect=2).stderr
+    assert "good" not in [each.stem for each in sdof.parent.iterdir()]
 
 
 def test_check_without_a_reference_says_so(command: Command, sdof: Path) -> None:

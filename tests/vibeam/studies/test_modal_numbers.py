@@ -70,3 +70,13 @@ def test_a_mode_that_the_model_has_not_is_a_miss_with_its_reason() -> None:
     made = case({"value": "7.6 Hz", "fidelity": "sdof"})
     (row,) = [each for each in check_expectations(made, Result(made, {})) if each.reference == "it"]
     assert (row.passed, [note for note in row.notes if "there is none" in note] != []) == (False, True)
+
+
+def test_the_table_of_modes_is_of_the_fidelity_that_is_named() -> None:
+    further = {"fidelity.heavy": {"reduction": "modal", "modes": 2, "set": {"mass.mass": "0.9 kg"}}}
+    made = vibeam.load(RIG, further)
+    own, usual = vibeam.modes(made, 2, fidelity="heavy"), vibeam.modes(made, 2)
+    assert own.rows[0].frequency < 0.9 * usual.rows[0].frequency
+    assert vibeam.modes(made, 2, fidelity="beam") == usual
+    with pytest.raises(KeyError, match="no fidelity 'gone': there are sdof, two_modes, beam, heavy"):
+        vibeam.modes(made, fidelity="gone")

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from vibeam.cli.arguments import (
-    CaseFile,
+    RESULTS,
+    CaseFiles,
     Fidelities,
     Fresh,
     Overrides,
@@ -24,6 +26,7 @@ from vibeam.cli.arguments import (
 )
 from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_sheet
+from vibeam.cli.several import answers, require_folder
 from vibeam.cli.streams import MISSED
 
 if TYPE_CHECKING:
@@ -36,7 +39,7 @@ _PLOT = "Draw references and model (.png, .svg, .pdf), or the folder for it."
 
 
 def check(
-    case: CaseFile,
+    cases: CaseFiles,
     set_: Overrides = None,
     out: ResultsFile = None,
     fresh: Fresh = False,
@@ -49,29 +52,48 @@ def check(
 ) -> None:
     """Say whether references and measured numbers hold.
 
-    References are compared at their own frequencies. Exit code 1 where one is missed. What --write writes goes into
-    references/ beside the case where no --out says otherwise.
+    References are compared at their own frequencies. Exit code 1 where one is missed, of several cases in any. What
+    --write writes goes into references/ beside the case where no --out says otherwise.
 
     \b
     Examples:
       vibeam check mine.toml --plot check.png
+      vibeam check *.toml
       vibeam check mine.toml --write --fidelity sdof
     """
-    loaded = of_fidelities(load(case, set_), fidelity)
     if force and not write:
         raise UsageError("--force: replaces files of --write, which is not asked for")
     if found := [name for name, given in (("--plot", plot), ("--fresh", fresh)) if write and given]:
         raise UsageError("\n".join(f"{name}: of a check, and --write makes none: leave it out" for name in found))
-    if plot is not None and not loaded.references:
-        raise UsageError("--plot: draws the references of a case, and this one has none: write a [reference.NAME]")
-    if write:
-        print_sheet(*_recorded(loaded, out, force))
-        return
-    files = [] if plot is None else [output_path(plot, f"{loaded.path.stem}_check.png", DRAWN, "a figure")]
-    sheet = _checked(loaded, out, fresh, set_ or (), files)
-    print_sheet(sheet, files)
-    if sheet.data["missed"]:
+
+    def prepared(path: Path) -> Case:
+        case = of_fidelities(load(path, set_), fidelity)
+        if plot is not None and not case.references:
+            raise UsageError("--plot: draws the references of a case, and this one has none: write a [reference.NAME]")
+        return case
+
+    def answer(case: Case) -> tuple[StudySheet, list[Path]]:
+        if write:
+            return _recorded(case, out, force)
+        files = [] if plot is None else [output_path(plot, f"{case.path.stem}_check.png", DRAWN, "a figure")]
+        return _checked(case, out, fresh, set_ or (), files), files
+
+    if len(cases) > 1:
+        require_folder("--out", out, RESULTS)
+        require_folder("--plot", plot, DRAWN)
+        made = answers("checks", cases, prepared, answer, lambda path, each: print_sheet(*_headed(path, *each)))
+        missed = sum(each.get("missed", 0) for each in made.values())
+    else:
+        sheet, files = answer(prepared(cases[0]))
+        print_sheet(sheet, files)
+        missed = sheet.data.get("missed", 0)
+    if missed:
         raise typer.Exit(MISSED)
+
+
+def _headed(path: Path, sheet: StudySheet, files: list[Path]) -> tuple[StudySheet, list[Path]]:
+    """The sheet of one case of several, its answer behind the name of the case."""
+    return replace(sheet, answer=f"{path}: {sheet.answer}"), files
 
 
 def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], files: Sequence[Path]) -> StudySheet:

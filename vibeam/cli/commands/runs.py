@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from vibeam.cli.arguments import (
     RESULTS,
+    CaseFiles,
     Fidelities,
     Fresh,
     Overrides,
@@ -23,11 +21,10 @@ from vibeam.cli.arguments import (
     results_path,
     run_case,
 )
-from vibeam.cli.errors import UsageError, fault_of
-from vibeam.cli.output import as_object, print_json, print_sheet, put_lines
+from vibeam.cli.errors import UsageError
+from vibeam.cli.output import print_sheet
 from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
-from vibeam.cli.streams import WRONG, say
-from vibeam.cli.verbosity import verbosity
+from vibeam.cli.several import answers, require_folder
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -38,10 +35,7 @@ _ACCURACY = "What suffices; absent = that of the case, else 5 %."
 
 
 def run(
-    cases: Annotated[
-        list[Path],
-        typer.Argument(metavar="CASE...", help="The case file (TOML), or several."),
-    ],
+    cases: CaseFiles,
     set_: Overrides = None,
     out: ResultsFile = None,
     fresh: Fresh = False,
@@ -110,53 +104,19 @@ def _swept(case: Case, path: Path, fresh: bool, within: float | None) -> tuple[S
 def _run_several(
     paths: Sequence[Path], of: tuple[list[str] | None, str | None, list[str] | None], fresh: bool, within: float | None
 ) -> None:
-    """Run cases one after the other, each into a file of its own: all faults first, then a line each."""
+    """Run cases one after the other, each into a file of its own."""
     from vibeam.runs.systems import require_runnable
 
     settings, out, fidelities = of
-    if out is not None and Path(out).suffix in RESULTS and not Path(out).is_dir():
-        raise UsageError(f"--out {out}: names a folder where there are several cases")
+    require_folder("--out", out, RESULTS)
     for stem in {path.stem for path in paths}:
         if len(same := [str(path) for path in paths if path.stem == stem]) > 1:
             raise UsageError(f"{', '.join(same)}: all write {stem}.h5: run them apart, each with an --out of its own")
     place = Path() if out is None else folder(Path(out))
-    cases: dict[Path, Case] = {}
-    found: dict[Path, dict[str, Any]] = {}
-    for path in paths:
-        with _noting(found, path):
-            cases[path] = _runnable(path, settings, fidelities)
-            require_runnable(cases[path])
-    for path, case in cases.items():
-        if path not in found:
-            if not verbosity().quiet:
-                say(f"{path}:")
-            with _noting(found, path):
-                found[path] = as_object(*_swept(case, place / f"{path.stem}.h5", fresh, within))
-    if verbosity().json:
-        print_json({"runs": [{"case": path, **found[path]} for path in paths]})
-    else:
-        put_lines(f"{path}: {_line(path, found[path])}" for path in paths)
-    if any("error" in each for each in found.values()):
-        raise typer.Exit(WRONG)
 
+    def prepared(path: Path) -> Case:
+        case = _runnable(path, settings, fidelities)
+        require_runnable(case)
+        return case
 
-@contextmanager
-def _noting(found: dict[Path, dict[str, Any]], path: Path) -> Iterator[None]:
-    """Context that tells a user's mistake on stderr and keeps it as what was ``found``, in place of ending all."""
-    try:
-        yield
-    except Exception as error:
-        fault = fault_of(error)
-        if fault is None:
-            raise
-        said = fault[0] if str(path) in fault[0] else f"{path}: {fault[0]}"
-        say(said)
-        found[path] = {"error": said, "faults": getattr(error, "faults", ())}
-
-
-def _line(path: Path, found: Mapping[str, Any]) -> str:
-    """Answer of one case of several, or why there is none."""
-    if "error" not in found:
-        return str(found["answer"])
-    first, _, rest = found["error"].removeprefix(f"{path}: ").partition("\n")
-    return f"not run: {first}" + f" (and {rest.count(chr(10)) + 1} more)" * bool(rest)
+    answers("runs", paths, prepared, lambda case: _swept(case, place / f"{case.path.stem}.h5", fresh, within))
