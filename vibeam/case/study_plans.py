@@ -192,7 +192,7 @@ class VerdictPlan:
     over: str = declare.text("second key of the plane beside the frequency", "gap", "gap")
     points: int = declare.count(2, MOST_POINTS, "values of each key of the plane", 31, 31)
     budget: float = declare.quantity(
-        "s", "CPU time of effects, of solvers, of the plane, and of the steps to a solid", "20 s", 20.0, above=0
+        "s", "CPU time of each stage: effects, solvers, the plane, the steps to a solid", "20 s", 20.0, above=0
     )
 
 

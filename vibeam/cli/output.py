@@ -52,7 +52,7 @@ def as_object(sheet: StudySheet, files: Sequence[Path]) -> dict[str, Any]:
 
 
 def _answer(sheet: StudySheet, first: str) -> list[str]:
-    return [sheet.answer] if sheet.answer and sheet.answer != first else []
+    return list(filter(None, [sheet.answer.removeprefix(first).strip()]))
 
 
 def _put_screen(sheet: StudySheet, files: Sequence[Path], first: str) -> None:

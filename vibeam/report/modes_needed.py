@@ -30,14 +30,19 @@ HINT = (
 )
 
 
-def first_answer(case: Case, plan: ModesNeededPlan | None = None) -> str:
-    """Answer before anything is flown: numbers, what will be flown, or why none can be told; ValueError of a plan."""
+def first_answer(case: Case, plan: ModesNeededPlan | None = None, final: bool = True) -> str:
+    """Answer before anything is flown: numbers, what will be flown, or why none can be told; ValueError of a plan.
+
+    ``final``: empty unless nothing will be flown and a number is told.
+    """
     _, asked = case.sweep, plan_asked(case, plan, {})
     try:
         problem = ReductionProblem.of(case, asked)
     except ValueError as refusal:
-        return f"{begun(str(refusal))}."
-    return before(before_flight(problem), problem.plan)
+        return "" if final else f"{begun(str(refusal))}."
+    found = before_flight(problem)
+    known = found.choices and found.claim.closed == found.claim.frequencies
+    return before(found, problem.plan) if known or not final else ""
 
 
 def before(found: BeforeFlight, plan: ModesNeededPlan) -> str:

@@ -50,12 +50,14 @@ def sheet(found: Verdict) -> StudySheet:
 
     asked = QUESTIONS if found.case.record is None else QUESTIONS | {"map": "Which fidelity?"}
     rows = [StageRow(stage.name, asked[stage.name], made.answer, stage.cpu_seconds) for stage, made in sheets]
+    answered = [row for row, (stage, _) in zip(rows, sheets, strict=True) if not stage.why]
     notes = [note for _, made in sheets for note in made.notes[:1]]
-    answer = next((row.answer for row, (stage, _) in zip(rows, sheets, strict=True) if not stage.why), rows[0].answer)
+    unanswered = [f"{stage.name} ({stage.why})" for stage, _ in sheets if stage.why]
+    answer = answered[0].answer if answered else rows[0].answer
     return StudySheet(
         answer,
-        [_answers(rows, answer)],
-        notes,
+        [_answers(answered, answer)] if answered else [],
+        [*notes, *[f"Not answered: {', '.join(unanswered)}."] * bool(unanswered)],
         [note for _, made in sheets for note in [*made.notes[1:], *made.details]],
         [table for _, made in sheets for table in [*made.tables, *made.more]],
         data={"stages": {stage.name: {"answer": made.answer, **made.data} for stage, made in sheets}},
@@ -84,7 +86,7 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
 
 
 def first_answer(case: Case) -> str:
-    """Answer of the first stage that is known before anything is flown; empty where it is not asked for."""
+    """Answer of the first stage where it is known before anything is flown; else empty."""
     plan: VerdictPlan = case.asked["verdict"]
     if case.record is not None:
         return ""

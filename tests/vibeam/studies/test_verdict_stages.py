@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -72,6 +73,39 @@ def test_several_stages_are_one_table_one_page_and_one_json(tmp_path: Path, monk
     found = json.loads(asked("--only", "modes", "--only", "effects", "--json").stdout)
     assert (found["schema"], list(found["stages"])) == ("vibeam.verdict/1", ["modes", "effects"])
     assert found["stages"]["modes"]["answer"] == found["answer"] == lines[0]
+
+
+YIELDS = {"stop.law": "linear", "stop.stiffness": "20 kN/m", "stop.restitution_of": "contact"}
+AT_CONTACT = {"stop.restitution_of": "contact", "stop.gap": "0.3 mm", "sweep.frequency": '["14 Hz", "15.3 Hz"]'}
+
+
+@pytest.mark.parametrize("further", [{}, YIELDS, AT_CONTACT, {"modes_needed.most": 2}, {"stop.gap": "9 mm"}])
+def test_an_answer_stands_there_once_and_nothing_is_promised(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, further: dict[str, str]
+) -> None:
+    """What is not known before a flight is not said before it: the same sentence, with other numbers, would follow."""
+    monkeypatch.chdir(tmp_path)
+    given = [each for key, value in further.items() for each in ("--set", f"{key}={value}")]
+    done = asked("--only", "modes", "--only", "solvers", "--budget", "2 s", *given)
+    assert done.exit_code == 0, done.output
+    said = done.stdout.partition("How much model")[0].splitlines()
+    assert [len([line for line in said if word in line]) <= 1 for word in (" suffice", "needed for")] == [True, True]
+    assert len([line for line in said if line]) == 1
+    assert "CPU time" not in done.stderr
+    assert re.search(r"^Solvers: up to \d+ runs of \d models?$", done.stderr, re.MULTILINE)
+
+
+def test_a_stage_without_an_answer_is_a_note_and_no_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    place = RIG.parent / "rigs" / "relay.toml"
+    words = ["--only", "modes", "--only", "effects", "--set", "sweep.frequency.points=3", "--set", "sweep.settle=20"]
+    done = CliRunner().invoke(app, ["verdict", str(place), *words])
+    assert done.exit_code == 0, done.output
+    assert "How many modes?" in done.stdout
+    assert "Which effects?" not in done.stdout
+    assert "\nNot answered: effects (fidelity 'spring' names no effect: " in done.stdout
+    found = json.loads(CliRunner().invoke(app, ["verdict", str(place), *words, "--json"]).stdout)
+    assert "names no effect" in found["stages"]["effects"]["why"]
 
 
 def test_one_stage_is_its_study(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

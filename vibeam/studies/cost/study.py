@@ -187,7 +187,7 @@ class _CostRuns:
                 f"the exact motions of {models} alone take about {exact:.2g} s of CPU time, and {self.budget:g} s are "
                 "allowed: allow more (--budget), or ask for fewer frequencies (cost.frequency)"
             )
-        self.tell(f"Up to {self.total} runs of {models}, in {self.budget:g} s of CPU time")
+        self.tell(f"Solvers: up to {self.total} runs of {models}")
 
     def _count(self, runs: int = 1) -> None:
         self.done += runs
