@@ -31,7 +31,7 @@ QUANTITIES: Mapping[str, TransientQuantity] = {
     "first_impact": TransientQuantity("time of the first impact", "s", "impacts"),
     "hardest_impact": TransientQuantity("largest velocity just before an impact", "c/s", "impacts"),
     "impact_velocity": TransientQuantity("mean velocity just before impact", "c/s", "impacts"),
-    "rest": TransientQuantity("share of the time held on the stop", "1", "impacts"),
+    "rest": TransientQuantity("share of the time in contact with a stop", "1", "impacts"),
     "work": TransientQuantity("work of the load on the beam relative to its base", "E", "energy"),
     "lost_at_impacts": TransientQuantity("energy lost to the stop", "E", "energy"),
     "lost_by_damping": TransientQuantity("energy lost by damping", "E", "energy"),

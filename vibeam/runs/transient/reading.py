@@ -14,7 +14,7 @@ from vibeam.observe.decimation import history_of_cubics
 from vibeam.runs.transient.energies import energy_balance
 from vibeam.runs.transient.extremes import SignalExtremes, extremes_of, is_exact
 from vibeam.runs.transient.samples import A_PERIOD, PLENTY, samples_of
-from vibeam.runs.transient.signals import contacts_struck
+from vibeam.runs.transient.signals import contacts_struck, share_in_contact
 from vibeam.system.response import Ended
 
 if TYPE_CHECKING:
@@ -80,14 +80,13 @@ def reading_of(
     mean, rms = samples.moments()
     frequency, density = samples.spectrum()
     energy = energy_balance(path, record)
-    rests = path.rests
     found = {
         "least": outline.least[each, low], "least_time": outline.least_time[each, low],
         "greatest": outline.greatest[each, high], "greatest_time": outline.greatest_time[each, high],
         "mean": mean, "rms": rms, "spectrum": density, "frequency": frequency, **_as_arrays("outline", outline),
         "impact_times": path.impact_times, "impact_velocities": path.impact_velocities,
         "impact_contacts": contacts_struck(path),
-        "rest": float(np.sum(rests[:, 1] - rests[:, 0])) / (path.t_end - path.t_start),
+        "rest": share_in_contact(path),
         **{name: getattr(energy, name) for name in ("start", "work", "damping", "lost", "left", "residual")},
         "ended": getattr(path, "ended", Ended.COMPLETE).code, "proved": _proved(path), "cpu_seconds": cpu_seconds,
     }  # fmt: skip

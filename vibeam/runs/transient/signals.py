@@ -114,6 +114,15 @@ def _within(intervals: Array, times: Array) -> Flags:
     return np.asarray((last >= 0) & (times < intervals[np.maximum(last, 0), 1]))
 
 
+def share_in_contact(path: Path) -> float:
+    """Share of a motion's time in which a rigid stop holds, or a yielding one is pushed."""
+    pushed = np.asarray(getattr(path, "contacts", ())).reshape(-1, 3)
+    spans = np.concatenate([path.rests, np.stack([pushed[:, 0], pushed[:, :2].sum(axis=1)], axis=1)])
+    begin, end = spans[np.argsort(spans[:, 0])].T
+    before = np.concatenate([[path.t_start], np.maximum.accumulate(end)])[:-1]  # spans of several stops overlap
+    return float(np.sum(np.maximum(end - np.maximum(begin, before), 0.0))) / (path.t_end - path.t_start)
+
+
 def contacts_struck(path: Path) -> Index:
     """Numbers of the contacts that the impacts of a motion strike, 0: the first stop."""
     known = getattr(path, "impact_contacts", None)

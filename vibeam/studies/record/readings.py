@@ -10,7 +10,7 @@ import numpy as np
 
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.runs.transient.energies import energy_balance
-from vibeam.runs.transient.signals import FORCE
+from vibeam.runs.transient.signals import FORCE, share_in_contact
 from vibeam.runs.transient.transient import ENERGIES, IMPACTS
 from vibeam.system.response import Ended
 
@@ -63,7 +63,7 @@ def _number(path: Any, asked: AskedNumber, extremes: Any, energy: Any, duration:
     if quantity in ENERGIES:
         return float(np.sum(getattr(energy, ENERGIES[quantity])))
     if quantity == "rest":
-        return float(np.sum(path.rests[:, 1] - path.rests[:, 0]) / (path.t_end - path.t_start))
+        return share_in_contact(path)
     count = len(path.impact_times)
     if quantity in IMPACTS:
         known = path.impact_times if quantity == "first_impact" else path.impact_velocities
