@@ -45,9 +45,7 @@ class ResultNumber:
         above=0,
     )
     show: str | None = declare.text(
-        "the [show.NAME] that the quantity is read off, its mean unless number chooses one; absent = of modes",
-        "ringing",
-        None,
+        "the [show.NAME] that is read, its mean unless number chooses one; of modes none is needed", "ringing", None
     )
     number: float | None = declare.quantity(
         "", "number of the mode, or order of the harmonic, that is read", 2, None, least=0

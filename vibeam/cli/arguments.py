@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import isfinite
 from os import sep
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vibeam.cli.completion import COMPLETED
-from vibeam.cli.errors import Made, UsageError, of_case
+from vibeam.cli.errors import UsageError
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -32,12 +32,13 @@ def out_option(said: str) -> Any:
     return option(said, "--out", "-o", metavar="FILE")
 
 
-CaseFile = Annotated[
-    Path,
-    typer.Argument(metavar="CASE", help="The case file (TOML).", show_default=False),
-]
+def argument(said: str, metavar: str, **more: Any) -> Any:
+    """Argument of a command."""
+    return typer.Argument(metavar=metavar, help=said, show_default=False, **more)
 
-CaseFiles = Annotated[list[Path], typer.Argument(metavar="CASE...", help="The case file (TOML), or several.")]
+
+CaseFile = Annotated[Path, argument("The case file (TOML).", "CASE")]
+CaseFiles = Annotated[list[Path], argument("The case file (TOML), or several.", "CASE...")]
 
 _SAID = "A key of the case, in place of the file's. Repeatable."
 Overrides = Annotated[list[str] | None, option(_SAID, "--set", "-s", metavar="KEY=VALUE")]
@@ -143,10 +144,3 @@ def run_case(case: Case, path: Path | None, show: bool = True, fresh: bool = Fal
             case, out=path, progress=bar, show=show, fresh=fresh, tell=stderr().print, before=tell_overview,
             compare=compare,
         )  # fmt: skip
-
-
-def run_study(path: Path, case: Case, study: Callable[[Case, Callable[[str], None]], Made]) -> Made:
-    """Run a study of the case."""
-    from vibeam.cli.progress import stderr
-
-    return of_case(path, lambda: study(case, stderr().print))

@@ -27,9 +27,7 @@ if TYPE_CHECKING:
 
 TERMINATED = 143  # exit code after SIGTERM, as a shell reports it
 
-PriceOption = Annotated[
-    bool, typer.Option("--price", help="What it takes, after 30 s of flying: core-hours, GB, the line to submit.")
-]
+PriceOption = Annotated[bool, option("What it takes, after 30 s: core-hours, GB, the line to submit.", "--price")]
 PartOption = Annotated[
     str | None, option("Compute this share alone, 3/64 say, wherever OUT's folder is.", "--part", metavar="K/N")
 ]

@@ -23,8 +23,10 @@ def standard_streams() -> Iterator[None]:
     for name in ("stdout", "stderr"):
         _open(name)
     try:
-        with _flushed():
+        try:
             yield
+        finally:
+            sys.stdout.flush()
     except BrokenPipeError:
         reader_gone()
     except OSError as error:  # of stdout only: errors elsewhere are reported already
@@ -39,14 +41,6 @@ def _open(name: str) -> None:
         setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
     elif isinstance(stream, io.TextIOWrapper):
         stream.reconfigure(errors="backslashreplace")
-
-
-@contextmanager
-def _flushed() -> Iterator[None]:
-    try:
-        yield
-    finally:
-        sys.stdout.flush()
 
 
 def reader_gone() -> NoReturn:

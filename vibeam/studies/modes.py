@@ -75,8 +75,6 @@ LOAD_UNITS = {None: "kg^½", 0: "kg^-½", 1: "kg^-½ m^-1"}  #: of a base that m
 def modes(case: Case, count: int = 10, *, fidelity: str | None = None) -> ModeTable:
     """Compute the first ``count`` modes of a case's structure, of a ``fidelity`` its own: see ``mode_table``.
 
-    KeyError for a fidelity that the case has not.
-
     >>> import vibeam
     >>> table = vibeam.modes("cases/dtu_neutral.toml", 2)
     >>> [round(row.frequency, 1) for row in table.rows]  # Hz

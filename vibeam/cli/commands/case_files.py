@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import TableFile, option, out_option, output_path
+from vibeam.cli.arguments import TableFile, argument, option, out_option, output_path
 from vibeam.cli.completion import keys as key_names
 from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_json, print_sheet
@@ -20,21 +20,11 @@ if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
     from vibeam.report.output import StudySheet
 
-KeyName = Annotated[
-    str | None,
-    typer.Argument(
-        metavar="NAME", help="A table, stop, or a key, stop.gap or gap; absent = the list of tables.",
-        show_default=False, autocompletion=key_names,
-    ),
-]  # fmt: skip
+_KEY = "A table, stop, or a key, stop.gap or gap; absent = the list of tables."
+KeyName = Annotated[str | None, argument(_KEY, "NAME", autocompletion=key_names)]
 
-NewFile = Annotated[
-    str | None,
-    typer.Argument(
-        metavar="FILE", help="The case file to write, or its folder; absent = case.toml, or EXAMPLE.toml.",
-        show_default=False,
-    ),
-]  # fmt: skip
+_NEW = "The case file to write, or its folder; absent = case.toml, or EXAMPLE.toml."
+NewFile = Annotated[str | None, argument(_NEW, "FILE")]
 
 _FROM = "Write an example with the files that it names; list says which there are."
 ExampleName = Annotated[str | None, option(_FROM, "--from", metavar="EXAMPLE")]

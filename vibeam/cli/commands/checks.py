@@ -45,10 +45,8 @@ def check(
     fresh: Fresh = False,
     fidelity: Fidelities = None,
     plot: Annotated[str | None, option(_PLOT, "--plot", metavar="FILE")] = None,
-    write: Annotated[
-        bool, typer.Option("--write", help="Write the curves as regression values, into the folder of --out.")
-    ] = False,
-    force: Annotated[bool, typer.Option("--force", help="With --write: replace files that are there.")] = False,
+    write: Annotated[bool, option("Write the curves as regression values, into --out.", "--write")] = False,
+    force: Annotated[bool, option("With --write: replace files that are there.", "--force")] = False,
 ) -> None:
     """Say whether references and measured numbers hold.
 
@@ -81,7 +79,7 @@ def check(
     if len(cases) > 1:
         require_folder("--out", out, RESULTS)
         require_folder("--plot", plot, DRAWN)
-        made = answers("checks", cases, prepared, answer, lambda path, each: print_sheet(*_headed(path, *each)))
+        made = answers("checks", cases, prepared, answer, _print_headed)
         missed = sum(each.get("missed", 0) for each in made.values())
     else:
         sheet, files = answer(prepared(cases[0]))
@@ -91,9 +89,8 @@ def check(
         raise typer.Exit(MISSED)
 
 
-def _headed(path: Path, sheet: StudySheet, files: list[Path]) -> tuple[StudySheet, list[Path]]:
-    """The sheet of one case of several, its answer behind the name of the case."""
-    return replace(sheet, answer=f"{path}: {sheet.answer}"), files
+def _print_headed(path: Path, made: tuple[StudySheet, list[Path]]) -> None:
+    print_sheet(replace(made[0], answer=f"{path}: {made[0].answer}"), made[1])
 
 
 def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], files: Sequence[Path]) -> StudySheet:

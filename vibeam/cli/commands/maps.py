@@ -46,9 +46,7 @@ def map(
     points: Annotated[str | None, option(_POINTS, "--points", metavar="N[,M]")] = None,
     accuracy: Annotated[str | None, option(_ACCURACY, "--accuracy", metavar="PERCENT")] = None,
     quantity: Annotated[str | None, option(_QUANTITY, "--quantity", metavar="NAME")] = None,
-    periods: Annotated[
-        int | None, option("Of stability: from impact to impact.", "--periods", min=1, metavar="N")
-    ] = None,
+    periods: Annotated[int | None, option("Of stability, impact to impact.", "--periods", min=1, metavar="N")] = None,
     verify: Annotated[int | None, option("Of verdict: places flown anew.", "--verify", min=0, metavar="N")] = None,
     fidelity: Fidelities = None,
     fresh: Fresh = False,

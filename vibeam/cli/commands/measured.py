@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vibeam.cli.arguments import Overrides, TableFile, load, option, output_path, run_study, table_path
+from vibeam.cli.arguments import Overrides, TableFile, argument, load, option, output_path, table_path
 from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_sheet
 from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
@@ -29,9 +29,7 @@ _LEVEL = "Of a response: amplitude of the drive, or 1."
 
 
 def fit(
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="A case (.toml), or a measured signal.", show_default=False)
-    ],
+    file: Annotated[Path, argument("A case (.toml), or a measured signal.", "FILE")],
     set_: Overrides = None,
     out: TableFile = None,
     next_: Annotated[bool, typer.Option("--next", help="Of a case: also say what to measure next.")] = False,
@@ -127,6 +125,7 @@ def _of_responses(
     file: Path, set_: list[str] | None, out: str | None, next_: bool, write: Path | None, shared: Asked
 ) -> None:  # fmt: skip
     """Fit the keys of [fit] to the responses of a case, or do the part of it that is asked."""
+    from vibeam.cli.progress import stderr
     from vibeam.exchange.whole_files import write_whole
     from vibeam.report.fit import estimated_case, sheet
     from vibeam.studies.fit.study import fit as fitted
@@ -136,11 +135,11 @@ def _of_responses(
     if write is not None:
         _require_new(loaded, write, set_)
     with in_parts("fit", path, shared) as rounds:
-        study = run_study(file, loaded, lambda own, tell: fitted(own, tell, next_point=next_))
+        study = of_case(file, lambda: fitted(loaded, stderr().print, next_point=next_))
     found = sheet(study)
     files = files_of(found, path, loaded.title, "keys estimated from measured responses", loaded.figure)
     if write is not None:
-        write_whole(write, run_study(file, loaded, lambda *_: estimated_case(study)).encode())
+        write_whole(write, of_case(file, lambda: estimated_case(study)).encode())
         files.append(write)
     rounds.discard()
     print_sheet(found, files)

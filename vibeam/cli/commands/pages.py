@@ -28,9 +28,7 @@ def report(
     case: Annotated[Path | None, option(_BESIDE, "--case", metavar="CASE")] = None,
     out: Annotated[str | None, out_option("The page (.html), the table (.csv), or the folder for it.")] = None,
     csv: Annotated[bool, typer.Option("--csv", help="Write all curves as a table in place of the page.")] = False,
-    no_engine: Annotated[
-        bool, typer.Option("--no-engine", help="Leave the engine out of the page: smaller, nothing to explore.")
-    ] = False,
+    no_engine: Annotated[bool, option("A page without its engine: smaller, without sliders.", "--no-engine")] = False,
 ) -> None:
     """Write a page of results, or all curves as CSV.
 
