@@ -69,7 +69,7 @@ def _message(fault: Any, model: type[BaseModel]) -> str:
     if fault["type"] == "extra_forbidden":
         return _unknown(loc, model)
     if fault["type"] == "missing":
-        return _missing(loc, model)
+        return _missing(loc, model, fault["input"])
     wanted = "a list of tables" if fault["type"].startswith("tuple") else "a table"
     return f"must be {wanted}, {_header(loc, model)}, not {as_shown_in_message(fault['input'])}"
 
@@ -77,27 +77,27 @@ def _message(fault: Any, model: type[BaseModel]) -> str:
 def _unknown(loc: KeyPath, model: type[BaseModel]) -> str:
     name = str(loc[-1])
     own = next((kind for kind in KINDS if kind != "beam" and kind in keys_of(model)), None)
-    if len(loc) == 1 and own and name in ("beam", "mass", "sensor", *effect_tables()):
-        return f"[{name}] and [{own}] do not go together: keep [{own}], or the beam's tables"
-    if len(loc) == 1 and own and name in KINDS:
-        return f"[{name}] and [{own}] do not go together: keep one of the two"
+    if len(loc) == 1 and own and name in (*KINDS, "mass", "sensor", *effect_tables()):
+        keep = "one of the two" if name in KINDS and name != "beam" else f"[{own}], or the beam's tables"
+        return f"[{name}] and [{own}] do not go together: keep {keep}"
     return f"unknown key; {suggest_key(name, keys_of(model_at(model, loc[:-1])))}"
 
 
-def _missing(loc: KeyPath, model: type[BaseModel]) -> str:
+def _missing(loc: KeyPath, model: type[BaseModel], beside: dict[str, Any]) -> str:
     field = fields_of(model_at(model, loc[:-1]))[str(loc[-1])]
     if table_of(field) and not field.examples:
         return f"the table is missing: add {_header(loc, model)}"
-    return f"missing ({field.description}): write {loc[-1]} = {to_fill_in((field.examples or [None])[0])}"
+    example = "modal" if loc[-1] == "reduction" and "modes" in beside else (field.examples or [None])[0]
+    return f"missing ({field.description}): write {loc[-1]} = {to_fill_in(example)}"
 
 
 def _header(loc: KeyPath, model: type[BaseModel]) -> str:
-    names = [name_of(str(part)) for part in loc if isinstance(part, str)]
-    field = fields_of(model)[str(loc[0])]
-    listed = is_list(field)
-    if is_repeated(field) and not listed and len(names) == 1:
-        names.append("NAME")
-    return f"[[{names[0]}]]" if listed else f"[{'.'.join(names)}]"
+    keys = loc[:-1] if isinstance(loc[-1], int) else loc
+    name = ".".join(name_of(str(part)) for part in keys if isinstance(part, str))
+    field = fields_of(model_at(model, keys[:-1])).get(str(keys[-1]))
+    if field is None or not is_repeated(field):
+        return f"[{name}]"
+    return f"[[{name}]]" if is_list(field) else f"[{name}.NAME]"
 
 
 def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
