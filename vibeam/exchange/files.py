@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
 from hashlib import sha256
-from math import prod
+from math import isfinite, prod
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 from typing import Any
+
+from vibeam.system.record_samples import MOST_SAMPLES
 
 LARGEST = 2_000_000_000  # bytes on disk
 LARGEST_TEXT = 100_000_000  # bytes on disk of what is text, and of a measured curve
@@ -36,17 +38,46 @@ def reason(error: Exception) -> str:
 
 
 @contextmanager
-def read_by(said: str = "cannot be read", refusal: type[Exception] = Exception) -> Iterator[None]:
+def read_by(
+    said: str = "cannot be read", refusal: type[Exception] = Exception, line: int | None = None
+) -> Iterator[None]:
     """Context of a reading by the system or another library, whose every ``refusal`` becomes a FormatError.
 
-    ``said``: its message before the reason; a FormatError from within goes through as it is.
+    ``said``: its message before the reason. A FormatError from within goes through as it is, or gets the ``line``.
     """
     try:
         yield
-    except FormatError:
-        raise
     except refusal as error:
-        raise FormatError(f"{said}: {reason(error)}") from None
+        if isinstance(error, FormatError) and line is None:
+            raise
+        raise FormatError(": ".join(filter(None, (said, reason(error)))), line) from None
+
+
+SHOWN = 40  # characters of a text in a message
+_WHOLE = re.compile(r"[+-]?[0-9]{1,15}")
+_REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+
+
+def shown(text: str) -> str:
+    """Text as a message shows it."""
+    text = text.strip()
+    return repr(text if len(text) <= SHOWN else f"{text[:SHOWN]} …")
+
+
+def whole(text: str) -> int:
+    """The whole number that is written in digits of ASCII; FormatError for any other text."""
+    if not _WHOLE.fullmatch(text):
+        raise FormatError(f"{shown(text)} is no whole number")
+    return int(text)
+
+
+def real(text: str) -> float:
+    """The finite number that is written in digits of ASCII; FormatError for any other text."""
+    if not _REAL.fullmatch(text):
+        raise FormatError(f"{shown(text)} is no number")
+    if not isfinite(value := float(text)):
+        raise FormatError(f"{shown(text)} is beyond the largest number")
+    return value
 
 
 def dotted(tables: Mapping[str, Any], above: str = "", spelt: Callable[[str], str] = str) -> Iterator[tuple[str, Any]]:
@@ -106,6 +137,12 @@ def require_coordinates(*sizes: int) -> None:
         raise FormatError(f"has {max(sizes)} coordinates; a matrix may have {limit} at most")
 
 
+def require_samples(shape: Sequence[int]) -> None:
+    """FormatError for a column of more samples than a record may have, before it is read, or made floats."""
+    if max(shape, default=1) > MOST_SAMPLES:
+        raise FormatError(f"has {max(shape)} samples; {MOST_SAMPLES} at most: cut the record, or sample it again")
+
+
 def digest_of(path: Path) -> str:
     """SHA-256 of a file's content, in hexadecimal; FormatError as ``state_of``."""
     return _digest(path, state_of(path))
@@ -145,17 +182,12 @@ def text_of(path: Path) -> str:
 
 
 def lines_of(text: str, longest: int = LONGEST, most: int = LINES) -> Iterator[Line]:
-    """The lines that are not blank, one after the other; FormatError as ``numbered``."""
-    for number, line in numbered((found[1] for found in _LINE.finditer(text)), longest, most):
-        if line and not line.isspace():
-            yield number, line
-
-
-def numbered(lines: Iterable[str], longest: int = LONGEST, most: int = LINES) -> Iterator[Line]:
-    """Lines with their numbers; FormatError for a line that is too long, and for too many."""
-    for number, line in enumerate(lines, 1):
+    """The lines that are not blank with their numbers; FormatError for one that is too long, and for too many."""
+    for number, found in enumerate(_LINE.finditer(text), 1):
+        line = found[1]
         if len(line) > longest:
             raise FormatError(f"has {len(line)} characters; a line may have {longest} at most", number)
         if number > most:
             raise FormatError(f"has more than {most} lines: keep fewer, or write them as .npz, .mat or HDF5")
-        yield number, line
+        if line and not line.isspace():
+            yield number, line

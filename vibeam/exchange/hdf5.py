@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from vibeam.exchange.files import FormatError, require_room, state_of
 
@@ -18,14 +19,12 @@ WORD = 1000  # characters of a text
 Place = tuple[str, Any, bool]  # path, what lies there (None: a link to another place), whether it was met before
 
 
-@contextmanager
-def opened(path: Path) -> Iterator[h5py.File]:
+def opened(path: Path) -> h5py.File:
     """A regular file to read; OSError where it is no HDF5 file."""
     import h5py
 
     state_of(path)
-    with h5py.File(path, "r") as file:
-        yield file
+    return h5py.File(path, "r")
 
 
 def contents(file: h5py.File) -> Iterator[Place]:
@@ -76,8 +75,6 @@ def values_of(dataset: h5py.Dataset) -> Any:
 
 def text_at(item: Any, *names: str) -> str:
     """The text of the first attribute of these names that there is, empty without one or where it is no short text."""
-    import numpy as np
-
     for name in names:
         if name in item.attrs and item.attrs.get_id(name).shape in ((), (1,)):
             found = np.asarray(item.attrs[name]).item()
@@ -88,7 +85,6 @@ def text_at(item: Any, *names: str) -> str:
 def _words(dataset: h5py.Dataset) -> Any:
     """Texts of any length, one by one: a short file may name a long one many times."""
     import h5py
-    import numpy as np
 
     if h5py.check_string_dtype(dataset.dtype) is None or dataset.size > MOST:
         raise FormatError(f"{dataset.name!r} holds neither numbers nor up to {MOST} words")

@@ -19,7 +19,7 @@ from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadErro
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError, file_fault, read_by
+from vibeam.exchange.files import FormatError, file_fault, read_by, require_samples
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
 from vibeam_models.arguments import number, shown, word
@@ -173,6 +173,7 @@ def _read_wav(path: Path, column: str | int | None, scaled: bool) -> tuple[Colum
     with read_by("is no WAV file that can be read"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         own, data = wavfile.read(path)
+    require_samples(data.shape)
     table = data.reshape(len(data), -1)
     channels = table.shape[1]
     if column is None and channels > 1:

@@ -67,18 +67,13 @@ def write_series(steps: Sequence[Step], path: Path, comment: str = "") -> None:
     for index, (time, pieces) in enumerate(steps):
         for part, (name, piece) in enumerate(pieces.items()):
             if id(piece) not in written:
-                written[id(piece)] = f"{folder.name}/{_file_name(name)}_{index:04}.vtu"
+                plain = "".join(each if each.isalnum() or each in "-." else "_" for each in name)
+                written[id(piece)] = f"{folder.name}/{plain}_{index:04}.vtu"
                 write_vtu(piece, path.parent / written[id(piece)])
-            file = written[id(piece)]
-            ElementTree.SubElement(
-                listed, "DataSet", timestep=f"{time:.17g}", part=str(part), name=name, file=file
-            )  # fmt: skip
+            about = {"timestep": f"{time:.17g}", "part": str(part), "name": name, "file": written[id(piece)]}
+            ElementTree.SubElement(listed, "DataSet", about)
     ElementTree.indent(root)
     write_whole(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
-
-
-def _file_name(name: str) -> str:
-    return "".join(each if each.isalnum() or each in "-." else "_" for each in name)
 
 
 def centre_line(positions: Array, along: float, deflection: Array, slope: Array) -> dict[str, Array]:

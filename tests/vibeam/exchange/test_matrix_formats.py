@@ -154,7 +154,7 @@ FAULTS = {
     ),
     "f.mtx": (
         REAL.replace(b"real", b"complex") + b"1 1 1\n1 1 1.0 2.0\n",
-        "line 1: its matrix is complex: real or integer",
+        "line 1: its matrix is 'complex': real or integer",
     ),
     "ea.mtx": (
         REAL + b"2 2 1\n1 1 4.0e+",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, missing, split_head
-from vibeam.exchange.files import FormatError, dotted, read_by
+from vibeam.exchange.files import FormatError, dotted, read_by, require_samples
 from vibeam.exchange.hdf5 import contents, opened, text_at, values_of
 from vibeam.exchange.mat import Variable, variables
 from vibeam_models.arrays import Array
@@ -58,6 +58,7 @@ def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
 
 
 def _of_hdf5(dataset: Any) -> tuple[Any, str]:
+    require_samples(dataset.shape)
     return _plain(values_of(dataset)), text_at(dataset, "units", "unit")
 
 
@@ -99,7 +100,7 @@ def _place(names: list[str], wanted: WantedColumn) -> tuple[int, str, int | None
         if isinstance(text, int):
             continue
         name, colon, number = text.strip("/").rpartition(":")
-        name, column = (name, int(number)) if colon and number.isdigit() else (text.strip("/"), None)
+        name, column = (name, int(number)) if colon and number.isdecimal() else (text.strip("/"), None)
         for heads in (names, last):
             places = [place for place, head in enumerate(heads) if head.casefold() == name.casefold()]
             if len(places) > 1:
@@ -113,6 +114,7 @@ def _place(names: list[str], wanted: WantedColumn) -> tuple[int, str, int | None
 
 def _column(name: str, unit: str, value: Any, column: int | None, wanted: WantedColumn) -> CurveColumn:
     array = np.asarray(value)
+    require_samples(array.shape)
     if column is not None:
         if array.ndim != 2 or not 0 < column <= array.shape[1]:
             raise FormatError(f"{name!r} has the shape {array.shape}: it has no column {column}")

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from vibeam.exchange.files import FormatError
+from vibeam.exchange.files import FormatError, shown
 from vibeam_models.arrays import Array
 
 SHOWN = 12  # heads named in a message
@@ -88,11 +88,6 @@ def _named(head: str) -> str:
     return _whole(split_head(head)[0])
 
 
-def short(text: str) -> str:
-    """Text as a message shows it."""
-    return repr(text if len(text) <= 50 else f"{text[:48]} …")
-
-
 def missing(
     heads: Iterable[str], wanted: Mapping[str, WantedColumn], found: Mapping[str, int | None]
 ) -> HeadError | None:
@@ -101,7 +96,7 @@ def missing(
     if not absent:
         return None
     names = list(heads)
-    there = ", ".join(map(short, names[:SHOWN])) + (" …" if len(names) > SHOWN else "")
+    there = ", ".join(map(shown, names[:SHOWN])) + (" …" if len(names) > SHOWN else "")
     first = wanted[absent[0]].names[0]
     what = f"number {first}" if isinstance(first, int) else repr(first)
     cure = ", ".join(f'{role} = "…"' for role in absent)

@@ -9,30 +9,25 @@ from vibeam.exchange.curves import text
 from vibeam.exchange.curves.columns import Columns, WantedColumn
 from vibeam.exchange.curves.text import TextForm
 from vibeam.exchange.files import LARGEST_TEXT, state_of
+from vibeam_models.registry import loaded
 
+HERE = "vibeam.exchange.curves"
 BINARY = {
-    ".mat": "read_matlab", ".h5": "read_hdf5", ".hdf5": "read_hdf5", ".hdf": "read_hdf5", ".nc": "read_hdf5",
-}  # fmt: skip
-
-UNIVERSAL = (".uff", ".unv", ".uf", ".58")
+    ".mat": f"{HERE}.arrays:read_matlab",
+    **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), f"{HERE}.arrays:read_hdf5"),
+}
+READERS = BINARY | dict.fromkeys((".uff", ".unv", ".uf", ".58"), f"{HERE}.universal:read")
 
 
 def read_columns(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None = None) -> Columns:
     """The columns wanted of a file, by role; FormatError names what is wrong, where, and the cure."""
     state_of(path, LARGEST_TEXT)
-    ending = path.suffix.lower()
-    if ending in BINARY:
-        from vibeam.exchange.curves import arrays
-
-        reader = arrays.read_matlab if BINARY[ending] == "read_matlab" else arrays.read_hdf5
-        return reader(path, wanted)
-    if ending in UNIVERSAL:
-        from vibeam.exchange.curves import universal
-
-        return universal.read(path, wanted)
-    return text.read(path, wanted, form)
+    if is_text(path):
+        return text.read(path, wanted, form)
+    found: Columns = loaded(READERS[path.suffix.lower()])(path, wanted)
+    return found
 
 
 def is_text(path: Path) -> bool:
     """True where a file is read as text, by its ending."""
-    return path.suffix.lower() not in (*BINARY, *UNIVERSAL)
+    return path.suffix.lower() not in READERS

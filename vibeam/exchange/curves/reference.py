@@ -14,7 +14,7 @@ from vibeam.exchange.curves.read import read_columns
 from vibeam.exchange.curves.record import COLUMNS, Point, ReferenceCurve, ReferenceForm, factor, given
 from vibeam.exchange.curves.text import TextForm
 from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in, suggest
-from vibeam.exchange.files import FormatError, file_fault
+from vibeam.exchange.files import FormatError, file_fault, read_by
 from vibeam_models.arrays import Array
 
 RECORDED = "# Regression values: recorded by vibeam"  # first line of a file that ``vibeam check --write`` wrote
@@ -167,10 +167,8 @@ def _way(column: CurveColumn | None, row: int, line: int) -> str | None:
 
 
 def _period(column: CurveColumn | None, row: int, line: int) -> int | None:
-    try:
+    with read_by("", ValueError, line):
         return None if column is None else period_of(column.words[row].removesuffix(".0"))
-    except ValueError as fault:
-        raise FormatError(str(fault), line) from None
 
 
 def heading_of(quantity: str) -> str:

@@ -22,10 +22,9 @@ from vibeam.exchange.curves.columns import (
     WantedColumn,
     find,
     missing,
-    short,
     split_head,
 )
-from vibeam.exchange.files import FormatError, lines_of, text_of
+from vibeam.exchange.files import FormatError, lines_of, read_by, shown, text_of
 from vibeam_models.arrays import Array
 
 SEPARATORS = (";", "\t", ",", "|", " ")
@@ -65,7 +64,8 @@ def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None =
     kept = [row for row in rows if any(row[1][places[role]].strip() for role in places if wanted[role].needed)]
     if not kept:
         raise FormatError("has no line of numbers below its heads")
-    decimal = form.decimal or decimal_sign(_cells(kept, [places[role] for role in places if not wanted[role].words]))
+    cells = ((line, row[place]) for line, row in kept for role, place in places.items() if not wanted[role].words)
+    decimal = form.decimal or decimal_sign(cells)
     columns = {}
     for role, column in places.items():
         name, unit = split_head(heads[column])
@@ -87,16 +87,6 @@ def _table(below: list[tuple[int, str]], heads: list[str], separator: str) -> Ar
     except ValueError:
         return None
     return table if table.shape[1] == len(heads) and np.isfinite(table).all() else None
-
-
-def split(line: str, separator: str) -> list[str]:
-    """Cells of a line; blanks in any number are one separator."""
-    if separator == " ":
-        return line.split()
-    try:
-        return [cell.strip() for cell in next(csv.reader([line.strip("\r\n")], delimiter=separator))]
-    except csv.Error as error:
-        raise FormatError(f"is no line of a table: {error}") from None
 
 
 def _head(
@@ -127,8 +117,8 @@ def _first(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
 
 def _heads_of(line: int, text: str, separator: str) -> list[str]:
     """Heads of a line, which may be a comment; a unit in brackets belongs to the word before it."""
-    shown = text.lstrip("#%").strip() if text[0] in "#%" else text
-    return re.split(r"\s+(?![\[(])", shown.strip()) if separator == " " else _cells_of(line, shown, separator)
+    heads = text.lstrip("#%").strip() if text[0] in "#%" else text
+    return re.split(r"\s+(?![\[(])", heads.strip()) if separator == " " else _cells_of(line, heads, separator)
 
 
 def _no_heads(
@@ -149,10 +139,11 @@ def _no_heads(
 
 
 def _cells_of(line: int, text: str, separator: str) -> list[str]:
-    try:
-        return split(text, separator)
-    except FormatError as fault:
-        raise FormatError(fault.message, line) from None
+    """Cells of a line; blanks in any number are one separator."""
+    if separator == " ":
+        return text.split()
+    with read_by("is no line of a table", csv.Error, line):
+        return [cell.strip() for cell in next(csv.reader([text.strip("\r\n")], delimiter=separator))]
 
 
 def _trimmed(cells: list[str]) -> list[str]:
@@ -193,9 +184,7 @@ def _rows(lines: list[tuple[int, str]], heads: list[str], separator: str, needed
             raise FormatError(f"{len(cells)} cells for {len(heads)} columns{why}", line)
         if len(raw) < needed:
             counted = f"{len(raw)} cell{'s' * (len(raw) != 1)} for {len(heads)} columns"
-            raise FormatError(
-                f"{counted}, {short(text.strip())}: complete the line, delete it, or begin it with #", line
-            )
+            raise FormatError(f"{counted}, {shown(text)}: complete the line, delete it, or begin it with #", line)
         yield line, cells + [""] * (len(heads) - len(cells))
 
 
@@ -216,12 +205,6 @@ def _units_line(
     cells = rows[0][1]
     units = {role: cells[place].strip().strip("[]()").strip() for role, place in places.items()}
     return {role: unit for role, unit in units.items() if not wanted[role].words}, rows[1:]
-
-
-def _cells(rows: list[Row], places: list[int]) -> Iterator[tuple[int, str]]:
-    for line, cells in rows:
-        for place in places:
-            yield line, cells[place]
 
 
 LONGEST = 100  # characters of a number: some expressions below take time with their square
@@ -261,25 +244,24 @@ def decimal_sign(cells: Iterable[Cell]) -> str:
 
 def number(cell: Cell, decimal: str) -> float:
     """A cell as a number, NaN where it is empty; FormatError where it is none."""
-    line, text = cell
-    shown = text.strip()
-    if shown.casefold() in EMPTY:
+    line, text = cell[0], cell[1].strip()
+    if text.casefold() in EMPTY:
         return nan
-    if len(shown) > LONGEST:
-        raise FormatError(f"{short(shown)} is not a number: it has {len(shown)} characters", line)
-    plain = _GROUPED.sub(lambda found: found[1] + re.sub("[^0-9]", "", found[2]), shown.replace("−", "-"))
+    if len(text) > LONGEST:
+        raise FormatError(f"{shown(text)} is not a number: it has {len(text)} characters", line)
+    plain = _GROUPED.sub(lambda found: found[1] + re.sub("[^0-9]", "", found[2]), text.replace("−", "-"))
     mark = "." if decimal == "," else ","
     whole, sign, rest = plain.partition(decimal)
     if mark in whole:
         if not _THOUSANDS[mark].fullmatch(whole):
-            raise FormatError(f"{short(shown)} is not a number with the decimal sign {decimal!r}", line)
+            raise FormatError(f"{shown(text)} is not a number with the decimal sign {decimal!r}", line)
         whole = whole.replace(mark, "")
     written = whole + ("." if sign else "") + rest
     if not _NUMBER.fullmatch(written):
-        raise FormatError(f"{short(shown)} is not a number{_hint(shown)}", line)
+        raise FormatError(f"{shown(text)} is not a number{_hint(text)}", line)
     value = float(written.replace("D", "e").replace("d", "e"))
     if not isfinite(value):
-        raise FormatError(f"{short(shown)} is not a finite number", line)
+        raise FormatError(f"{shown(text)} is not a finite number", line)
     return value
 
 

@@ -108,56 +108,49 @@ def write_arrays(arrays: Arrays, path: Path) -> dict[str, tuple[Path, str]]:
     """
     ending = path.suffix.lower()
     if ending in _TOGETHER:
-        write_whole(path, _TOGETHER[ending](arrays))
+        write_whole(path, _content(_TOGETHER[ending], dict(arrays)))
         return {name: (path, name) for name in arrays}
     if ending not in _ALONE:
         raise ValueError(f"{path}: matrices are written as {', '.join(WRITTEN)}")
     files = {name: path.with_name(f"{path.stem}_{name}{ending}") for name in arrays}
     for name, file in files.items():
-        write_whole(file, _ALONE[ending](arrays[name]))
+        write_whole(file, _content(_ALONE[ending], arrays[name]))
     return {name: (file, "") for name, file in files.items()}
 
 
-def _npz(arrays: Arrays) -> bytes:
-    made = BytesIO()
-    np.savez(made, **dict(arrays))  # type: ignore[arg-type]
-    return made.getvalue()
+def _content(write: Write, what: Any) -> bytes:
+    file = BytesIO()
+    write(file, what)
+    return file.getvalue()
 
 
-def _mat(arrays: Arrays) -> bytes:
+def _npz(file: BytesIO, arrays: Any) -> None:
+    np.savez(file, **arrays)
+
+
+def _mat(file: BytesIO, arrays: Any) -> None:
     from scipy.io import savemat
 
-    made = BytesIO()
-    savemat(made, dict(arrays))
-    return made.getvalue()
+    savemat(file, arrays)
 
 
-def _hdf5(arrays: Arrays) -> bytes:
+def _hdf5(file: BytesIO, arrays: Any) -> None:
     import h5py
 
-    made = BytesIO()
-    with h5py.File(made, "w") as file:
+    with h5py.File(file, "w") as made:
         for name, array in arrays.items():
-            file[name] = array
-    return made.getvalue()
+            made[name] = array
 
 
-def _npy(array: Any) -> bytes:
-    made = BytesIO()
-    np.save(made, array)
-    return made.getvalue()
-
-
-def _mtx(array: Any) -> bytes:
+def _mtx(file: BytesIO, array: Any) -> None:
     from scipy.io import mmwrite
     from scipy.sparse import coo_array
 
-    made = BytesIO()
     matrix = np.atleast_2d(array)
-    mmwrite(made, coo_array(matrix) if matrix.shape[0] > 1 else matrix.T, precision=DIGITS)
-    return made.getvalue()
+    mmwrite(file, coo_array(matrix) if matrix.shape[0] > 1 else matrix.T, precision=DIGITS)
 
 
-_TOGETHER = {".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5, ".mat": _mat}
-_ALONE = {".mtx": _mtx, ".npy": _npy}
+Write = Callable[[BytesIO, Any], None]
+_TOGETHER: dict[str, Write] = {".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5, ".mat": _mat}
+_ALONE: dict[str, Write] = {".mtx": _mtx, ".npy": np.save}
 WRITTEN = (*_TOGETHER, *_ALONE)

@@ -10,20 +10,16 @@ of freedom that a boundary condition holds has 1e36 on the diagonal of the stiff
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.exchange.files import FormatError, Line, lines_of, require_coordinates, require_room, text_of
+from vibeam.exchange.files import FormatError, Line, lines_of, read_by, real, require_room, shown, text_of
 from vibeam.exchange.matrices.entries import FileMatrix, assembled, labelled, scattered
-
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-SHOWN = 40  # characters of a line in a message
 
 
 def read_text(path: Path, name: str, wanted: str) -> FileMatrix:
@@ -56,32 +52,23 @@ def table(rows: Callable[[], Iterable[Line]], width: int) -> NDArray[np.float64]
     try:
         found = np.loadtxt((line for _, line in rows()), comments=None, ndmin=2)
     except ValueError:
-        raise _fault(rows(), width) from None
+        found = np.zeros(0)
     if found.shape[1:] != (width,) or not np.isfinite(found).all():
-        raise _fault(rows(), width)
+        _refuse(rows(), width)
     require_room(found.shape)
     return found
 
 
-def _fault(rows: Iterable[Line], width: int) -> FormatError:
-    """Fault of the first row that is none."""
+def _refuse(rows: Iterable[Line], width: int) -> NoReturn:
+    """FormatError for the first row that is none."""
     for number, line in rows:
         words = line.split(maxsplit=width)
         if len(words) != width:
             counted = "more" if len(words) > width else len(words)
-            return FormatError(f"{shown(line)} has {counted} numbers in place of {width}", number)
-        for word in words:
-            if not _NUMBER.fullmatch(word):
-                return FormatError(f"{shown(word)} is no number", number)
-            if not np.isfinite(float(word)):
-                return FormatError(f"{shown(word)} is beyond the largest number", number)
-    return FormatError("cannot be read as rows of numbers")
-
-
-def shown(text: str) -> str:
-    """Text as a message shows it."""
-    text = text.strip()
-    return repr(text if len(text) <= SHOWN else f"{text[:SHOWN]} …")
+            raise FormatError(f"{shown(line)} has {counted} numbers in place of {width}", number)
+        with read_by("", line=number):
+            [real(word) for word in words]
+    raise FormatError("cannot be read as rows of numbers")
 
 
 HELD = 1e35  # on the diagonal
@@ -153,7 +140,7 @@ def _head(line: str) -> tuple[str, bool]:
         raise FormatError("is no Matrix Market head, %%MatrixMarket matrix coordinate real general", 1)
     for word, known in zip(words[2:], (LAYOUTS, FIELDS, SYMMETRIES), strict=True):
         if word not in known:
-            raise FormatError(f"its matrix is {word[:SHOWN]}: {' or '.join(known)} is needed", 1)
+            raise FormatError(f"its matrix is {shown(word)}: {' or '.join(known)} is needed", 1)
     return words[2], words[4] == "symmetric"
 
 
@@ -167,7 +154,6 @@ def _sizes(line: Line | None, count: int) -> list[int]:
 
 
 def _coordinate(rows: Rows, shape: tuple[int, int], count: int, symmetric: bool) -> Any:
-    require_coordinates(*shape)
     entries = table(rows, 3)
     if len(entries) != count:
         raise FormatError(f"has {len(entries)} entries, and its line of sizes says {count}: is it cut off?")
