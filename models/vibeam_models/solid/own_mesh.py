@@ -44,7 +44,7 @@ class MeshGroup:
 class FileMesh:
     """A mesh as its file has it: ``points`` (n, 3) in the file's unit, ``cells`` (k, nodes) of one of ``KINDS``.
 
-    All points are nodes of cells. ``strays``: how many nodes of a group were none.
+    All points are nodes of cells. ``strays``: how many nodes of a group were none; ``unused``: of the whole file.
     """
 
     points: Array
@@ -52,6 +52,7 @@ class FileMesh:
     cells: Indices
     groups: Mapping[str, MeshGroup]
     strays: Mapping[str, int] | None = None
+    unused: int = 0
 
     @property
     def corners(self) -> Indices:
@@ -122,14 +123,13 @@ def finite_element_mesh(mesh: FileMesh) -> Any:
         return linear
     made = (MeshHex2 if hexahedra else MeshTet2).from_mesh(linear)
     places = made.doflocs.copy()
-    dofs = made.dofs
     edges = _found(made.edges, [numbering.corners[:, edge] for edge in np.array(mesh.edges)])
-    places[:, dofs.edge_dofs[0, edges]] = mesh.points[mesh.middles.T].transpose(2, 0, 1)
+    places[:, made.dofs.edge_dofs[0, edges]] = mesh.points[mesh.middles.T].transpose(2, 0, 1)
     if hexahedra:
         faces = _found(made.facets, [numbering.corners[:, face] for face in np.array(HEX_FACES)])
         at = _serendipity(mesh)
-        places[:, dofs.facet_dofs[0, faces]] = at[:, :6].transpose(2, 1, 0)
-        places[:, dofs.interior_dofs[0]] = at[:, 6].T
+        places[:, made.dofs.facet_dofs[0, faces]] = at[:, :6].transpose(2, 1, 0)
+        places[:, made.dofs.interior_dofs[0]] = at[:, 6].T
     return replace(made, doflocs=places)
 
 

@@ -7,16 +7,17 @@ gives sets to wrong blocks of elements.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterator
+from functools import partialmethod
 from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.files import LINES, FormatError, lines_of, text_of
+from vibeam.exchange.files import FormatError, lines_of, read_by, real, text_of, whole
 from vibeam.exchange.meshes.content import FileContent
 from vibeam_models.solid.own_mesh import Indices
 
-TYPE = re.compile(r"(D?C3D|S|DS|CPS|CPE|M3D|SFM3D|R3D|STRI)(\d+)")
+TYPE = re.compile(r"(D?C3D|S|DS|CPS|CPE|M3D|SFM3D|R3D|STRI)([0-9]+)")
 VOLUMES = {4: "tetra", 5: "pyramid", 6: "wedge", 8: "hexahedron", 10: "tetra10", 15: "wedge15", 20: "hexahedron20"}
 SKINS = {3: "triangle", 4: "quad", 6: "triangle6", 65: "triangle6", 8: "quad8", 9: "quad9"}
 #: corners of the faces S1, S2 …
@@ -24,6 +25,8 @@ FACES = {
     "tetra": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
     "hexahedron": ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
 }
+NAMED = 10_000_000  # numbers in all sets
+LONGEST = 10_000  # characters of a keyword's line
 MERGE = "write the mesh as one part, where it stands (Abaqus: merge the instances)"
 Options = dict[str, str]
 Rows = list[list[str]]
@@ -33,12 +36,9 @@ def read_deck(path: Path) -> FileContent:
     """The content of a deck; FormatError with the line of the keyword that is wrong, or for more than one part."""
     deck = Deck()
     for line, keyword, options, rows in _keywords(text_of(path)):
-        read = getattr(deck, f"read_{keyword.lower()}", None)
-        try:
-            if read:
+        if read := getattr(deck, f"read_{keyword.lower()}", None):
+            with read_by(f"*{keyword}", line=line):
                 read(options, rows)
-        except (ValueError, IndexError, KeyError) as error:
-            raise FormatError(f"*{keyword}: {str(error)[:150]}", line) from None
     return deck.content()
 
 
@@ -54,8 +54,10 @@ def _keywords(text: str) -> Iterator[tuple[int, str, Options, Rows]]:
             pairs = (each.partition("=") for each in options)
             yield start, keyword.strip(" *\t").upper(), {a.strip().upper(): b.strip(' \t"') for a, _, b in pairs}, rows
             start, head, rows = number, line, []
-        elif head.rstrip().endswith(",") and not rows:
+        elif head[-LONGEST:].rstrip().endswith(",") and not rows:
             head += line
+            if len(head) > LONGEST:
+                raise FormatError(f"has a keyword of more than {LONGEST} characters", start)
         else:
             rows.append([each.strip() for each in line.strip().rstrip(",").split(",")])
 
@@ -66,7 +68,8 @@ class Deck:
     def __init__(self) -> None:
         self.nodes: dict[int, list[float]] = {}
         self.cells: dict[str, dict[int, list[int]]] = {}
-        self.sets: dict[str, dict[str, list[int]]] = {"NSET": {}, "ELSET": {}}
+        self.sets: dict[str, dict[str, tuple[str, set[int]]]] = {"NSET": {}, "ELSET": {}}
+        self.named = 0  # numbers in sets, each as often as it is named
         self.surfaces: dict[str, list[tuple[str, str]]] = {}
         self.parts: set[str] = set()
 
@@ -75,18 +78,16 @@ class Deck:
         if not self.nodes:
             raise FormatError("has no *NODE: it is no mesh of Abaqus")
         places = {number: index for index, number in enumerate(self.nodes)}
-
-        def placed(numbers: Iterable[int]) -> list[int]:
-            return [places[each] for each in numbers]
-
+        cells = {kind: list(found.values()) for kind, found in self.cells.items()}
         try:
-            blocks = [(kind, np.array([placed(cell) for cell in cells.values()])) for kind, cells in self.cells.items()]
+            blocks = [(kind, np.array([[places[each] for each in one] for one in of])) for kind, of in cells.items()]
             made = FileContent(np.array(list(self.nodes.values())), blocks)
-            made.nodes |= {name: np.array(sorted(set(placed(each))), int) for name, each in self.sets["NSET"].items()}
+            nodes = self.sets["NSET"].values()
+            made.nodes |= {name: np.array([places[at] for at in sorted(each)], int) for name, each in nodes}
         except KeyError as error:
             raise FormatError(f"node {error} is named and not there") from None
         index = [{number: place for place, number in enumerate(cells)} for cells in self.cells.values()]
-        for name, numbers in self.sets["ELSET"].items():
+        for name, numbers in self.sets["ELSET"].values():
             made.members[name] = {}
             for block, known in enumerate(index):
                 made.join(name, block, np.array([known[each] for each in numbers if each in known], int))
@@ -97,35 +98,41 @@ class Deck:
     def _faces(
         self, blocks: list[tuple[str, Indices]], index: list[dict[int, int]], elements: str, face: str
     ) -> Iterator[Indices]:
-        numbers = self._named("ELSET", elements)
+        numbers = self._counted(self._named("ELSET", elements))
         for (kind, cells), known in zip(blocks, index, strict=True):
-            faces = FACES.get(kind.rstrip("0123456789"), ())
+            sides = {f"S{number}": side for number, side in enumerate(FACES.get(kind.rstrip("0123456789"), ()), 1)}
             found = [known[each] for each in numbers if each in known]
-            if found and face[:1].upper() == "S" and face[1:].isdigit() and 0 < int(face[1:]) <= len(faces):
-                yield cells[found][:, list(faces[int(face[1:]) - 1])]
+            if found and face.upper() in sides:
+                yield cells[found][:, list(sides[face.upper()])]
             elif found and kind in SKINS.values():
                 yield cells[found][:, : 3 if kind.startswith("triangle") else 4]
 
-    def _named(self, of: str, name: str) -> list[int]:
+    def _named(self, of: str, name: str) -> Collection[int]:
         """A number, or the numbers of a set, whose name has no case and may be of an instance."""
-        if name.isdigit():
-            return [int(name)]
+        if name[:1].isdigit():
+            return [whole(name)]
         wanted = name.rpartition(".")[2].lower()
-        found = [numbers for each, numbers in self.sets[of].items() if each.lower() == wanted]
-        if not found:
+        if wanted not in self.sets[of]:
             raise FormatError(f"the set '{name}' is named and not there")
-        return found[0]
+        return self.sets[of][wanted][1]
 
-    def _join(self, of: str, name: str | None, numbers: Iterable[int]) -> None:
+    def _counted(self, numbers: Collection[int]) -> Collection[int]:
+        """The numbers; FormatError where all sets name too many: a set may name others, or itself, again and again."""
+        self.named += len(numbers)
+        if self.named > NAMED:
+            raise FormatError(f"its sets name more than {NAMED} nodes and elements: name fewer")
+        return numbers
+
+    def _join(self, of: str, name: str | None, numbers: Collection[int]) -> None:
         if name is not None:
-            self.sets[of].setdefault(name, []).extend(numbers)
+            self.sets[of].setdefault(name.lower(), (name, set()))[1].update(self._counted(numbers))
 
     def read_node(self, options: Options, rows: Rows) -> None:
         """Nodes, of which no number comes twice."""
         for number, *place in rows:
-            if int(number) in self.nodes:
+            if whole(number) in self.nodes:
                 raise ValueError(f"node {number} is there twice: {MERGE}")
-            self.nodes[int(number)] = [float(each or 0) for each in (*place, "", "", "")[:3]]
+            self.nodes[int(number)] = [real(each or "0") for each in (*place, "", "", "")[:3]]
         self._join("NSET", options.get("NSET"), [int(row[0]) for row in rows])
 
     def read_element(self, options: Options, rows: Rows) -> None:
@@ -137,7 +144,7 @@ class Deck:
         if size not in (VOLUMES if volume else SKINS):
             raise ValueError(f"elements of type {kind} are not read")
         called, size = (VOLUMES if volume else SKINS)[size], 6 if size == 65 else size
-        numbers = [int(each) for row in rows for each in row if each]
+        numbers = [whole(each) for row in rows for each in row if each]
         if len(numbers) % (size + 1):
             raise ValueError(f"its numbers are no multiple of {size + 1}: an element of type {kind} has {size} nodes")
         cells = {numbers[at]: numbers[at + 1 : at + size + 1] for at in range(0, len(numbers), size + 1)}
@@ -148,22 +155,13 @@ class Deck:
         self._join(of, options[of], ())
         for row in rows:
             if "GENERATE" in options:
-                first, last, *step = map(int, filter(None, row))
-                numbers = range(first, last + 1, *step)
-                if len(numbers) > LINES:
-                    raise ValueError(f"{len(numbers)} numbers are more than a file can have")
-                self._join(of, options[of], numbers)
+                first, last, *step = map(whole, filter(None, row))
+                self._join(of, options[of], range(first, last + 1, *step))
             else:
                 for each in filter(None, row):
                     self._join(of, options[of], self._named(of, each))
 
-    def read_nset(self, options: Options, rows: Rows) -> None:
-        """A set of nodes."""
-        self._read_set("NSET", options, rows)
-
-    def read_elset(self, options: Options, rows: Rows) -> None:
-        """A set of elements."""
-        self._read_set("ELSET", options, rows)
+    read_nset, read_elset = partialmethod(_read_set, "NSET"), partialmethod(_read_set, "ELSET")
 
     def read_surface(self, options: Options, rows: Rows) -> None:
         """A surface of faces of elements, or of nodes."""

@@ -61,6 +61,9 @@ class BodyReading:
         names |= {key: motion.group for key, motion in self.motions.items()}
         names |= {"symmetry": self.plan.symmetry} if self.plan.symmetry else {}
         self._check(names)
+        if self.mesh.unused:
+            said = f"{len(self.mesh.cells)} cells of {len(self.mesh.points)} nodes; {self.mesh.unused} further nodes"
+            self.assumed.append(f"{self.plan.file} has {said} of no cell of volume are left out")
         materials, material = tuple(map(self._made, self.plan.materials)), self._material()
         if self.plan.symmetry and not self.faults:
             self._halve(self.plan.symmetry)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,6 +11,7 @@ from vibeam.exchange.files import COORDINATES, FormatError
 from vibeam_models.arrays import Array
 from vibeam_models.solid.own_mesh import KINDS, FileMesh, Indices, MeshGroup
 
+FAR = 1e30  # beyond which products of coordinates overflow
 SOLIDS = ("hexahedron", "tetra", "wedge", "pyramid")  # kinds of cells of volume begin with one of these
 CALLED = {"wedge": "wedges", "pyramid": "pyramids", "tetra": "tetrahedra", "hexahedron": "hexahedra"}
 
@@ -35,6 +36,13 @@ class FileContent:
             own[block] = np.union1d(own.get(block, np.empty(0, int)), indices)
 
 
+def by_value(values: Indices) -> Iterator[tuple[int, Indices]]:
+    """Each value of an array of whole numbers, and the indices at which it stands."""
+    order = np.argsort(values, kind="stable")
+    found, starts = np.unique(values[order], return_index=True)
+    return zip(found.tolist(), np.split(order, starts[1:]), strict=False)  # of nothing there is one empty part
+
+
 def mesh_of(content: FileContent) -> FileMesh:
     """The mesh of volume: one kind of cells, each once, nodes that cells use, groups of these."""
     kind = _kind(content.blocks)
@@ -45,9 +53,9 @@ def mesh_of(content: FileContent) -> FileMesh:
         if data.size and (data.min() < 0 or data.max() >= len(content.points)):
             raise FormatError("a cell names a node that is not there: the file is damaged")
     together = np.concatenate(list(blocks.values()))
-    bad = np.flatnonzero(~np.all(np.isfinite(content.points), axis=1))
+    bad = np.flatnonzero(~np.all(np.abs(content.points) < FAR, axis=1))
     if len(bad):
-        said = "of its nodes have coordinates that are no finite numbers"
+        said = f"of its nodes have coordinates that are no finite numbers, or beyond {FAR:g}"
         raise FormatError(f"{len(bad)} {said}, the first node {bad[0] + 1}")
     # Gmsh writes a cell again for every group that it is in
     _, first, again = np.unique(np.sort(together, axis=1), axis=0, return_index=True, return_inverse=True)
@@ -61,7 +69,8 @@ def mesh_of(content: FileContent) -> FileMesh:
     groups, strays = {}, {}
     for name in dict.fromkeys([*content.members, *content.faces, *content.nodes]):
         groups[name], strays[name] = _group(content, name, {at: cell[start:] for at, start in starts.items()}, nodes)
-    return FileMesh(content.points[used], kind, renumbered.reshape(cells.shape), groups, strays)
+    unused = len(content.points) - len(used)
+    return FileMesh(content.points[used], kind, renumbered.reshape(cells.shape), groups, strays, unused)
 
 
 def _kind(blocks: list[tuple[str, Indices]]) -> str:

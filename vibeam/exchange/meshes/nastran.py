@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.files import FormatError, text_of
-from vibeam.exchange.meshes.content import FileContent
-from vibeam.exchange.nastran import cards
+from vibeam.exchange.files import FormatError, read_by, text_of, whole
+from vibeam.exchange.meshes.content import FileContent, by_value
+from vibeam.exchange.nastran import cards, real_field
 
 HEXAHEDRON = [*range(12), 16, 17, 18, 19, 12, 13, 14, 15]  # upright edges come before the upper ones
 #: kinds of elements by the number of their nodes; of those of skins the corners alone are read
@@ -26,23 +26,25 @@ ELEMENTS = {
 SKINS = dict.fromkeys(("CTRIA3", "CTRIAR", "CTRIA6"), (3, "triangle")) | dict.fromkeys(
     ("CQUAD4", "CQUADR", "CQUAD8", "CQUAD"), (4, "quad")
 )
+SPAN = re.compile(r"([0-9]{1,15})(?: THRU ([0-9]{1,15}))?(?: |$)")
+SPANS = re.compile(f"(?:{SPAN.pattern})*")
 
 
 def read_bulk(path: Path) -> FileContent:
     """The content of a bulk data file, with or without its case control.
 
     Groups: ``property 3`` the elements of PID 3; ``SPC 1`` the grids that SPC and SPC1 of set 1 hold; ``SET 5`` those
-    of a set of the case control. FormatError where grids are in a coordinate system of their own.
+    of a set of the case control. FormatError where grids are in a coordinate system of their own, and for an INCLUDE.
     """
-    text = text_of(path).upper()
-    control, begin, bulk = text.partition("BEGIN BULK")
+    control, begin, bulk = text_of(path).upper().partition("BEGIN BULK")
+    if not begin:
+        control, bulk = "", control
+    list(cards(control))  # refuses an INCLUDE there too
     data = BulkData()
-    for line, name, fields in cards(re.split(r"(?m)^ENDDATA", bulk if begin else text)[0]):
-        try:
+    for line, name, fields in cards(re.split(r"(?m)^ENDDATA", bulk)[0], control.count("\n")):
+        with read_by(name, line=line):
             data.read(name, fields)
-        except (ValueError, IndexError) as error:
-            raise FormatError(f"{name}: {str(error)[:150]}", line + control.count("\n") * bool(begin)) from None
-    for number, said in re.findall(r"(?m)^\s*SET\s+(\d+)\s*=\s*((?:[^\n]*,\s*\n)*[^\n]*)", control if begin else ""):
+    for number, said in re.findall(r"(?m)^[ \t]*SET[ \t]+([0-9]+)[ \t]*=((?:.*,[ \t\r]*\n)*.*)", control):
         data.sets[f"SET {number}"] = re.split(r"[,\s]+", said)
     return data.content()
 
@@ -56,14 +58,14 @@ class BulkData:
         self.sets: dict[str, list[str]] = {}
 
     def read(self, name: str, fields: list[str]) -> None:
-        """Read one entry; ValueError and IndexError where it is damaged."""
+        """Read one entry; an error of any kind where it is damaged."""
         if name == "GRID":
             if fields[1] not in ("", "0"):
                 raise ValueError(f"is in the coordinate system {fields[1]}: write all grids in the basic one")
-            self.grids[int(fields[0])] = [_number(each) for each in fields[2:5]]
+            self.grids[whole(fields[0])] = [real_field(each or "0") for each in fields[2:5]]
         elif name in ELEMENTS or name in SKINS:
-            kind, nodes = _cell(name, [int(each) for each in fields[2:] if each.isdigit()])
-            self.cells.setdefault(kind, []).append((int(fields[1] or fields[0]), nodes))
+            kind, nodes = _cell(name, fields[2:])
+            self.cells.setdefault(kind, []).append((whole(fields[1] or fields[0]), nodes))
         elif name in ("SPC", "SPC1"):
             self.sets.setdefault(f"SPC {fields[0]}", []).extend(fields[2:] if name == "SPC1" else fields[1::3])
 
@@ -81,37 +83,28 @@ class BulkData:
             raise FormatError(f"grid {error} is named and not there") from None
         made = FileContent(np.array(list(self.grids.values())), blocks)
         for block, found in enumerate(self.cells.values()):
-            properties = np.array([each for each, _ in found])
-            for value in np.unique(properties):
-                made.join(f"property {value}", block, np.flatnonzero(properties == value))
+            for value, cells in by_value(np.array([each for each, _ in found])):
+                made.join(f"property {value}", block, cells)
         numbers = np.array(list(self.grids))
         for name, fields in self.sets.items():
-            made.nodes[name] = np.flatnonzero(_among(numbers, fields))
+            if SPANS.fullmatch(named := " ".join(filter(None, fields))):
+                made.nodes[name] = np.flatnonzero(_among(numbers, named))
         return made
 
 
-def _cell(name: str, nodes: list[int]) -> tuple[str, list[int]]:
+def _cell(name: str, fields: list[str]) -> tuple[str, list[int]]:
     """Kind of a cell and its nodes in the order of VTK; of a face its corners."""
-    corners, kind = SKINS.get(name, (0, ""))
-    if corners and len(nodes) >= corners:
-        return kind, nodes[:corners]
+    corners, kind = SKINS.get(name, (None, ""))
+    nodes = [whole(each) for each in fields[:corners] if each]
     known = ELEMENTS.get(name, {corners: kind})
     if len(nodes) not in known:
         raise ValueError(f"has {len(nodes)} nodes: it must have {' or '.join(map(str, known))}")
     return known[len(nodes)], [nodes[each] for each in HEXAHEDRON] if len(nodes) == 20 else nodes
 
 
-def _number(text: str) -> float:
-    """A real number, whose exponent may come without its letter: ``1.5-3``; empty: 0."""
-    text = text.replace("D", "E")
-    return float(text if "E" in text else re.sub(r"(?<=[\d.])([+-])", r"E\1", text) or "0")
-
-
-def _among(numbers: np.ndarray, fields: list[str]) -> np.ndarray:
-    """Test of each of the numbers whether the fields name it, or have it between two with THRU."""
-    said = [each for each in fields if each == "THRU" or each.isdigit()]
-    found = np.isin(numbers, [int(each) for each in said if each != "THRU"])
-    for at, each in enumerate(said[1:-1], 1):
-        if each == "THRU" and "THRU" not in (said[at - 1], said[at + 1]):
-            found |= (numbers >= int(said[at - 1])) & (numbers <= int(said[at + 1]))
-    return found
+def _among(numbers: np.ndarray, named: str) -> np.ndarray:
+    """Test of each of the numbers whether it is named, or lies between two with THRU."""
+    spans = [(int(first), int(last or first)) for first, last in SPAN.findall(named)]
+    first, last = np.array([each for each in spans if each[0] <= each[1]], int).reshape(-1, 2).T
+    begun = np.searchsorted(np.sort(first), numbers, "right")
+    return np.asarray(begun > np.searchsorted(np.sort(last), numbers, "left"))
