@@ -13,7 +13,7 @@ from scipy.io import savemat, wavfile
 
 import vibeam
 from vibeam.exchange import hdf5, mat
-from vibeam.exchange.files import NUMBERS, FormatError, require_room, text_of
+from vibeam.exchange.files import NUMBERS, FormatError, lines_of, require_room, text_of
 from vibeam.exchange.matrices.declaration import read_matrix
 from vibeam.exchange.meshes.read import read_mesh
 from vibeam.system.record_samples import MOST_SAMPLES
@@ -112,7 +112,7 @@ def test_a_matlab_variable_that_is_more_than_there_is(packed: bool, tmp_path: Pa
 
     savemat(tmp_path / "K.mat", {"K": K})
     whole = (tmp_path / "K.mat").read_bytes()
-    for rows, said in ((4000, "2 × 4000"), (-2, "2 × -2")):
+    for rows, said in ((4000, "says that it is 2 × 4000"), (-2, "2 × -2"), (NUMBERS, "is 2 × 25000000; an array may")):
         told = struct.pack("<iiii", 5, 8, 2, 2)
         assert whole.count(told) == 1
         changed = whole.replace(told, struct.pack("<iiii", 5, 8, 2, rows))
@@ -120,7 +120,7 @@ def test_a_matlab_variable_that_is_more_than_there_is(packed: bool, tmp_path: Pa
             body = zlib.compress(changed[128:])
             changed = changed[:128] + struct.pack("<II", mat.PACKED, len(body)) + body
         (tmp_path / "K.mat").write_bytes(changed)
-        with pytest.raises(FormatError, match=f"says that it is {said}"):
+        with pytest.raises(FormatError, match=said):
             read_matrix(tmp_path / "K.mat")
 
 
@@ -169,6 +169,21 @@ def test_text_that_is_none(tmp_path: Path) -> None:
         file.truncate(100_000_001)
     with pytest.raises(FormatError, match="has 100 MB; such a file may have 100 MB at most"):
         text_of(tmp_path / "a.csv")
+
+
+def test_lines_that_are_too_long_or_too_many() -> None:
+    assert list(lines_of("1\n\n2", longest=1, most=4)) == [(1, "1"), (3, "2")]
+    with pytest.raises(FormatError, match="line 2: has 4 characters; a line may have 3 at most"):
+        list(lines_of("1\n1234", longest=3))
+    with pytest.raises(FormatError, match="has more than 2 lines: keep fewer"):
+        list(lines_of("1\n2\n3", most=2))
+
+
+def test_a_short_file_that_names_a_long_word(tmp_path: Path) -> None:
+    with h5py.File(tmp_path / "words.h5", "w") as file:
+        file["words"] = ["up", "a" * (hdf5.WORD + 1)]
+        with pytest.raises(FormatError, match="'/words' holds a word of 1001 characters"):
+            hdf5.values_of(file["words"])
 
 
 def test_a_record_of_too_many_samples_is_refused_before_it_is_read(tmp_path: Path, monkeypatch) -> None:
