@@ -22,14 +22,15 @@ def damped(structure: Structure, damping: Damping) -> Structure:
 
 
 def modal_ratios(damping: Damping, omega: Array) -> Array:
-    """Damping ratio (n,) of every mode, ``omega`` (n,) rad/s ascending and positive.
+    """Damping ratio (n,) of every mode, ``omega`` (n,) rad/s ascending: the elastic ones are counted, at 0 it is 0.
 
     ``"stiffness"`` is the paper's C = D K: ζ_i = ½Dω_i, D = 2ζ₁/ω₁; ``"rayleigh"`` C = αM + DK: ζ_i = ½(α/ω_i + Dω_i).
     ValueError for the wrong number of ratios, a negative ratio, given or implied, or an unknown kind.
     """
     given = np.array(damping.ratios, dtype=float)
     _check(damping, given)
-    ratios = _ratios(damping.kind, given, omega)
+    ratios, elastic = np.zeros(len(omega)), omega > 0
+    ratios[elastic] = _ratios(damping.kind, given, omega[elastic])
     if np.any(ratios < 0):
         worst = int(np.argmin(ratios)) + 1
         raise ValueError(f"damping {damping.kind!r} of {damping.ratios} makes mode {worst} negative")
@@ -39,7 +40,7 @@ def modal_ratios(damping: Damping, omega: Array) -> Array:
 def _ratios(kind: str, given: Array, omega: Array) -> Array:
     n = len(omega)
     if kind == "stiffness":
-        return np.asarray(given[0] * omega / omega[0])
+        return np.asarray(given[0] * omega / omega[:1])
     if kind == "rayleigh" and n > 1:
         terms = 0.5 * np.column_stack([1 / omega, omega])
         return np.asarray(terms @ np.linalg.solve(terms[:2], given))

@@ -22,10 +22,9 @@ from vibeam_models.phases import LARGE, phase
 from vibeam_models.sparse_factor import Symbolic, SymmetricFactor, congruent_pattern, factor, pattern_of, symbolic
 from vibeam_models.sparse_modes import krylov_spaces, lowest_modes
 from vibeam_models.sparse_ordering import is_net
-from vibeam_models.structure import FIELDS, FREE, MATRICES, Modes, Structure, elimination, signs
+from vibeam_models.structure import FIELDS, FREE, MATRICES, Modes, Structure, elimination
 
 MOST = 1 / 3  # share of all modes up to which Lanczos' method finds them
-FLEXIBLE = 1e-3  # share of the twelfth natural frequency from which one is not a rigid motion's
 SETTLED, ROUGHLY = 1e-9, 1e-6  # change in one step of Lanczos' method, a share of the damping, at which it ends
 LIKE = 10  # modes are found by as many, so that fidelities which take a few more or fewer share them
 ENOUGH, EXACT = 400, 1e-10  # steps of conjugate gradients with M, and the residual, a share, at which they end
@@ -99,16 +98,28 @@ class SparseStructure(Structure):
         known = [count for count in self._found if isinstance(count, int) and count >= wanted]
         found = min(known, default=min(-(-wanted // LIKE) * LIKE, most))
         squared, shapes = self._once(found, lambda: self._lowest(found))
-        shapes = shapes[:, :wanted]
-        return Modes(np.sqrt(np.maximum(squared[:wanted], 0.0)), shapes * signs(shapes, self.contact))
+        every = self._modes(squared, shapes)
+        return Modes(every.omega[:wanted], every.shapes[:, :wanted])
 
     def _lowest(self, count: int) -> tuple[Array, Array]:
         inverse = self.stiffness_factor
         phase(f"{count} modes", self.size)
         return lowest_modes(self.K, self.M, count, inverse)
 
+    @property
+    def rigid(self) -> Array:
+        """Rigid-body modes (size, k), which modal ratios do not count."""
+        if self.stiffness_factor.regular:
+            return np.zeros((self.size, 0))
+        modes = self.modes(min(LIKE, int(MOST * self.size)))
+        return modes.shapes[:, modes.omega == 0]
+
     def deflection(self, force: Array) -> Array:
         """As ``Structure.deflection``."""
+        return self.solved(force)
+
+    def solved(self, force: Array) -> Array:
+        """As ``Structure.solved``."""
         if not self.stiffness_factor.regular:
             raise ValueError(FREE)
         return self.stiffness_factor.solve(force)
@@ -160,18 +171,21 @@ def modal_damping(structure: SparseStructure, damping: Damping, basis: Array) ->
     K, M, ratios = structure.K, structure.M, damping.ratios
     if damping.kind in ("constant", "list"):
         found = 2 * ratios[-1] * _square_root(structure, basis)
-        for number, ratio in enumerate(ratios[:-1]):
-            modes = structure.modes(len(ratios))
+        free = structure.rigid.shape[1]
+        for number, ratio in enumerate(ratios[:-1], free):
+            modes = structure.modes(free + len(ratios))
             along = modes.shapes[:, number] @ (M @ basis)
             found = found + 2 * (ratio - ratios[-1]) * modes.omega[number] * np.outer(along, along)
         return found
     inertia, elastic = _rayleigh(structure, damping)
-    return inertia * (basis.T @ (M @ basis)) + elastic * (basis.T @ (K @ basis))
+    still = structure.rigid.T @ (M @ basis)
+    return inertia * (basis.T @ (M @ basis) - still.T @ still) + elastic * (basis.T @ (K @ basis))
 
 
 def _rayleigh(structure: SparseStructure, damping: Damping) -> tuple[float, float]:
     """α and D of C = αM + DK."""
-    omega = structure.modes(2).omega
+    free = structure.rigid.shape[1]
+    omega = structure.modes(free + 2).omega[free:]
     if damping.kind == "stiffness":
         return 0.0, 2 * damping.ratios[0] / float(omega[0])
     alpha, elastic = np.linalg.solve(0.5 * np.column_stack([1 / omega, omega]), np.array(damping.ratios))
@@ -185,7 +199,7 @@ def _square_root(structure: SparseStructure, basis: Array) -> Array:
     shift, inverse = 0.0, structure.stiffness_factor
     if not inverse.regular:
         omega = structure.modes(min(12, structure.size // 4)).omega
-        shift = float(next((w for w in omega if w > FLEXIBLE * omega[-1]), 1.0)) ** 2
+        shift = float(next((w for w in omega if w > 0), 1.0)) ** 2
         inverse = factor(structure.K + shift * structure.M, structure.fronts)
     found = np.zeros((basis.shape[1],) * 2)
     settled = SETTLED if structure.size < LARGE else ROUGHLY  # beyond what any damping is known to

@@ -48,6 +48,7 @@ def lowest_modes(K: Any, M: Any, count: int, inverse: SymmetricFactor) -> tuple[
         inverse = factor(K + shift * M, fronts)
     squared, shapes = _lanczos(M, shift, inverse, min(count + SPARE, K.shape[0] - 1))
     for _ in range(TRIES):
+        squared[np.abs(squared) < RIGID * shift] = 0.0
         missing = _missing(K, M, squared, count, inverse)
         if not missing:
             return squared[:count], shapes[:, :count]

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from vibeam_models.beams.beam import Beam
 
 if TYPE_CHECKING:
@@ -75,7 +73,7 @@ class FiniteElementShape:
         from vibeam_models.space import bare_beam
 
         structure, space = bare_beam(self.beam, self._inserted)
-        return structure, space, np.asarray(np.linalg.solve(structure.K, space.row(self.load_at)))
+        return structure, space, structure.deflection(space.row(self.load_at))
 
     def at(self, x: float) -> float:
         """φ(x)."""

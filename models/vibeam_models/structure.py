@@ -15,8 +15,12 @@ from vibeam_models.arrays import Array, ValueRecord
 SYMMETRIC = 1e-9  # share of a matrix's largest entry by which two entries may differ
 NODE = 1e-9  # share of a shape's largest value below which it is round-off
 STIFF = 1e-9  # share of the largest ω² by which another may be negative and still be round-off
+ROUGH = 1e-6  # shift of a free body, a share of its highest ω², by which its first one above 0 is looked for
 SINGULAR = 3e14  # times the deflection of the stiffest coordinate alone: round-off bounds it where nothing else does
-FREE = "structure: K: is singular, the body is free: no static deflection bears a load on it"
+FREE = (
+    "structure: K: is singular, the body is free: no static deflection bears a load on it: "
+    'hold it, or write reduction = "modal"'
+)
 MATRICES = ("M", "C", "K")
 FIELDS = (*MATRICES, "load", "static", "contact", "outputs")
 SOLVED = 8  # eigenproblems kept for other structures with the same matrices, whatever their damping and load
@@ -118,7 +122,13 @@ class Structure(ValueRecord):
         return every if count is None else Modes(every.omega[:count], every.shapes[:, :count])
 
     def deflection(self, force: Array) -> Array:
-        """The static deflection (n,) under a ``force`` (n,) on the coordinates; ValueError where K has no inverse."""
+        """The static deflection (n,) under a ``force`` (n,) on the coordinates; ValueError of a free body."""
+        if rank(self.K) < self.size:
+            raise ValueError(FREE)
+        return self.solved(force)
+
+    def solved(self, force: Array) -> Array:
+        """K⁻¹ force (n,), also where ``K`` is that of a steady vibration; ValueError where it has no inverse."""
         try:
             found = np.asarray(np.linalg.solve(self.K, force))
         except np.linalg.LinAlgError:
@@ -166,6 +176,18 @@ class Structure(ValueRecord):
             raise ValueError("structure: M: must be positive definite: every coordinate needs a mass") from None
         if squared[0] < -STIFF * abs(squared[-1]):
             raise ValueError("structure: K: must be positive semidefinite: a direction has negative stiffness")
+        return self._modes(squared, shapes)
+
+    def _modes(self, squared: Array, shapes: Array) -> Modes:
+        """Modes by ω² and shapes: each positive at the contact, of the rigid-body modes the first alone moves it.
+
+        The second one alone moves the first output whose place the first leaves at rest, and so on: any turn of
+        rigid-body modes among themselves would do, and round-off should not choose.
+        """
+        rigid = shapes[:, squared <= 0]
+        if rigid.shape[1] > 1:
+            rows = [self.contact, *self.outputs.values(), self.load]
+            shapes = np.column_stack([rigid @ turned(np.array(rows) @ rigid), shapes[:, rigid.shape[1] :]])
         return Modes(np.sqrt(np.maximum(squared, 0.0)), shapes * signs(shapes, self.contact))
 
 
@@ -182,6 +204,18 @@ def signs(shapes: Array, contact: Array) -> Array:
     at_contact = contact @ shapes
     node = np.abs(at_contact) <= NODE * (np.abs(contact) @ sizes.max(axis=1))
     return np.where(np.where(node, first, at_contact) < 0, -1.0, 1.0)
+
+
+def turned(readings: Array) -> Array:
+    """Orthogonal matrix (k, k) whose columns follow what ``readings`` (rows, k) see, by Gram and Schmidt."""
+    columns = np.zeros((readings.shape[1], 0))
+    for reading in np.vstack([readings, np.eye(readings.shape[1])]):
+        rest = reading
+        for _ in range(2):
+            rest = rest - columns @ (columns.T @ rest)
+        if np.linalg.norm(rest) > NODE * np.linalg.norm(reading):
+            columns = np.column_stack([columns, rest / np.linalg.norm(rest)])
+    return columns
 
 
 def _check(name: str, value: Array | None, shape: tuple[int, ...], faults: list[str]) -> None:
@@ -270,19 +304,41 @@ def natural_modes(K: Array, M: Array) -> tuple[Array, Array]:
     """ω² (n,) ascending and shapes (n, n) with ΦᵀMΦ = I; ``M`` positive definite, ``K`` positive semidefinite.
 
     Solved as it stands, the problem is exact to 10⁻¹⁶ of the *highest* ω², which leaves little or nothing of the first
-    mode on a fine or light beam; so the modes below the geometric middle come from M φ = ω⁻² K φ. Where ``K`` is
-    singular, a free body, they stay as they are. LinAlgError: ``M`` is not positive definite.
+    mode on a fine or light beam; so the modes below the geometric middle come from M φ = (ω² + s)⁻¹ (K + s M) φ. s is
+    0, or of a free body the first ω² above 0; its rigid-body modes are at 0. A negative ω² is left as it is.
+    LinAlgError: ``M`` is not positive definite.
     """
     squared, shapes = eigenpairs(K, M)
+    if squared[0] < -STIFF * abs(squared[-1]):
+        return squared, shapes
+    free = len(K) - rank(K)
     try:
-        inverse, flexible = eigenpairs(M, K)
+        shift = _first_elastic(K, M, squared, free) if free else 0.0
+        inverse, flexible = eigenpairs(M, K + shift * M)
     except np.linalg.LinAlgError:
         return squared, shapes
     inverse, flexible = inverse[::-1], flexible[:, ::-1]
     low = int(np.count_nonzero(inverse > 1 / np.sqrt(squared[-1] / inverse[0])))
-    squared[:low] = 1 / inverse[:low]
+    squared[:low] = 1 / inverse[:low] - shift
+    squared[:free] = 0.0
     shapes[:, :low] = flexible[:, :low] / np.sqrt(inverse[:low])
     return squared, shapes
+
+
+def rank(K: Array) -> int:
+    """The rank of ``K`` ≥ 0, by Cholesky's factors with pivoting of what it is with a diagonal of ones."""
+    from scipy.linalg.lapack import dpstrf
+
+    sizes = np.sqrt(np.abs(np.diag(K)))
+    scale = np.where(sizes > 0, sizes, 1.0)
+    return int(dpstrf(K / np.outer(scale, scale))[2])
+
+
+def _first_elastic(K: Array, M: Array, squared: Array, free: int) -> float:
+    """The first ω² of a body with ``free`` rigid-body modes above 0, roughly; of a rigid body the largest one."""
+    rough = ROUGH * squared[-1]
+    inverse = eigenpairs(M, K + rough * M)[0][::-1]
+    return float(max(1 / inverse[free] - rough, STIFF * rough)) if free < len(K) else rough
 
 
 def _kept_modes(K: Array, M: Array) -> tuple[Array, Array]:

@@ -116,9 +116,9 @@ def _solver(structure: Structure, frequency: float) -> Callable[[Array], Array]:
     matrix: Any = structure.K - (2 * np.pi * frequency) ** 2 * structure.M
     dynamic = structure.with_(K=matrix)
     try:
-        dynamic.deflection(structure.contact)
+        dynamic.solved(structure.contact)
     except ValueError as error:
         if str(error) != FREE:
             raise
         raise ValueError(f"frequency: {frequency:g} Hz is a natural frequency: take another") from None
-    return dynamic.deflection
+    return dynamic.solved

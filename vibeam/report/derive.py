@@ -24,7 +24,8 @@ def sheet(table: DerivedTable, case: Case) -> StudySheet:
 
     Where a contact time is asked for, what it changes comes first.
     """
-    impact, usual = table.impact, [derivation(table), *([contact_table(table.contacts)] if table.contacts else [])]
+    impact, usual = table.impact, [derivation(table)] if table.rows else []
+    usual += [contact_table(table.contacts)] if table.contacts else []
     shares, terms = (
         [share_table(each) for each in [impact] if each],
         [term_table(each) for each in [impact] if each and each.terms],
@@ -95,6 +96,8 @@ def answer(table: DerivedTable, case: Case) -> str:
             said.append(f"ζ = {percent(last['β_S'].reference * row.value / row.reference)}")
     held = held_of(case.scene)
     struck = held.label if held.coefficient is not None else f"the {held.label}"
+    if not said:
+        return f"No static deflection, from which one degree of freedom is derived: the beam is free, with {struck}."
     return f"One degree of freedom: {', '.join(said)}, with {struck}."
 
 

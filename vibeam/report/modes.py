@@ -47,7 +47,8 @@ def _seen(first: ModeRow, last: ModeRow) -> str:
 
 def modal(modes: ModeTable) -> ReportTable:
     """Modal table: participation of each mode at contact, sensor and drive, and the remaining restitution."""
-    unit, factor = prefixed(FREQUENCIES, min((row.frequency for row in modes.rows), default=0.0), usual=-1)
+    least = min((row.frequency for row in modes.rows if row.frequency), default=0.0)
+    unit, factor = prefixed(FREQUENCIES, least, usual=-1)
     of = "finite elements" if len(modes.positions) else "structure"
     table = blank(f"Modes of the {of}", "mode|", f"{unit}|", "damping|")
     impulsive = any(isfinite(row.contact_restitution) for row in modes.rows)
@@ -57,7 +58,8 @@ def modal(modes: ModeTable) -> ReportTable:
     for row, numbers in zip(modes.rows, shown, strict=True):
         values = (f"{without_round_off(*pair):.4g}" for pair in zip(numbers, largest, strict=True))
         restitutions = [f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}"] * impulsive
-        first = (str(row.number), f"{row.frequency * factor:.5g}", percent(row.damping_ratio))
+        damping = percent(row.damping_ratio) if row.frequency else "rigid body"
+        first = (str(row.number), f"{row.frequency * factor:.5g}", damping)
         table.add_row(*first, *values, percent(row.share), *restitutions)
     table.caption = (
         f"contact, sensor: kg^-½; load: {modes.load_unit}; Σ share: of the contact mobility w M⁻¹ wᵀ, up to this mode"

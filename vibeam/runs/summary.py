@@ -107,6 +107,8 @@ def assumed(case: Case) -> list[str]:
 
 def _cure(overview: Overview | None) -> str:
     """Cure that brings a rig to its stop: where the sweep leaves mode 1 out, to sweep over it."""
+    if overview is not None and overview.model.rigid:
+        return "nothing brings a free body back to its stop: hold it by a spring, add a stop beyond, or write [record]"
     if overview is None or not overview.beside:
         return "narrow the gap, or drive harder"
     return f"sweep over mode 1, at {overview.first}, narrow the gap, or drive harder"

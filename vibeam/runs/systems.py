@@ -24,14 +24,19 @@ MOST = 32  # modes that the closed contact is made of
 
 
 def open_frequencies(system: ImpactSystem) -> tuple[float, float, float]:
-    """Frequencies of the first two modes in Hz (NaN: there is none), damping ratio of the first."""
-    order = np.argsort(system.omega)[:2]
+    """Frequencies of the first two elastic modes in Hz (NaN: there is none), damping ratio of the first."""
+    order = np.argsort(system.omega)[rigid_modes(system) :][:2]
     first, second = [float(each) / (2 * pi) for each in system.omega[order]] + [nan] * (2 - len(order))
-    return first, second, float(system.zeta[order[0]])
+    return first, second, float(system.zeta[order[0]]) if len(order) else nan
+
+
+def rigid_modes(system: ImpactSystem) -> int:
+    """Number of its rigid-body modes, at 0 Hz."""
+    return int(np.count_nonzero(system.omega == 0))
 
 
 def closed_frequency(system: ImpactSystem) -> float:
-    """Frequency of the first mode in Hz with the contact held at rest; NaN of one mode, which that leaves no motion.
+    """Frequency of the first elastic mode in Hz with the contact held at rest; NaN where that leaves none.
 
     The modes are those of Ω² in the coordinates that are orthogonal to the contact's row.
     """
@@ -42,8 +47,8 @@ def closed_frequency(system: ImpactSystem) -> float:
     if len(rates) < 2 or not contact.any():
         return nan
     free = np.linalg.qr(contact[:, None], mode="complete")[0][:, 1:]
-    lowest = np.linalg.eigvalsh(free.T @ (rates[:, None] ** 2 * free))[0]
-    return float(np.sqrt(max(lowest, 0.0)) / (2 * pi))
+    elastic = np.linalg.eigvalsh(free.T @ (rates[:, None] ** 2 * free))[max(rigid_modes(system) - 1, 0) :]
+    return float(np.sqrt(max(elastic[0], 0.0)) / (2 * pi)) if len(elastic) else nan
 
 
 def gap_at_rest(system: ImpactSystem) -> float:
@@ -56,13 +61,15 @@ def gap_at_rest(system: ImpactSystem) -> float:
 class ModelProperties:
     """Number of modes of a fidelity, restitution R of its contact and R₁ of its mode 1 (NaN: the law has no one).
 
-    ``first``, ``second``: frequencies of its first modes in Hz, ``closed``: of mode 1 with the contact held at rest
-    (NaN: there is none); ``damping_ratio`` of mode 1; ``gap`` at rest in m, or in the unit of the motion.
+    ``rigid``: number of its rigid-body modes; ``first``, ``second``: frequencies of the first elastic ones in Hz,
+    ``closed``: of the first with the contact held at rest (NaN: there is none), ``damping_ratio``: of the first;
+    ``gap`` at rest in m, or in the unit of the motion.
     """
 
     modes: int
     restitution: float
     first_mode_restitution: float
+    rigid: int
     first: float
     second: float
     closed: float
@@ -103,7 +110,7 @@ def properties_of(case: Case, name: str, system: ImpactSystem) -> ModelPropertie
     from vibeam.case.fidelity import restitutions
 
     first, second, damping_ratio = open_frequencies(system)
-    own = first, second, closed_frequency(system), damping_ratio, gap_at_rest(system)
+    own = rigid_modes(system), first, second, closed_frequency(system), damping_ratio, gap_at_rest(system)
     return ModelProperties(system.size, *restitutions(case.scene_of(name), case.fidelities[name]), *own)
 
 
@@ -173,22 +180,24 @@ class Overview:
         if isfinite(self.moving_mass):
             yield f"moving mass {_shown(MASSES, self.moving_mass)}"
         closed = f", with the contact closed at {_hertz(model.closed)}" if isfinite(model.closed) else ""
-        ratio = f" (ζ {100 * model.damping_ratio:.3g} %)" if model.first > 0 else ", a free body"
-        yield f"mode 1 at {self.first}{ratio}{closed}"
+        if model.rigid:
+            yield f"a free body, {model.rigid} rigid-body mode{'s' * (model.rigid > 1)} at 0 Hz"
+        if isfinite(model.first):
+            yield f"mode {model.rigid + 1} at {self.first} (ζ {100 * model.damping_ratio:.3g} %){closed}"
         if isfinite(model.second):
-            yield f"mode 2 at {_hertz(model.second)}"
+            yield f"mode {model.rigid + 2} at {_hertz(model.second)}"
         yield from self._driven()
         yield f"static gap {f'{model.gap:.4g}' if self.plain else _length(model.gap)} at the contact"
 
     def _driven(self) -> Iterator[str]:
         """Clause on what drives it."""
-        model, (low, high) = self.model, self.sweep
-        over = f" = {low / model.first:.3g} … {high / model.first:.3g} × mode 1" if model.first > 0 else ""
+        model, (low, high), number = self.model, self.sweep, self.model.rigid + 1
+        over = f" = {low / model.first:.3g} … {high / model.first:.3g} × mode {number}" if model.first > 0 else ""
         yield f"sweep {_hertz(low)} … {_hertz(high)}{over}"
 
     @property
     def first(self) -> str:
-        """Frequency of mode 1 with its unit."""
+        """Frequency of the first elastic mode with its unit."""
         return _hertz(self.model.first)
 
     @property
@@ -200,7 +209,7 @@ class Overview:
         """Sentences on a sweep far from the first modes, and on a mode 1 that is overdamped."""
         model, (low, high) = self.model, self.sweep
         known = [each for each in (model.first, model.second, model.closed) if isfinite(each) and each > 0]
-        if known and not any(NEAR[0] * low <= each <= NEAR[1] * high for each in known):
+        if known and not model.rigid and not any(NEAR[0] * low <= each <= NEAR[1] * high for each in known):
             closed = f" ({_hertz(model.closed)} with the contact closed)" if isfinite(model.closed) else ""
             swept = f"the sweep, {_hertz(low)} … {_hertz(high)}"
             yield f"mode 1 at {self.first}{closed} is far from {swept}: look at the units of the rig, or move the sweep"

@@ -12,6 +12,7 @@ from vibeam.case.study_plans import DerivePlan
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import ValueRecord
 from vibeam_models.base import Base
+from vibeam_models.beam import structure_of
 from vibeam_models.scene import AnyScene, Mass, Scene
 
 if TYPE_CHECKING:
@@ -117,8 +118,7 @@ def derive(
         raise TypeError(f"derive takes a case or a scene, not {type(scene).__name__}")
     if scene.in_three_dimensions:
         raise ValueError("nothing to derive: closed forms are of a beam, and this is a solid: add a fidelity of one")
-    exact = _first_mode(scene)
-    table = _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
+    table = _derived(scene)
     return _with_contacts(replace(table, rows=tuple(_explained(row, scene) for row in table)), scene, plan)
 
 
@@ -131,6 +131,14 @@ def _with_contacts(table: DerivedTable, scene: Scene, plan: DerivePlan) -> Deriv
     found = contacts(scene, speed)
     impact = shared_impact(scene, plan.contact_time, speed, found[1] if found else None)
     return replace(table, contacts=found, impact=impact, notes=(*table.notes, *(doubts(scene, found) if found else ())))
+
+
+def _derived(scene: Scene) -> DerivedTable:
+    """Table of the closed forms; without a row where the beam can move as a rigid body."""
+    if structure_of(scene).modes(1).omega[0] == 0:
+        return DerivedTable((), (FREE_BODY,))
+    exact = _first_mode(scene)
+    return _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
 
 
 def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> DerivedTable:
@@ -174,6 +182,7 @@ def _bare(scene: Scene, exact: _FirstMode) -> DerivedTable:
 
 USUAL_SPEED = 0.1  # m/s of an impact
 LEAST_SHARE = 0.1  # smallest share of the attached mass in the moving one for which the beam may be neglected
+FREE_BODY = "left out: all rows of eq. 43–47: the beam can move as a rigid body and has no static deflection"
 NEGLECTED = "left out: rows with a massless beam and the damping ratio that goes with them"
 OF_A_MASS = "left out: shape at the mass, rows with a massless beam, damping ratio, base factor and drive"
 MASSLESS, WITH_BEAM, WITH_INERTIA = "massless beam", "with the beam's mass", "with beam mass and rotary inertia"

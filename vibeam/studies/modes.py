@@ -98,7 +98,8 @@ def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
     pointed = with_points(scene) if isinstance(scene, Scene) else None
     structure: Structure = structure_of(rig if pointed is None else pointed)
     modes = structure.modes(min(int(count), structure.size))
-    damping = np.diag(structure.congruent("C", modes.shapes)) / (2 * np.where(modes.omega > 0, modes.omega, np.inf))
+    elastic = np.where(modes.omega > 0, modes.omega, np.inf)
+    damping = np.abs(np.diag(structure.congruent("C", modes.shapes)) / (2 * elastic))
     contact, sensor = structure.contact @ modes.shapes, structure.outputs["sensor"] @ modes.shapes
     mobility = structure.mobility(structure.contact)
     cut = np.cumsum(contact**2)
@@ -168,7 +169,7 @@ def write_shapes(table: ModeTable, path: Path) -> None:
         return
     body, data = next(iter(table.bodies.values()), None), dict[str, Array]()
     for index, row in enumerate(table.rows):
-        name = f"mode {row.number:02} ({row.frequency:.4g} Hz)"
+        name = f"mode {row.number:02} ({f'{row.frequency:.4g} Hz' if row.frequency else 'rigid body'})"
         if body is not None:
             data[name] = _moved(table, body, index)
             continue

@@ -246,14 +246,14 @@ class ImpactSystem(ValueRecord):
 
             law = (law or Restitution(1.0)).in_series(structure.contact_flexibility)
         modes = structure.modes()
-        damping = modes.shapes.T @ structure.C @ modes.shapes
-        couples = _off_diagonal(damping) > DIAGONAL or _damps_rigid_mode(modes.omega, damping)
+        damping = _without_round_off(modes.shapes.T @ structure.C @ modes.shapes, modes.omega)
+        couples = _off_diagonal(damping) > DIAGONAL or np.any(np.diag(damping)[modes.omega == 0] > 0)
         safe = np.where(modes.omega > 0, modes.omega, 1.0)
         outputs = {name: row @ modes.shapes for name, row in structure.outputs.items()}
         return cls.from_modes(
             modes.omega,
-            _without_round_off(damping) / (2 * safe),
-            structure.contact @ modes.shapes,
+            np.diag(damping) / (2 * safe),
+            _unmoved(structure.contact @ modes.shapes, modes.omega),
             -(structure.load @ modes.shapes),
             gap=gap,
             restitution=restitution,
@@ -274,16 +274,16 @@ def _row(value: Any, n: int) -> Any:
     return np.full(n, row.ravel()[0]) if row.size == 1 and row.ndim < 2 else row
 
 
-def _without_round_off(damping: Array) -> Array:
-    """Diagonal of a modal damping matrix, 0 where it is below that by round-off, as of a mode that K does not hold."""
-    diagonal = np.diag(damping)
-    below = (diagonal < 0) & (diagonal > -ROUND_OFF * np.max(np.abs(damping), initial=0.0))
-    return np.where(below, 0.0, diagonal)
+def _without_round_off(damping: Array, omega: Array) -> Array:
+    """Modal damping matrix, 0 where round-off alone damps a mode: below 0, or of a rigid-body mode, at ω = 0."""
+    own = np.diag(damping)
+    none = (np.abs(own) <= ROUND_OFF * np.max(np.abs(damping), initial=0.0)) & ((omega == 0) | (own < 0))
+    return np.where(none | none[:, None], 0.0, damping)
 
 
-def _damps_rigid_mode(omega: Array, damping: Array) -> bool:
-    """Test whether a mode without stiffness is damped beyond round-off, which 2ζω cannot express."""
-    return bool(np.any(np.diag(damping)[omega == 0] > ROUND_OFF * np.max(np.abs(damping), initial=0.0)))
+def _unmoved(contact: Array, omega: Array) -> Array:
+    """Values of the modes at the contact, 0 where it is round-off of a rigid-body mode that leaves it at rest."""
+    return np.where((omega == 0) & (np.abs(contact) <= ROUND_OFF * np.max(np.abs(contact))), 0.0, contact)
 
 
 def _off_diagonal(matrix: Array) -> float:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
+from types import SimpleNamespace
 from typing import Any
 
-from vibeam_models.beams.beam import Support, end_supports, holds, stiffnesses
+from vibeam_models.beams.beam import CANTILEVER, Support, end_supports, holds, stiffnesses
 from vibeam_models.beams.shapes import SHAPES, Shape, foreign_dimensions
 from vibeam_models.keys import declared, defaults_of, keys_of
 
@@ -91,13 +92,12 @@ def dimension_faults(table: Any, carrier: Any) -> Iterator[tuple[str, str]]:
     yield from kind.faults(table)
 
 
-def rigid_body_faults(ends: str, length: float | None, case: Any, on: str) -> Iterator[tuple[str, str]]:
-    """Faults of the ends of a beam of ``length`` m that nothing holds, with its supports."""
-    supports = [each for each in case.support if each.on == on]
-    places = [each.position for each in supports if each.stiffness is None or each.stiffness > 0]
-    if None in (length, *places) or length is None:
-        return
-    more = (Support(each.position, *stiffnesses(each)) for each in supports)
-    if not holds((*end_supports(ends, length), *more)):
-        own = "[[support]]" if on == "beam" else '[[support]] with on = "opposite"'
-        yield "ends", f'"{ends}" leaves the beam to move as a rigid body: hold an end, or add {own}'
+def is_free(case: Any, on: str) -> bool:
+    """Test whether a beam of a case, ``"beam"`` or ``"opposite"``, can move as a rigid body, as far as can be read."""
+    carrier = beam_of(SimpleNamespace(on=on), case)
+    if carrier is None or carrier.length is None:
+        return False
+    ends = (case.beam if on == "beam" else case.opposite).ends or CANTILEVER
+    own = [each for each in case.support if each.on == on and each.position is not None]
+    more = (Support(each.position, *stiffnesses(each)) for each in own)
+    return not holds((*end_supports(ends, carrier.length), *more))

@@ -9,7 +9,8 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from vibeam_models.arrays import Array
-from vibeam_models.beams.beam import Beam
+from vibeam_models.beams.beam import CANTILEVER, Beam
+from vibeam_models.beams.tables import is_free
 from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Effect, Scene
 from vibeam_models.space import BeamSpace
@@ -38,10 +39,18 @@ class Gravity(Effect):
 
     @classmethod
     def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
-        """As ``Effect.faults``: a negative weight along the beam."""
+        """As ``Effect.faults``: a negative weight along the beam; a beam that it makes fall, with no gap at rest."""
         if table.direction in ("hanging", "standing") and table.acceleration is not None and table.acceleration < 0:
             other = "standing" if table.direction == "hanging" else "hanging"
             yield "acceleration", f'is negative: for the other way up write direction = "{other}"'
+        free = [name for name in ("beam", "opposite") if is_free(case, name)]
+        hung = table.direction == "hanging" and not (case.beam.ends or CANTILEVER).startswith("free")
+        if free and not hung:
+            yield (
+                "direction",
+                f'"{table.direction}": nothing holds the {free[0]} against its weight, it falls and has no static gap: '
+                "take [gravity] out, hold an end, or add [[support]]",
+            )
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
         """As ``AxialGravity.apply``; across the axis static + g M r: as a base that is accelerated away for ever."""

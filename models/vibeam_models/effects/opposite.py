@@ -8,9 +8,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from vibeam_models.beams.beam import CANTILEVER, PAIRS, Beam
+from vibeam_models.beams.beam import PAIRS, Beam
 from vibeam_models.beams.shapes import SHAPES
-from vibeam_models.beams.tables import dimension, dimension_faults, rigid_body_faults, shape_of
+from vibeam_models.beams.tables import dimension, dimension_faults, shape_of
 from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Effect, Scene
 from vibeam_models.space import BeamSpace, bare_beam
@@ -53,7 +53,6 @@ class Opposite(Effect):
         length = table.length or case.beam.length
         if None not in (table.position, length) and table.position > length:
             yield "position", f"{table.position:g} m is beyond its tip: it is {length:g} m long"
-        yield from rigid_body_faults(table.ends or CANTILEVER, length, case, "opposite")
         yield from dimension_faults(table, case.beam)
         if case.beam.massless or case.torsion is not None or (case.gravity and case.gravity.direction != "transverse"):
             yield "", "does not go with a massless beam, torsion, or weight along the beam: take one of them out"

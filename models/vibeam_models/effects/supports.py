@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 from vibeam_models.beams.beam import Beam, Support, stiffnesses
-from vibeam_models.beams.tables import place_faults, rigid_body_faults
+from vibeam_models.beams.tables import place_faults
 from vibeam_models.keys import quantity
 from vibeam_models.scene import Effect, OnEitherBeam
 
@@ -20,11 +20,6 @@ class BeamEnds(Effect):
 
     name: ClassVar[str] = "beam.ends"
     shapes_beam: ClassVar[bool] = True
-
-    @classmethod
-    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
-        """As ``Effect.faults``: a beam that nothing holds."""
-        yield from rigid_body_faults(table.ends, case.beam.length, case, "beam")
 
     def carrier(self, beam: Beam) -> Beam:
         """The beam with these ends."""
