@@ -88,6 +88,14 @@ def number(
     return nan
 
 
+def settle(record: Any, subject: str, **bounds: dict[str, float]) -> None:
+    """Keep these fields of a frozen record as floats within their ``bounds``; ValueError with every fault."""
+    faults: list[str] = []
+    for name, bound in bounds.items():
+        object.__setattr__(record, name, number(name, getattr(record, name), faults, **bound))
+    refuse(subject, faults)
+
+
 def _range(least: float | None, above: float | None, most: float | None) -> str:
     if most is not None:
         return f"in {'(' if least is None else '['}{above if least is None else least:g}, {most:g}]"

@@ -26,10 +26,8 @@ def platform_filter(platform: Platform, shaker: Shaker | None) -> PlatformFilter
     """The platform without the beam, per newton or, with a shaker, per volt."""
     from vibeam_models.effects.platform import PlatformFilter
 
-    mechanical = (platform.mass, _damping(platform), platform.spring)
-    if shaker is None:
-        return PlatformFilter(*mechanical)
-    return PlatformFilter(*mechanical, shaker.force_factor, shaker.resistance, shaker.inductance)
+    coil = () if shaker is None else (shaker.force_factor, shaker.resistance, shaker.inductance)
+    return PlatformFilter(platform.mass, _damping(platform), platform.spring, *coil)
 
 
 def moving_platform(platform: Platform, shaker: Shaker | None, carried: float) -> MovingPlatform:
@@ -39,11 +37,9 @@ def moving_platform(platform: Platform, shaker: Shaker | None, carried: float) -
     """
     from vibeam_models.effects.platform import MovingPlatform
 
-    if shaker is None:
-        return MovingPlatform(platform.mass, _damping(platform), platform.spring, carried)
-    if shaker.inductance:
+    if shaker is not None and shaker.inductance:
         raise ValueError("shaker: with inductance the coupling can be one-way only")
-    braking = shaker.force_factor**2 / shaker.resistance
+    braking = 0.0 if shaker is None else shaker.force_factor**2 / shaker.resistance
     return MovingPlatform(platform.mass, _damping(platform) + braking, platform.spring, carried)
 
 

@@ -25,6 +25,7 @@ from vibeam_models.sparse_ordering import is_net
 from vibeam_models.structure import FIELDS, FREE, MATRICES, Modes, Structure, elimination
 
 MOST = 1 / 3  # share of all modes up to which Lanczos' method finds them
+NOTHING = 1e-9  # share of a vector that is left beside the rigid-body modes, below which it is one of them
 SETTLED, ROUGHLY = 1e-9, 1e-6  # change in one step of Lanczos' method, a share of the damping, at which it ends
 LIKE = 10  # modes are found by as many, so that fidelities which take a few more or fewer share them
 ENOUGH, EXACT = 400, 1e-10  # steps of conjugate gradients with M, and the residual, a share, at which they end
@@ -169,17 +170,18 @@ class SparseStructure(Structure):
 def modal_damping(structure: SparseStructure, damping: Damping, basis: Array) -> Array:
     """BᵀCB (n, n) for the ``basis`` B (size, n); ValueError for ratios that would make a mode's negative."""
     K, M, ratios = structure.K, structure.M, damping.ratios
+    rigid = structure.rigid
+    elastic = basis - rigid @ (rigid.T @ (M @ basis))
+    basis = np.where(np.linalg.norm(elastic, axis=0) > NOTHING * np.linalg.norm(basis, axis=0), elastic, 0.0)
     if damping.kind in ("constant", "list"):
         found = 2 * ratios[-1] * _square_root(structure, basis)
-        free = structure.rigid.shape[1]
-        for number, ratio in enumerate(ratios[:-1], free):
-            modes = structure.modes(free + len(ratios))
+        for number, ratio in enumerate(ratios[:-1], rigid.shape[1]):
+            modes = structure.modes(rigid.shape[1] + len(ratios))
             along = modes.shapes[:, number] @ (M @ basis)
             found = found + 2 * (ratio - ratios[-1]) * modes.omega[number] * np.outer(along, along)
         return found
-    inertia, elastic = _rayleigh(structure, damping)
-    still = structure.rigid.T @ (M @ basis)
-    return inertia * (basis.T @ (M @ basis) - still.T @ still) + elastic * (basis.T @ (K @ basis))
+    inertia, stiff = _rayleigh(structure, damping)
+    return inertia * (basis.T @ (M @ basis)) + stiff * (basis.T @ (K @ basis))
 
 
 def _rayleigh(structure: SparseStructure, damping: Damping) -> tuple[float, float]:

@@ -15,12 +15,13 @@ from vibeam_models.arrays import Array, ValueRecord
 SYMMETRIC = 1e-9  # share of a matrix's largest entry by which two entries may differ
 NODE = 1e-9  # share of a shape's largest value below which it is round-off
 STIFF = 1e-9  # share of the largest ω² by which another may be negative and still be round-off
-ROUGH = 1e-6  # shift of a free body, a share of its highest ω², by which its first one above 0 is looked for
+EPSILON = float(np.finfo(float).eps)
 SINGULAR = 3e14  # times the deflection of the stiffest coordinate alone: round-off bounds it where nothing else does
 FREE = (
     "structure: K: is singular, the body is free: no static deflection bears a load on it: "
     'hold it, or write reduction = "modal"'
 )
+ROUND_OFF = 1e-12  # of a mode's damping, a share of the sizes that it is summed from
 MATRICES = ("M", "C", "K")
 FIELDS = (*MATRICES, "load", "static", "contact", "outputs")
 SOLVED = 8  # eigenproblems kept for other structures with the same matrices, whatever their damping and load
@@ -157,6 +158,13 @@ class Structure(ValueRecord):
             return np.zeros((basis.shape[1], basis.shape[1]))
         product = basis.T @ matrix @ basis
         return np.asarray((product + product.T) / 2)
+
+    def modal_damping(self, modes: Modes) -> Array:
+        """ΦᵀCΦ (k, k), 0 where round-off alone damps a mode: below 0, or of a rigid-body mode."""
+        damping, sizes = self.congruent("C", modes.shapes), np.abs(modes.shapes)
+        own, least = np.diag(damping), ROUND_OFF * np.sum(sizes * (abs(self.C) @ sizes), axis=0)
+        none = (np.abs(own) <= least) & ((modes.omega == 0) | (own < 0))
+        return np.where(none | none[:, None], 0.0, damping)
 
     def ritz_stiffness(self, basis: Array, forces: Array) -> Array:
         """ΦᵀKΦ (n, n) of a ``basis`` Φ (size, n) whose ``forces`` KΦ (size, n) are known, without that product's loss.
@@ -312,8 +320,8 @@ def natural_modes(K: Array, M: Array) -> tuple[Array, Array]:
     if squared[0] < -STIFF * abs(squared[-1]):
         return squared, shapes
     free = len(K) - rank(K)
+    shift = max(float(squared[min(free, len(K) - 1)]), len(K) * EPSILON * abs(squared[-1]) or 1.0) if free else 0.0
     try:
-        shift = _first_elastic(K, M, squared, free) if free else 0.0
         inverse, flexible = eigenpairs(M, K + shift * M)
     except np.linalg.LinAlgError:
         return squared, shapes
@@ -332,13 +340,6 @@ def rank(K: Array) -> int:
     sizes = np.sqrt(np.abs(np.diag(K)))
     scale = np.where(sizes > 0, sizes, 1.0)
     return int(dpstrf(K / np.outer(scale, scale))[2])
-
-
-def _first_elastic(K: Array, M: Array, squared: Array, free: int) -> float:
-    """The first ω² of a body with ``free`` rigid-body modes above 0, roughly; of a rigid body the largest one."""
-    rough = ROUGH * squared[-1]
-    inverse = eigenpairs(M, K + rough * M)[0][::-1]
-    return float(max(1 / inverse[free] - rough, STIFF * rough)) if free < len(K) else rough
 
 
 def _kept_modes(K: Array, M: Array) -> tuple[Array, Array]:

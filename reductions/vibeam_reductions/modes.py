@@ -27,7 +27,9 @@ def modal(structure: Structure, n: int) -> Reduction:
     if not 1 <= n <= structure.size:
         raise ValueError(f"modes: {n}, this structure has 1 to {structure.size}")
     modes = structure.modes(n)
-    exact = in_coordinates(structure, modes.shapes, M=np.eye(n), K=np.diag(modes.omega**2))
+    exact = in_coordinates(
+        structure, modes.shapes, M=np.eye(n), C=structure.modal_damping(modes), K=np.diag(modes.omega**2)
+    )
     return Reduction(modes.shapes, exact, structure)
 
 

@@ -43,4 +43,4 @@ def touching(system: ImpactSystem, output: str, gap: Array) -> Array:
 def static_shape(system: ImpactSystem, force: Array) -> Array:
     """Static displacements (n,) of the modes under forces (n,); one without stiffness counts as far softer than all."""
     stiffness = system.omega**2
-    return np.asarray(force / np.maximum(stiffness, 1e-12 * float(stiffness.max())))
+    return np.asarray(force / np.maximum(stiffness, 1e-12 * (float(stiffness.max()) or 1.0)))

@@ -246,7 +246,7 @@ class ImpactSystem(ValueRecord):
 
             law = (law or Restitution(1.0)).in_series(structure.contact_flexibility)
         modes = structure.modes()
-        damping = _without_round_off(modes.shapes.T @ structure.C @ modes.shapes, modes.omega)
+        damping = structure.modal_damping(modes)
         couples = _off_diagonal(damping) > DIAGONAL or np.any(np.diag(damping)[modes.omega == 0] > 0)
         safe = np.where(modes.omega > 0, modes.omega, 1.0)
         outputs = {name: row @ modes.shapes for name, row in structure.outputs.items()}
@@ -272,13 +272,6 @@ def _row(value: Any, n: int) -> Any:
     if row is None:
         return value
     return np.full(n, row.ravel()[0]) if row.size == 1 and row.ndim < 2 else row
-
-
-def _without_round_off(damping: Array, omega: Array) -> Array:
-    """Modal damping matrix, 0 where round-off alone damps a mode: below 0, or of a rigid-body mode, at ω = 0."""
-    own = np.diag(damping)
-    none = (np.abs(own) <= ROUND_OFF * np.max(np.abs(damping), initial=0.0)) & ((omega == 0) | (own < 0))
-    return np.where(none | none[:, None], 0.0, damping)
 
 
 def _unmoved(contact: Array, omega: Array) -> Array:

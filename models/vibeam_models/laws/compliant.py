@@ -12,7 +12,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from vibeam_models.arguments import number, real, refuse
+from vibeam_models.arguments import number, real, refuse, settle
 from vibeam_models.arrays import Array
 from vibeam_models.laws.free_impact import (
     FreeImpact,
@@ -38,10 +38,7 @@ class LinearStop(StopLaw):
     yields: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        faults: list[str] = []
-        object.__setattr__(self, "stiffness", number("stiffness", self.stiffness, faults, above=0.0))
-        object.__setattr__(self, "damping", number("damping", self.damping, faults, least=0.0))
-        refuse("stop", faults)
+        settle(self, "stop", stiffness={"above": 0.0}, damping={"least": 0.0})
 
     @classmethod
     def matched(cls, stiffness: float, restitution: float, mass: float) -> LinearStop:
@@ -121,11 +118,7 @@ class HuntCrossley(StopLaw):
     integrated: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
-        faults: list[str] = []
-        object.__setattr__(self, "stiffness", number("stiffness", self.stiffness, faults, above=0.0))
-        object.__setattr__(self, "damping", number("damping", self.damping, faults, least=0.0))
-        object.__setattr__(self, "exponent", number("exponent", self.exponent, faults, least=1.0))
-        refuse("stop", faults)
+        settle(self, "stop", stiffness={"above": 0.0}, damping={"least": 0.0}, exponent={"least": 1.0})
 
     @property
     def name(self) -> str:
@@ -143,14 +136,8 @@ class HuntCrossley(StopLaw):
 
     def balance(self, beyond: float, give: float) -> float:
         """F = k d^p, d = beyond − give F, bisected."""
-        low, high = 0.0, beyond
-        for _ in range(200):
-            middle = (low + high) / 2
-            if middle in (low, high):
-                break
-            excess = middle + give * self.stiffness * middle**self.exponent - beyond
-            low, high = (low, middle) if excess > 0 else (middle, high)
-        return float(self.stiffness * high**self.exponent)
+        depth = falling_zero(lambda d: beyond - d - give * self.stiffness * d**self.exponent, 0.0, beyond)
+        return float(self.stiffness * depth**self.exponent)
 
     def free_impact(self, mass: float, speed: float) -> FreeImpact:
         """See ``StopLaw.free_impact``."""

@@ -5,7 +5,6 @@ Stops that yield (``LinearStop``, ``Hertz``, ``HuntCrossley``) are in ``complian
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,7 +13,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from vibeam_models.arguments import number, read_only, refuse
+from vibeam_models.arguments import number, read_only, refuse, settle
 from vibeam_models.arrays import Array
 from vibeam_models.laws.mechanics import KernelNumbers, StopLaw
 
@@ -31,9 +30,7 @@ class Restitution(StopLaw):
     name: ClassVar[str] = "restitution"
 
     def __post_init__(self) -> None:
-        faults: list[str] = []
-        object.__setattr__(self, "coefficient", number("coefficient", self.coefficient, faults, least=0.0, most=1.0))
-        refuse("restitution", faults)
+        settle(self, "restitution", coefficient={"least": 0.0, "most": 1.0})
 
     @property
     def constant(self) -> float:
@@ -106,15 +103,7 @@ class TableRestitution(StopLaw):
 
     def at(self, velocity: float) -> float:
         """R at an impact velocity, m/s."""
-        v, r, slope = self.speeds, self.coefficients, self.slopes()
-        i = bisect_right(v, velocity) - 1
-        if i < 0 or i >= len(v) - 1:
-            return r[max(i, 0)]
-        h = v[i + 1] - v[i]
-        u = (velocity - v[i]) / h
-        lift = u * u * (3 - 2 * u)
-        bend = h * u * (1 - u) * ((1 - u) * slope[i] - u * slope[i + 1])
-        return r[i] + (r[i + 1] - r[i]) * lift + bend
+        return float(self._coefficients(np.asarray(velocity)))
 
     def kernel_numbers(self) -> KernelNumbers:
         """The points with their slopes."""
@@ -164,11 +153,8 @@ class PlasticRestitution(StopLaw):
     name: ClassVar[str] = VELOCITY_RESTITUTION
 
     def __post_init__(self) -> None:
-        faults: list[str] = []
-        object.__setattr__(self, "coefficient", number("coefficient", self.coefficient, faults, above=0.0, most=1.0))
-        object.__setattr__(self, "velocity", number("velocity", self.velocity, faults, above=0.0))
-        object.__setattr__(self, "exponent", number("exponent", self.exponent, faults, above=0.0))
-        refuse("restitution", faults)
+        shares, positive = {"above": 0.0, "most": 1.0}, {"above": 0.0}
+        settle(self, "restitution", coefficient=shares, velocity=positive, exponent=positive)
 
     @property
     def elastic(self) -> float:
@@ -212,10 +198,7 @@ class ViscousRestitution(StopLaw):
     name: ClassVar[str] = VISCOUS_RESTITUTION
 
     def __post_init__(self) -> None:
-        faults: list[str] = []
-        object.__setattr__(self, "factor", number("factor", self.factor, faults, least=0.0))
-        object.__setattr__(self, "exponent", number("exponent", self.exponent, faults, above=0.0))
-        refuse("restitution", faults)
+        settle(self, "restitution", factor={"least": 0.0}, exponent={"above": 0.0})
 
     def at(self, velocity: float) -> float:
         """R at an impact velocity, m/s."""

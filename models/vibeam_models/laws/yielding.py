@@ -24,8 +24,25 @@ def _said_once(law: str, stop: Any) -> Iterator[tuple[str, str]]:
     yield from _lost(law, stop)
 
 
+class Yielding(ContactLaw):
+    """A law of a stop that yields, by its stiffness or by two bodies that give it; ``by_shape``: the latter."""
+
+    compliant: ClassVar[bool] = True
+    by_shape: ClassVar[type[ContactLaw] | None] = None
+
+    @classmethod
+    def forms(cls) -> tuple[type[ContactLaw], ...]:
+        """The stiffness, and the bodies."""
+        return (cls,) if cls.by_shape is None else (cls, cls.by_shape)
+
+    @classmethod
+    def form_of(cls, stop: Any) -> type[ContactLaw]:
+        """The bodies where the stop says its shape or materials, else the stiffness."""
+        return cls.by_shape if cls.by_shape and by_bodies(stop) else cls
+
+
 @dataclass(frozen=True)
-class Linear(ContactLaw):
+class Linear(Yielding):
     """F = k d + c d′, the damping as given or from the restitution of a free mass 1/S."""
 
     stiffness: float = quantity(
@@ -48,17 +65,6 @@ class Linear(ContactLaw):
     restitution: float | None = declared(RESTITUTION, None)
 
     name: ClassVar[str] = "linear"
-    compliant: ClassVar[bool] = True
-
-    @classmethod
-    def forms(cls) -> tuple[type[ContactLaw], ...]:
-        """The stiffness, and a flat punch."""
-        return Linear, LinearBodies
-
-    @classmethod
-    def form_of(cls, stop: Any) -> type[ContactLaw]:
-        """The flat punch where the stop says its shape or materials, else the stiffness."""
-        return LinearBodies if by_bodies(stop) else Linear
 
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
@@ -73,14 +79,13 @@ class Linear(ContactLaw):
 
 
 @dataclass(frozen=True)
-class LinearBodies(ElasticBodies, ContactLaw):
+class LinearBodies(ElasticBodies, Yielding):
     """F = 2 E* a d + c d′: a flat punch of radius a."""
 
     damping: float | None = declared(Linear.__dataclass_fields__["damping"].metadata["key"], None)
     restitution: float | None = declared(RESTITUTION, None)
 
     name: ClassVar[str] = "linear"
-    compliant: ClassVar[bool] = True
     shapes: ClassVar[tuple[str, ...]] = (PUNCH,)
 
     @classmethod
@@ -100,25 +105,14 @@ def _soft(stop: Any) -> Iterator[tuple[str, str]]:
 
 
 @dataclass(frozen=True)
-class Elastic(ContactLaw):
+class Elastic(Yielding):
     """F = k d^p."""
 
     hertz_stiffness: float = declared(HERTZ_STIFFNESS)
     exponent: float | None = declared(EXPONENT, None)
 
     name: ClassVar[str] = "hertz"
-    compliant: ClassVar[bool] = True
     integrated: ClassVar[bool] = True
-
-    @classmethod
-    def forms(cls) -> tuple[type[ContactLaw], ...]:
-        """The stiffness, and two bodies."""
-        return Elastic, ElasticContact
-
-    @classmethod
-    def form_of(cls, stop: Any) -> type[ContactLaw]:
-        """The bodies where the stop says its shape or materials, else the stiffness."""
-        return ElasticContact if by_bodies(stop) else Elastic
 
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
@@ -131,11 +125,10 @@ class Elastic(ContactLaw):
 
 
 @dataclass(frozen=True)
-class ElasticContact(ElasticBodies, ContactLaw):
+class ElasticContact(ElasticBodies, Yielding):
     """F = k d^p with k and p of two bodies: p = 3/2 for a sphere."""
 
     name: ClassVar[str] = "hertz"
-    compliant: ClassVar[bool] = True
     integrated: ClassVar[bool] = True
 
     @classmethod
@@ -149,7 +142,7 @@ class ElasticContact(ElasticBodies, ContactLaw):
 
 
 @dataclass(frozen=True)
-class Damped(ContactLaw):
+class Damped(Yielding):
     """F = k d^p (1 + a d′), a from the restitution at one velocity."""
 
     hertz_stiffness: float = declared(HERTZ_STIFFNESS)
@@ -158,18 +151,7 @@ class Damped(ContactLaw):
     exponent: float | None = declared(EXPONENT, None)
 
     name: ClassVar[str] = "hunt-crossley"
-    compliant: ClassVar[bool] = True
     integrated: ClassVar[bool] = True
-
-    @classmethod
-    def forms(cls) -> tuple[type[ContactLaw], ...]:
-        """The stiffness, and two bodies."""
-        return Damped, DampedContact
-
-    @classmethod
-    def form_of(cls, stop: Any) -> type[ContactLaw]:
-        """The bodies where the stop says its shape or materials, else the stiffness."""
-        return DampedContact if by_bodies(stop) else Damped
 
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
@@ -184,14 +166,13 @@ class Damped(ContactLaw):
 
 
 @dataclass(frozen=True)
-class DampedContact(ElasticBodies, ContactLaw):
+class DampedContact(ElasticBodies, Yielding):
     """F = k d^p (1 + a d′) with k and p of two bodies, a from the restitution at one velocity."""
 
     restitution: float = declared(RESTITUTION)
     velocity: float = declared(VELOCITY)
 
     name: ClassVar[str] = "hunt-crossley"
-    compliant: ClassVar[bool] = True
     integrated: ClassVar[bool] = True
 
     @classmethod
@@ -203,3 +184,6 @@ class DampedContact(ElasticBodies, ContactLaw):
     def contact(self, mobility: float) -> HuntCrossley:
         """Law with the damping that gives the restitution at that velocity."""
         return HuntCrossley.matched(self.body_stiffness, self.restitution, self.velocity, EXPONENTS[self.body_shape])
+
+
+Linear.by_shape, Elastic.by_shape, Damped.by_shape = LinearBodies, ElasticContact, DampedContact

@@ -17,7 +17,7 @@ from vibeam.case.plans import ShowPlan
 from vibeam.case.response_quantities import static_shape
 from vibeam.figures.panels import decades, is_empty, labelled, say
 from vibeam.figures.settled_motion import chain_or_exact
-from vibeam.figures.sheet import Column, Columns, Comparison, Sheet, sheet_of
+from vibeam.figures.sheet import Column, Columns, Comparison, NoMotion, Sheet, sheet_of
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, motion_of, units_of
 from vibeam.flight.trajectory import simulate
@@ -62,6 +62,8 @@ def _record(case: Case, name: str, plan: ShowPlan) -> tuple[MeasuredRecord, floa
     row = system.output(plan.output)
     place = shape * plan.own["start"] / float(row @ shape)
     omega = float(system.omega[int(np.argmax(np.abs(row * place)))])
+    if not omega > 0:
+        raise NoMotion("a free body has no static deflection to be let go from")
     span = (plan.periods or PERIODS) * 2 * np.pi / omega
     rest = static_shape(system, system.static)
     path = simulate(without_stop(system, place, rest), Drive(omega, 0.0), span, State(rest + place, 0 * place))
