@@ -320,7 +320,9 @@ def natural_modes(K: Array, M: Array) -> tuple[Array, Array]:
     if squared[0] < -STIFF * abs(squared[-1]):
         return squared, shapes
     free = len(K) - rank(K)
-    shift = max(float(squared[min(free, len(K) - 1)]), len(K) * EPSILON * abs(squared[-1]) or 1.0) if free else 0.0
+    if free == len(K):
+        return np.zeros(free), shapes
+    shift = max(float(squared[free]), len(K) * EPSILON * float(squared[-1])) if free else 0.0
     try:
         inverse, flexible = eigenpairs(M, K + shift * M)
     except np.linalg.LinAlgError:

@@ -27,10 +27,8 @@ def modal(structure: Structure, n: int) -> Reduction:
     if not 1 <= n <= structure.size:
         raise ValueError(f"modes: {n}, this structure has 1 to {structure.size}")
     modes = structure.modes(n)
-    exact = in_coordinates(
-        structure, modes.shapes, M=np.eye(n), C=structure.modal_damping(modes), K=np.diag(modes.omega**2)
-    )
-    return Reduction(modes.shapes, exact, structure)
+    known = {"M": np.eye(n), "C": structure.modal_damping(modes), "K": np.diag(modes.omega**2)}
+    return Reduction(modes.shapes, in_coordinates(structure, modes.shapes, **known), structure)
 
 
 def full(structure: Structure) -> Reduction:

@@ -43,14 +43,10 @@ class Gravity(Effect):
         if table.direction in ("hanging", "standing") and table.acceleration is not None and table.acceleration < 0:
             other = "standing" if table.direction == "hanging" else "hanging"
             yield "acceleration", f'is negative: for the other way up write direction = "{other}"'
-        free = [name for name in ("beam", "opposite") if is_free(case, name)]
         hung = table.direction == "hanging" and not (case.beam.ends or CANTILEVER).startswith("free")
-        if free and not hung:
-            yield (
-                "direction",
-                f'"{table.direction}": nothing holds the {free[0]} against its weight, it falls and has no static gap: '
-                "take [gravity] out, hold an end, or add [[support]]",
-            )
+        if not hung and (is_free(case, "beam") or is_free(case, "opposite")):
+            cure = "take [gravity] out, hold an end, or add [[support]]"
+            yield "direction", f"nothing holds a beam against its weight, it falls and has no static gap: {cure}"
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
         """As ``AxialGravity.apply``; across the axis static + g M r: as a base that is accelerated away for ever."""

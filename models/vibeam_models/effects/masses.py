@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam
-from vibeam_models.beams.tables import beam_of, place_faults
+from vibeam_models.beams.tables import beam_of, is_free, place_faults
 from vibeam_models.effects import LAST
 from vibeam_models.keys import quantity
 from vibeam_models.scene import Effect, OnEitherBeam, Scene
@@ -189,6 +189,12 @@ class MasslessBeam(Effect):
     massless: bool = True
 
     name: ClassVar[str] = LAST
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: a beam that can move as a rigid body, whose masses no static deflection ties."""
+        if is_free(case, "beam"):
+            yield "massless", "no static deflection ties the masses of a free beam: hold it, or take massless out"
 
     def carrier(self, beam: Beam) -> Beam:
         """As ``Effect.carrier``."""

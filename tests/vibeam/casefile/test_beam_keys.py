@@ -165,8 +165,12 @@ FAULTS = [
     (PLAIN + '[[support]]\nposition = "2 m"\n', "support.0.position: 2 m is beyond the tip: beam.length is 1 m"),
     (PLAIN + '[[support]]\nposition = "0.5 m"\nstiffness = 0\n',
      "support.0.stiffness: 0 holds nothing: leave it out for a rigid support, or take the support out"),
-    (PLAIN.replace("damping_ratio", 'ends = "pinned-free"\ndamping_ratio'),
-     'beam.ends: "pinned-free" leaves the beam to move as a rigid body: hold an end, or add [[support]]'),
+    (PLAIN.replace("damping_ratio", 'ends = "pinned-free"\ndamping_ratio') + '[gravity]\ndirection = "standing"\n',
+     'gravity.direction: nothing holds a beam against its weight, it falls and has no static gap: take '
+     "[gravity] out, hold an end, or add [[support]]"),
+    (PLAIN.replace("damping_ratio", 'ends = "free-free"\ndamping_ratio') + '[gravity]\ndirection = "hanging"\n',
+     'gravity.direction: nothing holds a beam against its weight, it falls and has no static gap: take '
+     "[gravity] out, hold an end, or add [[support]]"),
     (PLAIN.replace("damping_ratio", 'theory = "timoshenko"\ndamping_ratio'),
      'beam.poissons_ratio: missing (theory = "timoshenko" needs it): write poissons_ratio = 0.3'),
     (PLAIN.replace("damping_ratio", 'ends = "pinned-pinned"\ndamping_ratio') + '[clamp]\nstiffness = 5\n',
@@ -206,9 +210,21 @@ def test_two_beams_by_keys():
     assert parse(case.text).scene == case.scene
 
 
-def test_a_floating_beam_may_be_held_by_a_spring():
+@pytest.mark.parametrize("held", ['ends = "free-free"', 'ends = "pinned-free"', 'ends = "guided-free"'])
+def test_weight_across_a_beam_on_springs_has_a_static_gap(held: str) -> None:
+    text = PLAIN.replace("damping_ratio", f"{held}\ndamping_ratio") + '[gravity]\ndirection = "transverse"\n'
+    with pytest.raises(CaseError, match="nothing holds a beam against its weight"):
+        parse(text)
+    springs = "".join(f'[[support]]\nposition = "{x} m"\nstiffness = "1 kN/m"\n' for x in (0.3, 0.9))
+    assert parse(text + springs).system("beam").omega[0] > 0
+
+
+def test_a_pinned_beam_that_hangs_is_a_pendulum() -> None:
+    """√(3g/2L)/2π of a rigid bar; the bar bends a little under it."""
     text = PLAIN.replace("damping_ratio", 'ends = "pinned-free"\ndamping_ratio')
-    parse(text + '[[support]]\nposition = "1 m"\nstiffness = "1 kN/m"\n')
+    assert parse(text).system("beam").omega[0] == 0
+    hanging = parse(text + '[gravity]\ndirection = "hanging"\n').system("beam")
+    assert hanging.omega[0] == pytest.approx(np.sqrt(3 * 9.80665 / 2), rel=1e-3)
 
 
 def test_two_rigid_zones_are_rigid():

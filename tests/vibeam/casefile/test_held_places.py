@@ -39,9 +39,9 @@ FAULTS = [
     (PLAIN + OPPOSITE + SUPPORT.format("800 mm") + 'on = "opposite"\n',
      "opposite.position: the opposite beam is held at 0.8 m and does not give way: meet it elsewhere, or take "
      "[opposite] out"),
-    (PLAIN + OPPOSITE + 'ends = "pinned-free"\n',
-     'opposite.ends: "pinned-free" leaves the beam to move as a rigid body: hold an end, or add [[support]] with '
-     'on = "opposite"'),
+    (PLAIN + OPPOSITE + 'ends = "pinned-free"\n[gravity]\ndirection = "transverse"\n',
+     'gravity.direction: nothing holds a beam against its weight, it falls and has no static gap: '
+     "take [gravity] out, hold an end, or add [[support]]"),
     (PLAIN + ZONE.format("0.5 m") + SUPPORT.format("0.51 m"),
      "added_mass.0.rigid_half_width: 0.02 m reaches the support at 0.51 m, which does not yield: "
      "give that a stiffness"),

@@ -71,7 +71,7 @@ def test_a_free_ball_has_no_first_frequency(tmp_path: Path) -> None:
     np.save(tmp_path / "K.npy", np.zeros((1, 1)))
     (tmp_path / "ball.toml").write_text(BALL, "utf-8")
     text, _ = said_of(vibeam.load(tmp_path / "ball.toml"))
-    assert "mode 1 at 0 Hz, a free body; sweep 1 Hz … 2 Hz; " in text
+    assert "a free body, 1 rigid-body mode at 0 Hz; sweep 1 Hz … 2 Hz; " in text
 
 
 def test_results_away_from_the_matrices_say_what_they_lack(tmp_path: Path) -> None:
