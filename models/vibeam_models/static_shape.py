@@ -75,15 +75,12 @@ class FiniteElementShape:
         structure, space = bare_beam(self.beam, self._inserted)
         return structure, space, structure.deflection(space.row(self.load_at))
 
-    def at(self, x: float) -> float:
-        """φ(x)."""
-        return self._read(x, 0)
-
     def slope(self, x: float) -> float:
         """φ'(x) in 1/m."""
-        return self._read(x, 1)
+        return self.at(x, 1)
 
-    def _read(self, x: float, derivative: int) -> float:
+    def at(self, x: float, derivative: int = 0) -> float:
+        """φ(x), or φ'(x) in 1/m."""
         _, space, deflection = self._solved
         return float(space.row(x, derivative) @ deflection / (space.row(self.unit_at) @ deflection))
 

@@ -189,8 +189,7 @@ class Structure(ValueRecord):
     def _modes(self, squared: Array, shapes: Array) -> Modes:
         """Modes by ω² and shapes: each positive at the contact, of the rigid-body modes the first alone moves it.
 
-        The second one alone moves the first output whose place the first leaves at rest, and so on: any turn of
-        rigid-body modes among themselves would do, and round-off should not choose.
+        Any turn of these among themselves would do; so that round-off does not choose, outputs and load follow.
         """
         rigid = shapes[:, squared <= 0]
         if rigid.shape[1] > 1:

@@ -11,9 +11,9 @@ from tests.models.bench import RIG, STEEL, deflection, with_effects
 from tests.models.test_effects import EI, PLAIN, end_flexibility
 from vibeam_models.beam import assemble, assemble_with_space
 from vibeam_models.effects.gravity import AxialGravity, Gravity
-from vibeam_models.effects.masses import AddedMass, MasslessBeam
+from vibeam_models.effects.masses import AddedMass, MasslessBeam, RigidZone
 from vibeam_models.effects.supports import Clamp
-from vibeam_models.effects.torsion import StVenantTorsion, Torsion, torsion_constant
+from vibeam_models.effects.torsion import Torsion, inertia_per_length, torsion_constant
 from vibeam_models.scene import Mass
 from vibeam_models.space import bare_beam
 from vibeam_models.stop import Stop
@@ -178,9 +178,11 @@ def test_without_weight_nothing_is_left_of_gravity(direction):
 
 def bar(polar_inertia=0.0, mass_at=L, half_width=0.0, elements=36):
     beam = replace(STEEL, elements=elements)
-    effect = StVenantTorsion(1e-3, SHEAR, polar_inertia, beam, mass_at, mass_at, half_width)
+    effect = Torsion(1e-3, polar_inertia, shear_modulus=SHEAR)
+    zone = (RigidZone(half_width),) if half_width else ()
+    scene = replace(RIG, beam=beam, mass=Mass(0.2, mass_at), stop=replace(RIG.stop, position=mass_at), effects=zone)
     bare = bare_beam(beam, [mass_at, mass_at - half_width, min(mass_at + half_width, L)])
-    return effect, effect.apply(*bare)[0], bare[0].size
+    return effect, effect.apply(*bare, scene)[0], bare[0].size
 
 
 def twist_only(structure, bending):
@@ -201,22 +203,22 @@ def test_torsion_constant_of_a_rectangle(ratio, factor):
 
 def test_torsional_frequencies_of_a_fixed_free_bar():
     effect, structure, bending = bar()
-    speed = np.sqrt(effect.rigidity / effect.inertia_per_length)
+    speed = np.sqrt(effect.rigidity(STEEL) / inertia_per_length(STEEL))
     np.testing.assert_allclose(twist_only(structure, bending), np.array([1, 3, 5]) * np.pi / (2 * L) * speed, rtol=1e-5)
 
 
 def test_a_bar_with_a_disc_at_its_end():
     """λ tan λ = ρI_pL/J."""
     effect, structure, bending = bar(polar_inertia=2e-6)
-    ratio = effect.inertia_per_length * L / 2e-6
+    ratio = inertia_per_length(STEEL) * L / 2e-6
     exact = roots(lambda x: x * np.sin(x) - ratio * np.cos(x), 0.01, 9.0, 3)
-    speed = np.sqrt(effect.rigidity / effect.inertia_per_length)
+    speed = np.sqrt(effect.rigidity(STEEL) / inertia_per_length(STEEL))
     np.testing.assert_allclose(twist_only(structure, bending), exact * speed / L, rtol=1e-5)
 
 
 def test_a_light_bar_with_a_rigid_zone():
     effect, structure, bending = bar(2.84e-5 * 1e4, 0.132, 0.0117)
-    expected = np.sqrt(effect.rigidity / (0.132 - 0.0117) / (2.84e-5 * 1e4))
+    expected = np.sqrt(effect.rigidity(STEEL) / (0.132 - 0.0117) / (2.84e-5 * 1e4))
     assert twist_only(structure, bending)[0] == pytest.approx(expected, rel=2e-6)
 
 

@@ -24,12 +24,10 @@ def sheet(table: DerivedTable, case: Case) -> StudySheet:
 
     Where a contact time is asked for, what it changes comes first.
     """
-    impact, usual = table.impact, [derivation(table)] if table.rows else []
+    impact, usual = table.impact, [derivation(table)] * bool(table.rows)
     usual += [contact_table(table.contacts)] if table.contacts else []
-    shares, terms = (
-        [share_table(each) for each in [impact] if each],
-        [term_table(each) for each in [impact] if each and each.terms],
-    )
+    shares = [share_table(impact)] if impact else []
+    terms = [term_table(impact)] if impact and impact.terms else []
     asked = case.asked["derive"].contact_time is not None
     return StudySheet(
         answer=impact_answer(impact, case) if asked and impact else answer(table, case),
@@ -96,9 +94,7 @@ def answer(table: DerivedTable, case: Case) -> str:
             said.append(f"ζ = {percent(last['β_S'].reference * row.value / row.reference)}")
     held = held_of(case.scene)
     struck = held.label if held.coefficient is not None else f"the {held.label}"
-    if not said:
-        return f"No static deflection, from which one degree of freedom is derived: the beam is free, with {struck}."
-    return f"One degree of freedom: {', '.join(said)}, with {struck}."
+    return f"One degree of freedom: {', '.join(said) or 'none, the beam is free'}, with {struck}."
 
 
 SEEN = 5e-4  # difference of a coefficient that is shown

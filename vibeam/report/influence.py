@@ -227,14 +227,9 @@ def _modes(whole: Variant, variant: Variant) -> Iterator[str]:
         yield f"there are {variant.modes} modes instead of {whole.modes}"
         return
     pairs = list(zip(variant.frequencies, whole.frequencies, strict=True))[:3]
-    ours, theirs = max(pairs, key=lambda pair: _moved(*pair))
-    if _moved(ours, theirs) > MOVED:
+    ours, theirs = max(pairs, key=lambda pair: abs(pair[0] - pair[1]) / (pair[1] or 1.0))
+    if abs(ours - theirs) > MOVED * theirs:
         yield f"mode {pairs.index((ours, theirs)) + 1} is at {ours:.4g} Hz instead of {theirs:.4g} Hz"
-
-
-def _moved(ours: float, theirs: float) -> float:
-    """Change of a frequency as a share of ``theirs``; 1 from a rigid-body mode to an elastic one."""
-    return abs(ours - theirs) / (theirs or ours or 1.0)
 
 
 def _remarks(study: InfluenceStudy) -> Iterator[str]:

@@ -23,8 +23,7 @@ def sheet(modes: ModeTable) -> StudySheet:
 
 def answer(modes: ModeTable) -> str:
     """Sentence on the first mode's share of the contact's mobility, and on the restitution of truncated models."""
-    first, last = modes.rows[0], modes.rows[-1]
-    count = len(modes.rows)
+    first, last, count = modes.rows[0], modes.rows[-1], len(modes.rows)
     alone = f"Mode 1, at {with_unit(first.frequency, 'Hz')}, has {percent(first.share)} of the contact's mobility"
     if count == 1:
         return f"{alone}."
@@ -59,8 +58,8 @@ def modal(modes: ModeTable) -> ReportTable:
         values = (f"{without_round_off(*pair):.4g}" for pair in zip(numbers, largest, strict=True))
         restitutions = [f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}"] * impulsive
         damping = percent(row.damping_ratio) if row.frequency else "rigid body"
-        first = (str(row.number), f"{row.frequency * factor:.5g}", damping)
-        table.add_row(*first, *values, percent(row.share), *restitutions)
+        first = (str(row.number), f"{row.frequency * factor:.5g}", damping, *values)
+        table.add_row(*first, percent(row.share), *restitutions)
     table.caption = (
         f"contact, sensor: kg^-½; load: {modes.load_unit}; Σ share: of the contact mobility w M⁻¹ wᵀ, up to this mode"
         + "\nR: of the contact; R₁: what mode 1 sees of it where the model is cut off after this mode" * impulsive

@@ -14,7 +14,6 @@ from vibeam.system.response import Branches, Difference, Peak, complete, modes_o
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.runs.result import Result
-    from vibeam.runs.systems import Overview
     from vibeam_models.scene import AnyScene
 
 
@@ -95,7 +94,8 @@ NEGATIVE = (
 def remarks(result: Result) -> list[str]:
     """Remarks on fidelities that never touch the stop, and on those whose mode 1 sees R₁ < 0; what is assumed."""
     clear = [name for name, branches in result.items() if stays_clear(branches)]
-    notes = [f"{listed(clear)}: no impact at any frequency: {_cure(result.overview)}"] if clear else []
+    cure = "narrow the gap, or drive harder" if result.overview is None else result.overview.cure
+    notes = [f"{listed(clear)}: no impact at any frequency: {cure}"] if clear else []
     below = {row.fidelity: row.first_mode_restitution for row in compare(result)}
     return [*notes, *ill_posed(below, result.case.scene), *assumed(result.case)]
 
@@ -103,15 +103,6 @@ def remarks(result: Result) -> list[str]:
 def assumed(case: Case) -> list[str]:
     """Sentences about what the structures of a case's fidelities assume, each once."""
     return list(dict.fromkeys(said for name in case.fidelities for said in case.scene_of(name).assumed))
-
-
-def _cure(overview: Overview | None) -> str:
-    """Cure that brings a rig to its stop: where the sweep leaves mode 1 out, to sweep over it."""
-    if overview is not None and overview.model.rigid:
-        return "nothing brings a free body back to its stop: hold it by a spring, add a stop beyond, or write [record]"
-    if overview is None or not overview.beside:
-        return "narrow the gap, or drive harder"
-    return f"sweep over mode 1, at {overview.first}, narrow the gap, or drive harder"
 
 
 def ill_posed(first_mode: Mapping[str, float], scene: AnyScene) -> list[str]:

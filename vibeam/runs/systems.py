@@ -72,8 +72,8 @@ class ModelProperties:
     rigid: int
     first: float
     second: float
-    closed: float
     damping_ratio: float
+    closed: float
     gap: float
 
 
@@ -109,8 +109,7 @@ def properties_of(case: Case, name: str, system: ImpactSystem) -> ModelPropertie
     """Properties of one fidelity's model, which is ``system``."""
     from vibeam.case.fidelity import restitutions
 
-    first, second, damping_ratio = open_frequencies(system)
-    own = rigid_modes(system), first, second, closed_frequency(system), damping_ratio, gap_at_rest(system)
+    own = rigid_modes(system), *open_frequencies(system), closed_frequency(system), gap_at_rest(system)
     return ModelProperties(system.size, *restitutions(case.scene_of(name), case.fidelities[name]), *own)
 
 
@@ -183,7 +182,7 @@ class Overview:
         if model.rigid:
             yield f"a free body, {model.rigid} rigid-body mode{'s' * (model.rigid > 1)} at 0 Hz"
         if isfinite(model.first):
-            yield f"mode {model.rigid + 1} at {self.first} (ζ {100 * model.damping_ratio:.3g} %){closed}"
+            yield f"mode {model.rigid + 1} at {_hertz(model.first)} (ζ {100 * model.damping_ratio:.3g} %){closed}"
         if isfinite(model.second):
             yield f"mode {model.rigid + 2} at {_hertz(model.second)}"
         yield from self._driven()
@@ -196,14 +195,14 @@ class Overview:
         yield f"sweep {_hertz(low)} … {_hertz(high)}{over}"
 
     @property
-    def first(self) -> str:
-        """Frequency of the first elastic mode with its unit."""
-        return _hertz(self.model.first)
-
-    @property
-    def beside(self) -> bool:
-        """True where mode 1 as it is lies outside the sweep."""
-        return not self.sweep[0] <= self.model.first <= self.sweep[1]
+    def cure(self) -> str:
+        """Cure that brings the rig to its stop: where the sweep leaves the first elastic mode out, to sweep over it."""
+        if self.model.rigid:
+            return (
+                "nothing brings a free body back to its stop: hold it by a spring, add a stop beyond, or write [record]"
+            )
+        beside = not self.sweep[0] <= self.model.first <= self.sweep[1]
+        return f"sweep over mode 1, at {_hertz(self.model.first)}, " * beside + "narrow the gap, or drive harder"
 
     def warnings(self) -> Iterator[str]:
         """Sentences on a sweep far from the first modes, and on a mode 1 that is overdamped."""
@@ -211,8 +210,8 @@ class Overview:
         known = [each for each in (model.first, model.second, model.closed) if isfinite(each) and each > 0]
         if known and not model.rigid and not any(NEAR[0] * low <= each <= NEAR[1] * high for each in known):
             closed = f" ({_hertz(model.closed)} with the contact closed)" if isfinite(model.closed) else ""
-            swept = f"the sweep, {_hertz(low)} … {_hertz(high)}"
-            yield f"mode 1 at {self.first}{closed} is far from {swept}: look at the units of the rig, or move the sweep"
+            swept = f"the sweep, {_hertz(low)} … {_hertz(high)}: look at the units of the rig, or move the sweep"
+            yield f"mode 1 at {_hertz(model.first)}{closed} is far from {swept}"
         if model.damping_ratio >= 1:
             yield f"a damping ratio of {model.damping_ratio:.3g} leaves mode 1 no resonance (1 % is 0.01)"
 
@@ -221,9 +220,8 @@ def overview_of(case: Case, models: Mapping[str, ModelProperties]) -> Overview:
     """The overview of a case by its finest fidelity with the case's own rig."""
     plain = [name for name in models if not (case.fidelities[name].changes or case.fidelities[name].without)]
     name = max(plain or models, key=lambda each: models[each].modes)
-    scene, grid = case.scene_of(name), case.sweep.frequency
-    ends = float(grid.min()), float(grid.max())
-    return Overview(*scene.bulk, models[name], ends, scene.natural_unit is not None)
+    scene, swept = case.scene_of(name), (float(case.sweep.frequency.min()), float(case.sweep.frequency.max()))
+    return Overview(*scene.bulk, models[name], swept, scene.natural_unit is not None)
 
 
 def _shown(steps: Steps, value: float) -> str:

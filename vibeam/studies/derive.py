@@ -12,7 +12,7 @@ from vibeam.case.study_plans import DerivePlan
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import ValueRecord
 from vibeam_models.base import Base
-from vibeam_models.beam import structure_of
+from vibeam_models.beam import assemble_with_space, structure_of
 from vibeam_models.scene import AnyScene, Mass, Scene
 
 if TYPE_CHECKING:
@@ -118,7 +118,10 @@ def derive(
         raise TypeError(f"derive takes a case or a scene, not {type(scene).__name__}")
     if scene.in_three_dimensions:
         raise ValueError("nothing to derive: closed forms are of a beam, and this is a solid: add a fidelity of one")
-    table = _derived(scene)
+    if structure_of(scene).modes(1).omega[0] == 0:
+        return _with_contacts(DerivedTable((), (FREE_BODY,)), scene, plan)
+    exact = _first_mode(scene)
+    table = _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
     return _with_contacts(replace(table, rows=tuple(_explained(row, scene) for row in table)), scene, plan)
 
 
@@ -131,14 +134,6 @@ def _with_contacts(table: DerivedTable, scene: Scene, plan: DerivePlan) -> Deriv
     found = contacts(scene, speed)
     impact = shared_impact(scene, plan.contact_time, speed, found[1] if found else None)
     return replace(table, contacts=found, impact=impact, notes=(*table.notes, *(doubts(scene, found) if found else ())))
-
-
-def _derived(scene: Scene) -> DerivedTable:
-    """Table of the closed forms; without a row where the beam can move as a rigid body."""
-    if structure_of(scene).modes(1).omega[0] == 0:
-        return DerivedTable((), (FREE_BODY,))
-    exact = _first_mode(scene)
-    return _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
 
 
 def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> DerivedTable:
@@ -166,14 +161,13 @@ def _bare(scene: Scene, exact: _FirstMode) -> DerivedTable:
     from vibeam.runs.summary import BARE, yielding
     from vibeam_models.static_shape import static_shape_of
 
-    load_at, unit_at = scene.stop.position, scene.sensor.position
-    static = static_shape_of(scene.shaped_beam, load_at, unit_at)
+    static = static_shape_of(scene.shaped_beam, scene.stop.position, scene.sensor.position)
     mass = static.beam_mass(scene.carrier)
     rows = [DerivedParameter("stiffness", "K_S", "N/m", static.stiffness, exact.stiffness, STATIC_SHAPE)]
     notes = [f"{OF_A_MASS}: there is no attached mass"]
     if mass:
         gap = scene.stop.gap / scene.beam.length
-        gap /= static.at(load_at) if scene.stop.gap_at == "contact" else 1.0
+        gap /= static.at(scene.stop.position) if scene.stop.gap_at == "contact" else 1.0
         rows += _inertial_rows({WITH_BEAM: mass}, static.stiffness, exact, {WITH_BEAM: STATIC_SHAPE})
         rows.append(_gap_row(scene, gap, exact))
         notes += [f"{BARE}\n{yielding(scene)}"] if scene.stop.law is None else []
@@ -203,7 +197,6 @@ def _masses(scene: Scene, mass: Mass, paper: SdofModel) -> dict[str, float]:
 def _first_mode(scene: Scene) -> _FirstMode:
     import numpy as np
 
-    from vibeam_models.beam import assemble_with_space
     from vibeam_reductions.static_shapes import static_mode
 
     structure, space = assemble_with_space(replace(scene, base=Base()))  # the base factor is of a base that moves
@@ -224,8 +217,6 @@ def _first_mode(scene: Scene) -> _FirstMode:
 
 
 STATIC_SHAPE = "the static deflection of a uniform strip as mode shape"
-
-
 BARE_SHAPE = "the static deflection of the bare beam as mode shape"
 ADDED = "added masses left out"
 

@@ -13,7 +13,7 @@ EFFECTS: Registry[Home] = Registry(
         "beam.ends",
         "vibeam_models.effects.supports:BeamEnds",
         key=Key(
-            "how the ends are held, at x = 0 and at the full length; absent = clamped-free",
+            "how the ends are held, at x = 0 and at the full length; free-free: not at all; absent = clamped-free",
             "clamped-pinned",
             words=PAIRS,
         ),

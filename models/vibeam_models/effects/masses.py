@@ -20,6 +20,7 @@ from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure, in_coordinates, with_inertia
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
+SAME = 1e-8  # share of the length within which a node is at a place
 KEPT = 16  # eliminations, each of a space of its own
 NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no inertia; round-off leaves 10⁻¹⁶
 
@@ -102,8 +103,10 @@ class RigidZone(Effect):
         if half >= middle:
             yield "rigid_half_width", f"{half:g} m reaches the clamp: mass.position is {middle:g} m"
         elif length is not None and half < LEAST * length:
-            message = f"{half:g} m is below a thousandth of beam.length and changes nothing: leave it out"
-            yield "rigid_half_width", message
+            yield (
+                "rigid_half_width",
+                f"{half:g} m is below a thousandth of beam.length and changes nothing: leave it out",
+            )
         elif length is not None and middle <= length <= middle + half:
             yield "rigid_half_width", f"{half:g} m reaches the tip, {length - middle:g} m beyond mass.position"
 
@@ -132,7 +135,8 @@ class RigidSegment:
 
     def _elimination(self, space: BeamSpace) -> Array:
         """x = basis @ y: free coordinates by those that are left, u_i = u_m + θ_m (x_i − x_m), θ_i = θ_m."""
-        inside, middle = np.flatnonzero(self._within(space.nodes)), self._node_at(space.nodes, self.position)
+        within = np.abs(space.nodes - self.position) <= self.half_width + SAME * space.nodes[-1]
+        inside, middle = np.flatnonzero(within), self._node_at(space.nodes, self.position)
         deflection, slope = (self._coordinates(space, 2 * inside + which) for which in (0, 1))
         at = int(np.flatnonzero(inside == middle)[0])
         full = np.eye(space.size)
@@ -150,12 +154,9 @@ class RigidSegment:
             raise ValueError(f"rigid zone at {self.position} m: a support or another rigid zone holds part of it")
         return np.asarray(np.argmax(rows, axis=1))
 
-    def _within(self, nodes: Array) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        return np.asarray(np.abs(nodes - self.position) <= self.half_width + self._tolerance(nodes))
-
     def _node_at(self, nodes: Array, x: float) -> int:
         nearest = int(np.argmin(np.abs(nodes - x)))
-        if abs(nodes[nearest] - x) > self._tolerance(nodes):
+        if abs(nodes[nearest] - x) > SAME * nodes[-1]:
             raise ValueError(f"rigid zone: the mesh has no node at {x} m")
         return nearest
 
@@ -168,10 +169,6 @@ class RigidSegment:
             raise ValueError(f"rigid zone: ±{self.half_width} m is below {LEAST:g} of the beam's length: leave it out")
         for x in (start, end):
             self._node_at(space.nodes, x)
-
-    @staticmethod
-    def _tolerance(nodes: Array) -> float:
-        return float(1e-8 * nodes[-1])
 
 
 @lru_cache(maxsize=KEPT)

@@ -70,5 +70,4 @@ class Clamp(Effect):
     def carrier(self, beam: Beam) -> Beam:
         """K + k θᵀθ with θ the slope at x = 0, which is free."""
         far = beam.ends.split("-")[1]
-        support = Support(0.0, 0.0, self.stiffness)
-        return replace(beam, ends=f"pinned-{far}", supports=(*beam.supports, support))
+        return replace(beam, ends=f"pinned-{far}", supports=(*beam.supports, Support(0.0, 0.0, self.stiffness)))

@@ -51,8 +51,7 @@ class Torsion(Effect):
         elif table.poissons_ratio is not None and case.beam.poissons_ratio not in (None, table.poissons_ratio):
             yield "poissons_ratio", f"beam.poissons_ratio says {case.beam.poissons_ratio:g}: leave it out here"
         elif table.poissons_ratio is not None and table.poissons_ratio > 0.5:
-            message = f"{table.poissons_ratio:g} is above 0.5, where the volume grows under pressure"
-            yield "poissons_ratio", message
+            yield "poissons_ratio", f"{table.poissons_ratio:g} is above 0.5, where the volume grows under pressure"
         if (case.beam.shape or "rectangle") != "rectangle" or case.section or case.plate or case.beam.ends:
             yield "", "is that of a uniform rectangular cantilever: take [torsion] out"
         width = case.beam.width
@@ -67,81 +66,55 @@ class Torsion(Effect):
         return beam.youngs_modulus / (2 * (1 + (ratio or 0.0)))
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
-        """As ``StVenantTorsion.apply``; ValueError in a scene without an attached mass."""
-        twisted = StVenantTorsion(
-            self.eccentricity,
-            self.modulus(scene.beam),
-            self.polar_inertia,
-            scene.carrier,
-            scene.attached(self.name).position,
-            scene.stop.position,
-            scene.rigid_half_width,
-        )
-        return twisted.apply(structure, space)
+        """The structure and, uncoupled but for the contact's row w + eθ, the twist of the beam held at x = 0.
 
-
-@dataclass(frozen=True)
-class StVenantTorsion:
-    """Twist of ``beam`` with ``polar_inertia`` kg m² at ``mass_at`` m and the contact at ``contact_at`` m.
-
-    ``eccentricity`` m: how far off the axis the contact lies; ``shear_modulus`` Pa; ``rigid_half_width`` m: the strip
-    does not twist either this far from the mass (0: everywhere).
-    """
-
-    eccentricity: float
-    shear_modulus: float
-    polar_inertia: float
-    beam: Beam
-    mass_at: float
-    contact_at: float
-    rigid_half_width: float = 0.0
-
-    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
-        """The structure and, uncoupled but for the contact's row w + eθ, the twist of the beam held at x = 0."""
-        twist = self._twist(space.nodes)
+        ValueError in a scene without an attached mass, and of a beam that is not uniform and rectangular.
+        """
+        twist = self._twist(space.nodes, scene)
         contact = np.concatenate([structure.contact, self.eccentricity * twist.contact])
         return side_by_side(structure, twist, contact), space.widened(twist.size)
 
-    def _twist(self, nodes: Array) -> Structure:
+    def _twist(self, nodes: Array, scene: Scene) -> Structure:
         """The twist alone, quadratic elements of scikit-fem on the same nodes; the contact row reads its angle."""
         basis = basis_of(nodes, "ElementLineP2", order=4)
-        free = self._elimination(basis.doflocs[0])
-        inertia = assembled(basis, lambda u, v, _: u * v) * self.inertia_per_length
-        stiffness = assembled(basis, lambda u, v, _: u.grad[0] * v.grad[0]) * self.rigidity
-        at_mass = _row(basis, self.mass_at) @ free
+        mass_at = scene.attached(self.name).position
+        free = _elimination(basis.doflocs[0], mass_at, scene.rigid_half_width, scene.beam.length)
+        inertia = assembled(basis, lambda u, v, _: u * v) * inertia_per_length(scene.carrier)
+        stiffness = assembled(basis, lambda u, v, _: u.grad[0] * v.grad[0]) * self.rigidity(scene.carrier)
+        at_mass = _row(basis, mass_at) @ free
         mass = free.T @ inertia @ free + self.polar_inertia * np.outer(at_mass, at_mass)
-        none, angle = np.zeros(len(mass)), _row(basis, self.contact_at) @ free
+        none, angle = np.zeros(len(mass)), _row(basis, scene.stop.position) @ free
         return Structure(
             _symmetric(mass), np.zeros_like(mass), _symmetric(free.T @ stiffness @ free), none, none, angle
         )
 
-    @property
-    def rigidity(self) -> float:
-        """GJ_t in N m²."""
-        section = self._section
-        return self.shear_modulus * torsion_constant(section.width, section.thickness)
+    def rigidity(self, beam: Beam) -> float:
+        """GJ_t of ``beam`` in N m²."""
+        section = _section(beam)
+        return self.modulus(beam) * torsion_constant(section.width, section.thickness)
 
-    @property
-    def inertia_per_length(self) -> float:
-        """ρI_p in kg m: b² + t² over 12 of the mass per length."""
-        section = self._section
-        return float(self.beam.mass_per_length * (section.width**2 + section.thickness**2) / 12)
 
-    @property
-    def _section(self) -> Rectangle:
-        if not (self.beam.is_uniform and isinstance(self.beam.shape, Rectangle)):
-            raise ValueError("torsion: is that of a uniform rectangular beam")
-        return self.beam.shape
+def inertia_per_length(beam: Beam) -> float:
+    """ρI_p in kg m: b² + t² over 12 of the mass per length."""
+    section = _section(beam)
+    return float(beam.mass_per_length * (section.width**2 + section.thickness**2) / 12)
 
-    def _elimination(self, places: Array) -> Array:
-        """All angles by the free ones: none at the clamp, one for the whole rigid zone."""
-        within = np.abs(places - self.mass_at) <= self.rigid_half_width + 1e-8 * self.beam.length
-        first = int(np.argmin(np.abs(places - self.mass_at)))
-        full = np.eye(len(places))
-        if self.rigid_half_width > 0:
-            full[within] = np.eye(len(places))[first]
-        gone = (places == 0) | (within & (np.arange(len(places)) != first) & (self.rigid_half_width > 0))
-        return np.asarray(full[:, ~gone])
+
+def _section(beam: Beam) -> Rectangle:
+    if not (beam.is_uniform and isinstance(beam.shape, Rectangle)):
+        raise ValueError("torsion: is that of a uniform rectangular beam")
+    return beam.shape
+
+
+def _elimination(places: Array, mass_at: float, rigid_half_width: float, length: float) -> Array:
+    """All angles by the free ones: none at the clamp, one for the whole rigid zone."""
+    within = np.abs(places - mass_at) <= rigid_half_width + 1e-8 * length
+    first = int(np.argmin(np.abs(places - mass_at)))
+    full = np.eye(len(places))
+    if rigid_half_width > 0:
+        full[within] = np.eye(len(places))[first]
+    gone = (places == 0) | (within & (np.arange(len(places)) != first) & (rigid_half_width > 0))
+    return np.asarray(full[:, ~gone])
 
 
 def _row(basis: Any, x: float) -> Array:

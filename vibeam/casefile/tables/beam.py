@@ -118,13 +118,13 @@ class _Made(Table):
         "of theory timoshenko, torsion, a solid, and of a stop that yields by shape and materials", 0.3, None
     )
     damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
-        "of the first mode; for rayleigh a list of two, of modes 1 and 2; left away where damping is a list",
+        "of the first elastic mode; for rayleigh a list of two, of elastic modes 1 and 2; absent where damping is one",
         0.017,
         None,
     )
     damping: Annotated[str | tuple[float, ...], Several(Ratio, words=("constant", "stiffness", "rayleigh"))] = key(
         "constant: the same ratio in every mode; stiffness: in proportion to the frequency; rayleigh: mass and "
-        "stiffness; or the ratios mode by mode",
+        "stiffness; or the ratios of the elastic modes one by one (rigid-body modes have none)",
         "constant",
         "constant",
     )

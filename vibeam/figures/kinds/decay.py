@@ -58,8 +58,7 @@ def _columns(case: Case, name: str, plan: ShowPlan) -> Columns:
 def _record(case: Case, name: str, plan: ShowPlan) -> tuple[MeasuredRecord, float]:
     """Record of the free motion, and the natural frequency (Hz) of the mode that the output shows most."""
     system = case.system(name)
-    shape = static_shape(system, system.contact)
-    row = system.output(plan.output)
+    row, shape = system.output(plan.output), static_shape(system, system.contact)
     place = shape * plan.own["start"] / float(row @ shape)
     omega = float(system.omega[int(np.argmax(np.abs(row * place)))])
     if not omega > 0:
@@ -86,9 +85,8 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     motion, spectrum = figure.subplots(1, 2)
     for sheet in there:
         _draw_one(motion, spectrum, sheet, looks[sheet.fidelity], units, name_of(case, sheet.fidelity))
-    for axes in (motion, spectrum):
-        if is_empty(axes):
-            say(axes, "no decay to show")
+    for axes in filter(is_empty, (motion, spectrum)):
+        say(axes, "no decay to show")
     lines = [sheet["displacement_line"] * units.length_factor for sheet in there]
     decades(spectrum, lines, least=LEAST_LINE * largest * units.length_factor)
     motion.set_xlabel("time (s)" if units.frequency else "time ω t")
@@ -102,5 +100,5 @@ def _draw_one(motion: Axes, spectrum: Axes, sheet: Sheet, look: Look, units: Dis
     for side in (1.0, -1.0):
         motion.plot(time, side * sheet["envelope"] * factor, linestyle=":", linewidth=0.8, color=look.colour)
     inside = (sheet["line"] > 0) & (sheet["line"] <= SHOWN * sheet["decay_frequency"][0])
-    across = sheet["line"][inside] * units.frequency_factor
-    spectrum.plot(across, sheet["displacement_line"][inside] * factor, **look.keys(0.8))
+    line, height = sheet["line"][inside] * units.frequency_factor, sheet["displacement_line"][inside] * factor
+    spectrum.plot(line, height, **look.keys(0.8))
