@@ -15,7 +15,6 @@ from vibeam_models.arrays import Array, ValueRecord
 SYMMETRIC = 1e-9  # share of a matrix's largest entry by which two entries may differ
 NODE = 1e-9  # share of a shape's largest value below which it is round-off
 STIFF = 1e-9  # share of the largest ω² by which another may be negative and still be round-off
-EPSILON = float(np.finfo(float).eps)
 SINGULAR = 3e14  # times the deflection of the stiffest coordinate alone: round-off bounds it where nothing else does
 FREE = (
     "structure: K: is singular, the body is free: no static deflection bears a load on it: "
@@ -321,7 +320,7 @@ def natural_modes(K: Array, M: Array) -> tuple[Array, Array]:
     free = len(K) - rank(K)
     if free == len(K):
         return np.zeros(free), shapes
-    shift = max(float(squared[free]), len(K) * EPSILON * float(squared[-1])) if free else 0.0
+    shift = max(squared[free], len(K) * np.finfo(float).eps * squared[-1]) if free else 0.0
     try:
         inverse, flexible = eigenpairs(M, K + shift * M)
     except np.linalg.LinAlgError:
@@ -338,8 +337,7 @@ def rank(K: Array) -> int:
     """The rank of ``K`` ≥ 0, by Cholesky's factors with pivoting of what it is with a diagonal of ones."""
     from scipy.linalg.lapack import dpstrf
 
-    sizes = np.sqrt(np.abs(np.diag(K)))
-    scale = np.where(sizes > 0, sizes, 1.0)
+    scale = np.sqrt(np.maximum(np.abs(np.diag(K)), np.finfo(float).tiny))
     return int(dpstrf(K / np.outer(scale, scale))[2])
 
 

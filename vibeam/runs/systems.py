@@ -25,12 +25,12 @@ MOST = 32  # modes that the closed contact is made of
 
 def open_frequencies(system: ImpactSystem) -> tuple[float, float, float]:
     """Frequencies of the first two elastic modes in Hz (NaN: there is none), damping ratio of the first."""
-    order = np.argsort(system.omega)[rigid_modes(system) :][:2]
+    order = np.argsort(system.omega)[rigid_of(system) :][:2]
     first, second = [float(each) / (2 * pi) for each in system.omega[order]] + [nan] * (2 - len(order))
     return first, second, float(system.zeta[order[0]]) if len(order) else nan
 
 
-def rigid_modes(system: ImpactSystem) -> int:
+def rigid_of(system: ImpactSystem) -> int:
     """Number of its rigid-body modes, at 0 Hz."""
     return int(np.count_nonzero(system.omega == 0))
 
@@ -47,7 +47,7 @@ def closed_frequency(system: ImpactSystem) -> float:
     if len(rates) < 2 or not contact.any():
         return nan
     free = np.linalg.qr(contact[:, None], mode="complete")[0][:, 1:]
-    elastic = np.linalg.eigvalsh(free.T @ (rates[:, None] ** 2 * free))[max(rigid_modes(system) - 1, 0) :]
+    elastic = np.linalg.eigvalsh(free.T @ (rates[:, None] ** 2 * free))[max(rigid_of(system) - 1, 0) :]
     return float(np.sqrt(max(elastic[0], 0.0)) / (2 * pi)) if len(elastic) else nan
 
 
@@ -67,9 +67,9 @@ class ModelProperties:
     """
 
     modes: int
+    rigid: int
     restitution: float
     first_mode_restitution: float
-    rigid: int
     first: float
     second: float
     damping_ratio: float
@@ -109,8 +109,10 @@ def properties_of(case: Case, name: str, system: ImpactSystem) -> ModelPropertie
     """Properties of one fidelity's model, which is ``system``."""
     from vibeam.case.fidelity import restitutions
 
-    own = rigid_modes(system), *open_frequencies(system), closed_frequency(system), gap_at_rest(system)
-    return ModelProperties(system.size, *restitutions(case.scene_of(name), case.fidelities[name]), *own)
+    own = *open_frequencies(system), closed_frequency(system), gap_at_rest(system)
+    return ModelProperties(
+        system.size, rigid_of(system), *restitutions(case.scene_of(name), case.fidelities[name]), *own
+    )
 
 
 def _systems(case: Case) -> dict[str, ImpactSystem]:

@@ -103,10 +103,8 @@ class RigidZone(Effect):
         if half >= middle:
             yield "rigid_half_width", f"{half:g} m reaches the clamp: mass.position is {middle:g} m"
         elif length is not None and half < LEAST * length:
-            yield (
-                "rigid_half_width",
-                f"{half:g} m is below a thousandth of beam.length and changes nothing: leave it out",
-            )
+            message = f"{half:g} m is below a thousandth of beam.length and changes nothing: leave it out"
+            yield "rigid_half_width", message
         elif length is not None and middle <= length <= middle + half:
             yield "rigid_half_width", f"{half:g} m reaches the tip, {length - middle:g} m beyond mass.position"
 
