@@ -42,8 +42,7 @@ def closed_frequency(system: ImpactSystem) -> float:
     """
     order = np.argsort(system.omega)[:MOST]
     rates, contact = system.omega[order], system.contact[order]
-    held = np.isfinite(rates)
-    rates, contact = rates[held], contact[held]
+    rates, contact = (each[np.isfinite(rates)] for each in (rates, contact))
     if len(rates) < 2 or not contact.any():
         return nan
     free = np.linalg.qr(contact[:, None], mode="complete")[0][:, 1:]
@@ -110,9 +109,8 @@ def properties_of(case: Case, name: str, system: ImpactSystem) -> ModelPropertie
     from vibeam.case.fidelity import restitutions
 
     own = *open_frequencies(system), closed_frequency(system), gap_at_rest(system)
-    return ModelProperties(
-        system.size, rigid_of(system), *restitutions(case.scene_of(name), case.fidelities[name]), *own
-    )
+    known = restitutions(case.scene_of(name), case.fidelities[name])
+    return ModelProperties(system.size, rigid_of(system), *known, *own)
 
 
 def _systems(case: Case) -> dict[str, ImpactSystem]:
