@@ -22,6 +22,7 @@ from vibeam.studies.fit.estimate import Minimum, probability
 from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
 from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import BOUND, LEVEL, FitRow, Profile
+from vibeam.studies.identification.estimates import directions_of
 from vibeam.system.number_text import with_unit
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
@@ -175,8 +176,8 @@ def _where(problem: Problem, which: NDArray[np.bool_]) -> str:
 
 def on_directions(problem: Problem, minimum: Minimum) -> Iterator[str]:
     """Directions that the points leave open."""
-    _, singular, rows = np.linalg.svd(minimum.jacobian)
-    half = np.sqrt(LEVEL) / np.maximum(np.append(singular, np.zeros(len(rows) - len(singular))), 1e-300)
+    singular, rows = directions_of(minimum.jacobian)
+    half = np.sqrt(LEVEL) / np.maximum(singular, 1e-300)
     for each, direction in zip(half, rows, strict=True):
         if each > OPEN:
             part = np.flatnonzero(np.abs(direction) > 0.1 * np.abs(direction).max())

@@ -87,8 +87,7 @@ def spread_of(jacobian: Array, residual: Array | None, names: Sequence[str], *, 
     if residual is not None:
         width = float(t.ppf(0.975, free))
         scaled = jacobian / max(float(np.sqrt(np.sum(residual**2) / free)), 1e-300)
-    _, singular, rows = np.linalg.svd(_without_others(scaled, named), full_matrices=True)
-    singular = np.concatenate([singular, np.zeros(named - len(singular))])
+    singular, rows = directions_of(_without_others(scaled, named))
     unfixed = singular * UNKNOWN < width
     variance = np.sum((rows[~unfixed] / singular[~unfixed, None]) ** 2, axis=0)
     if residual is not None and not equal:
@@ -97,6 +96,15 @@ def spread_of(jacobian: Array, residual: Array | None, names: Sequence[str], *, 
     half = np.sqrt(width**2 * np.maximum(variance, 0.0) + np.sum((reach[:, None] * rows[unfixed]) ** 2, axis=0))
     half = np.where(half < UNKNOWN, half, inf)
     return Spread(half, tuple(in_words(row, names) for row in _simple(rows[unfixed])))
+
+
+def directions_of(jacobian: Array) -> tuple[Array, Array]:
+    """Singular values (p,), 0 where there are fewer rows, and right singular vectors (p, p) of ``jacobian`` (n, p).
+
+    Those of the factor R of QR, so that memory grows by n p, not by the n² of all left singular vectors.
+    """
+    _, singular, rows = np.linalg.svd(np.linalg.qr(jacobian, mode="r"))
+    return np.append(singular, np.zeros(len(rows) - len(singular))), rows
 
 
 def _simple(directions: Array) -> Array:

@@ -95,7 +95,8 @@ def at_references(case: Case, result: Result, *, partial: bool = False) -> dict[
 def _off_grid(case: Case, name: str, result: Result, partial: bool) -> Array:
     """Frequencies of a reference inside the grid's ends, and not in it."""
     grid, there = case.sweep.frequency, np.unique([point.frequency for point in case.references[name].points()])
-    off = np.abs(there[:, None] - grid).min(axis=1) > SAME_FREQUENCY * there
+    nearest = grid[np.searchsorted((grid[1:] + grid[:-1]) / 2, there)]
+    off = np.abs(there - nearest) > SAME_FREQUENCY * there
     if partial and not off.all():
         return np.empty(0)
     return np.asarray(there[off & (there > grid.min()) & (there < grid.max())])
