@@ -24,10 +24,9 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.flight.engine.threads import pause
 from vibeam.solvers.integration.coordinates import Frame, IntegrationSettings
 from vibeam.solvers.integration.samples import SampledPiece, SteppedOutcome, turning_points
-from vibeam.solvers.integration.stepper import NO_MARKS, AdaptiveStepper, Watch, cycle, slack
+from vibeam.solvers.integration.stepper import NO_MARKS, AdaptiveStepper, Watch, cycle, pause_at, slack
 from vibeam.system.impact_system import Drive
 from vibeam.system.response import Ended
 from vibeam.system.state import State
@@ -56,7 +55,7 @@ class EvaluationCount:
 
     def add(self, t: float) -> None:
         """Count one more, at time ``t`` s."""
-        pause()
+        pause_at(self.all)
         self.all += 1
         turn = t // self.period
         if turn > self._turn:

@@ -23,10 +23,9 @@ from __future__ import annotations
 import numpy as np
 
 from vibeam.flight.engine.entries import march
-from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels import layout
 from vibeam.solvers.integration.samples import SampledPiece, SteppedOutcome
-from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, onto_stop, slack
+from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, onto_stop, pause_at, slack
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.record import Record
 from vibeam.system.response import Ended
@@ -82,8 +81,8 @@ class MoreauSolver(Stepper):
         count = int(np.ceil((end - start) / longest - EDGE))
         pose, h = np.stack([state.displacement, state.velocity]), (end - start) / max(count, 1)
         march_on = _March(self, drive, pose, h, watch)
-        for first in range(0, count, self.steps):
-            pause()
+        for call, first in enumerate(range(0, count, self.steps)):
+            pause_at(call)
             march_on.chunk(start, first, min(self.steps, count - first))
         ended = Ended.COMPLETE if np.all(np.isfinite(pose)) else Ended.NOT_FINITE
         return SteppedOutcome(ended, end, State.reached(onto_stop(system, pose[0]), pose[1]), march_on.impacts, count)

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.event_driven import modal_values
 from vibeam.solvers.integration.coordinates import EXPLICIT, IntegrationSettings, chosen
@@ -23,6 +24,7 @@ from vibeam_models.arrays import Array
 Watch = Callable[[SampledPiece], None]
 BEYOND = 1e-9  # tolerance for a start beyond the stop, as a share of the contact displacement's size
 NO_MARKS = np.empty(0)
+EACH = 64  # calls between two readings of the clock, which costs about as much as an evaluation of a small system
 
 
 class Stepper(SteadySolver):
@@ -103,6 +105,12 @@ class Stepper(SteadySolver):
             stats,
             merged(np.concatenate([piece.rests for piece in pieces])),
         )
+
+
+def pause_at(call: int) -> None:
+    """Pause at the first of every 64 calls, counted from 0."""
+    if call % EACH == 0:
+        pause()
 
 
 def first_state(system: ImpactSystem, state: State | None) -> State:
