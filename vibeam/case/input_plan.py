@@ -128,15 +128,15 @@ class InputPlan:
 
         ``seed``: of a random input, None: its own first. ValueError for what no record can be.
         """
-        made = self._made(duration * speed, self.seed if seed is None else seed)
+        own = self.seed if seed is None else seed
+        made = _made(self, duration * speed, own) if self.file is None else self.measured()
         return made if level == speed == 1.0 else made.scaled(level=level, speed=speed)
 
-    def _made(self, duration: float, seed: int | None) -> Record:
+    def made(self, duration: float, seed: int | None) -> Record:
+        """Record of a shape or of noise, or of no load."""
         from vibeam.system.record import Record
 
         of = self.quantity or "acceleration"
-        if self.file is not None:
-            return self.measured()
         if self.shape is not None:
             return self._shaped(Record, SHAPES[self.shape], duration)
         if self.density is None:
@@ -167,6 +167,11 @@ class InputPlan:
             return _record_of(self, state_of(file))
         except FormatError as fault:
             raise CaseError([fault_in(file, fault.line, fault.message)]) from None
+
+
+@lru_cache(maxsize=1)  # all fidelities run under one, and one may have millions of samples
+def _made(plan: InputPlan, duration: float, seed: int | None) -> Record:
+    return plan.made(duration, seed)
 
 
 @lru_cache(maxsize=4)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.system.record_pieces import integrated, turning_points
+from vibeam.system.record_pieces import blocks, integrated, turning_points
 from vibeam_models.arguments import count, floats, refuse
 from vibeam_models.arrays import Array, Index, ValueRecord
 
@@ -93,15 +93,21 @@ def history_of_cubics(
     if len(times) < 2 or rows.shape != (len(times) - 1, 4):
         raise ValueError(f"coefficients: {rows.shape}, must be (k, 4) of k + 1 knots, of which there are {len(times)}")
     found = _empty(times[0] if begin is None else begin, times[-1] if end is None else end, bins)
-    spans = np.diff(times)
-    _take(found, times[:-1], rows[:, 0])
-    _take(found, np.nextafter(times[1:], times[0]), integrated(rows, spans, 0))
-    which, s = turning_points(rows, spans)
-    _take(found, times[which] + s, integrated(rows[which], s, 0))
-    at = np.clip(np.searchsorted(times, found.edges, side="right") - 1, 0, len(spans) - 1)
+    for part in blocks(len(rows)):
+        _take_cubics(found, times[part.start : part.stop + 1], rows[part])
+    at = np.clip(np.searchsorted(times, found.edges, side="right") - 1, 0, len(rows) - 1)
     outside = (found.edges < times[0]) | (found.edges > times[-1])
     _take_edges(found, np.where(outside, 0.0, integrated(rows[at], found.edges - times[at], 0)))
     return found
+
+
+def _take_cubics(into: History, times: Array, rows: Array) -> None:
+    """Let the cubics between successive ``times`` count: at both ends of each and where it turns."""
+    spans = np.diff(times)
+    _take(into, times[:-1], rows[:, 0])
+    _take(into, np.nextafter(times[1:], times[0]), integrated(rows, spans, 0))
+    which, s = turning_points(rows, spans)
+    _take(into, times[which] + s, integrated(rows[which], s, 0))
 
 
 def cubics_of(times: Array, values: Array, rates: Array | None = None) -> Array:

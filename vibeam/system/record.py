@@ -91,22 +91,20 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
     @cached_property
     def spacing(self) -> float | None:
         """Length of all pieces, s, where they are equal to round-off of the times; else None."""
-        mean = self.duration / len(self.coefficients)
-        even = self.start + mean * np.arange(len(self.times))
-        close = UNIFORM * np.spacing(np.max(np.abs(self.times)))
-        return mean if np.max(np.abs(self.times - even)) <= close else None
+        mean, close = self.duration / len(self.coefficients), UNIFORM * np.spacing(np.max(np.abs(self.times)))
+        parts = ((part, np.arange(part.start, part.stop)) for part in pieces.blocks(len(self.times)))
+        even = all(np.max(np.abs(self.times[part] - (self.start + mean * i))) <= close for part, i in parts)
+        return mean if even else None
 
     @property
     def omega(self) -> float:
         """0, as of no drive: a record has no frequency and no period."""
         return 0.0
 
-    @cached_property
-    def load(self) -> Array:
-        """Coefficients (K, 4) of what multiplies the modes' load row: −b̈, or the force or moment."""
-        made = QUANTITIES[self.quantity][1] * self.coefficients
-        made.setflags(write=False)
-        return made
+    @property
+    def sign(self) -> float:
+        """Sign of u in what multiplies the modes' load row: −b̈, or the force or moment."""
+        return QUANTITIES[self.quantity][1]
 
     @cached_property
     def bounds(self) -> tuple[float, float]:
@@ -122,8 +120,9 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
     def digest(self) -> str:
         """SHA-256 of times, coefficients and quantity, in hexadecimal: a key of what is computed under it."""
         made = sha256(self.quantity.encode())
-        for each in (self.times, self.coefficients + 0.0):
-            made.update(each.astype("<f8").tobytes())
+        for each in (self.times, self.coefficients):
+            for part in pieces.blocks(len(each)):
+                made.update((each[part] + 0.0).astype("<f8").tobytes())
         return made.hexdigest()
 
     def at(self, t: ArrayLike) -> Any:
@@ -131,8 +130,8 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
         return self._evaluated(t, 0)
 
     def load_at(self, t: Array) -> Array:
-        """Factor of the modes' load row at times ``t``: ∓u, as ``load``."""
-        return np.asarray(QUANTITIES[self.quantity][1] * self._evaluated(t, 0))
+        """Factor of the modes' load row at times ``t``: ∓u, by its ``sign``."""
+        return np.asarray(self.sign * self._evaluated(t, 0))
 
     def velocity_at(self, t: ArrayLike) -> Any:
         """Velocity of the base at times ``t``, m/s: the exact integral; ValueError for a force or moment.
@@ -187,9 +186,10 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
         faults: list[str] = []
         level, speed = number("level", level, faults), extent("speed", speed, faults)
         refuse("record", faults)
-        times = self.start + (self.times - self.times[0]) / speed
+        times = self.times if speed == 1 else self.start + (self.times - self.times[0]) / speed
         initial = (self.initial[0] * level / speed, self.initial[1] * level / speed**2)
         coefficients = self.coefficients * (level * speed**pieces.POWERS)
+        coefficients.setflags(write=False)
         return replace(self, times=times, coefficients=coefficients, initial=initial)
 
     def shifted(self, by: float) -> Record:

@@ -5,7 +5,7 @@ Piece i is Σ c_ij sʲ with s = t − t_i on [t_i, t_i+1]; outside of the span t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Self
 
 import numpy as np
@@ -13,6 +13,8 @@ import numpy as np
 from vibeam_models.arrays import Array, Index
 
 POWERS = np.arange(4)
+BLOCK = 1 << 17  # pieces at once: what is made of a record of millions of samples on the way stays small beside it
+OVERLAP = 64  # samples beyond a block: what lies there changes its spline by less than 2⁻⁶⁴ of itself
 BINOMIAL = np.array([[1.0, 1.0, 1.0, 1.0], [0.0, 1.0, 2.0, 3.0], [0.0, 0.0, 1.0, 3.0], [0.0, 0.0, 0.0, 1.0]])
 
 
@@ -27,8 +29,9 @@ def integrated(coefficients: Array, s: Array, order: int) -> Array:
     factor = np.ones(4)
     for step in range(1, order + 1):
         factor = factor / (POWERS + step)
-    weighted = coefficients * factor
-    inner = ((weighted[..., 3] * s + weighted[..., 2]) * s + weighted[..., 1]) * s + weighted[..., 0]
+    inner = coefficients[..., 3] * factor[3]
+    for power in (2, 1, 0):
+        inner = inner * s + coefficients[..., power] * factor[power]
     return np.asarray(inner * s**order)
 
 
@@ -46,8 +49,18 @@ def _sums(parts: Array) -> Array:
     return np.concatenate([[0.0], np.cumsum(parts)])
 
 
+def blocks(count: int, size: int = BLOCK) -> Iterator[slice]:
+    """Blocks of ``count`` pieces, in order."""
+    return (slice(first, min(first + size, count)) for first in range(0, count, size))
+
+
 def bounds(times: Array, coefficients: Array) -> tuple[float, float]:
     """Least and greatest value of all pieces, exact: at their ends and where the slope is zero."""
+    every = [_bounds(times[part.start : part.stop + 1], coefficients[part]) for part in blocks(len(coefficients))]
+    return min(low for low, _ in every), max(high for _, high in every)
+
+
+def _bounds(times: Array, coefficients: Array) -> tuple[float, float]:
     lengths = np.diff(times)
     which, s = turning_points(coefficients, lengths)
     ends, turns = integrated(coefficients, lengths, 0), integrated(coefficients[which], s, 0)
@@ -83,6 +96,7 @@ def linear(times: Array, values: Array) -> Array:
     """Coefficients of straight lines between samples."""
     made = np.zeros((len(times) - 1, 4))
     made[:, 0], made[:, 1] = values[:-1], np.diff(values) / np.diff(times)
+    made.setflags(write=False)
     return made
 
 
@@ -90,10 +104,13 @@ def spline(times: Array, values: Array, derivative: int = 0) -> Array:
     """Coefficients of a derivative of the cubic spline through samples, not-a-knot at the ends (scipy)."""
     from scipy.interpolate import CubicSpline
 
-    curve = CubicSpline(times, values)
-    found = (curve.derivative(derivative) if derivative else curve).c[::-1].T
     made = np.zeros((len(times) - 1, 4))
-    made[:, : found.shape[1]] = found
+    for part in blocks(len(made)):
+        low, high = max(part.start - OVERLAP, 0), part.stop + OVERLAP + 1
+        curve = CubicSpline(times[low:high], values[low:high])
+        found = (curve.derivative(derivative) if derivative else curve).c[::-1].T
+        made[part, : found.shape[1]] = found[part.start - low : part.stop - low]
+    made.setflags(write=False)
     return made
 
 

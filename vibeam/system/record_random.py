@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibeam.system import record_pieces as pieces
 from vibeam.system.record_samples import LEAST, MOST_SAMPLES, extent, require_peak
@@ -27,6 +28,7 @@ from vibeam_models.arrays import Array
 OVERSAMPLED = 10  # samples a period of the highest frequency of a density, where no rate is said
 GRID = 2.0**-24  # of the standard deviation, to which samples are rounded, above what platforms differ by
 TINY = 1e-300
+LONGEST = 1 << 22  # transform at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,11 +139,39 @@ class RandomRecords(pieces.MadeOfPieces):
 def gaussian(table: DensityTable, n: int, rate: float, seed: int, interpolation: str) -> Array:
     """Samples (n,) of one realisation, the record of which has the density ``table`` once they are interpolated."""
     whole = 1 << (2 * n - 1).bit_length()
-    x = np.arange(whole // 2 + 1) / whole
-    filtered = np.sinc(x) ** 2 if interpolation == "linear" else 3 * np.sinc(x) ** 4 / (2 + np.cos(2 * np.pi * x))
-    line = np.sqrt(table.at(x * rate) * rate * whole) / 2 / filtered
-    line[[0, -1]] *= 2**0.5  # a line of half the width, and of one real number
-    parts = np.random.default_rng(seed).standard_normal((2, len(line)))
-    values = np.fft.irfft(line * (parts[0] + 1j * parts[1]), whole)[:n]
+    lines, random = np.empty(whole // 2 + 1, dtype=complex), np.random.default_rng(seed)
+    for part in (lines.real, lines.imag):
+        part[:] = random.standard_normal(len(lines))
+    for each in pieces.blocks(len(lines)):
+        x = np.arange(each.start, each.stop) / whole
+        filtered = np.sinc(x) ** 2 if interpolation == "linear" else 3 * np.sinc(x) ** 4 / (2 + np.cos(2 * np.pi * x))
+        lines[each] *= np.sqrt(table.at(x * rate) * rate * whole) / 2 / filtered
+    lines[[0, -1]] *= 2**0.5  # a line of half the width, and of one real number
+    values = transformed(lines, n)
     grid = GRID * 2.0 ** np.floor(np.log2(table.mean_square) / 2)
-    return np.asarray(np.round(values / grid) * grid)
+    values /= grid
+    return np.multiply(np.round(values, out=values), grid, out=values)
+
+
+def transformed(lines: NDArray[np.complex128], n: int) -> Array:
+    """First ``n`` of W values by the inverse transform of their W/2 + 1 ``lines``, W a power of 2.
+
+    Long ones as P shorter ones, of every P-th value from r on: with M = W/P, x_{Pm+r} = Σ_q e^{2πi qm/M} y_q / W and
+    y_q = Σ_j z_{q+jM} e^{2πi (q+jM)r/W}, where z_{W−k} is conjugate to z_k.
+    """
+    whole = 2 * (len(lines) - 1)
+    count = max(whole // LONGEST, 1)
+    length, found = whole // count, np.empty(n)
+    lines[[0, -1]] = lines[[0, -1]].real
+    turns = np.exp(2j * np.pi / whole * np.arange(length // 2 + 1))
+    turn = np.ones(length // 2 + 1, dtype=complex)
+    for r in range(count):
+        folded = np.zeros(length // 2 + 1, dtype=complex)
+        for j in range(count):
+            low, far = j * length, (count - j) * length
+            part = lines[low : low + len(folded)] if 2 * j < count else lines[far - len(folded) + 1 : far + 1][::-1].conj()
+            folded += part * np.exp(2j * np.pi * j * r / count)
+        kept = len(found[r::count])
+        found[r::count] = np.fft.irfft(folded * turn, length)[:kept] / count
+        turn *= turns
+    return found

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +32,7 @@ TURNS = np.array([1.0, 2.5, 6.0])
 DEAD = 10.0  # decay after which an exponential counts no more: 2e-9 of the energy that it was born with
 LIGHT = 1e-3  # share of the hardest impact below which one excites no mode that counts
 BLOCK = 1 << 17  # nodes at once: a motion is made anew for each block
+KNOTS = 1 << 16  # of the record at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,21 +97,31 @@ def _at_impacts(path: Path, contacts: Contacts) -> float:
 
 def _nodes(path: Path, record: Any) -> Iterator[tuple[Array, Array]]:
     """Nodes and weights in order, in blocks: of the intervals between events and knots, split where modes turn fast."""
-    edges, events = _edges(path, record)
+    first, last = np.searchsorted(record.times, [path.t_start, path.t_end])
+    borders = [path.t_start, *record.times[first + KNOTS : last : KNOTS].tolist(), path.t_end]
+    marks, events = _marks(path)
+    for ends in pairwise(borders):
+        knots = [each[slice(*np.searchsorted(each, ends))] for each in (marks, record.times)]
+        edges = np.unique(np.concatenate([*knots, ends]))
+        times, weights = _nodes_between(path, edges, events, few=len(borders) == 2)
+        for begin in range(0, len(times), BLOCK):
+            yield times[begin : begin + BLOCK], weights[begin : begin + BLOCK]
+
+
+def _nodes_between(path: Path, edges: Array, events: Array, few: bool) -> tuple[Array, Array]:
+    """Nodes and weights of the intervals between ``edges``; ``few``: those are all that there are."""
     width = np.diff(edges)
     since = edges[:-1] - events[np.searchsorted(events, edges[:-1], side="right") - 1]
     turn = np.where(_pushing(path, edges), TURNS[-1], width * _live_rate(path.system, since))
     parts = np.maximum(1, np.ceil(turn / TURNS[-1])).astype(int)
     kinds = np.minimum(np.searchsorted(TURNS, turn), len(TURNS) - 1)
-    rules = FINE if parts.sum() < MANY else NODES
+    rules = FINE if few and parts.sum() < MANY else NODES
     found = [
         _rule(nodes, edges[:-1][kinds == at], width[kinds == at], parts[kinds == at]) for at, nodes in enumerate(rules)
     ]
     times, weights = (np.concatenate(each) for each in zip(*found, strict=True))
     order = np.argsort(times)
-    times, weights = np.clip(times[order], path.t_start, path.t_end), weights[order]
-    for begin in range(0, len(times), BLOCK):
-        yield times[begin : begin + BLOCK], weights[begin : begin + BLOCK]
+    return np.clip(times[order], path.t_start, path.t_end), weights[order]
 
 
 def _rule(nodes: int, low: Array, width: Array, parts: Index) -> tuple[Array, Array]:
@@ -121,16 +133,16 @@ def _rule(nodes: int, low: Array, width: Array, parts: Index) -> tuple[Array, Ar
     return (middle[:, None] + half[:, None] * x).ravel(), (half[:, None] * w).ravel()
 
 
-def _edges(path: Path, record: Any) -> tuple[Array, Array]:
-    """Edges of smooth intervals: events and knots; and the events alone after which all modes are live."""
-    begin, end = path.t_start, path.t_end
+def _marks(path: Path) -> tuple[Array, Array]:
+    """Marks between which a motion is smooth but for its load; and the events alone after which all modes are live."""
     segments = getattr(path, "segments", None)
     speeds, contacts = path.impact_velocities, getattr(path, "contacts", np.empty((0, 3)))
     hard = path.impact_times[speeds > LIGHT * np.max(speeds, initial=0.0)]
-    events = np.concatenate([[begin], hard, path.rests.ravel(), contacts[:, :2].sum(axis=1)])
+    events = np.concatenate([[path.t_start], hard, path.rests.ravel(), contacts[:, :2].sum(axis=1)])
     further = np.empty(0) if segments is None else segments.trace[:, START]
-    knots = np.concatenate([events, [end], path.impact_times, further, record.times])
-    return np.unique(knots[(knots >= begin) & (knots <= end)]), np.unique(np.clip(events, begin, end))
+    found = (events, np.concatenate([events, path.impact_times, further]))
+    events, marks = (np.unique(np.clip(each, path.t_start, path.t_end)) for each in found)
+    return marks, events
 
 
 def _pushing(path: Path, edges: Array) -> Flags:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
@@ -97,18 +97,17 @@ class MotionMaker:
             self._systems[at] = with_signals(bare, signals), signals
         return self._systems[at]
 
-    def load(self, value: int, seed: int, factor: float = 1.0) -> Record:
-        """Load of a motion, ``factor`` times as large."""
-        plan, own = plan_of_record(self.case), {"level": factor}
-        if plan.over in SCALED:
-            own[plan.over] = own.get(plan.over, 1.0) * plan.values[value]
+    def load(self, value: int, seed: int) -> Record:
+        """Load of a motion."""
+        plan = plan_of_record(self.case)
+        own = {plan.over: plan.values[value]} if plan.over in SCALED else {}
         made: Record = self._at(value).input(self.name, plan.seeds[seed] if plan.seeds else None, **own)
         return made
 
     def made(self, motion: Realisation) -> Reading:
         """Reading of a motion."""
-        record = self.load(motion.value, motion.seed, 1 + NUDGE if motion.twin else 1.0)
-        path, seconds = self.path(motion.value, record, nudged=motion.twin and not record.peak)
+        record = self.load(motion.value, motion.seed)
+        path, seconds = self.path(motion.value, record, nudged=motion.twin)
         if not path.t_end > path.t_start:
             return {"ended": np.asarray(getattr(path, "ended", Ended.NOT_FINITE).code)}  # where it began
         rate = plan_of_record(self.case).rate
@@ -124,11 +123,13 @@ class MotionMaker:
     ) -> tuple[Path, float]:  # fmt: skip
         """Motion under a load at one of the values, and its CPU time, s; ``until``: its end, None: the record's.
 
-        ``nudged``: its start is smaller by 1e-6, of a free motion.
+        ``nudged``: what it does to the system is larger by 1e-6; of a free motion its start is smaller by that.
         """
         system, plan, fidelity = self.system(value)[0], plan_of_record(self.case), self.fidelity
         start, end = self._start(value), self.duration if until is None else until
-        if nudged:
+        if nudged and record.peak:
+            system = replace(system, load=(1 + NUDGE) * system.load)
+        elif nudged:
             start = State((1 - NUDGE) * start.displacement, (1 - NUDGE) * start.velocity, start.resting)
         begun = time.thread_time()
         if SOLVERS[fidelity.solver].motion == "exact":

@@ -60,7 +60,7 @@ def _stretch(record: Record, begin: float, end: float, pieces: float) -> SmoothS
     low = int(np.searchsorted(record.times, begin, side="right")) - 1
     high = int(np.searchsorted(record.times, end, side="left"))
     low, high = max(low, 0), min(high, len(record.coefficients))
-    times, rows = record.times[low:high].tolist(), record.load[low:high].tolist()
+    times, rows = record.times[low:high].tolist(), (record.sign * record.coefficients[low:high]).tolist()
 
     def level(t: float) -> float:
         piece = max(bisect_right(times, t) - 1, 0)
