@@ -1,13 +1,17 @@
-"""Memory that is free on this machine, so that what does not fit is told before it is made."""
+"""Memory that is free on this machine: what does not fit is refused before it is made, what is large is confirmed."""
 
 from __future__ import annotations
 
 import os
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 GIGABYTE = 1e9
+LARGE = 2 << 30  # bytes from which on memory is taken where that was confirmed alone
+_CONFIRMED: ContextVar[bool] = ContextVar("confirmed", default=False)
 INFO = Path("/proc/meminfo")
 GROUPS = (  # limit and use of a container's processes: cgroup 2, then 1
     (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current")),
@@ -50,10 +54,25 @@ def _read(path: Path) -> str:
         return ""
 
 
+@contextmanager
+def large_memory() -> Iterator[None]:
+    """Context in which computations may take 2 GiB of memory or more; elsewhere they are refused before they begin.
+
+    >>> import vibeam
+    >>> with vibeam.large_memory():
+    ...     found = vibeam.identify_response([9.0, 10.0, 11.0, 12.0], [1.0, 2.0, 1.0, 0.5])
+    """
+    token = _CONFIRMED.set(True)
+    try:
+        yield
+    finally:
+        _CONFIRMED.reset(token)
+
+
 def check_room(what: str, needed: float, cure: str) -> None:
-    """ValueError where ``what`` takes more bytes than are free, with both sizes and the ``cure``."""
-    free = free_bytes()
+    """ValueError, with the ``cure``, where ``what`` takes more bytes than are free, or 2 GiB without confirmation."""
+    free, said = free_bytes(), f"{what}: needs {needed / GIGABYTE:.2g} GB of memory"
     if free is not None and needed > free:
-        raise ValueError(
-            f"{what}: needs {needed / GIGABYTE:.2g} GB of memory, {free / GIGABYTE:.2g} GB are free: {cure}"
-        )
+        raise ValueError(f"{said}, {free / GIGABYTE:.2g} GB are free: {cure}")
+    if needed >= LARGE and not _CONFIRMED.get():
+        raise ValueError(f"{said}: {cure}, or go on: --yes (in Python within vibeam.large_memory())")

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
+from contextlib import nullcontext
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import wraps
 from typing import Annotated, Any
 
 import typer
+
+from vibeam_models.memory import large_memory
 
 
 @dataclass(frozen=True)
@@ -35,20 +38,23 @@ _OPTIONS = {
     "json": ("--json", "Print one JSON object in place of text."),
     "quiet": ("--quiet,-q", "Print the answer alone, and no progress."),
     "verbose": ("--verbose,-v", "Print all tables, columns and remarks."),
+    "yes": ("--yes", "Take 2 GiB of memory or more, which is refused without."),
 }
 
 
 def with_verbosity(command: Callable[..., None]) -> Callable[..., None]:
-    """Command with the options ``--json``, ``-q`` and ``-v`` behind its own."""
+    """Command with the options ``--json``, ``-q``, ``-v`` and ``--yes`` behind its own."""
     own = inspect.signature(command, eval_str=True)
     name = command.__name__
 
     @wraps(command)
     def call(**given: Any) -> None:
         asked = {key: given.pop(key) for key in _OPTIONS}
+        confirmed = large_memory() if asked.pop("yes") else nullcontext()
         token = _CURRENT.set(Verbosity(name, **asked))
         try:
-            command(**given)
+            with confirmed:
+                command(**given)
         finally:
             _CURRENT.reset(token)
 

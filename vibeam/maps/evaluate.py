@@ -24,6 +24,7 @@ from vibeam.store.blocks import Values
 from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
 from vibeam_models.arguments import floats
 from vibeam_models.arrays import ValueRecord
+from vibeam_models.memory import check_room
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 Run = Literal["up", "down", "both", "apart"]
 WAYS: Mapping[Run, tuple[Way, ...]] = {"up": ("up",), "down": ("down",), "both": ("up", "down"), "apart": ()}
 AT_ONCE = 20_000  # points in memory beside the result
+A_NUMBER = 11.0  # bytes of a number of a point, those of its block and of the result, measured
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -126,6 +128,9 @@ def evaluate(
         case, fidelity, axes, quantities=quantities, direction=direction, frequency=frequency, settle=settle,
         hold=hold, output=output, strobes=strobes, starts=starts, lanes=lanes,
     )  # fmt: skip
+    points = grid.lines * int(np.prod(grid.shape))
+    numbers = points * (len(grid.quantities) + max(strobes - 1, 0))
+    check_room(f"{points} points of a grid", A_NUMBER * numbers, "take fewer points or quantities, or vibeam.run_map")
     size = max(1, AT_ONCE // int(np.prod(grid.shape)))
     parts = [
         evaluate_block(Block(grid, first, min(first + size, grid.lines)), threads)

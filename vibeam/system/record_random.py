@@ -150,7 +150,7 @@ def gaussian(table: DensityTable, n: int, rate: float, seed: int, interpolation:
     values = transformed(lines, n)
     grid = GRID * 2.0 ** np.floor(np.log2(table.mean_square) / 2)
     values /= grid
-    return np.multiply(np.round(values, out=values), grid, out=values)
+    return np.asarray(np.round(values, out=values) * grid)
 
 
 def transformed(lines: NDArray[np.complex128], n: int) -> Array:
@@ -168,8 +168,8 @@ def transformed(lines: NDArray[np.complex128], n: int) -> Array:
     for r in range(count):
         folded = np.zeros(length // 2 + 1, dtype=complex)
         for j in range(count):
-            low, far = j * length, (count - j) * length
-            part = lines[low : low + len(folded)] if 2 * j < count else lines[far - len(folded) + 1 : far + 1][::-1].conj()
+            low, far = j * length, (count - j) * length + 1
+            part = lines[low : low + len(folded)] if 2 * j < count else lines[far - len(folded) : far][::-1].conj()
             folded += part * np.exp(2j * np.pi * j * r / count)
         kept = len(found[r::count])
         found[r::count] = np.fft.irfft(folded * turn, length)[:kept] / count

@@ -35,19 +35,20 @@ def extremes_of(path: Path, samples: SignalSamples, bins: int) -> SignalExtremes
     Of an exact motion those of displacements, velocities and accelerations are exact, and so is the largest force
     of every contact, whose time is the middle of the contact; of another one they are those of cubics through samples.
     """
-    edges = np.linspace(path.t_start, path.t_end, bins + 1)
-    rows = [_of_samples(samples, number, edges) for number in range(len(samples.signals))]
-    found = SignalExtremes(*(np.array(each) for each in zip(*rows, strict=True)))
-    if is_exact(path):
-        _exact(found, path, samples, edges)
+    edges, numbers = np.linspace(path.t_start, path.t_end, bins + 1), range(len(samples.signals))
+    known = [number for number in numbers if is_exact(path) and samples.signals[number].order >= 0]
+    found = SignalExtremes(*np.empty((4, len(numbers), bins)))
+    for number in set(numbers) - set(known):
+        _take_samples(found, number, samples, edges)
+    if known:
+        _take_exact(found, known, path, samples, edges)
     return found
 
 
-def _exact(found: SignalExtremes, path: Any, samples: SignalSamples, edges: Array) -> None:
-    """Put the exact extremes in place of those of the samples."""
+def _take_exact(found: SignalExtremes, known: list[int], path: Any, samples: SignalSamples, edges: Array) -> None:
+    """Take the exact extremes of the ``known`` signals, and the largest forces of all contacts."""
     from vibeam.flight.extremes import extremes
 
-    known = [number for number, each in enumerate(samples.signals) if each.order >= 0]
     exact = extremes(path, [samples.signals[number].name for number in known], edges)
     for name in ("least", "least_time", "greatest", "greatest_time"):
         getattr(found, name)[known] = getattr(exact, name)
@@ -66,8 +67,8 @@ def _take_peaks(found: SignalExtremes, number: int, contacts: Array, edges: Arra
     found.greatest_time[number, at[above]] = times[order][above]
 
 
-def _of_samples(samples: SignalSamples, number: int, edges: Array) -> tuple[Array, Array, Array, Array]:
-    """Least and greatest values of one signal in the bins, by its history; the times are the bins' middles."""
+def _take_samples(found: SignalExtremes, number: int, samples: SignalSamples, edges: Array) -> None:
+    """Take least and greatest values of one signal in the bins by its history; the times are the bins' middles."""
     history = samples.history(number, len(edges) - 1)
-    middle = (edges[1:] + edges[:-1]) / 2
-    return history.least, middle.copy(), history.greatest, middle
+    found.least[number], found.greatest[number] = history.least, history.greatest
+    found.least_time[number] = found.greatest_time[number] = (edges[1:] + edges[:-1]) / 2

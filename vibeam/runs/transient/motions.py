@@ -84,6 +84,11 @@ class MotionMaker:
         return plan_of_record(self.case).duration
 
     @property
+    def exact(self) -> bool:
+        """Test whether its motions are exact, and not known by samples alone."""
+        return SOLVERS[self.fidelity.solver].motion == "exact"
+
+    @property
     def signals(self) -> tuple[TransientSignal, ...]:
         """Signals of the fidelity."""
         return self.system(0)[1]
@@ -110,9 +115,13 @@ class MotionMaker:
         path, seconds = self.path(motion.value, record, nudged=motion.twin)
         if not path.t_end > path.t_start:
             return {"ended": np.asarray(getattr(path, "ended", Ended.NOT_FINITE).code)}  # where it began
+        bins = self.bins_of(path.t_end - path.t_start) if motion.shown else None
+        return reading_of(path, record, self.system(motion.value)[1], seconds, bins)
+
+    def bins_of(self, span: float) -> int:
+        """Bins of the histories that are kept of a motion of ``span`` s."""
         rate = plan_of_record(self.case).rate
-        bins = BINS if rate is None else int(np.clip(round(rate * (path.t_end - path.t_start)), 1, MOST_BINS))
-        return reading_of(path, record, self.system(motion.value)[1], seconds, bins if motion.shown else None)
+        return BINS if rate is None else int(np.clip(round(rate * span), 1, MOST_BINS))
 
     def warm_up(self) -> None:
         """Fly the first thousandth of a motion, unmeasured: loading and compiling are no part of a motion's cost."""
@@ -132,7 +141,7 @@ class MotionMaker:
         elif nudged:
             start = State((1 - NUDGE) * start.displacement, (1 - NUDGE) * start.velocity, start.resting)
         begun = time.thread_time()
-        if SOLVERS[fidelity.solver].motion == "exact":
+        if self.exact:
             from vibeam.flight.trajectory import simulate
 
             path: Any = simulate(system, record, end, start, certify=plan.certify)

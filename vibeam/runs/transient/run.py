@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from vibeam.case.case import plan_of_record, units_of_output
 from vibeam.runs.parallel import PointCount
 from vibeam.runs.store.figures import sheets_of
+from vibeam.runs.transient.memory import require_room
 from vibeam.runs.transient.motions import MotionMaker, Realisation, histories_of, input_of, motions_of
 from vibeam.runs.transient.overview import overview_of_record
 from vibeam.runs.transient.result import TransientResult
@@ -47,6 +48,8 @@ def run_record(
         missing = [each for each in asked if are_shared() or each.key not in known]
         found = len(asked) - len(missing)
         makers = {name: MotionMaker(case, name) for name in case.fidelities}
+        if missing:
+            require_room(makers, missing)
         if missing and before:
             before(overview_of_record(makers, len(missing)))
         count = PointCount(found, len(asked), told, "motions")

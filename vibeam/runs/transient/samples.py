@@ -16,6 +16,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.observe.motion import Path
+    from vibeam.system.impact_system import ImpactSystem
 
 LEAST, MOST = 2**12, 2**20  # samples of a motion
 A_PERIOD, PLENTY = 3, 10  # samples a period of the fastest mode: for spectra, and for all that is read
@@ -62,9 +63,9 @@ class SignalSamples:
 
     def moments(self) -> tuple[Array, Array]:
         """Mean and root mean square (o,) over the time."""
-        inner = (self.values[1:] + self.values[:-1]) / 2
-        squares = (self.values[1:] ** 2 + self.values[:-1] ** 2) / 2
-        return inner.mean(axis=0), np.sqrt(squares.mean(axis=0))
+        ends, steps = self.values[[0, -1]], len(self.values) - 1
+        squares = np.einsum("mo,mo->o", self.values, self.values) - (ends**2).mean(axis=0)
+        return (self.values.sum(axis=0) - ends.mean(axis=0)) / steps, np.sqrt(np.maximum(squares, 0.0) / steps)
 
     def spectrum(self) -> tuple[Array, Array]:
         """Frequencies (f,), Hz, and one-sided densities (o, f), unit²/Hz: means over the lines of each band."""
@@ -86,18 +87,24 @@ class SignalSamples:
 
 def samples_of(path: Path, record: Any, signals: Sequence[TransientSignal], a_period: int) -> SignalSamples:
     """Samples of the signals of a motion under ``record``: so many a period of its fastest mode, within bounds."""
-    rates = path.system.omega[np.isfinite(path.system.omega)]
-    span, fastest = path.t_end - path.t_start, float(np.max(rates, initial=0.0)) / (2 * np.pi)
-    parts = int(np.clip(np.ceil(a_period * fastest * span / LEAST), 1, MOST // LEAST))
-    times = path.t_start + np.linspace(0.0, 1.0, parts * LEAST + 1) * span
-    blocks = [times[first : first + BLOCK] for first in range(0, len(times), BLOCK)]
-    values = [values_at(path, record, signals, block, path.modes_at(block)) for block in blocks]
+    span = path.t_end - path.t_start
+    times = path.t_start + np.linspace(0.0, 1.0, count_of(path.system, span, a_period) + 1) * span
+    values = np.empty((len(times), len(signals)))
+    for first in range(0, len(times), BLOCK):
+        block = times[first : first + BLOCK]
+        values[first : first + BLOCK] = values_at(path, record, signals, block, path.modes_at(block))
     struck, before, after = _around_impacts(path)
     sides = [
         values_at(path, record, signals, struck, poses) if len(struck) else np.empty((0, len(signals)))
         for poses in (before, after)
     ]
-    return SignalSamples(tuple(signals), times, np.concatenate(values), struck, *sides)
+    return SignalSamples(tuple(signals), times, values, struck, *sides)
+
+
+def count_of(system: ImpactSystem, span: float, a_period: int) -> int:
+    """Number of samples of a motion of ``span`` s, so many a period of the fastest mode, within bounds."""
+    fastest = float(np.max(system.omega[np.isfinite(system.omega)], initial=0.0)) / (2 * np.pi)
+    return LEAST * int(np.clip(np.ceil(a_period * fastest * span / LEAST), 1, MOST // LEAST))
 
 
 def _around_impacts(path: Path) -> tuple[Array, Array, Array]:

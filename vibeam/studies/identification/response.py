@@ -25,10 +25,12 @@ from numpy.typing import ArrayLike
 
 from vibeam.studies.identification.estimates import Identification, by_logarithms, estimates, spread_of
 from vibeam_models.arrays import Array
+from vibeam_models.memory import check_room
 
 DRIVES = ("base displacement", "base acceleration", "force")
 CUT = 0.02  # share of the motion left at the end of a record from which on its spectrum leaks
 REMAINS = 0.05  # residual, relative to the largest value, from which on it is no single linear mode
+A_POINT = 340.0  # bytes of memory of a fit, measured
 NEAR = 0.15  # share of the peak from which on a spectrum is fitted: below, noise has a floor
 Shape = Callable[[Array, Array], Array]
 
@@ -126,6 +128,7 @@ def _checked(
         raise ValueError(f"frequency {f.shape} and amplitude {a.shape} must be of one shape (n,)")
     if len(f) < least:
         raise ValueError(f"{len(f)} points are too few: {least} are needed")
+    _require_room(len(f))
     if not (np.isfinite(f).all() and np.isfinite(a).all() and (f >= 0).all() and (a >= 0).all()):
         raise ValueError("every frequency and amplitude must be a finite number, not below 0")
     if not a.max() > 0 or np.ptp(f) == 0:
@@ -139,6 +142,10 @@ def _checked(
     if not (np.isfinite(u).all() and (u > 0).all()):
         raise ValueError("every uncertainty must be a finite number above 0")
     return f[order], a[order], u[order]
+
+
+def _require_room(points: int) -> None:
+    check_room(f"a fit to {points} points", A_POINT * points, "cut the record, or take every second point of it")
 
 
 def _half_power(f: Array, a: Array) -> float:
@@ -250,6 +257,7 @@ def _checked_decay(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Arr
         raise ValueError(f"time {t.shape} and displacement {x.shape} must be of one shape (n,)")
     if len(t) < LEAST:
         raise ValueError(f"a decay of {len(t)} samples is too short: {LEAST} are needed")
+    _require_room(len(t))
     if not (np.isfinite(t).all() and np.isfinite(x).all()):
         raise ValueError("every time and displacement must be a finite number")
     if not (np.diff(t) > 0).all():
