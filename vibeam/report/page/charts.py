@@ -102,7 +102,7 @@ def chart_data(stored: StoredResult) -> dict[str, Any]:
 
 
 def _fidelities(result: Result) -> list[dict[str, Any]]:
-    case = result.case
+    case, references = result.case, set(result.finest.values())
     looks, heights = looks_of(case, result), dict(grazing_heights(result))
     return [
         {
@@ -110,6 +110,7 @@ def _fidelities(result: Result) -> list[dict[str, Any]]:
             "label": name_of(case, name),
             **look_on_page(looks[name]),
             "grazing": heights.get(name),
+            "reference": name in references,
             "places": [0.0, *stations(case, name).values()] if name in case.fidelities else [],
             "held": name in case.fidelities and held_at_zero(case, name),
         }

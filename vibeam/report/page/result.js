@@ -33,10 +33,11 @@ export function show(number, wanted) {
 const kept = byId("explore-body") ? [...new Set(data.curves.flatMap((each) => each.frequency))].sort((a, b) => a - b) : [];
 /** @type {(frequency: number) => number} */
 const nearest = (frequency) => kept.reduce((best, value, at) => (Math.abs(value - frequency) < Math.abs(kept[best] - frequency) ? at : best), 0);
+/** Frequency of the highest point of the reference. */
 function highest() {
-  const { frequency, values: { amplitude } } = data.curves[0];
-  const known = amplitude.map((value) => value ?? -Infinity);
-  return frequency[known.indexOf(Math.max(...known))];
+  const own = data.curves.filter((each) => fidelity[each.fidelity].reference), curves = own.length ? own : data.curves;
+  const points = curves.flatMap(({ frequency, values: { amplitude } }) => frequency.map((each, at) => [amplitude[at] ?? -1, each]));
+  return points.reduce((best, each) => (each[0] > best[0] ? each : best))[1];
 }
 const asked = address.numbers("f")[0];
 let at = kept.length ? nearest(asked === undefined ? highest() : asked / FACTOR) : -1;

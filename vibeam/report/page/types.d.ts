@@ -16,6 +16,7 @@ export type Cell = string | number | null | undefined;
 
 export type Fidelity = Colours & {
   name: string; label: string; dash: number[]; grazing: number | null; places: number[]; held: boolean;
+  reference: boolean;
 };
 export type Quantity = Unit & { name: string; label: string };
 export type Kind = { name: string; width: number; dash: number[]; marker: string; alone: string; size: number };

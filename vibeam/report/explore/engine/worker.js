@@ -62,7 +62,8 @@ export function serve(port, engine = null, budget = IN_WORKER) {
     }
     const key = `${call} ${args[0]}`;
     newest.set(key, id);
-    jobs.push({ id, key, answers: answers(engine, { id, call, args }, key, budget) });
+    const job = { id, key, answers: answers(engine, { id, call, args }, key, budget) };
+    if (call === "steady") jobs.unshift(job); else jobs.push(job); // short, and what the reader waits for
     if (running) return;
     running = true;
     setTimeout(run, 0);

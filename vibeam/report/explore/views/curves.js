@@ -10,8 +10,9 @@ import { REST, complete, direction, flown, models, payload, place, sliderOf, val
 /** @typedef {{points: Point[], back: Point[], states: State[], orbits: Orbit[][], fault: string, at: string,
  *   whole: boolean}} Curve */
 
-const QUICK = { settle: 20, hold: 10 }, AFRESH = { settle: 60, hold: 10 };  // drive periods while a slider moves
-const EVEN = 61;  // frequencies in the place of a single one
+const QUICK = { settle: 20, hold: 10 };  // drive periods while a slider moves
+export const AFRESH = { settle: 60, hold: 10 };
+export const EVEN = 61;  // frequencies in the place of a single one
 
 /** Frequencies of the case's sweep; even ones over the slider where that is a single one. */
 function frequencies() {
@@ -39,7 +40,7 @@ function branches(orbits) {
 }
 
 /** @type {(values: any, at: number) => Point} */
-const pointOf = (values, at) => ({
+export const pointOf = (values, at) => ({
   frequency: values.frequency[at], amplitude: values.amplitude[at], maximum: values.maximum[at],
   minimum: values.minimum[at], period: values.period[at], impactsPerPeriod: values.impactsPerPeriod[at],
   impactVelocity: values.impactVelocity[at], ended: values.ended[at],

@@ -5,17 +5,17 @@ import { data, picked } from "../../page/result.js";
 import { open } from "../engine/engine.js";
 import { background } from "../engine/worker.js";
 import { controls } from "./controls.js";
-import { curves } from "./curves.js";
+import { AFRESH, EVEN, curves, pointOf, swept } from "./curves.js";
 import { flights } from "./flying.js";
-import {
-  begin, flown, isLink, models, move, payload, shownText, sliderOf, startFrom, units, valueAt, valueOf,
-} from "./place.js";
-import { engineNote, peakOf, readings } from "./readings.js";
+import { begin, isLink, models, move, payload, shownText, sliderOf, units, valueAt, valueOf } from "./place.js";
+import { engineNote, highest, readings } from "./readings.js";
 import { responseChart } from "./sweeping.js";
 
 /** @import { Engine } from "../engine/engine.js" */
 /** @import { Ask, Standing } from "./flying.js" */
-/** @import { Model } from "../engine/types.d.ts" */
+/** @import { Point } from "./curves.js" */
+
+const PATIENCE = 1500;  // ms
 
 /** Questions to the worker, each with who hears its answers. @type {(engine: Engine) => Ask} */
 function asking(engine) {
@@ -38,9 +38,9 @@ function asking(engine) {
   };
 }
 
-/** @type {(engine: Engine) => void} */
-function show(engine) {
-  const ask = asking(engine), slider = sliderOf("frequency");
+/** @type {(engine: Engine, ask: Ask) => void} */
+function show(engine, ask) {
+  const slider = sliderOf("frequency");
   const at = () => (slider ? `, ${shownText(slider, valueAt("frequency"))} ${slider.unit}` : "");
   byId("explore-body").hidden = false;
   byId("explore-waits").hidden = true;
@@ -54,7 +54,6 @@ function show(engine) {
   const read = () => { if (last) readings(last, curveOf); };
   const tell = () => { redraw(); read(); };
   flights(engine, ask, { draw: views.draw, stateOf, stand: (standing) => { last = standing; tell(); } });
-  startAtPeak((model) => peakOf(curveOf(model)));
   byId("engine-note").textContent = engineNote();
   byId("stored-curves").hidden = !data.curves.length;
   byId("closed-form").hidden = !models.some((each) => each.engine === "plain");
@@ -65,22 +64,24 @@ function show(engine) {
 }
 
 /**
- * Without results and without a link the page goes to the finest fidelity's highest point once the first curves stand,
- * unless the reader has moved a slider before. A case of one frequency has no such point: the page stays at it.
- * @type {(peak: (model: Model) => {frequency: number} | undefined) => void}
+ * Where the page opens without results and without a link: at the reference fidelity's highest motion with impacts,
+ * of some frequencies each from equilibrium, as far as these are known in ``PATIENCE``; NaN: where the case stands.
+ * @type {(ask: Ask, go: (frequency: number) => void) => void}
  */
-function startAtPeak(peak) {
-  let untouched = !data.curves.length && !isLink && payload.sweep.frequency.length > 1;
-  on("moved", () => { untouched = false; });
-  on("swept", () => {
-    const finest = flown().find(({ name, finest: best }) => name === best), best = finest && peak(finest);
-    if (untouched && best) {
-      byId("start").value = "sweep";
-      startFrom("sweep");
-      move("frequency", best.frequency);
-    }
-    untouched = false;
+function opening(ask, go) {
+  const { name } = models.find((each) => each.name === each.finest) ?? models[0], late = performance.now() + PATIENCE;
+  const some = swept.filter((_, at) => at % Math.ceil(swept.length / EVEN) === 0);
+  /** @type {Point[]} */
+  const points = [];
+  let open = !isLink && payload.sweep.frequency.length > 1;
+  if (open) ask("response", [name, {}, some, AFRESH], ({ values, fault, done, of }) => {
+    if (!fault) points.push(...Array.from(values.frequency, (_, at) => pointOf(values, at)));
+    if (!open || (!fault && done < of && performance.now() < late)) return;
+    open = false;
+    const struck = points.filter(({ impactsPerPeriod }) => impactsPerPeriod > 0);
+    go((highest(struck) ?? highest(points))?.frequency ?? NaN);
   });
+  else go(NaN);
 }
 
 if (!models.length) byId("explore-waits").textContent = payload.models.map(({ refusal }) => refusal).join(" ");
@@ -88,11 +89,11 @@ else if (typeof WebAssembly !== "object") {
   byId("explore-waits").textContent = "This browser has no WebAssembly, which motions take: [show.NAME] of a case draws them.";
 } else {
   const frequency = picked();
-  if (frequency !== undefined) begin(frequency);
   open(payload).then((engine) => {
-    const { version, level } = payload;
+    const { version, level } = payload, ask = asking(engine);
     Object.assign(window, { vibeam: { fly: engine.fly.bind(engine), open, version, level } });
-    show(engine);
+    if (frequency === undefined) opening(ask, (at) => { begin(at, "equilibrium"); show(engine, ask); });
+    else { begin(frequency, "sweep"); show(engine, ask); }
   }).catch((fault) => {
     byId("explore-waits").textContent = `The engine does not start in this browser: ${fault.message}`;
   });

@@ -85,9 +85,9 @@ export function reset() {
   changed();
 }
 
-/** Where the page starts without a link: at the highest point of its results. @type {(frequency: number) => void} */
-export function begin(frequency) {
-  if (address.get("start") === null) from = "sweep";
+/** Where the page starts without a link. @type {(frequency: number, wanted: Start) => void} */
+export function begin(frequency, wanted) {
+  if (address.get("start") === null) from = wanted;
   const slider = sliderOf("frequency"), value = slider ? valueOf(slider, frequency * slider.factor) : NaN;
   if (!isFinite(value)) return;
   start.frequency = value;

@@ -48,11 +48,12 @@ function beside(of, model) {
   return own === undefined || its === undefined ? "–" : differs(own, its);
 }
 
-/** The highest flown point, once all are. @type {(curve: Curve) => Point | undefined} */
-export function peakOf({ points, back, whole }) {
-  const sound = whole ? [...points, ...back].filter((each) => complete(each.ended)) : [];
-  return sound.length ? sound.reduce((best, each) => (each.amplitude > best.amplitude ? each : best)) : undefined;
-}
+/** The highest of those that ran to their ends. @type {(points: Point[]) => Point | undefined} */
+export const highest = (points) => points.filter((each) => complete(each.ended))
+  .reduce((/** @type {Point | undefined} */ best, each) => (best && best.amplitude >= each.amplitude ? best : each), undefined);
+
+/** Once all are flown. @type {(curve: Curve) => Point | undefined} */
+const peakOf = ({ points, back, whole }) => (whole ? highest([...points, ...back]) : undefined);
 
 /** The place in words: the frequency, and what is not as in the case. */
 function where() {
@@ -81,7 +82,7 @@ export function readings({ steady, faults, settled, swept }, curveOf) {
   };
   const peaks = new Map(shown.map((each) => [each.name, peakOf(curveOf(each))]));
   /** @type {(name: string) => number | undefined} */
-  const highest = (name) => peaks.get(name)?.amplitude;
+  const height = (name) => peaks.get(name)?.amplitude;
   /** @type {[string, (own: Steady, model: Model) => string][]} */
   const here = [
     [withUnit("amplitude", output.unit), (own) => short(own.amplitude * output.factor)],
@@ -95,7 +96,7 @@ export function readings({ steady, faults, settled, swept }, curveOf) {
   const above = [
     [withUnit("peak of the curve", output.unit), (best) => short(best.amplitude * output.factor)],
     [withUnit("peak at", frequency.unit), (best) => short(best.frequency * frequency.factor, 6)],
-    ["peak from the finest", (_, model) => beside(highest, model)],
+    ["peak from the finest", (_, model) => beside(height, model)],
   ];
   if (!shown.some(finestOf)) { here.splice(1, 1); above.splice(2, 1); }  // no rows of differences
   /** @type {(name: string, cells: string[]) => Element} */
