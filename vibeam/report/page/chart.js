@@ -71,6 +71,22 @@ export function lines(pen, at, xs, ys, look) {
   pen.stroke();
 }
 
+/** @type {(pen: Pen, marker: string, x: number, y: number, size: number) => void} */
+export function drawMark(pen, marker, x, y, size) {
+  pen.beginPath();
+  if (marker === "_") { pen.moveTo(x - size, y); pen.lineTo(x + size, y); }
+  else if (marker === "x") { pen.moveTo(x - size, y - size); pen.lineTo(x + size, y + size); pen.moveTo(x - size, y + size); pen.lineTo(x + size, y - size); }
+  else if (marker === "D") { pen.moveTo(x, y - 1.4 * size); pen.lineTo(x + 1.4 * size, y); pen.lineTo(x, y + 1.4 * size); pen.lineTo(x - 1.4 * size, y); pen.closePath(); }
+  else { pen.moveTo(x + size, y); pen.arc(x, y, size, 0, 7); }
+  if (marker === "full") pen.fill(); else pen.stroke();
+}
+
+/** Dashed line over the whole height. @type {(pen: Pen, at: Frame, value: number) => void} */
+export function upright(pen, at, value) {
+  const look = { colour: ink("pale"), width: 1, dash: [3, 3] };
+  lines(pen, { ...at, y: (up) => up }, [value, value], [at.top, at.top + at.height], look);
+}
+
 // Text of a case within SVG, without what XML may not hold.
 /** @type {(text: string) => string} */
 const escaped = (text) => element("i", {}, text.replace(/[\x00-\x08\x0b\x0c\x0e-\x1f\ufffe\uffff]/g, "")).innerHTML;

@@ -37,8 +37,9 @@ LIGHTER = 0.45  # share of white in a line's colour on a dark ground
 
 
 def look_on_page(own: Look) -> dict[str, Any]:
-    """Colours and dashes of a fidelity's lines on the page."""
-    return {**colours_on_page(own.colour), "dash": [] if own.dash == DASHES[0] else [3 * each for each in own.dash[1]]}
+    """Colours, dashes and relative width of a fidelity's lines on the page."""
+    dash = [] if own.dash == DASHES[0] else [3 * each for each in own.dash[1]]
+    return {**colours_on_page(own.colour), "dash": dash, "wide": own.wide}
 
 
 def colours_on_page(colour: str) -> dict[str, str]:

@@ -1,5 +1,5 @@
 // What the views of a motion under a record share: its numbers, the fidelities that are shown.
-import { address, byId, colourOf, element, on, tell } from "./state.js";
+import { byId, colourOf, element, hidden, on, tell, tickBox } from "./state.js";
 import { inflated, unpacked } from "./numbers.js";
 import { unfolded } from "./envelope.js";
 /** @import { History, Impacts, RecordData } from "./histories.d.ts" */
@@ -29,30 +29,18 @@ const endOf = (history) => (history ? history.begin + history.width * history.le
 /** @type {(fidelity: string) => Impacts} */
 export const impactsOf = (fidelity) => impacts.get(fidelity) ?? { time: [], velocity: [], met: 0 };
 
-// Fidelities taken away, by their numbers.
-const taken = new Set(address.numbers("hide"));
-export const shown = () => data.fidelities.filter((_, number) => !taken.has(number));
+export const shown = () => data.fidelities.filter((_, number) => !hidden.numbers.has(number));
 /** @type {(name: string) => boolean} */
-export const isShown = (name) => !taken.has(data.fidelities.findIndex((each) => each.name === name));
+export const isShown = (name) => !hidden.numbers.has(data.fidelities.findIndex((each) => each.name === name));
 /** @type {(name: string) => {label: string, colour: string, dash: number[]}} */
 export function lookOf(name) {
   const own = data.fidelities.find((each) => each.name === name);
   return own ? { label: own.label, colour: colourOf(own), dash: own.dash } : { label: "", colour: "", dash: [] };
 }
 
-/** @type {(number: number, wanted: boolean) => void} */
-function show(number, wanted) {
-  if (wanted) taken.delete(number); else taken.add(number);
-  address.set("hide", [...taken].sort().join(","));
-  tell("hidden");
-}
-
 const colourMarks = data.fidelities.map((each, number) => {
-  const label = element("label"), box = element("input", { type: "checkbox" }), mark = element("i");
-  box.checked = !taken.has(number);
-  box.addEventListener("change", () => show(number, box.checked));
-  label.append(box, mark, each.label);
-  byId("shown").append(label);
+  const mark = element("i");
+  byId("shown").append(tickBox(!hidden.numbers.has(number), (ticked) => hidden.show(number, ticked), mark, each.label));
   return () => { mark.style.borderColor = colourOf(each); };
 });
 const recolour = () => colourMarks.forEach((each) => each());

@@ -1,9 +1,9 @@
 // View: curves over frequency, with what was measured; a click picks the frequency of the motion.
-import { address, byId, drawn, element, ink, on } from "./state.js";
-import { axis, chart, svgOf } from "./chart.js";
+import { address, byId, drawn, element, hidden, ink, on, tickBox } from "./state.js";
+import { axis, chart, drawMark, svgOf, upright } from "./chart.js";
 import { short, withUnit } from "./numbers.js";
 import { csv, offer } from "./saving.js";
-import { FACTOR, colour, data, fidelity, inUnits, isShown, pickNear, picked, shade, show, title } from "./result.js";
+import { FACTOR, MANY, colour, data, fidelity, inUnits, isShown, pickNear, picked, shade, title } from "./result.js";
 /** @import { Chart, Curve, Draw, Fidelity, Frame, Look, Numbers, Pen, Plot, PlotAxis, PlotHooks, PlotRange, PlotSeries, Quantity, Reference } from "./types.d.ts" */
 
 const all = [...new Set([...data.curves, ...data.references].flatMap((each) => each.frequency))].sort((a, b) => a - b);  // all curves on the union of their frequencies
@@ -41,16 +41,6 @@ export function beside(_, low, high) {
 /** @type {() => PlotAxis} */
 export const frequencyAxis = () => ({ ...axis(withUnit("Drive frequency", data.frequency.unit)), size: 44 });
 
-/** @type {(pen: Pen, marker: string, x: number, y: number, size: number) => void} */
-function drawMark(pen, marker, x, y, size) {
-  pen.beginPath();
-  if (marker === "_") { pen.moveTo(x - size, y); pen.lineTo(x + size, y); }
-  else if (marker === "x") { pen.moveTo(x - size, y - size); pen.lineTo(x + size, y + size); pen.moveTo(x - size, y + size); pen.lineTo(x + size, y - size); }
-  else if (marker === "D") { pen.moveTo(x, y - 1.4 * size); pen.lineTo(x + 1.4 * size, y); pen.lineTo(x, y + 1.4 * size); pen.lineTo(x - 1.4 * size, y); pen.closePath(); }
-  else { pen.moveTo(x + size, y); pen.arc(x, y, size, 0, 7); }
-  pen.stroke();
-}
-
 // A branch in the pieces in which figures draw it: no line over a jump, none between motions that do not repeat.
 /** @type {(pen: Pen, at: Frame, curve: Curve, quantity: string, values: Numbers, look: Look, failedRow: number) => void} */
 export function drawPieces(pen, at, curve, quantity, values, look, failedRow) {
@@ -71,7 +61,7 @@ export function drawPieces(pen, at, curve, quantity, values, look, failedRow) {
     if (alone && kind.alone === "o") pen.fill();
     if (!kind.width || points.length < 2) continue;
     const plain = kind.name === data.kinds[0].name;
-    pen.lineWidth = (plain ? (curve.way === "down" ? 4 : 1.7) : 1.6 * kind.width) * at.ratio;
+    pen.lineWidth = (plain ? (curve.way === "down" ? 4 : 1.7) * (look.width ?? 1) : 1.6 * kind.width) * at.ratio;
     pen.setLineDash((plain ? look.dash ?? [] : kind.dash).map((each) => 1.5 * each * at.ratio));
     pen.beginPath();
     points.forEach(([x, y], index) => (index ? pen.lineTo(x, y) : pen.moveTo(x, y)));
@@ -79,18 +69,24 @@ export function drawPieces(pen, at, curve, quantity, values, look, failedRow) {
   }
 }
 
+/** @type {(curves: Curve[]) => boolean} */
+const isCrowded = (curves) => new Set(curves.map((each) => each.fidelity)).size >= MANY;
+let pointed = "";  // fidelity of the curve under the pointer
+/** Of many curves the pointed one lies over the reference's, and this over the others. @type {(curve: Curve) => number} */
+const front = (curve) => (curve.fidelity === pointed ? 2 : fidelity[curve.fidelity].reference ? 1 : 0);
+
 /** @type {(pen: Pen, at: Frame, quantity: Quantity) => void} */
 function drawAll(pen, at, quantity) {
-  const shown = data.curves.filter(isShown);
-  for (const way of ["down", "up"]) for (const curve of shown.filter((each) => each.way === way)) drawPieces(pen, at, curve, quantity.name, curve.values[quantity.name], { colour: shade(curve), dash: fidelity[curve.fidelity].dash }, data.curves.indexOf(curve));
+  const shown = data.curves.filter(isShown).sort((a, b) => front(a) - front(b)), many = isCrowded(shown);
+  for (const way of ["down", "up"]) for (const curve of shown.filter((each) => each.way === way)) {
+    const { dash, wide } = fidelity[curve.fidelity], behind = many && !front(curve);
+    drawPieces(pen, at, curve, quantity.name, curve.values[quantity.name], { colour: behind ? ink("steel") : shade(curve), dash, width: behind ? 0.7 : wide }, data.curves.indexOf(curve));
+  }
   if (quantity.name === "amplitude") drawGrazing(pen, at, [...new Set(shown.map((curve) => fidelity[curve.fidelity]))], quantity.factor);
   for (const each of measured(quantity)) drawMeasured(pen, at, each, quantity.factor);
   const frequency = picked();
   if (frequency === undefined) return;
-  const x = at.x(frequency * FACTOR);
-  [pen.strokeStyle, pen.lineWidth] = [ink("pale"), at.ratio];
-  pen.setLineDash([3 * at.ratio, 3 * at.ratio]);
-  pen.beginPath(); pen.moveTo(x, at.top); pen.lineTo(x, at.top + at.height); pen.stroke();
+  upright(pen, at, frequency * FACTOR);
 }
 
 // Points over the curves, each with its bar, of a long curve every so many; single measured numbers as squares on end.
@@ -129,6 +125,7 @@ function drawGrazing(pen, at, fidelities, factor) {
 /** @type {Draw} */
 function drawCut(pen, at) {
   const { left, top, height, ratio, scales } = at, cut = scales.y.min > 0;
+  byId("many").hidden = !isCrowded(data.curves.filter(isShown));
   byId("cut").textContent = cut ? `${data.upward.note[0].toUpperCase()}${data.upward.note.slice(1)}.` : "";
   if (!cut) return;
   [pen.strokeStyle, pen.lineWidth] = [ink(), 1.2 * ratio];
@@ -200,6 +197,7 @@ function draw() {
   /** @type {PlotHooks} */
   const hooks = {
     setCursor: [(plot) => { const at = plot.cursor.idx; if (at !== null && at !== undefined && at !== last) sayAt(all[last = at]); }],
+    setSeries: [(plot, at) => { pointed = data.curves[Number(at) - 1]?.fidelity ?? ""; plot.redraw(false); }],
     setScale: [(plot, key) => { if (key === "x" && shown?.plot === plot) keepZoom(plot); }],
   };
   [shown, last, byId("reading").textContent] = [null, null, ""];
@@ -224,11 +222,8 @@ for (const each of data.quantities) byId("quantity").append(element("option", { 
 if (data.quantities.some((each) => each.name === address.get("q"))) byId("quantity").value = address.get("q") ?? "";
 byId("quantity").addEventListener("change", () => { address.set("q", byId("quantity").value); draw(); });
 const marks = data.curves.map((curve, number) => {
-  const label = element("label"), box = element("input", { type: "checkbox" }), mark = element("i");
-  box.checked = isShown(curve);
-  box.addEventListener("change", () => show(number, box.checked));
-  label.append(box, mark, title(curve));
-  byId("shown").append(label);
+  const mark = element("i");
+  byId("shown").append(tickBox(isShown(curve), (ticked) => hidden.show(number, ticked), mark, title(curve)));
   return () => { mark.style.borderColor = shade(curve); };
 });
 const colourMarks = () => marks.forEach((each) => each());

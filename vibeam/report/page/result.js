@@ -1,5 +1,5 @@
 // What the views of a result share: its numbers, the curves that are shown, the frequency that is picked.
-import { address, byId, colourOf, tell } from "./state.js";
+import { address, byId, colourOf, hidden, tell } from "./state.js";
 /** @import { Data, Fidelity } from "./types.d.ts" */
 
 const NONE = { frequency: { unit: "", factor: 1 }, fidelities: [], curves: [], references: [] };
@@ -14,20 +14,14 @@ export const title = (curve) => `${fidelity[curve.fidelity].label} ${curve.way =
 export const colour = (curve) => colourOf(fidelity[curve.fidelity]);
 /** @type {(curve: Branch) => string} */
 export const shade = (curve) => colour(curve) + (curve.way === "up" ? "" : "88");
+export const MANY = 5;  // fidelities in one pair of axes, of which the reference alone has its colour
 export const FACTOR = data.frequency.factor;
 /** @type {(frequency: number) => string} */
 export const inUnits = (frequency) => `${+(frequency * FACTOR).toPrecision(6)} ${data.frequency.unit}`.trim();
 
-// Curves taken away, by their numbers; those of the same fidelity and way are one in all views.
-const taken = new Set(address.numbers("hide"));
+// Curves are hidden by their numbers; those of the same fidelity and way are one in all views.
 /** @type {(curve: Branch) => boolean} */
-export const isShown = (curve) => !taken.has(data.curves.findIndex((each) => each.fidelity === curve.fidelity && each.way === curve.way));
-/** @type {(number: number, wanted: boolean) => void} */
-export function show(number, wanted) {
-  if (wanted) taken.delete(number); else taken.add(number);
-  address.set("hide", [...taken].sort().join(","));
-  tell("hidden");
-}
+export const isShown = (curve) => !hidden.numbers.has(data.curves.findIndex((each) => each.fidelity === curve.fidelity && each.way === curve.way));
 
 // The picked frequency (Hz) is one of the curves', on a page that flies.
 const kept = byId("explore-body") ? [...new Set(data.curves.flatMap((each) => each.frequency))].sort((a, b) => a - b) : [];

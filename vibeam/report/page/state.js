@@ -21,6 +21,15 @@ export function element(name, attributes = {}, text = null, space = null) {
 /** @type {(name: string, attributes?: Record<string, string | number>, text?: string | null) => any} */
 export const drawn = (name, attributes, text = null) => element(name, attributes, text, "svg");
 
+/** Box to tick, with what it stands for. @type {(ticked: boolean, change: (ticked: boolean) => void, ...parts: (Element | string)[]) => Element} */
+export function tickBox(ticked, change, ...parts) {
+  const label = element("label"), box = element("input", { type: "checkbox" });
+  box.checked = ticked;
+  box.addEventListener("change", () => change(box.checked));
+  label.append(box, ...parts);
+  return label;
+}
+
 // Who is told when something changes: "theme", "hidden", "picked".
 /** @type {Record<string, (() => void)[]>} */
 const listeners = {};
@@ -46,6 +55,17 @@ export const address = {
     history.replaceState(null, "", `#${[section, ...parts].filter(Boolean).join("&")}`);
   },
   go: () => { if (section) byId(section)?.scrollIntoView(); },
+};
+
+/** Numbers that the reader took away; they stand in the address. */
+export const hidden = {
+  numbers: new Set(address.numbers("hide")),
+  /** @type {(number: number, wanted: boolean) => void} */
+  show(number, wanted) {
+    if (wanted) hidden.numbers.delete(number); else hidden.numbers.add(number);
+    address.set("hide", [...hidden.numbers].sort().join(","));
+    tell("hidden");
+  },
 };
 addEventListener("hashchange", () => {
   if (said().some(([, value]) => value)) location.reload();  // the link of another state

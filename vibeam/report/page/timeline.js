@@ -1,5 +1,5 @@
 // View: histories over time, rows above one another with one window: input, outputs, impacts, contact force.
-import { address, byId, element, ink, on } from "./state.js";
+import { address, byId, element, ink, on, tickBox } from "./state.js";
 import { axis, chart, lines, svgOf } from "./chart.js";
 import { keptSpan, short, withUnit } from "./numbers.js";
 import { csv, offer } from "./saving.js";
@@ -189,15 +189,11 @@ const impactRows = () => [["fidelity", "time (s)", withUnit("velocity before", I
 })];
 
 for (const each of ROWS) {
-  const label = element("label"), box = element("input", { type: "checkbox" });
-  box.checked = chosen.has(each.name);
-  box.addEventListener("change", () => {
-    if (box.checked) chosen.add(each.name); else chosen.delete(each.name);
+  byId("rows").append(tickBox(chosen.has(each.name), (ticked) => {
+    if (ticked) chosen.add(each.name); else chosen.delete(each.name);
     address.set("rows", [...chosen].join(","));
     build();
-  });
-  label.append(box, each.label);
-  byId("rows").append(label);
+  }, each.label));
 }
 hearKeys(byId("timeline"));
 on("histories", build);

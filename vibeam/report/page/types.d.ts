@@ -16,7 +16,7 @@ export type Cell = string | number | null | undefined;
 
 export type Fidelity = Colours & {
   name: string; label: string; dash: number[]; grazing: number | null; places: number[]; held: boolean;
-  reference: boolean;
+  reference: boolean; wide: number;
 };
 export type Quantity = Unit & { name: string; label: string };
 export type Kind = { name: string; width: number; dash: number[]; marker: string; alone: string; size: number };
@@ -103,7 +103,7 @@ export type Plot = {
 };
 export type PlotRange = (plot: Plot, low: number, high: number) => number[];
 export type PlotScales = Record<string, { time?: boolean; range?: PlotRange }>;
-export type PlotHooks = Record<string, ((plot: Plot, key: string) => void)[]>;
+export type PlotHooks = Record<string, ((plot: Plot, key: any) => void)[]>;
 /** What a chart is made of; `draw` is cut off at the frame, `mark` is not. */
 export type ChartParts = {
   words: string; height?: number; series: PlotSeries[]; columns: Numbers[]; axes: PlotAxis[]; scales?: PlotScales;

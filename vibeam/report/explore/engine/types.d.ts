@@ -27,7 +27,7 @@ export type Model = {
   harmonics?: Packed; drift?: { frequency: Packed; gap: Packed };
   /** Base amplitude: level · factor / Ω^power, or level times a table; the level is the case's. */
   amplitude: { level: number; power: number; factor: number } | { level: number; frequency: Packed; amplitude: Packed };
-  look: { colour: string; dark: string; dash: number[] };
+  look: { colour: string; dark: string; dash: number[]; wide: number };
 };
 export type SliderName = "frequency" | "drive" | "gap" | "restitution" | "damping";
 /** A key of the case with its range; each fidelity's own number is a + b · value. */

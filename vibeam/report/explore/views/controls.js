@@ -1,5 +1,5 @@
 // Sliders with their fields, choice of fidelities, buttons.
-import { byId, drawn, element, colourOf, on } from "../../page/state.js";
+import { byId, drawn, element, colourOf, on, tickBox } from "../../page/state.js";
 import { short } from "../../page/numbers.js";
 import { save } from "../../page/saving.js";
 import { caseText, isFlown, models, move, payload, placesOf, reset, shownText, take } from "./place.js";
@@ -79,13 +79,9 @@ function sample({ look }) {
 }
 
 /** @type {(model: Model) => Element} */
-function box(model) {
-  const label = element("label"), input = element("input", { type: "checkbox" });
-  input.checked = isFlown(model.name);
-  input.addEventListener("change", () => take(model.name, input.checked));
-  label.append(input, sample(model), ` ${model.label}`);
-  return label;
-}
+const box = (model) => tickBox(
+  isFlown(model.name), (ticked) => take(model.name, ticked), sample(model), ` ${model.label}`,
+);
 
 /** Sentences on what the page cannot fly, and on keys that could have a slider. */
 function limits() {

@@ -1,9 +1,9 @@
 // Picture: response curves at the sliders' place, with the stored curves behind in grey.
 import { byId, colourOf, ink, on } from "../../page/state.js";
-import { axis, chart, framed, lines, svgOf } from "../../page/chart.js";
+import { axis, chart, drawMark, framed, lines, svgOf, upright } from "../../page/chart.js";
 import { withUnit } from "../../page/numbers.js";
 import { csv, offer } from "../../page/saving.js";
-import { data } from "../../page/result.js";
+import { MANY, data } from "../../page/result.js";
 import { swept } from "./curves.js";
 import { asCase, complete, direction, flown, isFlown, move, sliderOf, units, valueAt, valueOf } from "./place.js";
 
@@ -17,33 +17,22 @@ const factor = units.frequency.factor, { output } = units;
 const ends = [swept[0] * factor, swept[swept.length - 1] * factor], beside = 0.01 * (ends[1] - ends[0]);
 const label = withUnit("Amplitude ½(max − min)", output.unit);
 
-/** @type {(pen: Pen, x: number, y: number, r: number, kind: "full" | "hollow" | "cross") => void} */
-function mark(pen, x, y, r, kind) {
-  pen.beginPath();
-  if (kind === "cross") {
-    pen.moveTo(x - r, y - r);
-    pen.lineTo(x + r, y + r);
-    pen.moveTo(x - r, y + r);
-    pen.lineTo(x + r, y - r);
-  } else pen.arc(x, y, r, 0, 7);
-  if (kind === "full") pen.fill(); else pen.stroke();
-}
-
 /** Points of a fidelity over its orbits; what did not run to its end is marked in a row at the upper edge. */
 /** @type {(pen: Pen, at: Frame, model: Model, curve: Curve, row: number) => void} */
-function paintOne(pen, at, { look }, { points, back, orbits }, row) {
-  const frame = framed(at, factor, output.factor), colour = colourOf(look);
+function paintOne(pen, at, { look, name, finest }, { points, back, orbits }, row) {
+  const frame = framed(at, factor, output.factor);
+  const colour = flown().length >= MANY && name !== finest ? ink("steel") : colourOf(look);
   for (const each of orbits) {
-    const style = { colour, width: each[0].stable ? 1.4 : 1, dash: each[0].stable ? [] : [4, 4] };
+    const style = { colour, width: look.wide * (each[0].stable ? 1.4 : 1), dash: each[0].stable ? [] : [4, 4] };
     lines(pen, frame, each.map(({ frequency }) => frequency), each.map(({ amplitude }) => amplitude), style);
   }
   [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [colour, colour, 1.2 * at.ratio];
   pen.setLineDash([]);
-  const size = Math.min(2.4, Math.max(1.2, (0.3 * at.width) / at.ratio / swept.length)) * at.ratio;
+  const size = look.wide * Math.min(2.4, Math.max(1.2, (0.3 * at.width) / at.ratio / swept.length)) * at.ratio;
   for (const { frequency, amplitude, period, ended } of [...points, ...back]) {
     const x = frame.x(frequency);
-    if (complete(ended)) mark(pen, x, frame.y(amplitude), size, period === 0 ? "hollow" : "full");
-    else mark(pen, x, at.top + (6 + 8 * row) * at.ratio, size, "cross");
+    if (complete(ended)) drawMark(pen, period === 0 ? "o" : "full", x, frame.y(amplitude), size);
+    else drawMark(pen, "x", x, at.top + (6 + 8 * row) * at.ratio, size);
   }
 }
 
@@ -83,18 +72,18 @@ export function responseChart(curveOf, standing) {
         const xs = frequency.slice(begin, end), ys = values.amplitude.slice(begin, end), colour = ink("steel");
         lines(pen, behind, xs, ys, { colour, width: 3 });
         pen.fillStyle = colour;
-        if (xs.length === 1 && ys[0] !== null) mark(pen, behind.x(xs[0]), behind.y(ys[0]), 2.5 * at.ratio, "full");
+        if (xs.length === 1 && ys[0] !== null) drawMark(pen, "full", behind.x(xs[0]), behind.y(ys[0]), 2.5 * at.ratio);
       }
     }
-    flown().forEach((each, row) => paintOne(pen, at, each, curveOf(each), row));
-    lines(pen, { ...at, x: (value) => value, y: (value) => value }, [x, x], [at.top, at.top + at.height], {
-      colour: ink("pale"), width: 1, dash: [3, 3],
-    });
+    byId("many-flown").hidden = flown().length < MANY;
+    const order = flown().sort((a, b) => Number(a.name === a.finest) - Number(b.name === b.finest));
+    order.forEach((each, row) => paintOne(pen, at, each, curveOf(each), row));
+    upright(pen, at, valueAt("frequency") * factor);
     pen.setLineDash([]);
     for (const { name, look } of flown()) {
       const own = known?.steady.get(name);
       [pen.strokeStyle, pen.lineWidth] = [colourOf(look), 1.6 * at.ratio];
-      if (own && complete(own.ended)) mark(pen, x, at.y(own.amplitude * output.factor), 4.5 * at.ratio, "hollow");
+      if (own && complete(own.ended)) drawMark(pen, "o", x, at.y(own.amplitude * output.factor), 4.5 * at.ratio);
     }
   };
 
