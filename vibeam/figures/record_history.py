@@ -21,7 +21,7 @@ Span = tuple[float, float]
 SIZE = (8.4, 6.0)
 ROW, REST = 1.25, 1.1  # height of a row and of title, legend and axis beside all rows, inches
 CLOSE, MET = 1 / 40, 4  # share of the record around its largest value, and impacts to either side, that are shown
-INK = "0.2"
+INK, PALE = "0.2", 0.15  # PALE: opacity of an area
 
 
 def draw_histories(
@@ -88,24 +88,25 @@ def _signal(axes: Axes, result: RecordResult, looks: dict[str, Look], signal: An
     """Draw a signal of all fidelities in one panel; None: the input."""
     case = result.case
     if signal is None:
-        histories = [(each, INK, "") for each in list(result.input.values())[:1]]
+        histories = [(each, Look(INK), "") for each in list(result.input.values())[:1]]
         label, unit = input_of(case)
     else:
         owners = [name for name in looks if signal.name in result[name].history]
-        histories = [(result[name].history[signal.name], looks[name].colour, name_of(case, name)) for name in owners]
+        histories = [(result[name].history[signal.name], looks[name], name_of(case, name)) for name in owners]
         label, unit = label_of(signal), signal.unit
     shown, factor = unit_of_signal(case, unit, max((each.peak for each, _, _ in histories), default=0.0))
-    for history, colour, name in histories:
-        _envelope(axes, history.within(*span, most=columns), factor, colour, name)
+    for history, look, name in histories:
+        _envelope(axes, history.within(*span, most=columns), factor, look, name)
     if is_empty(axes):
         say(axes, "no history kept")
     _named(axes, label, shown)
 
 
-def _envelope(axes: Axes, seen: History, factor: float, colour: str, label: str) -> None:
+def _envelope(axes: Axes, seen: History, factor: float, look: Look, label: str) -> None:
+    """Outline the least and the greatest values; the area is pale, so that what lies behind it is seen."""
     axes.fill_between(
-        seen.time, seen.least * factor, seen.greatest * factor, facecolor=colour, edgecolor=colour, linewidth=0.6,
-        alpha=0.6, label=label or None,
+        seen.time, seen.least * factor, seen.greatest * factor, facecolor=(look.colour, PALE), edgecolor=look.colour,
+        linewidth=0.6 * look.wide, label=label or None,
     )  # fmt: skip
 
 
@@ -119,9 +120,9 @@ def _impacts(axes: Axes, result: RecordResult, looks: dict[str, Look], span: Spa
     largest = max((float(np.max(speeds, initial=0.0)) for _, speeds, _ in met), default=0.0)
     unit, factor = unit_of_signal(result.case, "m s-1", largest)
     for times, speeds, look in met:
-        axes.vlines(times, 0.0, speeds * factor, color=look.colour, linewidth=0.8)
+        axes.vlines(times, 0.0, speeds * factor, color=look.colour, linewidth=0.8 * look.wide)
         if len(times) <= 16 * MET:
-            axes.plot(times, speeds * factor, ".", color=look.colour, markersize=3)
+            axes.plot(times, speeds * factor, ".", color=look.colour, markersize=4 * look.wide)
     if not largest:
         say(axes, "no impact")
     _named(axes, "velocity before impact", unit)

@@ -69,7 +69,8 @@ def frc(result: Comparison) -> Figure:
     for axes in filter(is_empty, shown):
         say(axes, "no motion at any frequency")
     _label(figure, grid, result, units, note)
-    legend(figure, _legend(panels, _ghost_called(result, finest), together))
+    other = [Line2D([], [], linestyle="", label=line) for line in result.held.split("\n")[1:]]
+    legend(figure, [*_legend(panels, _ghost_called(result, finest), together), *other])
     return figure
 
 
@@ -217,13 +218,8 @@ def _label(figure: Figure, grid: Any, result: Comparison, units: DisplayUnits, n
         axes.set_xlabel(frequency_label(units))
     upward = amplitude_of(result.case.sweep.output, units)
     figure.supylabel("\n".join(filter(None, [upward, note])), fontsize=PAGE["font.size"])
-    titled(figure, result.case.figure, result.case.title, _shows(result))
-
-
-def _shows(result: Comparison) -> str:
-    """Caption: the response, and what its fidelities hold in common."""
-    label, _, other = result.held.partition("\n")
-    return "\n".join(filter(None, [f"frequency response, {label}".removesuffix(", "), other]))
+    held = result.held.partition("\n")[0]
+    titled(figure, result.case.figure, result.case.title, f"frequency response, {held}".removesuffix(", "))
 
 
 def _ghost_called(result: Comparison, finest: Mapping[str, str]) -> str:

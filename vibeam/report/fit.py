@@ -237,11 +237,9 @@ def _response(study: FitStudy, name: str, axes: Axes) -> dict[str, Any]:
         part = grid[(grid >= min(own)) & (grid <= max(own))]
         best, error = study.branch(name, motion, part)
         low, high = best - 1.96 * error, best + 1.96 * error
-        colour = COLOURS[number]
-        handles["95 % band"] = axes.fill_between(
-            part, factor * low, factor * high, color=colour, alpha=0.3, linewidth=0, zorder=1
-        )
-        (handles[f"fitted, {motion}"],) = axes.plot(part, factor * best, color=colour, linewidth=1.1, zorder=2)
+        keys: dict[str, Any] = {"color": COLOURS[number], "zorder": 2}
+        band = axes.fill_between(part, factor * low, factor * high, alpha=0.3, linewidth=0, **keys)
+        handles[f"fitted, {motion}; 95 % band"] = band, *axes.plot(part, factor * best, linewidth=1.1, **keys)
     handles["measured, ± 2 σ"] = axes.errorbar(
         frequency, [factor * each.measured for each in points], [2 * factor * each.uncertainty for each in points],
         fmt="o", color="black", markersize=2.6, elinewidth=0.6, zorder=3,
@@ -266,3 +264,4 @@ def _residuals(points: Sequence[FittedPoint], axes: Axes) -> None:
     axes.plot(
         [each.frequency for each in points], [each.residual for each in points], "o", color="black", markersize=2.6
     )
+    axes.margins(y=0.15)  # no point lies on the frame

@@ -135,4 +135,4 @@ def _band(axes: Axes, sheet: Sheet, names: tuple[str, str, str], look: Look, lab
 
 def caption(plan: ShowPlan) -> str:
     """Caption of the figure."""
-    return f"density of the {plan.output} under noise; bands: intervals of 95 %, of each frequency by itself"
+    return f"density of the {plan.output} under noise; 95 % band at each frequency"

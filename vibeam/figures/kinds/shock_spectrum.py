@@ -95,7 +95,7 @@ def draw(figure: Figure, result: RecordResult, plan: ShowPlan, shown: tuple[Shee
     for sheet in known:
         look, label = looks[sheet.fidelity], name_of(case, sheet.fidelity)
         marked = {"marker": "o", "markersize": 3.0} if len(sheet["natural"]) < FEW else {}
-        upper.plot(sheet["natural"], sheet[f"shock_{measure}"] * factor, label=label, **(look.keys(1.0) | marked))
+        upper.plot(sheet["natural"], sheet[f"shock_{measure}"] * factor, label=label, **(look.keys(1.6) | marked))
         if _is_device(plan):
             keys: dict[str, Any] = look.keys(0.9) | {"linestyle": ":", "label": f"{label}, without stop"}
             upper.plot(sheet["natural"], sheet[f"free_{measure}"] * factor, **keys)
@@ -134,7 +134,7 @@ def _impacts(axes: Axes, case: Case, known: list[Sheet], looks: Any) -> None:
     unit, factor = unit_of_signal(case, "m s-1", top)
     for sheet in known:
         upward = np.where(sheet["shock_impacts"] > 0, sheet["shock_impact_velocity"] * factor, np.nan)
-        axes.plot(sheet["natural"], upward, label=name_of(case, sheet.fidelity), **looks[sheet.fidelity].keys(1.0))
+        axes.plot(sheet["natural"], upward, label=name_of(case, sheet.fidelity), **looks[sheet.fidelity].keys(1.6))
     labelled(axes, "hardest impact", unit)
 
 
@@ -150,6 +150,6 @@ def _decades(axes: Axes, shown: tuple[Sheet, ...]) -> None:
 def caption(plan: ShowPlan) -> str:
     """Caption of the figure."""
     if _is_device(plan):
-        return "maximax spectrum of the device, its natural frequencies multiplied, with its stop and without (dotted)"
+        return "maximax spectrum of the scaled device; dotted: without its stop"
     ratio = 0.05 if plan.own["equipment_damping"] is None else plan.own["equipment_damping"]
-    return f"maximax spectrum of equipment at the {plan.output}, and on the base itself, damping ratio {ratio:g}"
+    return f"maximax spectrum of equipment at the {plan.output}, damping ratio {ratio:g}"

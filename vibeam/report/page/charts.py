@@ -79,8 +79,7 @@ def _contact_speed(units: DisplayUnits) -> tuple[str, float]:
 
 def chart_data(stored: StoredResult) -> dict[str, Any]:
     """All numbers of the page's charts, as plain lists."""
-    result = stored.result
-    units = units_for(result)
+    result, units = stored.result, units_for(stored.result)
     quantities = chart_quantities(units)
     return {
         "frequency": {"unit": units.frequency, "factor": units.frequency_factor},
