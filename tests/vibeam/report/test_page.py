@@ -498,6 +498,21 @@ def test_a_page_of_studies_has_a_section_for_each_sheet_with_all_that_it_holds()
     assert drawn.splitlines() == ["panel,curve,x,y", ",line,1,3", ",line,2,4"]
 
 
+def test_words_of_the_terminal_and_lines_of_a_case_are_those_of_a_page():
+    """A hint at ``-v`` names the part of the page, in a note, a caption or a detail; lines of a case stand as such."""
+    table = blank("Wide", "name", "size|")
+    table.caption = "*: -v says why"
+    table.add_row("a", "1")
+    cure = 'In place of [stop] as it is:\n[stop]\ngap = "1 mm"  # <yours>\nlaw = "hertz"'
+    notes = ["rigs: est. off is not known, -v says why", cure, "Nothing [of a case] here."]
+    text = study_page("Title", "Answer.", [("One", StudySheet("", [table], notes, [cure, "one -v says why"]))])
+    assert "-v" not in re.sub(r"<(script|style).*?</\1>", "", text, flags=re.DOTALL)
+    assert text.count("“Further numbers and notes” says why") == 3
+    lines = re.findall(r"<pre>(.*?)</pre>", text, re.DOTALL)
+    assert lines == ['[stop]\ngap = &#34;1 mm&#34;  # &lt;yours&gt;\nlaw = &#34;hertz&#34;'] * 2
+    assert "Nothing [of a case] here." in text
+
+
 def test_what_is_of_the_contact_has_a_unit_of_its_own():
     """Beside a strain gauge the distance from the stop is a length, the impact's velocity one of the contact."""
     found = {

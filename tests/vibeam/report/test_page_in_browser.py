@@ -6,14 +6,18 @@ pip install 'vibeam[browser]' and Debian's chromium and firefox-esr; python -m p
 import csv
 import json
 import re
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 from browsers import Opened
+from matplotlib.figure import Figure
 
 import vibeam
 from tests.vibeam.report.test_page import CASE, HOSTILE, SHEETS
+from vibeam.report.output import StudySheet
 from vibeam.report.page.page import page, study_page
+from vibeam.report.tables import blank
 from vibeam.studies.stored import stored
 
 pytestmark = pytest.mark.slow
@@ -164,6 +168,68 @@ def test_a_telephone_needs_no_scrolling_aside(browser, file):
     width = found.page.evaluate("document.documentElement.scrollWidth")
     found.page.close()
     assert width <= 390
+
+
+def wide_study():
+    """Sheet whose table is wider than any page: numbers of many columns, one without a name, and a long sentence."""
+    table = blank("Wide", "", *(f"number {column}|" for column in range(12)), "")
+    table.add_row("a row", *["-0.123 %"] * 12, "needed")
+    told = blank("Answers", "question", "answer")
+    told.add_row("Which?", "With R held the scene needs all of its effects: without one of them it is too low. " * 3)
+    return StudySheet("Answer.", [table, told], draw=lambda: Figure(figsize=(9, 3)))
+
+
+@pytest.mark.parametrize("width", [390, 768, 1280])
+def test_wide_tables_of_a_study_scroll_by_themselves(browser, file, width):
+    """The page fits its window; sentences in a table are broken into lines, and seen."""
+    studies = file.with_name("wide.html")
+    studies.write_text(study_page("Wide", "One beam.", [("One", wide_study())]), encoding="utf-8")
+    found = Opened(browser, studies, viewport={"width": width, "height": 800})
+    assert found.page.evaluate("document.documentElement.scrollWidth") <= width
+    said = found.page.locator("table", has_text="Which?")
+    assert width < 768 or said.evaluate("each => each.offsetWidth <= each.parentElement.clientWidth")
+    found.page.close()
+
+
+def test_a_wide_table_fits_a_printed_page(browser, file):
+    studies = file.with_name("printed.html")
+    studies.write_text(study_page("Wide", "One beam.", [("One", wide_study())]), encoding="utf-8")
+    found = Opened(browser, studies, viewport={"width": 718, "height": 1000})
+    found.page.emulate_media(media="print")
+    assert found.page.evaluate("document.documentElement.scrollWidth") <= 718
+    found.page.close()
+
+
+def test_of_many_fidelities_the_reference_and_the_pointed_one_have_their_colours(browser, file, tmp_path):
+    """The others are grey until so few are left that each can be told."""
+    more = (f'[fidelity.modes_{number}]\nreduction = "modal"\nmodes = {number}\n' for number in (2, 3, 5))
+    case = (file.with_name("case.toml")).read_text(encoding="utf-8") + "".join(more)
+    (tmp_path / "case.toml").write_text(case, encoding="utf-8")
+    vibeam.run(vibeam.load(tmp_path / "case.toml"), out=tmp_path / "case.h5")
+    (tmp_path / "case.html").write_text(page(stored(tmp_path / "case.h5")), encoding="utf-8")
+    found = Opened(browser, tmp_path / "case.html")
+    looks = [each["colour"] for each in json.loads(found.page.locator("#data").text_content())["fidelities"]]
+
+    def drawn():
+        """Whether each fidelity's colour is in solid lines of the curves: lines of grazing are dotted."""
+        with found.page.expect_download() as started:  # without the pointer, which stays where it is
+            found.page.get_by_label("SVG of frequency response").evaluate("each => each.click()")
+        text = Path(started.value.path()).read_text(encoding="utf-8")
+        curves = text.partition("<clipPath")[2].partition("</g>")[0]
+        lines = [each for each in re.findall("<path[^>]*>", curves) if 'stroke-dasharray=""' in each]
+        return [any(look in each for each in lines) for look in looks]
+
+    before = drawn()
+    assert before[-1]
+    assert not any(before[:-1])
+    assert found.page.locator("#many").is_visible()
+    found.page.locator("#response .u-legend tr").nth(1).hover()
+    assert drawn()[0]
+    for box in found.page.locator("#shown input").all()[:1]:
+        box.uncheck()
+    assert drawn() == [False, True, True, True, True]
+    assert not found.page.locator("#many").is_visible()
+    found.page.close()
 
 
 def test_without_scripts_the_static_picture_is_there(browser, file):

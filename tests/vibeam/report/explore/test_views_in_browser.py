@@ -4,6 +4,7 @@ python -m pytest -m slow tests/vibeam/report/explore
 """
 
 import csv
+import json
 import re
 from xml.etree import ElementTree
 
@@ -107,13 +108,63 @@ def test_numbers_are_those_of_a_run_at_the_sliders_place(folder, explored):
     )
 
 
-def test_a_page_without_results_goes_to_the_highest_point(browser, folder):
-    """Of the finest fidelity, in a sweep upwards; the link reproduces it."""
-    found = Explored(browser, folder / "case.html")
-    found.page.wait_for_function("() => location.hash.includes('start=sweep')", timeout=20000)
+@pytest.mark.parametrize(
+    ("changes", "reference"),
+    [
+        ({}, "beam"),
+        ({"stop.gap": "9 mm"}, "beam"),  # nothing strikes: its highest point
+        ({"stop.gap": "-0.05 mm"}, "beam"),
+        ({"sweep.direction": "down"}, "beam"),
+        ({"fidelity.beam.solver": "orbit"}, "sdof"),  # the page does not fly the reference
+        ({"sweep.frequency": ["37 Hz"]}, "beam"),
+    ],
+    ids=["strikes", "far", "pressed on", "downwards", "not flown", "one frequency"],
+)
+def test_a_page_without_results_opens_where_the_reference_strikes(browser, folder, tmp_path, changes, reference):
+    """At its highest motion with impacts, of those from equilibrium at the case's frequencies; a link is not needed."""
+    quick = {"sweep.settle": 60, "sweep.hold": 10, "sweep.direction": "up"}
+    case = vibeam.load(folder / "case.toml", changes)
+    points = []
+    for frequency in case.sweep.frequency:
+        own = {**changes, **quick, "sweep.frequency": [f"{float(frequency)!r} Hz"], "fidelity.beam.solver": "flight"}
+        points.append(vibeam.run(vibeam.load(folder / "case.toml", own))[reference].up)
+    struck = [each for each in points if each.impacts_per_period[0] > 0] or points
+    vibeam.explore(case).write(tmp_path / "case.html")
+    found = Explored(browser, tmp_path / "case.html")
+    place = float(found.page.locator("#slide-frequency-number").input_value())
+    assert place == pytest.approx(max(struck, key=lambda each: each.amplitude[0]).frequency[0], rel=1e-5)
+    assert found.page.locator("#start").input_value() == "equilibrium"
+    assert "f=" not in found.page.url
+    assert found.said == []
+    found.page.close()
+
+
+MANY = "".join(
+    f'[fidelity.modes_{number}]\nreduction = "modal"\nmodes = {number}\n' for number in (2, 3, 5, 6)
+)  # six in all, the last one the reference
+
+
+def test_many_fidelities_are_told_apart_and_no_column_is_cut(browser, folder, tmp_path):
+    """The reference alone has its colour in the curves; its numbers stand within the page, on the right."""
+    (tmp_path / "case.toml").write_text((folder / "case.toml").read_text(encoding="utf-8") + MANY, encoding="utf-8")
+    vibeam.explore(tmp_path / "case.toml").write(tmp_path / "case.html")
+    found = Explored(browser, tmp_path / "case.html", viewport={"width": 1280, "height": 900})
+    head = found.page.locator("#readings thead th").last
+    assert head.inner_text() == "modes_6"
+    box, host = head.bounding_box(), found.page.locator(".scroll:has(#readings)").bounding_box()
+    assert box["x"] + box["width"] <= host["x"] + host["width"] + 1
+    svg = found.saved(f"SVG of {VIEWS[0]}").decode()
+    looks = [each["look"]["colour"] for each in json.loads(found.page.locator("#engine").text_content())["models"]]
+    drawn = [svg.count(f'fill="{each}"') for each in looks]
+    assert drawn[-1] > 0
+    assert drawn[:-1] == [0] * 5
+    assert found.page.locator("#many-flown").is_visible()
+    for box in found.page.locator("#flown input").all()[:2]:
+        box.uncheck()
     found.settle()
-    assert found.reading("amplitude (mm)")[1] == found.reading("peak of the curve (mm)")[1]
-    assert re.search(r"f=[\d.]+", found.page.url)
+    svg = found.saved(f"SVG of {VIEWS[0]}").decode()
+    assert [svg.count(f'fill="{each}"') > 0 for each in looks] == [False] * 2 + [True] * 4
+    assert not found.page.locator("#many-flown").is_visible()
     found.page.close()
 
 
@@ -299,7 +350,7 @@ def test_a_page_of_results_starts_on_its_sweep(browser, folder):
     rows = list(csv.reader(found.saved(f"CSV of {VIEWS[0]}").decode("utf-8-sig").splitlines()))[1:]
     stored_ones = np.concatenate([1e3 * each.up.amplitude for each in result.values()])
     np.testing.assert_allclose([float(row[2]) for row in rows], stored_ones, rtol=1e-9)  # periodic: no digit is lost
-    at = int(np.argmax(result["sdof"].up.amplitude))
+    at = int(np.argmax(result["beam"].up.amplitude))  # of the reference
     assert found.reading("amplitude (mm)") == [f"{1e3 * each.up.amplitude[at]:.4g}" for each in result.values()]
     place = found.page.locator("#response .u-over")
     place.scroll_into_view_if_needed()

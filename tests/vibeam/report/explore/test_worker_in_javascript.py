@@ -74,6 +74,20 @@ def test_a_carried_curve_goes_on_from_piece_to_piece(node):
     assert [each["values"]["begun"] for each in heard] == [[]] + [[f"after {each['from']}"] for each in heard[1:]]
 
 
+def test_a_steady_point_is_answered_before_the_curves_that_wait(node):
+    """What the reader looks at, whatever was asked first; the curves go on after it."""
+    heard = node(
+        START
+        + """const { heard, ask } = asked({ ...counted, steady: () => "settled" }, 8);
+    for (const id of [1, 2, 3]) ask({ id, call: "response", args: [`model ${id}`, {}, frequencies] });
+    ask({ id: 4, call: "steady", args: ["model 3", {}] });
+    await until(() => heard.filter(({ done, of }) => done === of).length === 4);
+    return heard;"""
+    )
+    assert [each["id"] for each in heard].index(4) <= 1  # at most the piece that was begun goes before it
+    assert {each["id"] for each in heard} == {1, 2, 3, 4}
+
+
 def test_faults_are_sentences(node):
     heard = node(
         START
