@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -99,9 +98,7 @@ def test_each_model_is_seen_in_a_shock_spectrum() -> None:
     assert min(seen(made, 1)) > 50  # velocities of the hardest impacts, which hardly differ
 
 
-@pytest.mark.parametrize(
-    ("record", "shown"), [(PULSE, DEVICE), (PULSE, EQUIPMENT), (NOISE, DENSITY)]
-)
+@pytest.mark.parametrize(("record", "shown"), [(PULSE, DEVICE), (PULSE, EQUIPMENT), (NOISE, DENSITY)])
 def test_title_and_caption_have_a_line_each(record: dict[str, Any], shown: dict[str, Any]) -> None:
     result = run(record, {"show": {"it": shown}})
     made = composed(lambda: figure(result, result.case.shows["it"]))

@@ -27,8 +27,8 @@ def study(*points: tuple[float, str, float], size: float = 1e-4) -> Any:
     def point(frequency: float, motion: str, residual: float) -> Any:
         best = float(branch("", motion, frequency)[0])
         return SimpleNamespace(
-            reference="lab", frequency=frequency, motion=motion, residual=residual, measured=best * (1 + 0.01 * residual),
-            uncertainty=0.01 * best, left_out=False, actual=True,
+            reference="lab", frequency=frequency, motion=motion, residual=residual, uncertainty=0.01 * best,
+            measured=best * (1 + 0.01 * residual), left_out=False, actual=True,
         )  # fmt: skip
 
     case = vibeam.load(CASES / "dtu_neutral.toml")

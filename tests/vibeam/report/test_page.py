@@ -509,7 +509,7 @@ def test_words_of_the_terminal_and_lines_of_a_case_are_those_of_a_page():
     assert "-v" not in re.sub(r"<(script|style).*?</\1>", "", text, flags=re.DOTALL)
     assert text.count("“Further numbers and notes” says why") == 3
     lines = re.findall(r"<pre>(.*?)</pre>", text, re.DOTALL)
-    assert lines == ['[stop]\ngap = &#34;1 mm&#34;  # &lt;yours&gt;\nlaw = &#34;hertz&#34;'] * 2
+    assert lines == ["[stop]\ngap = &#34;1 mm&#34;  # &lt;yours&gt;\nlaw = &#34;hertz&#34;"] * 2
     assert "Nothing [of a case] here." in text
 
 

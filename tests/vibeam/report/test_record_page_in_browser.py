@@ -4,6 +4,7 @@ pip install 'vibeam[browser]' and Debian's chromium and firefox-esr; python -m p
 """
 
 import csv
+import json
 import re
 from xml.etree import ElementTree
 
@@ -122,6 +123,12 @@ def test_what_is_saved_are_the_numbers_of_the_window(results, opened):
     mine = [float(each["time (s)"]) for each in hits if each["fidelity"] == "sdof"]
     np.testing.assert_allclose(mine, times[(times >= 0.075) & (times <= 0.225)], atol=1e-9)
     drawing = opened.saved("SVG of histories").decode()
+    looks = [each["colour"] for each in json.loads(opened.page.locator("#data").text_content())["fidelities"]]
+    widths = [
+        {float(each) for each in re.findall(f'stroke="{look}" stroke-width="([^"]+)"', drawing)} for look in looks
+    ]
+    assert min(widths[0]) > max(widths[1])  # what lies in front covers no outline behind it …
+    assert not re.search(r'fill="#[0-9A-Fa-f]{6}(?!26)[0-9A-Fa-f]{2}"', drawing)  # … and no area does
     assert "velocity before impact (mm/s)" in "".join(ElementTree.fromstring(drawing).itertext())
     assert opened.saved("PNG of histories").startswith(b"\x89PNG")
     for name in ("velocities", "factor", "spectra"):

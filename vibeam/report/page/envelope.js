@@ -32,8 +32,8 @@ export function reachOf(history, span) {
   return from < to ? [low, high] : [];
 }
 
-/** Area between the least and the greatest values in the window, a line where it is thin. @type {(pen: Pen, at: Frame, history: History, span: [number, number], colour: string) => void} */
-export function envelope(pen, at, history, span, colour) {
+/** Outline of the least and the greatest values in the window; pale within: what lies behind is seen. @type {(pen: Pen, at: Frame, history: History, span: [number, number], look: {colour: string, wide: number}) => void} */
+export function envelope(pen, at, history, span, { colour, wide: share }) {
   const [from, to] = binsOf(history, span), { begin, width, least, greatest } = history;
   const step = Math.max(1, Math.floor((to - from) / (FINE * (at.width / at.ratio))));
   const wide = (at.x(span[0] + width) - at.x(span[0])) / at.ratio > STEPS;
@@ -56,7 +56,7 @@ export function envelope(pen, at, history, span, colour) {
   for (const [x, y] of below.reverse()) pen.lineTo(x, y);
   pen.closePath();
   pen.setLineDash([]);
-  [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [`${colour.trim()}${step > 1 ? "55" : "cc"}`, colour, at.ratio];
+  [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [`${colour.trim()}26`, colour, share * at.ratio];
   pen.fill();
   pen.stroke();
 }

@@ -17,7 +17,7 @@ export type FamilyChart = {
 };
 export type Mark = { label: string; begin: number; end: number };
 export type RecordData = {
-  span: [number, number]; fidelities: (Colours & { name: string; label: string; dash: number[] })[];
+  span: [number, number]; fidelities: (Colours & { name: string; label: string; dash: number[]; wide: number })[];
   signals: Signal[]; histories: StoredHistory[]; impacts: StoredImpacts[]; contact_speed: Unit; marks: Mark[];
   families: Record<string, FamilyChart[]>;
 };

@@ -32,10 +32,10 @@ export const impactsOf = (fidelity) => impacts.get(fidelity) ?? { time: [], velo
 export const shown = () => data.fidelities.filter((_, number) => !hidden.numbers.has(number));
 /** @type {(name: string) => boolean} */
 export const isShown = (name) => !hidden.numbers.has(data.fidelities.findIndex((each) => each.name === name));
-/** @type {(name: string) => {label: string, colour: string, dash: number[]}} */
+/** @type {(name: string) => {label: string, colour: string, dash: number[], wide: number}} */
 export function lookOf(name) {
   const own = data.fidelities.find((each) => each.name === name);
-  return own ? { label: own.label, colour: colourOf(own), dash: own.dash } : { label: "", colour: "", dash: [] };
+  return own ? { label: own.label, colour: colourOf(own), dash: own.dash, wide: own.wide } : { label: "", colour: "", dash: [], wide: 1 };
 }
 
 const colourMarks = data.fidelities.map((each, number) => {

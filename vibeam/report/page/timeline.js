@@ -18,8 +18,8 @@ const chosen = new Set(asked?.length ? asked : USUAL);
 
 /** Names of those of whom a signal has histories. @type {(signal: Signal) => string[]} */
 const ownersOf = (signal) => (historyOf(signal.name, "", data.span) ? [""] : shown().map((each) => each.name));
-/** @type {(owner: string) => string} */
-const colourOf = (owner) => (owner ? lookOf(owner).colour : ink());
+/** @type {(owner: string) => {colour: string, wide: number}} */
+const shadeOf = (owner) => (owner ? lookOf(owner) : { colour: ink(), wide: 1 });
 
 /** @type {(signal: Signal, span: [number, number]) => number[][]} */
 function extentOf(signal, span) {
@@ -38,17 +38,17 @@ const painter = (signal, span) => (pen, at) => {
   if (signal.name === IMPACTS.name) return shown().forEach(({ name }) => paintImpacts(pen, scaled, name, span()));
   for (const owner of ownersOf(signal)) {
     const history = historyOf(signal.name, owner, span());
-    if (history) envelope(pen, scaled, history, span(), colourOf(owner));
+    if (history) envelope(pen, scaled, history, span(), shadeOf(owner));
   }
 };
 
 /** @type {(pen: import("./types.d.ts").Pen, at: import("./types.d.ts").Frame, name: string, span: [number, number]) => void} */
 function paintImpacts(pen, at, name, span) {
-  const [times, speeds] = hits(impactsOf(name), span, at.width / at.ratio), { colour } = lookOf(name);
-  lines(pen, at, times.flatMap((time) => [time, time, time]), speeds.flatMap((speed) => [0, speed, null]), { colour, width: 1.2 });
+  const [times, speeds] = hits(impactsOf(name), span, at.width / at.ratio), { colour, wide } = lookOf(name);
+  lines(pen, at, times.flatMap((time) => [time, time, time]), speeds.flatMap((speed) => [0, speed, null]), { colour, width: 1.2 * wide });
   if (times.length > DOTS) return;
   pen.fillStyle = colour;
-  times.forEach((time, index) => { pen.beginPath(); pen.arc(at.x(time), at.y(speeds[index]), 2.5 * at.ratio, 0, 7); pen.fill(); });
+  times.forEach((time, index) => { pen.beginPath(); pen.arc(at.x(time), at.y(speeds[index]), 2.5 * wide * at.ratio, 0, 7); pen.fill(); });
 }
 
 /** @type {[number, number][]} */
