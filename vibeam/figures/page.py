@@ -94,10 +94,10 @@ def titled(figure: Figure, plan: FigurePlan, title: str, shows: str) -> None:
         figure.suptitle("\n".join(line for line in lines if line), fontsize=TITLE)
 
 
-def legend(figure: Figure, entries: Sequence[Any] | Mapping[str, Any]) -> None:
+def legend(figure: Figure, entries: Sequence[Any] | Mapping[str, Any], remark: str = "") -> None:
     """Draw the legend below, in as many columns as have room; none without entries.
 
-    ``entries``: artists by their labels, or with labels of their own.
+    ``entries``: artists by their labels, or with labels of their own; ``remark``: above them.
     """
     if not entries:
         return
@@ -109,7 +109,8 @@ def legend(figure: Figure, entries: Sequence[Any] | Mapping[str, Any]) -> None:
     widths = [HANDLE + LETTER * size / 72 * max(map(len, text.splitlines())) for text in texts]
     columns = next((n for n in range(COLUMNS, 1, -1) if _wide(widths, n) <= figure.get_figwidth()), 1)
     figure.legend(
-        handles, texts, loc="outside lower center", ncols=min(columns, len(texts)), frameon=False, columnspacing=1.5
+        handles, texts, loc="outside lower center", ncols=min(columns, len(texts)), frameon=False, columnspacing=1.5,
+        title=shortened(remark, _letters(figure, size)), title_fontsize=size,
     )  # fmt: skip
 
 

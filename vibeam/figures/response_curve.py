@@ -69,8 +69,7 @@ def frc(result: Comparison) -> Figure:
     for axes in filter(is_empty, shown):
         say(axes, "no motion at any frequency")
     _label(figure, grid, result, units, note)
-    other = [Line2D([], [], linestyle="", label=line) for line in result.held.split("\n")[1:]]
-    legend(figure, [*_legend(panels, _ghost_called(result, finest), together), *other])
+    legend(figure, _legend(panels, _ghost_called(result, finest), together), result.held.partition("\n")[2])
     return figure
 
 
