@@ -15,7 +15,7 @@ from vibeam.flight.kernels.contacts.integration import integrate, is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.load.events import is_jump, is_on_the_way, to_event_loaded
 from vibeam.flight.kernels.contacts.load.notes import is_roomy
-from vibeam.flight.kernels.contacts.reactions import decide, each, is_curved, pressed_ones
+from vibeam.flight.kernels.contacts.reactions import clearance, decide, each, is_curved, pressed_ones
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
 from vibeam.flight.kernels.contacts.signals import FORCE, first_signal, show
 from vibeam.flight.kernels.contacts.strikes import first_of
@@ -148,7 +148,7 @@ def on(engine: ContactEngine, pose: Array, status: Array, span: float, counts: I
             return outcome, 0.0, 0, 0.0
         status[row.MET] = met
         if step > 0.0:
-            age(engine, status)
+            age(engine, pose, status)
         if met == row.NONE:
             return layout.COMPLETE, step, layout.SPAN_END, 0.0
         end, before, leaving = arrive(engine, pose, status, met)
@@ -167,10 +167,12 @@ def on(engine: ContactEngine, pose: Array, status: Array, span: float, counts: I
 
 
 @kernel
-def age(engine: ContactEngine, status: Array) -> None:
+def age(engine: ContactEngine, pose: Array, status: Array) -> None:
     """Forget how the signals start, but of those that stay at zero."""
     for j in range(engine.rows.shape[0]):
-        if status[each(engine, row.ORDER, j)] != regime_row.TOUCHING:
+        gap, least = clearance(engine, pose, j)
+        deep = status[each(engine, row.CONDITION, j)] == row.PUSHING and gap < -least
+        if deep or status[each(engine, row.ORDER, j)] != regime_row.TOUCHING:
             status[each(engine, row.ORDER, j)] = 0.0
 
 

@@ -8,12 +8,12 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.block_flow import to_block_coordinates
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import layout as row
-from vibeam.flight.kernels.contacts.algebra import NOISE, along, size_along
+from vibeam.flight.kernels.contacts.algebra import NOISE
 from vibeam.flight.kernels.contacts.course import LOADED
 from vibeam.flight.kernels.contacts.integration import is_integrated
 from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.load.walk import is_met, reaches_knot
-from vibeam.flight.kernels.contacts.reactions import decide, each, is_rigid
+from vibeam.flight.kernels.contacts.reactions import clearance, decide, each, is_rigid
 from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
 from vibeam.flight.kernels.contacts.signals import FORCE, GAP, OUT, first_signal
 from vibeam.flight.kernels.contacts.strikes import next_of, put, stop, strike, time_left
@@ -22,8 +22,7 @@ from vibeam.flight.kernels.regimes import layout as regime_row
 from vibeam.flight.kernels.segments import copy_pose
 from vibeam_models.arrays import Array, Index
 
-DEEP = 1e4  # round-offs beyond a stop that no round-off explains
-AT_STOP = 4.0  # round-offs within which a gap is none
+DEEP = 2500.0  # times the largest gap that is none: how far beyond a stop no round-off explains
 TOO_EARLY = -1  # no outcome
 SOON = 1e-12  # share of the slowest time scale that no event is told from
 
@@ -34,28 +33,21 @@ def classify(engine: ContactEngine, pose: Array, status: Array) -> int:
     touched, status[row.HELD], status[row.PUSHED] = 0, 0.0, 0.0
     status[layout.ORDER], status[layout.KIND], status[row.PHASE] = 0.0, layout.FREE, row.FLYING
     for j in range(engine.rows.shape[0]):
-        gap, parts = clearance(engine, pose, j)
+        gap, least = clearance(engine, pose, j)
         if not np.isfinite(gap):
             return layout.NOT_FINITE
-        deep = gap < -DEEP * NOISE * parts
+        deep = gap < -DEEP * least
         if deep and is_rigid(engine, j):
             return layout.PENETRATED
         set_condition(engine, status, j, row.PUSHING if deep else row.AWAY, 0.0, 0.0)
         if deep:
             status[row.PUSHED] += float(1 << j)
             status[layout.KIND] = regime_row.CONTACT
-        elif gap <= AT_STOP * NOISE * parts:
+        elif gap <= least:
             touched |= 1 << j
     if touched > 0:
         status[row.PHASE], status[row.AT] = row.BEGINNING, row.NONE
     return layout.COMPLETE
-
-
-@kernel
-def clearance(engine: ContactEngine, pose: Array, j: int) -> tuple[float, float]:
-    """Gap of a contact, and the sum of the sizes of its parts."""
-    place, size = along(engine.rows, j, pose[0]), size_along(engine.rows, j, pose[0])
-    return float(engine.gaps[j] - place), float(abs(engine.gaps[j]) + size)
 
 
 @kernel
@@ -91,8 +83,8 @@ def touch_all(engine: ContactEngine, pose: Array, status: Array, met: int) -> tu
     touched, end, before = int(status[row.HELD]), regime_row.PASS, 0.0
     for j in range(engine.rows.shape[0]):
         condition = status[each(engine, row.CONDITION, j)]
-        gap, parts = clearance(engine, pose, j)
-        near = j == met or (gap <= AT_STOP * NOISE * parts and (is_rigid(engine, j) or condition == row.AWAY))
+        gap, least = clearance(engine, pose, j)
+        near = j == met or (gap <= least and (is_rigid(engine, j) or condition == row.AWAY))
         if is_rigid(engine, j) and (near or condition == row.IMPLIED):
             touched |= 1 << j
         elif near and status[each(engine, row.ORDER, j)] == 0.0:

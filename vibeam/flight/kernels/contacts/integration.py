@@ -16,8 +16,8 @@ from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.kernels.contacts.algebra import NOISE, along, factor, invert, multiplier, size_along, without_rows
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.reactions import depth, each, hold, is_curved, pull, push_of, push_rate
-from vibeam.flight.kernels.contacts.signals import BACK, GAP, OUT, list_signals
+from vibeam.flight.kernels.contacts.reactions import clearance, depth, each, hold, is_curved, pull, push_of, push_rate
+from vibeam.flight.kernels.contacts.signals import BACK, FORCE, GAP, OUT, list_signals
 from vibeam.flight.kernels.contacts.strikes import put, some_of, stop
 from vibeam.flight.kernels.regimes import layout as regime_row
 from vibeam.flight.kernels.regimes.contact_integration import BATCH, EPSILON, ROUNDS, TOLERANCE, next_step
@@ -26,7 +26,7 @@ from vibeam_models.arrays import Array
 
 BEGIN, END, STAGE = range(3)  # rows of engine.state
 NEWTON = 60  # steps of Newton's method or bisection to a root
-DOUBT = 64.0  # round-offs by which a signal that stays at zero may be below it
+DOUBT = 16.0  # times the largest gap that is none: by how much a signal that stays at zero may be below it
 
 
 @kernel
@@ -152,8 +152,10 @@ def is_crossed(engine: ContactEngine, status: Array, which: int, value: float, r
     """True where a signal is not positive any more."""
     j = which % engine.rows.shape[0]
     if status[each(engine, row.ORDER, j)] == regime_row.TOUCHING:
-        parts = abs(engine.gaps[j]) + size_along(engine.rows, j, engine.state[END, 0])
-        return value < -DOUBT * NOISE * parts and rate < 0.0
+        _, least = clearance(engine, engine.state[END], j)
+        if which // engine.rows.shape[0] == FORCE and not is_curved(engine, j):
+            least *= engine.laws[j, regime_row.STIFFNESS]
+        return value < -DOUBT * least and rate < 0.0
     return value < 0.0 or (value == 0.0 and rate < 0.0)
 
 

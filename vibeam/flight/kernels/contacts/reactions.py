@@ -30,6 +30,7 @@ from vibeam.flight.kernels.regimes import layout as regime_row
 from vibeam.flight.kernels.regimes.laws import force, force_rate
 from vibeam_models.arrays import Array, Index
 
+AT_STOP = 4.0  # round-offs within which a gap is none
 ROUNDS = 4  # times the contacts touched, after which what is held is left as it is
 
 
@@ -77,6 +78,13 @@ def braked_at_most(engine: ContactEngine, vector: Array, k: int) -> float:
 def depth(engine: ContactEngine, pose: Array, j: int) -> float:
     """Penetration of the contact into its stop, negative outside."""
     return float(along(engine.rows, j, pose[0]) - engine.gaps[j])
+
+
+@kernel
+def clearance(engine: ContactEngine, pose: Array, j: int) -> tuple[float, float]:
+    """Gap of a contact, and how large it may be and still be none, by the round-off of its parts."""
+    parts = abs(engine.gaps[j]) + size_along(engine.rows, j, pose[0])
+    return -depth(engine, pose, j), float(AT_STOP * NOISE * parts)
 
 
 @kernel
@@ -213,11 +221,27 @@ def decide(engine: ContactEngine, pose: Array, status: Array, touched: int, leav
 
 
 @kernel
+def is_just_touched(engine: ContactEngine, status: Array, j: int) -> bool:
+    """True for a stop that yields and is touched without being pushed or drawn away, beyond round-off."""
+    touching = status[each(engine, row.ORDER, j)] == regime_row.TOUCHING
+    return bool(touching and not is_rigid(engine, j) and status[each(engine, row.RISE, j)] == 0.0)
+
+
+@kernel
 def note(engine: ContactEngine, status: Array) -> None:
-    """Put what was found into the status."""
-    held, pushed = 0, 0
+    """Put what was found into the status.
+
+    A stop that yields and is touched without being pushed or drawn away pushes, so far with no force, while another
+    one pushes: what reaches it comes through that one, by more derivatives than are looked at.
+    """
+    held, pushed, active = 0, 0, False
+    for j in range(engine.rows.shape[0]):
+        pushes = status[each(engine, row.CONDITION, j)] == row.PUSHING
+        active = active or (pushes and not is_just_touched(engine, status, j))
     for j in range(engine.rows.shape[0]):
         condition = each(engine, row.CONDITION, j)
+        if is_just_touched(engine, status, j):
+            status[condition] = row.PUSHING if active else row.AWAY
         if is_rigid(engine, j):
             kept = engine.picks[row.IS_HELD, j] > 0
             status[condition] = row.KEPT if kept else row.IMPLIED if engine.picks[row.IS_IMPLIED, j] > 0 else row.AWAY

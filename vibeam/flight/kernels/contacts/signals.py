@@ -22,7 +22,7 @@ from vibeam.flight.kernels.regimes.contact_motion import leading_order
 from vibeam.flight.kernels.regimes.events import STALLS
 from vibeam.flight.kernels.roots.double_gap import InitialState
 from vibeam.flight.kernels.roots.first_root import first_root
-from vibeam.flight.kernels.roots.signal import Start, signal_of
+from vibeam.flight.kernels.roots.signal import Start, signal_of, to_node
 from vibeam_models.arrays import Array, Index
 
 GAP, FORCE, OUT, BACK = range(4)  # kinds of signals, which of k each
@@ -96,12 +96,13 @@ def first_signal(
         else:
             fresh = status[each(engine, row.ORDER, j)] > 0.0 and kind != OUT
             order, rise = leading_order(regime, max(value, 0.0) if fresh else value, rate, size)
-            touching = status[regime_row.STALL] >= STALLS and order != 0
+            touching = touching or (status[regime_row.STALL] >= STALLS and order != 0)
             if order < 0 and not touching:
                 return layout.COMPLETE, which, 0.0
             if not touching:
                 start = Start(order, rise)
         if touching:
+            size += to_node(regime.pairs)
             regime.signal[layout.CONST] += 2.0 * (ROUND_OFF * size + max(-value, 0.0)) + SMALLEST
         found, time, panels = first_root(
             signal_of(regime), start, step, coarsest, InitialState(regime.blocks, engine.drive, pose, layout.NO_CLOCK)

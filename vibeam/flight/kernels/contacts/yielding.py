@@ -7,7 +7,7 @@ from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import layout as row
 from vibeam.flight.kernels.contacts.algebra import along, factor, size_along
 from vibeam.flight.kernels.contacts.layout import ContactEngine
-from vibeam.flight.kernels.contacts.reactions import each, hold, pull, push_of, seen
+from vibeam.flight.kernels.contacts.reactions import clearance, each, hold, is_rigid, pull, push_of, seen
 from vibeam.flight.kernels.contacts.strikes import put, some_of, stop
 from vibeam.flight.kernels.modal_flow import ROUND_OFF, opening_order
 from vibeam.flight.kernels.regimes import layout as regime_row
@@ -60,8 +60,10 @@ def touch(engine: ContactEngine, pose: Array, status: Array, j: int) -> None:
     order, rise = opening_order(toward, jerk)
     if order > 0:
         set_condition(engine, status, j, row.AWAY, float(order), rise)
-    elif order < 0:
+    elif toward > 0.0:
         set_condition(engine, status, j, row.PUSHING, 1.0, 0.0)
+    elif order < 0:
+        set_condition(engine, status, j, row.PUSHING, regime_row.TOUCHING, jerk)
     else:
         put(engine, pose, int(status[row.HELD]) | 1 << j)
         stop(engine, pose, int(status[row.HELD]) | 1 << j)
@@ -88,9 +90,14 @@ def let_go(engine: ContactEngine, pose: Array, status: Array, j: int) -> None:
 
 @kernel
 def push_anew(engine: ContactEngine, pose: Array, status: Array) -> None:
-    """After impulses elsewhere: which of the linear stops with damping that are penetrated push."""
+    """After impulses elsewhere: those touched are entered, or left, by the velocity that they have now, and which of
+    the linear stops with damping that are penetrated push.
+    """
     for j in range(engine.rows.shape[0]):
         condition = status[each(engine, row.CONDITION, j)]
+        gap, least = clearance(engine, pose, j)
+        if not is_rigid(engine, j) and condition == row.AWAY and gap <= least:
+            enter(engine, pose, status, j)
         if is_damped(engine, j) and (condition == row.PUSHING or condition == row.INSIDE):
             pushes = push_of(engine, pose, j) > 0.0
             set_condition(engine, status, j, row.PUSHING if pushes else row.INSIDE, 0.0, 0.0)

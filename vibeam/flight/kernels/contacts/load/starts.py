@@ -8,8 +8,10 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import course as row
 from vibeam.flight.kernels.contacts import layout as contact_row
+from vibeam.flight.kernels.contacts.course import Course
 from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.load.panel import derivative_at, parts, row_of, show_value
+from vibeam.flight.kernels.contacts.load.quiet import bound_of_free
 from vibeam.flight.kernels.contacts.reactions import each
 from vibeam.flight.kernels.contacts.signals import GAP, OUT
 from vibeam.flight.kernels.layout import Regime
@@ -22,12 +24,12 @@ from vibeam_models.arrays import Array
 @kernel
 def start_watch(engine: ContactEngine, regime: Regime, status: Array, number: int) -> tuple[int, int]:
     """Begin to watch the signals: outcome, and the one that is an event at once, or NONE."""
-    watch, k = engine.course.watch, engine.rows.shape[0]
+    course, watch, k = engine.course, engine.course.watch, engine.rows.shape[0]
     for place in range(number):
         which = engine.watched[place]
         j, kind = which % k, which // k
         watch[row.ADDED, place], watch[row.START_ORDER, place], watch[row.START_RISE, place] = 0.0, 0.0, 0.0
-        show_value(engine, regime, engine.course, place, which)
+        show_value(engine, regime, course, place, which)
         value, size = watch[row.AT, place], watch[row.PARTS, place]
         if not np.isfinite(size):
             return layout.NOT_FINITE, contact_row.NONE
@@ -36,15 +38,25 @@ def start_watch(engine: ContactEngine, regime: Regime, status: Array, number: in
         if kind != GAP and status[each(engine, contact_row.CONDITION, j)] != contact_row.KEPT:
             fresh = order > 0 and kind != OUT
             order, rise = leading(engine, regime, which, place, max(value, 0.0) if fresh else value)
-            touching = status[regime_row.STALL] >= STALLS and order != 0
+            touching = touching or (status[regime_row.STALL] >= STALLS and order != 0)
             if order < 0 and not touching:
                 return layout.COMPLETE, which
         if touching:
+            size += swing(regime, course, regime.signals[row_of(engine, which)])
             watch[row.ADDED, place] = 2.0 * (ROUND_OFF * size + max(-value, 0.0)) + SMALLEST
             watch[row.AT, place] = value + watch[row.ADDED, place]
         else:
             watch[row.START_ORDER, place], watch[row.START_RISE, place] = max(order, 0), rise
     return layout.COMPLETE, contact_row.NONE
+
+
+@kernel
+def swing(regime: Regime, course: Course, weights: Array) -> float:
+    """About as much as a signal moves by its blocks' free motion over the piece: its round-off may be as large a share."""
+    total, span = 0.0, course.lengths[int(course.numbers[row.PIECE_NOW])]
+    for k in range(course.flow.shape[1]):
+        total += bound_of_free(regime, weights, k, course.flow[row.Y, k], course.flow[row.Y + 1, k], span)
+    return total
 
 
 @kernel
