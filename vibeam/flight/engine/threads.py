@@ -114,6 +114,15 @@ def unpaused(move: Callable[..., tuple[int, float]], *given: object) -> tuple[in
     return outcome, value
 
 
+def resumed(go_on: Callable[[int], tuple[int, int]]) -> int:
+    """Outcome of ``go_on``, called from 0 and then from where it got to until it no longer pauses."""
+    outcome, first = layout.PAUSED, 0
+    while outcome == layout.PAUSED:
+        pause()
+        outcome, first = go_on(first)
+    return outcome
+
+
 class PerThread(Generic[Arrays]):
     """A (nested) tuple of arrays, copied once for each thread that works on it; the original is never written to."""
 

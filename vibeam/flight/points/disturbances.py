@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.flight.engine.entries import carry_disturbances
-from vibeam.flight.engine.threads import pause
+from vibeam.flight.engine.threads import resumed
 from vibeam.flight.kernels import layout
 from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.kernels.layout import Disturbances
@@ -59,10 +59,7 @@ def _run(
     given = Disturbances(periods, inward, np.ascontiguousarray(growth), np.zeros((len(periods), 2), dtype=np.int64))
     engines, status = blank(task.packs, 1), np.zeros(layout.STATUS_ROWS)
     counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
-    outcome, first = layout.PAUSED, 0
-    while outcome == layout.PAUSED:
-        pause()
-        outcome, first = carry_disturbances(task, engines, watch, given, status, counts, first, LIMIT)
+    resumed(lambda first: carry_disturbances(task, engines, watch, given, status, counts, first, LIMIT))
     states, after = task.poses, given.columns
     for (packing, _), which in zip(made, of_system, strict=True):
         states[which], after[which] = packing.outward(states[which]), packing.outward(after[which])

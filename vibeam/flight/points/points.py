@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.flight.engine.entries import run_points
-from vibeam.flight.engine.threads import pause
+from vibeam.flight.engine.threads import resumed
 from vibeam.flight.equilibrium import equilibria
 from vibeam.flight.event_driven import LONGEST_PERIOD, ROWS
 from vibeam.flight.kernels import layout
@@ -119,12 +119,8 @@ def _output(packing: PackedSystem, settings: PointSettings) -> Array:
 def _run(points: PlainPoints, made: list[Packed], settings: PointSettings) -> PlainResults:
     begun, task = time.thread_time(), task_of(points, made, settings)
     lane, watch = _lane(task), room_of(made[0][0], settings)
-    outcome, first = layout.PAUSED, 0
-    while outcome == layout.PAUSED:
-        pause()
-        outcome, first = run_points(
-            task, lane, watch, first, settings.settle, settings.hold, LIMIT, LONGEST_PERIOD, settings.most_modes
-        )
+    schedule = settings.settle, settings.hold, LIMIT, LONGEST_PERIOD, settings.most_modes
+    resumed(lambda first: run_points(task, lane, watch, first, *schedule))
     return _results(points, made, task, settings.hold, time.thread_time() - begun)
 
 

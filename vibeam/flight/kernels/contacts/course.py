@@ -10,9 +10,9 @@ from vibeam.flight.kernels import layout
 from vibeam_models.arrays import Array
 
 # flow (FLOW_ROWS, n): of every block its coordinates y at a node and their derivatives 1 to 5 there, two rows each; y
-# at the end of a panel, its rate there, what it has grown by
-Y, RATE, SECOND, THIRD, FOURTH, FIFTH, TRIAL, TRIAL_RATE, GROWTH = range(0, 18, 2)
-FLOW_ROWS = 18
+# at the end of a panel, its rate there, what it has grown by; at the node the sizes of which round-off is a share
+Y, RATE, SECOND, THIRD, FOURTH, FIFTH, TRIAL, TRIAL_RATE, GROWTH, NOISE = range(0, 20, 2)
+FLOW_ROWS = 20
 
 # steps (S, BANKS · GRADES + 1, STEP_ROWS, n): of some lengths h of pieces, over h, half of it, … (τ = h/2^grade):
 # τφ₁(Aτ) as a matrix, and what u', u'', u''' add: τ²φ₂l, τ³φ₃l, τ⁴φ₄l; the last one is of any length
@@ -92,4 +92,11 @@ class OutputWatch(NamedTuple):
     edges: Array  # (b + 1,) s
     rows: Array  # (o, n + 2): the same on the modes, order of the derivative, share of the base's acceleration
     found: Array  # (o, b, 4): least, when, greatest, when
-    ends: Array  # (5, o): value and slope at a panel's begin and end, what it says
+    ends: Array  # (6, o): value and slope at a panel's begin and end, what it says, round-off of the value
+    walk: Array  # (WALK,)
+
+
+# walk (WALK,): the bin, time, time left of the segment, the panel to try next; panels of the segment, whether it is
+# entered, panels since the call
+PLACE, TIME, LEFT, WANT, PANELS, ENTERED, WORK = range(7)
+WALK = 7

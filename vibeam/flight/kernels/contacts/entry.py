@@ -7,7 +7,7 @@ from vibeam.flight.kernels.block_energy import energy_by_mode, energy_in_blocks,
 from vibeam.flight.kernels.block_flow import advance_blocks, set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import entry, kernel
 from vibeam.flight.kernels.contacts import layout as row
-from vibeam.flight.kernels.contacts.course import LOADED, OutputWatch
+from vibeam.flight.kernels.contacts.course import LOADED, WORK, OutputWatch
 from vibeam.flight.kernels.contacts.events import advance, piece_of
 from vibeam.flight.kernels.contacts.integrated import integrated_at, read_integrated
 from vibeam.flight.kernels.contacts.integration import is_integrated
@@ -101,14 +101,24 @@ def poses_at(
 
 
 @entry
-def extremes_loaded(engine: ContactEngine, trace: Array, poses: Array, watch: OutputWatch) -> None:
-    """Extremes of outputs over a motion under a load, whose sets have been made, into ``watch.found``."""
-    place = 0
-    for i in range(trace.shape[0]):
+def extremes_loaded(
+    engine: ContactEngine, trace: Array, poses: Array, watch: OutputWatch, first: int
+) -> tuple[int, int]:  # fmt: skip
+    """Extremes of outputs over a motion under a load, whose sets have been made, into ``watch.found``.
+
+    From segment ``first`` on: outcome, the segment that it ended in. PAUSED: called again with that one it goes on.
+    """
+    watch.walk[WORK] = 0.0
+    for i in range(first, trace.shape[0]):
         if is_integrated(engine, trace[i, row.PUSHED_AT]):
-            place = read_steps(engine, watch, trace[i], poses[i], place)
+            if watch.walk[WORK] >= piece_of(engine, poses[i]):
+                return layout.PAUSED, i
+            outcome = read_steps(engine, watch, trace[i], poses[i])
         else:
-            place = read_flow(engine, watch, trace[i], poses[i], place)
+            outcome = read_flow(engine, watch, trace[i], poses[i])
+        if outcome != layout.COMPLETE:
+            return outcome, i
+    return layout.COMPLETE, trace.shape[0]
 
 
 @entry
