@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from vibeam.flight.engine.threads import unpaused
+from vibeam.flight.engine.threads import pause, unpaused
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime, watch_of
@@ -24,6 +24,7 @@ from vibeam_models.arrays import Array, Index
 
 LONGEST_PERIOD = 16
 MOST_IMPACTS = 10**9  # a drive period: with 10⁹ periods that still fits an int64
+POSES = 2_000_000  # made at once, over the square of modes and a few: in integrated contact they take a second
 ROWS = 256  # segments traced before they are read off
 
 
@@ -180,10 +181,12 @@ class EventDrivenSolver(ABC):
         starts = segments.trace[:, layout.START]
         which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
         out = np.empty((len(times), 2, self.system.size))
-        self._poses_at(
-            self._engine_for(segments.size), drive.omega, drive.amplitude, segments.trace,
-            self._inward(segments.poses), which, times - starts[which], *self._scratch(), out,
-        )  # fmt: skip
+        kept = self._engine_for(segments.size), drive.omega, drive.amplitude, segments.trace
+        poses, after = self._inward(segments.poses), times - starts[which]
+        step = 1 + POSES // (self.system.size + 8) ** 2
+        for part in (slice(first, first + step) for first in range(0, len(times), step)):
+            pause()
+            self._poses_at(*kept, poses, which[part], after[part], *self._scratch(), out[part])
         return self._outward(out)
 
     def cover(

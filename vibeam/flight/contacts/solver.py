@@ -76,13 +76,12 @@ class ContactsSolver(EventDrivenSolver):
         self, engine: ContactEngine, omega: float, amplitude: float, pose: Array, status: Array, *given: Any
     ) -> Any:
         """The kernels' ``move``; sets that it wants are made on the way."""
-        outcome, value = contacts_move(self.sets.engine, omega, amplitude, pose, status, *given)
+        outcome, value = layout.PAUSED, 0.0
         while outcome == layout.PAUSED:
-            if status[contact_layout.WANTED] > 0:
-                self.sets.make(int(status[contact_layout.WANTED]) - 1)
-            else:
-                pause()
+            pause()
             outcome, value = contacts_move(self.sets.engine, omega, amplitude, pose, status, *given)
+            if outcome == layout.PAUSED and status[contact_layout.WANTED] > 0:
+                self.sets.make(int(status[contact_layout.WANTED]) - 1)
         return outcome, value
 
     _poses_at, _cover = staticmethod(contacts_poses_at), staticmethod(contacts_cover)

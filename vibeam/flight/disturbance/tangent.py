@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from vibeam.system.state import State
 
 LOST_AT_REST = 2  # directions: displacement and velocity of the contact point
-PIECE = 1000  # segments carried along between two pauses
+PIECE = 64_000  # segments carried along between two pauses, over the square of modes and a few
 NONE = np.zeros((0, 0, 0))
 
 
@@ -73,9 +73,10 @@ class TangentMaps:
     def carried(self, columns: Array, first: int = 0) -> Array:
         """Disturbances (2n, c ≤ 2n) at the begin of segment ``first``, carried to the end of the motion."""
         frame = np.array(columns, dtype=float, order="C")
-        for begin in range(first, len(self), PIECE):
+        piece = 1 + PIECE // (self.system.size + 8) ** 2
+        for begin in range(first, len(self), piece):
             pause()
-            carry_frame(self._plan, self._motion, Extent(begin, min(begin + PIECE, len(self)), 1, WHOLE), frame, NONE)
+            carry_frame(self._plan, self._motion, Extent(begin, min(begin + piece, len(self)), 1, WHOLE), frame, NONE)
         return frame
 
     def flow(self, i: int) -> Array:

@@ -107,7 +107,7 @@ def cores() -> int:
 
 def unpaused(move: Callable[..., tuple[int, float]], *given: object) -> tuple[int, float]:
     """Outcome and value of ``move``, called with the same arguments until it no longer pauses."""
-    outcome, value = move(*given)
+    outcome, value = layout.PAUSED, 0.0
     while outcome == layout.PAUSED:
         pause()
         outcome, value = move(*given)

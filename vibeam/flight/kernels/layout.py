@@ -158,9 +158,10 @@ SPAN_END, IMPACT, RELEASE, CHATTER, STUCK = range(5)
 
 
 # counts (COUNT_ROWS,): what was done; then how far a point of a sweep is: events so far, the impacts it may have at the
-# end of the present span, periods settled, periods watched + 1 (0: still settling), whether the period repeats
-IMPACTS, PANELS, CHATTERS, SEGMENTS, EVENTS, MOST, SETTLED, WATCHED, KNOWN = range(9)
-COUNT_ROWS = 9
+# end of the present span, periods settled, periods watched + 1 (0: still settling), whether the period repeats; the
+# segment to read off next where that was paused, and the outcome that waits for it
+IMPACTS, PANELS, CHATTERS, SEGMENTS, EVENTS, MOST, SETTLED, WATCHED, KNOWN, READ, ENDED = range(11)
+COUNT_ROWS = 11
 
 
 # result (RESULT_ROWS,) of the hold: extremes of the output, least contact displacement, impacts, their velocities' sum,

@@ -25,7 +25,7 @@ ACCURACY = 1e-11  # share of the size of the signal's parts
 LIGHTLY = 1e-6  # and where not everything is read off
 FINE = 1e-2  # share of that which Newton's last step may be off
 ROUNDS = 60
-MOST_WORK = 1_000_000_000  # panels, times modes and a few, then a span is given up: a mode rings too fast beside it
+MOST_WORK = 50_000_000  # panels, times modes and a few, then a span is given up: a mode rings too fast beside it
 GLANCE = 1024  # panels after which it is asked whether what is left can reach beyond what is known at all
 EPSILON = 2.220446049250313e-16
 

@@ -67,6 +67,12 @@ def add(done: float, lost: float, step: float) -> tuple[float, float]:
 
 
 @joined
+def turns_of(own: Array, time: float) -> int:
+    """About the panels that a look at all turns of the fastest mode may take, which no count tells; bounded."""
+    return int(min(own.max() * time, 1e9))
+
+
+@joined
 def work_of(counts: Index) -> int:
     """Work done so far, in panels."""
     return int(counts[layout.IMPACTS] + counts[layout.PANELS])

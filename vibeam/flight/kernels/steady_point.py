@@ -13,6 +13,7 @@ import numpy as np
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.layout import REPEATS, SAME, PointSchedule, Watch
+from vibeam.flight.kernels.readout import MOST_WORK
 from vibeam.flight.kernels.segments import copy_pose, work_of
 from vibeam_models.arrays import Array, Index
 
@@ -85,10 +86,17 @@ def reading_kernel(read: Kernel) -> Kernel:
     """The kernel that reads off the segments of a trace, each by ``read``."""
 
     @kernel
-    def read_off(engine: Any, watch: Watch, count: int) -> None:
-        """Read off the segments just traced."""
-        trace, result = watch.trace, watch.result
-        for i in range(count):
+    def read_off(engine: Any, own: Array, watch: Watch, counts: Index) -> int:
+        """Read off the segments traced: COMPLETE, UNRESOLVED, or PAUSED, and it goes on when called again.
+
+        A segment is as much work as its fastest mode has turns, up to ``MOST_WORK`` of ``readout``.
+        """
+        trace, result, work, fastest = watch.trace, watch.result, 0.0, own.max() * (own.shape[0] + 8)
+        for i in range(counts[layout.READ], counts[layout.SEGMENTS]):
+            if work > MOST_WORK:
+                counts[layout.READ] = i
+                return layout.PAUSED
+            work += min(trace[i, layout.DURATION] * fastest, MOST_WORK)
             if trace[i, layout.WHAT] != layout.FREE:
                 result[layout.REST_TIME] += trace[i, layout.DURATION]
             if trace[i, layout.DURATION] > 0.0:
@@ -96,7 +104,9 @@ def reading_kernel(read: Kernel) -> Kernel:
                 read(engine, watch, i)
             note_impact(trace, i, result)
             if is_unread(result):
-                return
+                return layout.UNRESOLVED
+        counts[layout.READ] = 0
+        return layout.COMPLETE
 
     return read_off
 
@@ -109,21 +119,24 @@ def watching_kernel(advance: Kernel, read: Kernel) -> Kernel:
     def watching(engine: Any, own: Array, pose: Array, status: Array, limit: int, watch: Watch, counts: Index) -> int:
         """Carry ``pose`` on to the end of the period, or of the trace, and read off what is traced."""
         period = engine.drive[layout.PERIOD]
-        if status[layout.DONE] == 0.0:
-            counts[layout.SEGMENTS] = 0
-            status[layout.CLOCK] = period - status[layout.UNSEEN]
-        outcome, done = advance(
-            engine, pose, status, status[layout.UNSEEN], counts[layout.MOST], watch.trace, watch.poses, counts
-        )
-        if outcome == layout.PAUSED:
-            return layout.PAUSED
+        if counts[layout.READ] == 0:
+            if status[layout.DONE] == 0.0:
+                counts[layout.SEGMENTS] = 0
+                status[layout.CLOCK] = period - status[layout.UNSEEN]
+            outcome, done = advance(
+                engine, pose, status, status[layout.UNSEEN], counts[layout.MOST], watch.trace, watch.poses, counts
+            )
+            if outcome == layout.PAUSED:
+                return layout.PAUSED
+            status[layout.UNSEEN] -= done
+            counts[layout.ENDED] = outcome
         if counts[layout.KNOWN] > 0:
             note_impacts(watch, counts[layout.SEGMENTS])
         else:
-            read_off(engine, watch, counts[layout.SEGMENTS])
-            if is_unread(watch.result):
-                return layout.UNRESOLVED
-        status[layout.UNSEEN] -= done
+            read = read_off(engine, own, watch, counts)
+            if read != layout.COMPLETE:
+                return int(read)
+        outcome = counts[layout.ENDED]
         if outcome == layout.FULL:
             return layout.COMPLETE
         turn = counts[layout.WATCHED]

@@ -26,7 +26,15 @@ from vibeam.flight.kernels.readout import extremes
 from vibeam.flight.kernels.regimes import layout as regime_row
 from vibeam.flight.kernels.regimes.events import STEP_WORK, STEPS_A_PANEL
 from vibeam.flight.kernels.roots.signal import signal_of
-from vibeam.flight.kernels.segments import MotionRecord, add, close_segment, copy_pose, open_segment, work_of
+from vibeam.flight.kernels.segments import (
+    MotionRecord,
+    add,
+    close_segment,
+    copy_pose,
+    open_segment,
+    turns_of,
+    work_of,
+)
 from vibeam_models.arrays import Array, Index
 
 IDLE = 64  # events in a row that take next to no time and are no impacts
@@ -68,6 +76,7 @@ def advance(
         if step >= left and status[row.PHASE] != row.STRIKING:
             return layout.COMPLETE, span
         done, lost = (span, lost) if step >= left else add(done, lost, step)
+        begun -= turns_of(engine.omega, step)
         counts[layout.EVENTS] += 0 if is_on_the_way(engine) else 1
         if status[row.PHASE] == row.STRIKING:
             continue
@@ -196,7 +205,7 @@ def to_event(engine: ContactEngine, pose: Array, status: Array, span: float, cou
     status[regime_row.PEAKED] = hardest_push(engine, regime, int(engine.coarsest[slot]), status, step)
     if step > 0.0:
         advance_blocks(regime, engine.drive, pose, clock, step)
-    if not np.isfinite(pose[0, 0]):
+    if not (np.isfinite(status[regime_row.PEAKED]) and np.isfinite(pose[0, 0])):
         return layout.UNRESOLVED, row.NONE, 0.0
     status[layout.CLOCK] = wrap(engine.drive, clock + step)
     return layout.COMPLETE, met, step

@@ -20,7 +20,15 @@ from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.kernels.roots.double_gap import InitialState
 from vibeam.flight.kernels.roots.first_root import first_root
 from vibeam.flight.kernels.roots.signal import Start, signal_of
-from vibeam.flight.kernels.segments import MotionRecord, add, close_segment, note_chatter, open_segment, work_of
+from vibeam.flight.kernels.segments import (
+    MotionRecord,
+    add,
+    close_segment,
+    note_chatter,
+    open_segment,
+    turns_of,
+    work_of,
+)
 from vibeam_models.arrays import Array, Index
 
 EVENTS_AN_IMPACT = 16  # on average, before a run is given up
@@ -58,6 +66,7 @@ def advance(
         if step >= left:
             return layout.COMPLETE, span
         done, lost = add(done, lost, step)
+        begun -= turns_of(engine.omega, step) if rows > 0 else 0
         counts[layout.EVENTS] += 1
         if (counts[layout.IMPACTS] >= most or counts[layout.EVENTS] > EVENTS_AN_IMPACT * (most + 100)) and done < span:
             return layout.EVENT_LIMIT, done

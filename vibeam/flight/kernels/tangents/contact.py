@@ -18,6 +18,8 @@ from __future__ import annotations
 
 from math import exp, sin
 
+import numpy as np
+
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.tangents import layout as row
 from vibeam.flight.kernels.tangents.collocation import press, respond, substitute_columns
@@ -29,6 +31,7 @@ TOLERANCE = 1e-7  # share that the last coefficients may be: what is at a panel'
 NOISE = 1e-14  # share of what d is the sum of that is round-off
 NARROWEST, WIDEST = 1e-6, 0.25  # panels in u; the narrowest is taken as it is
 MOST_TURNS = 4.0  # κ times a panel's length, κ the fastest rate
+MOST_PANELS = 10_000  # a segment of contact has 64 steps, of some turns of the fastest mode at most
 EASY = 1024.0  # times less than the tolerance: then the next panel may be twice as wide
 
 
@@ -75,7 +78,10 @@ def entries(plan: TangentPlan, i: int, k: int) -> tuple[float, float, float, flo
 
 @kernel
 def pass_contact(plan: TangentPlan, side: int, clock: float, duration: float, frame: Array) -> int:
-    """Columns of ``frame``, and ``work.state``, through a contact that lasts ``duration``; panels that it took."""
+    """Columns of ``frame``, and ``work.state``, through a contact that lasts ``duration``; panels that it took.
+
+    Where it would take more than ``MOST_PANELS`` the columns are NaN.
+    """
     work, fastest, panels = plan.work, plan.law[row.W], 0
     for k in range(plan.free.blocks.shape[1]):
         fastest = max(fastest, plan.free.blocks[row.OMEGA, k] + plan.free.blocks[row.SIGMA, k])
@@ -85,6 +91,9 @@ def pass_contact(plan: TangentPlan, side: int, clock: float, duration: float, fr
     while u < 1.0 and duration > 0.0:
         width = min(width, 1.0 - u)
         panels += 1
+        if panels > MOST_PANELS:
+            work.frame[:] = np.nan
+            break
         length = enter_panel(plan, side, clock, duration, u, width)
         tail = press(plan)
         allowed = max(TOLERANCE, NOISE * work.peaks[row.SIZE] / max(work.peaks[row.DEEPEST], 1e-300))

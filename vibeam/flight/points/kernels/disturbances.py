@@ -17,7 +17,7 @@ from vibeam.flight.points.kernels.layout import Disturbances, Task
 from vibeam.flight.points.kernels.point import engine_of, fill_engine, set_point
 from vibeam_models.arrays import Array, Index
 
-BUDGET = 100_000  # impacts between two pauses
+BUDGET = 100_000  # impacts between two pauses, fewer where many numbers are carried
 
 
 @joined
@@ -117,17 +117,22 @@ def carry(
     """
     work = 0
     engine = engine_of(engines, 0)
+    most = BUDGET // (1 + disturbances.columns.shape[1] * disturbances.columns.shape[3] // 128)
     for point in range(first, task.pack.shape[0]):
-        if work > BUDGET:
+        if work > most:
             return layout.PAUSED, point
-        fill_engine(engine, engine_of(task.packs, task.pack[point]))
-        set_point(task, engine, point)
-        status[:], counts[:] = 0.0, 0
-        status[layout.KIND] = task.kinds[point]
+        if counts[layout.WATCHED] == 0:
+            fill_engine(engine, engine_of(task.packs, task.pack[point]))
+            set_point(task, engine, point)
+            status[:], counts[:] = 0.0, 0
+            status[layout.KIND], counts[layout.WATCHED] = task.kinds[point], 1
         outcome, lost = go_along(
             engine, task.poses[point], watch, disturbances.columns[point], disturbances.growth[point], status, counts,
-            disturbances.periods[point], limit,
+            disturbances.periods[point], limit, most,
         )  # fmt: skip
+        if outcome == layout.PAUSED:
+            return layout.PAUSED, point
+        counts[layout.WATCHED] = 0
         task.kinds[point] = status[layout.KIND]
         disturbances.ended[point, 0], disturbances.ended[point, 1] = outcome, lost
         task.counts[point, layout.IMPACTS] = counts[layout.IMPACTS]
@@ -138,26 +143,36 @@ def carry(
 @kernel
 def go_along(
     engine: Engine, pose: Array, watch: Watch, columns: Array, growth: Array, status: Array, counts: Index,
-    periods: int, limit: int,
+    periods: int, limit: int, most: int,
 ) -> tuple[int, int]:  # fmt: skip
-    """Carry one point's pose and disturbances over some drive periods: outcome, LOST where a direction is lost."""
-    for turn in range(periods):
-        left = engine.drive[layout.PERIOD]
-        most = counts[layout.IMPACTS] + limit
-        status[layout.CLOCK], counts[layout.EVENTS] = 0.0, 0
-        outcome = layout.FULL
-        while outcome in (layout.FULL, layout.PAUSED):
-            if outcome == layout.FULL:
-                counts[layout.SEGMENTS] = 0
-            outcome, done = advance(engine, pose, status, left, most, watch.trace, watch.poses, counts)
-            if outcome == layout.PAUSED:
-                continue
-            left -= done
-            if carry_along(engine, watch, pose, counts[layout.SEGMENTS], columns):
-                return layout.COMPLETE, row.DIRECTION_LOST
+    """Carry one point's pose and disturbances over some drive periods: outcome, LOST where a direction is lost.
+
+    PAUSED after ``most`` impacts, at the end of a period, or where the motion does.
+    """
+    begun = counts[layout.IMPACTS]
+    while counts[layout.SETTLED] < periods:
+        if counts[layout.MOST] == 0:
+            status[layout.CLOCK], status[layout.UNSEEN] = 0.0, engine.drive[layout.PERIOD]
+            counts[layout.EVENTS], counts[layout.SEGMENTS] = 0, 0
+            counts[layout.MOST] = counts[layout.IMPACTS] + limit
+        outcome, done = advance(
+            engine, pose, status, status[layout.UNSEEN], counts[layout.MOST], watch.trace, watch.poses, counts
+        )
+        if outcome == layout.PAUSED:
+            return layout.PAUSED, 0
+        status[layout.UNSEEN] -= done
+        if carry_along(engine, watch, pose, counts[layout.SEGMENTS], columns):
+            return layout.COMPLETE, row.DIRECTION_LOST
+        counts[layout.SEGMENTS] = 0
+        if outcome == layout.FULL:
+            continue
         if outcome != layout.COMPLETE:
             return int(outcome), 0
         if growth.shape[0] > 0:
-            growth[turn] = normalized(engine.pairs, engine.drive[layout.W], columns[0])
+            growth[counts[layout.SETTLED]] = normalized(engine.pairs, engine.drive[layout.W], columns[0])
+        counts[layout.MOST] = 0
+        counts[layout.SETTLED] += 1
+        if counts[layout.IMPACTS] - begun > most and counts[layout.SETTLED] < periods:
+            return layout.PAUSED, 0
     status[layout.CLOCK] = 0.0
     return layout.COMPLETE, 0

@@ -6,6 +6,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.events import advance
 from vibeam.flight.kernels.layout import Engine, PointSchedule, Watch
+from vibeam.flight.kernels.readout import MOST_WORK
 from vibeam.flight.kernels.segments import copy_pose, work_of
 from vibeam.flight.kernels.steady_point import (
     begin_period,
@@ -44,7 +45,8 @@ def watched_point(
     if outcome == layout.COMPLETE and fresh:
         mark[row.PLACE], mark[row.TOP], mark[row.FROM], counts[layout.SEGMENTS] = 0.0, NO_STATE, 0.0, 0
     readable = is_readable(engine)
-    period = engine.drive[layout.PERIOD]
+    period, own = engine.drive[layout.PERIOD], engine.pairs[layout.OMEGA]
+    long = period * own.max() * (own.shape[0] + 8) > MOST_WORK  # each by itself, that it may pause
     while outcome == layout.COMPLETE and counts[layout.WATCHED] <= hold:
         turn, rows = counts[layout.WATCHED], counts[layout.SEGMENTS]
         if status[layout.DONE] == 0.0:
@@ -54,7 +56,7 @@ def watched_point(
         )
         if outcome == layout.PAUSED:
             return layout.PAUSED, 0.0
-        begun -= schedule.watching * (counts[layout.SEGMENTS] - rows)
+        begun -= schedule.piece if long else schedule.watching * (counts[layout.SEGMENTS] - rows)
         status[layout.UNSEEN] -= done
         if outcome == layout.FULL:
             outcome = layout.COMPLETE
@@ -68,14 +70,12 @@ def watched_point(
                 note_impacts(watch, counts[layout.SEGMENTS])
                 counts[layout.SEGMENTS] = 0
                 repeat_period(watch)
-            elif mark[row.FROM] >= 0.0 and is_same(
-                engine.pairs[layout.OMEGA], engine.drive[layout.W], watch.strobes, turn
-            ):
+            elif mark[row.FROM] >= 0.0 and is_same(own, engine.drive[layout.W], watch.strobes, turn):
                 read_last_period(engine, watch, counts, mark, flights, readable)
                 if recurs:
                     mark[row.PLACE] = turn - 1.0
                     repeat(watch, counts, mark, turn, hold)
-            elif mark[row.FROM] < 0.0 or counts[layout.SEGMENTS] >= DUE or turn >= hold:
+            elif long or mark[row.FROM] < 0.0 or counts[layout.SEGMENTS] >= DUE or turn >= hold:
                 read_off(engine, watch, counts, mark, flights, readable)
             else:
                 mark[row.FROM] = counts[layout.SEGMENTS]
@@ -95,9 +95,7 @@ def watched_point(
     status[layout.CLOCK] = 0.0
     if outcome != layout.COMPLETE:
         return int(outcome), 0.0
-    return layout.COMPLETE, float(
-        repetition(engine.pairs[layout.OMEGA], engine.drive[layout.W], watch.strobes, hold, schedule.longest)
-    )
+    return layout.COMPLETE, float(repetition(own, engine.drive[layout.W], watch.strobes, hold, schedule.longest))
 
 
 @kernel

@@ -29,6 +29,7 @@ from vibeam.flight.kernels.regimes.events import STEPS_A_PANEL
 from vibeam_models.arrays import Array, Index
 
 FREE_STEPS = 6  # of an integrated contact in one piece
+PANELS_A_PIECE = 1e7  # of walks, on average, before a run is given up
 
 
 @joined
@@ -56,10 +57,16 @@ def to_event_loaded(
     if slot == row.NONE:
         status[row.WANTED] = key + 1.0
         return layout.PAUSED, row.NONE, 0.0
-    regime = regime_of(engine, slot)
+    regime, panels, length = (
+        regime_of(engine, slot),
+        counts[layout.PANELS],
+        engine.course.lengths[int(status[row.PIECE])],
+    )
     outcome, met, step = first_signal_loaded(engine, regime, slot, pose, status, span, counts)
     if outcome != layout.COMPLETE:
         return outcome, row.NONE, 0.0
+    busy = max(status[regime_row.BUSY] - STEPS_A_PANEL * step / length, 0.0)
+    status[regime_row.BUSY] = busy + STEPS_A_PANEL * (counts[layout.PANELS] - panels) / PANELS_A_PIECE
     if step > 0.0:
         leave_blocks(regime, engine.course, pose)
         put(engine, pose, int(status[row.HELD]))
