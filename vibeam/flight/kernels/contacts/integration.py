@@ -14,7 +14,7 @@ import numpy as np
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.contacts import layout as row
-from vibeam.flight.kernels.contacts.algebra import NOISE, along, factor, invert, multiplier, size_along, without_rows
+from vibeam.flight.kernels.contacts.algebra import along, factor, invert, multiplier, without_rows
 from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.reactions import clearance, depth, each, hold, is_curved, pull, push_of, push_rate
 from vibeam.flight.kernels.contacts.signals import BACK, FORCE, GAP, OUT, list_signals

@@ -57,16 +57,12 @@ def to_event_loaded(
     if slot == row.NONE:
         status[row.WANTED] = key + 1.0
         return layout.PAUSED, row.NONE, 0.0
-    regime, panels, length = (
-        regime_of(engine, slot),
-        counts[layout.PANELS],
-        engine.course.lengths[int(status[row.PIECE])],
-    )
+    regime, panels = regime_of(engine, slot), counts[layout.PANELS]
     outcome, met, step = first_signal_loaded(engine, regime, slot, pose, status, span, counts)
     if outcome != layout.COMPLETE:
         return outcome, row.NONE, 0.0
-    busy = max(status[regime_row.BUSY] - STEPS_A_PANEL * step / length, 0.0)
-    status[regime_row.BUSY] = busy + STEPS_A_PANEL * (counts[layout.PANELS] - panels) / PANELS_A_PIECE
+    beyond = (counts[layout.PANELS] - panels) / PANELS_A_PIECE - step / engine.course.lengths[int(status[row.PIECE])]
+    status[regime_row.BUSY] = max(status[regime_row.BUSY] + STEPS_A_PANEL * beyond, 0.0)
     if step > 0.0:
         leave_blocks(regime, engine.course, pose)
         put(engine, pose, int(status[row.HELD]))

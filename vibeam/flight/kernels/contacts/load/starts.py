@@ -52,7 +52,7 @@ def start_watch(engine: ContactEngine, regime: Regime, status: Array, number: in
 
 @kernel
 def swing(regime: Regime, course: Course, weights: Array) -> float:
-    """About as much as a signal moves by its blocks' free motion over the piece: its round-off may be as large a share."""
+    """About as much as a signal moves by its blocks' free motion over the piece; its round-off is a share of that."""
     total, span = 0.0, course.lengths[int(course.numbers[row.PIECE_NOW])]
     for k in range(course.flow.shape[1]):
         total += bound_of_free(regime, weights, k, course.flow[row.Y, k], course.flow[row.Y + 1, k], span)
