@@ -69,7 +69,10 @@ def add(done: float, lost: float, step: float) -> tuple[float, float]:
 @joined
 def turns_of(own: Array, time: float) -> int:
     """About the panels that a look at all turns of the fastest mode may take, which no count tells; bounded."""
-    return int(min(own.max() * time, 1e9))
+    fastest = 0.0
+    for k in range(own.shape[0]):
+        fastest = max(fastest, own[k])
+    return int(min(fastest * time, 1e9))
 
 
 @joined

@@ -14,7 +14,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.layout import REPEATS, SAME, PointSchedule, Watch
 from vibeam.flight.kernels.readout import MOST_WORK
-from vibeam.flight.kernels.segments import copy_pose, work_of
+from vibeam.flight.kernels.segments import copy_pose, turns_of, work_of
 from vibeam_models.arrays import Array, Index
 
 Kernel = Callable[..., Any]
@@ -91,12 +91,12 @@ def reading_kernel(read: Kernel) -> Kernel:
 
         A segment is as much work as its fastest mode has turns, up to ``MOST_WORK`` of ``readout``.
         """
-        trace, result, work, fastest = watch.trace, watch.result, 0.0, own.max() * (own.shape[0] + 8)
+        trace, result, work = watch.trace, watch.result, 0
         for i in range(counts[layout.READ], counts[layout.SEGMENTS]):
             if work > MOST_WORK:
                 counts[layout.READ] = i
                 return layout.PAUSED
-            work += min(trace[i, layout.DURATION] * fastest, MOST_WORK)
+            work += min(turns_of(own, trace[i, layout.DURATION]) * (own.shape[0] + 8), MOST_WORK)
             if trace[i, layout.WHAT] != layout.FREE:
                 result[layout.REST_TIME] += trace[i, layout.DURATION]
             if trace[i, layout.DURATION] > 0.0:

@@ -20,12 +20,20 @@ from vibeam.flight.kernels.contacts.reactions import clearance, depth, each, hol
 from vibeam.flight.kernels.contacts.signals import BACK, FORCE, GAP, OUT, list_signals
 from vibeam.flight.kernels.contacts.strikes import put, some_of, stop
 from vibeam.flight.kernels.regimes import layout as regime_row
-from vibeam.flight.kernels.regimes.contact_integration import BATCH, EPSILON, ROUNDS, TOLERANCE, next_step
+from vibeam.flight.kernels.regimes.contact_integration import (
+    BATCH,
+    BEGIN,
+    END,
+    STAGE,
+    TOLERANCE,
+    dips,
+    next_step,
+    peak_kernel,
+    root_kernel,
+)
 from vibeam.flight.kernels.segments import copy_pose
 from vibeam_models.arrays import Array
 
-BEGIN, END, STAGE = range(3)  # rows of engine.state
-NEWTON = 60  # steps of Newton's method or bisection to a root
 DOUBT = 16.0  # times the largest gap that is none: by how much a signal that stays at zero may be below it
 
 
@@ -141,7 +149,7 @@ def signal_at(engine: ContactEngine, status: Array, which: int, place: int, time
     pull(engine, y, status)
     hold(engine, y, status, picks, count)
     status[layout.CLOCK] = clock
-    while picks[at] != j:
+    while at < count - 1 and picks[at] != j:
         at += 1
     value = multiplier(engine, picks, count, at, engine.vectors[row.PULL])
     return value, multiplier(engine, picks, count, at, engine.vectors[row.RATE])
@@ -160,14 +168,38 @@ def is_crossed(engine: ContactEngine, status: Array, which: int, value: float, r
 
 
 @kernel
-def dips(first: float, rise: float, last: float, fall: float, h: float) -> bool:
-    """True where the cubic through values and rates at the step's ends goes below 0 between them."""
-    if not (rise < 0.0 < fall):
-        return False
-    a, b = 2.0 * (first - last) + h * (rise + fall), 3.0 * (last - first) - h * (2.0 * rise + fall)
-    root = sqrt(max(b * b - 3.0 * a * h * rise, 0.0))
-    u = -h * rise / (b + root) if b + root > 0.0 else 0.5
-    return first + u * (h * rise + u * (b + u * a)) < 0.0
+def store(engine: ContactEngine, pose: Array, status: Array) -> None:
+    """``pose`` from state[BEGIN], what is held exactly at its stops."""
+    copy_pose(engine.state[BEGIN], pose)
+    put(engine, pose, int(status[row.HELD]))
+    stop(engine, pose, int(status[row.HELD]))
+
+
+@kernel
+def growth(engine: ContactEngine, j: int, place: int, stage: int) -> tuple[float, float]:
+    """F and dF/dt at state[place], whose rate is stages[stage]."""
+    y = engine.state[place]
+    pressed = push_of(engine, y, j)
+    if pressed == 0.0:
+        return 0.0, 0.0
+    return pressed, push_rate(engine, y, j, along(engine.rows, j, engine.stages[stage, 1]))
+
+
+peak_of, root_of = peak_kernel(step, growth), root_kernel(step, signal_at)
+
+
+@kernel
+def note_peaks(engine: ContactEngine, status: Array, time: float, h: float) -> None:
+    """status[PEAKED] over the step just made, by the force of every contact that pushes."""
+    for j in range(engine.rows.shape[0]):
+        if status[each(engine, row.CONDITION, j)] == row.PUSHING:
+            status[regime_row.PEAKED] = max(status[regime_row.PEAKED], peak_of(engine, status, j, time, h))
+
+
+@kernel
+def take(engine: ContactEngine) -> None:
+    """state[BEGIN] becomes state[END]."""
+    copy_pose(engine.state[END], engine.state[BEGIN])
 
 
 @kernel
@@ -209,80 +241,9 @@ def integrate(engine: ContactEngine, pose: Array, status: Array, span: float) ->
             step(engine, status, clock + done, h)
         note_peaks(engine, status, clock + done, h)
         done += h
-        copy_pose(engine.state[END], engine.state[BEGIN])
+        take(engine)
         if done < span:
             h = next_step(h, wrong)
     status[regime_row.STEPPED] = 0.0 if met != row.NONE else h
     store(engine, pose, status)
     return met, done, steps
-
-
-@kernel
-def store(engine: ContactEngine, pose: Array, status: Array) -> None:
-    """``pose`` from state[BEGIN], what is held exactly at its stops."""
-    copy_pose(engine.state[BEGIN], pose)
-    put(engine, pose, int(status[row.HELD]))
-    stop(engine, pose, int(status[row.HELD]))
-
-
-@kernel
-def root_of(engine: ContactEngine, status: Array, which: int, time: float, h: float) -> float:
-    """The step, at most h, at whose end the signal is 0; the step just made is of that length then."""
-    low, high, t = 0.0, h, h
-    for _ in range(NEWTON):
-        value, rate = signal_at(engine, status, which, END, time + t)
-        if value > 0.0:
-            low = t
-        else:
-            high = t
-        nearer = t - value / rate if rate < 0.0 else 0.5 * (low + high)
-        if not low < nearer < high:
-            nearer = 0.5 * (low + high)
-        change, t = abs(nearer - t), nearer
-        step(engine, status, time, t)
-        if change <= 4.0 * EPSILON * h or high - low <= 4.0 * EPSILON * h:
-            break
-    return t
-
-
-@kernel
-def note_peaks(engine: ContactEngine, status: Array, time: float, h: float) -> None:
-    """status[PEAKED] over the step just made, by the force of every contact that pushes."""
-    for j in range(engine.rows.shape[0]):
-        if status[each(engine, row.CONDITION, j)] == row.PUSHING:
-            note_peak(engine, status, j, time, h)
-
-
-@kernel
-def growth(engine: ContactEngine, j: int, place: int, stage: int) -> tuple[float, float]:
-    """F and dF/dt at state[place], whose rate is stages[stage]."""
-    y = engine.state[place]
-    pressed = push_of(engine, y, j)
-    if pressed == 0.0:
-        return 0.0, 0.0
-    return pressed, push_rate(engine, y, j, along(engine.rows, j, engine.stages[stage, 1]))
-
-
-@kernel
-def note_peak(engine: ContactEngine, status: Array, j: int, time: float, h: float) -> None:
-    """The same by one; where its force turns inside the step, at its top."""
-    first, rising = growth(engine, j, BEGIN, 0)
-    last, falling = growth(engine, j, END, 12)
-    most = max(status[regime_row.PEAKED], max(first, last))
-    if rising > 0.0 and (falling < 0.0 or last == 0.0):
-        low, high = 0.0, h
-        for i in range(ROUNDS):
-            t = 0.5 * (low + high)
-            if i % 3 > 0 and last > 0.0:
-                t = low + (high - low) * min(max(rising / (rising - falling), 0.01), 0.99)
-            step(engine, status, time, t)
-            value, slope = growth(engine, j, END, 12)
-            most = max(most, value)
-            if abs(slope) * (high - low) <= EPSILON * value:
-                break
-            if slope > 0.0:
-                low, rising = t, slope
-            else:
-                high, falling, last = t, slope, value
-        step(engine, status, time, h)
-    status[regime_row.PEAKED] = most

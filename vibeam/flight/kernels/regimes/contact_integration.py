@@ -7,7 +7,9 @@ output (``readout``) or the force is largest within a step is found in the same 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import sin, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +25,9 @@ EPSILON = 2.220446049250313e-16
 BATCH = 64  # steps that make a segment
 MOST_STEPS = 100_000  # for one segment, whatever its steps come to
 ROUNDS = 24
+NEWTON = 60  # steps of Newton's method or bisection to a root
 BEGIN, END, STAGE = range(3)  # rows of engine.state
+Kernel = Callable[..., Any]
 
 
 @kernel
@@ -147,6 +151,94 @@ def next_step(h: float, wrong: float) -> float:
 
 
 @kernel
+def growth(engine: RegimeEngine, side: int, place: int, stage: int) -> tuple[float, float]:
+    """F and dF/dt at state[place], whose rate is stages[stage]."""
+    value, rate = depth(engine, engine.state[place], side)
+    pressed, second, n = force(engine.law, value, rate), 0.0, engine.contact.shape[1]
+    if pressed == 0.0:
+        return 0.0, 0.0
+    for k in range(n):
+        second += engine.contact[side, k] * engine.stages[stage, n + k]
+    return pressed, force_rate(engine.law, value, rate, second)
+
+
+@kernel
+def depth_at(engine: RegimeEngine, side: int, which: int, place: int, time: float) -> tuple[float, float]:
+    """d and d' at state[place]."""
+    return depth(engine, engine.state[place], side)
+
+
+@kernel
+def dips(first: float, rise: float, last: float, fall: float, h: float) -> bool:
+    """True where the cubic through values and rates at the step's ends goes below 0 between them."""
+    if not (rise < 0.0 < fall):
+        return False
+    a, b = 2.0 * (first - last) + h * (rise + fall), 3.0 * (last - first) - h * (2.0 * rise + fall)
+    root = sqrt(max(b * b - 3.0 * a * h * rise, 0.0))
+    u = -h * rise / (b + root) if b + root > 0.0 else 0.5
+    return first + u * (h * rise + u * (b + u * a)) < 0.0
+
+
+def peak_kernel(step: Kernel, growth: Kernel) -> Kernel:
+    """The kernel of the largest force in a step, of an engine with these two."""
+
+    @kernel
+    def peak_of(engine: Any, at: Any, j: int, time: float, h: float) -> float:
+        """The largest force of contact j over the step just made; where it turns inside, at its top."""
+        first, rising = growth(engine, j, BEGIN, 0)
+        last, falling = growth(engine, j, END, 12)
+        most = max(first, last)
+        if not (rising > 0.0 and (falling < 0.0 or last == 0.0)):
+            return float(most)
+        low, high = 0.0, h
+        for i in range(ROUNDS):
+            t = 0.5 * (low + high)
+            if i % 3 > 0 and last > 0.0:
+                t = low + (high - low) * min(max(rising / (rising - falling), 0.01), 0.99)
+            step(engine, at, time, t)
+            value, slope = growth(engine, j, END, 12)
+            most = max(most, value)
+            if abs(slope) * (high - low) <= EPSILON * value:
+                break
+            if slope > 0.0:
+                low, rising = t, slope
+            else:
+                high, falling, last = t, slope, value
+        step(engine, at, time, h)
+        return float(most)
+
+    return peak_of
+
+
+def root_kernel(step: Kernel, signal_at: Kernel) -> Kernel:
+    """The kernel of a signal's root in a step, of an engine with these two."""
+
+    @kernel
+    def root_of(engine: Any, at: Any, which: int, time: float, h: float) -> float:
+        """The step, at most h, at whose end the signal is 0; the step just made is of that length then."""
+        low, high, t = 0.0, h, h
+        for _ in range(NEWTON):
+            value, rate = signal_at(engine, at, which, END, time + t)
+            if value > 0.0:
+                low = t
+            else:
+                high = t
+            nearer = t - value / rate if rate < 0.0 else 0.5 * (low + high)
+            if not low < nearer < high:
+                nearer = 0.5 * (low + high)
+            change, t = abs(nearer - t), nearer
+            step(engine, at, time, t)
+            if change <= 4.0 * EPSILON * h or high - low <= 4.0 * EPSILON * h:
+                break
+        return t
+
+    return root_of
+
+
+peak_of, root_of = peak_kernel(step, growth), root_kernel(step, depth_at)
+
+
+@kernel
 def integrate_contact(
     engine: RegimeEngine, pose: Array, status: Array, side: int, clock: float, span: float, traced: bool
 ) -> tuple[bool, float, int]:
@@ -173,10 +265,14 @@ def integrate_contact(
             continue
         value, rate = depth(engine, engine.state[END], side)
         if traced:
-            note_peak(engine, status, side, clock + done, h)
+            status[row.PEAKED] = max(status[row.PEAKED], peak_of(engine, side, side, clock + done, h))
         if value <= 0.0 and rate < 0.0:
-            return True, done + last_step(engine, pose, side, clock + done, h), steps
-        if dips(engine, side, h):
+            h = root_of(engine, side, 0, clock + done, h)
+            take(engine)
+            store(engine, pose)
+            return True, done + h, steps
+        first, rise = depth(engine, engine.state[BEGIN], side)
+        if dips(first, rise, value, rate, h):
             h *= 0.5
             continue
         done += h
@@ -186,76 +282,3 @@ def integrate_contact(
     status[row.STEPPED] = h
     store(engine, pose)
     return False, done, steps
-
-
-@kernel
-def growth(engine: RegimeEngine, row: int, stage: int, side: int) -> tuple[float, float]:
-    """F and dF/dt at state[row], whose rate is stages[stage]."""
-    value, rate = depth(engine, engine.state[row], side)
-    pressed, second, n = force(engine.law, value, rate), 0.0, engine.contact.shape[1]
-    if pressed == 0.0:
-        return 0.0, 0.0
-    for k in range(n):
-        second += engine.contact[side, k] * engine.stages[stage, n + k]
-    return pressed, force_rate(engine.law, value, rate, second)
-
-
-@kernel
-def note_peak(engine: RegimeEngine, status: Array, side: int, time: float, h: float) -> None:
-    """status[PEAKED] over the step just made; where the force turns inside, at its top."""
-    first, rising = growth(engine, BEGIN, 0, side)
-    last, falling = growth(engine, END, 12, side)
-    status[row.PEAKED] = max(status[row.PEAKED], max(first, last))
-    if not (rising > 0.0 and (falling < 0.0 or last == 0.0)):
-        return
-    low, high = 0.0, h
-    for i in range(ROUNDS):
-        t = 0.5 * (low + high)
-        if i % 3 > 0 and last > 0.0:
-            t = low + (high - low) * min(max(rising / (rising - falling), 0.01), 0.99)
-        step(engine, side, time, t)
-        value, slope = growth(engine, END, 12, side)
-        status[row.PEAKED] = max(status[row.PEAKED], value)
-        if abs(slope) * (high - low) <= EPSILON * value:
-            break
-        if slope > 0.0:
-            low, rising = t, slope
-        else:
-            high, falling, last = t, slope, value
-    step(engine, side, time, h)
-
-
-@kernel
-def dips(engine: RegimeEngine, side: int, h: float) -> bool:
-    """True where the cubic through d and d' at the step's ends goes below 0 between them."""
-    p0, s0 = depth(engine, engine.state[BEGIN], side)
-    p1, s1 = depth(engine, engine.state[END], side)
-    if not (s0 < 0.0 < s1):
-        return False
-    a, b = 2.0 * (p0 - p1) + h * (s0 + s1), 3.0 * (p1 - p0) - h * (2.0 * s0 + s1)
-    root = sqrt(max(b * b - 3.0 * a * h * s0, 0.0))
-    u = -h * s0 / (b + root) if b + root > 0.0 else 0.5
-    return p0 + u * (h * s0 + u * (b + u * a)) < 0.0
-
-
-@kernel
-def last_step(engine: RegimeEngine, pose: Array, side: int, time: float, h: float) -> float:
-    """The step at whose end d = 0, at most h; ``pose`` receives the state there."""
-    low, high, t = 0.0, h, h
-    for _ in range(60):
-        value, rate = depth(engine, engine.state[END], side)
-        if value > 0.0:
-            low = t
-        else:
-            high = t
-        nearer = t - value / rate if rate < 0.0 else 0.5 * (low + high)
-        if not low < nearer < high:
-            nearer = 0.5 * (low + high)
-        change = abs(nearer - t)
-        t = nearer
-        step(engine, side, time, t)
-        if change <= 4.0 * EPSILON * h or high - low <= 4.0 * EPSILON * h:
-            break
-    take(engine)
-    store(engine, pose)
-    return t

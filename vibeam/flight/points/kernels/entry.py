@@ -30,7 +30,7 @@ def run(
     schedule = PointSchedule(settle, hold, limit, longest, piece_of(lane.poses[0]), WATCHING)
     point, points, work = first, task.pack.shape[0], 0
     rows = LaneRows(lane.common, lane.modal, lane.engines.levels, lane.engines.rungs)
-    while True:
+    while work <= BUDGET:
         flying = 0
         for slot in range(row.WIDTH):
             whole, counts = lane.whole[slot], lane.counts[slot]
@@ -86,5 +86,4 @@ def run(
                 lane.whole[slot, row.RECURS] = 1
             if (flying >> slot) & 1 and not (struck >> slot) & 1:
                 leave(lane, slot, engine_of(lane.engines, slot))
-        if work > BUDGET:
-            return layout.PAUSED, point
+    return layout.PAUSED, point

@@ -7,7 +7,7 @@ from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.events import advance
 from vibeam.flight.kernels.layout import Engine, PointSchedule, Watch
 from vibeam.flight.kernels.readout import MOST_WORK
-from vibeam.flight.kernels.segments import copy_pose, work_of
+from vibeam.flight.kernels.segments import copy_pose, turns_of, work_of
 from vibeam.flight.kernels.steady_point import (
     begin_period,
     is_same,
@@ -46,7 +46,7 @@ def watched_point(
         mark[row.PLACE], mark[row.TOP], mark[row.FROM], counts[layout.SEGMENTS] = 0.0, NO_STATE, 0.0, 0
     readable = is_readable(engine)
     period, own = engine.drive[layout.PERIOD], engine.pairs[layout.OMEGA]
-    long = period * own.max() * (own.shape[0] + 8) > MOST_WORK  # each by itself, that it may pause
+    long = turns_of(own, period) * (own.shape[0] + 8) > MOST_WORK  # each by itself, that it may pause
     while outcome == layout.COMPLETE and counts[layout.WATCHED] <= hold:
         turn, rows = counts[layout.WATCHED], counts[layout.SEGMENTS]
         if status[layout.DONE] == 0.0:

@@ -25,7 +25,7 @@ from vibeam.flight.kernels.contacts import course as row
 from vibeam.flight.kernels.contacts import layout as contact_row
 from vibeam.flight.kernels.contacts.course import Course, OutputWatch
 from vibeam.flight.kernels.contacts.integrated import enter_segment
-from vibeam.flight.kernels.contacts.integration import BEGIN, END, first_step, step
+from vibeam.flight.kernels.contacts.integration import first_step, step, take
 from vibeam.flight.kernels.contacts.layout import ContactEngine
 from vibeam.flight.kernels.contacts.load.flow import accept, differentiate, fitted, grow, set_load
 from vibeam.flight.kernels.contacts.load.panel import bound_of, growth_of, parts, read, set_functions
@@ -35,10 +35,9 @@ from vibeam.flight.kernels.contacts.sets import key_of, regime_of, slot_of
 from vibeam.flight.kernels.events import PIECE
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.readout import MOST_WORK
-from vibeam.flight.kernels.regimes.contact_integration import MOST_STEPS, next_step
+from vibeam.flight.kernels.regimes.contact_integration import BEGIN, END, MOST_STEPS, next_step
 from vibeam.flight.kernels.roots.bounds import SLOPE, THIRD, VALUE
 from vibeam.flight.kernels.roots.newton import EPSILON
-from vibeam.flight.kernels.segments import copy_pose
 from vibeam_models.arrays import Array
 
 LEAST, LEAST_TIME, GREATEST, GREATEST_TIME = range(4)  # of ``found``
@@ -264,7 +263,7 @@ def read_steps(engine: ContactEngine, watch: OutputWatch, segment: Array, pose: 
         for at in range(watch.rows.shape[0]):
             read_step(engine, watch, at, place, time, clock + done, h)
         step(engine, status, clock + done, h)
-        copy_pose(engine.state[END], engine.state[BEGIN])
+        take(engine)
         done = done + h if h < duration - done else duration
         h = next_step(h, wrong)
     watch.walk[row.WORK] += 2.0 * (1.0 + watch.rows.shape[0]) * steps

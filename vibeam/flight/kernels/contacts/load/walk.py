@@ -97,20 +97,15 @@ def first_signal_loaded(
             renew_watch(engine, regime, number, panels >= CARRIED)
         rest = lengths[piece] - clock
         h = min(want, rest)
-        found, met, time = CLEAR, contact_row.NONE, h
-        while True:
-            panels += 1
-            counts[layout.PANELS] += 1
-            grow(regime, course, slot, lengths[piece], h)
-            found = judge_all(engine, regime, number, h)
-            if found != SPLIT:
-                break
-            if h < FINEST * lengths[piece]:
-                finest += 1
-                break
+        met, time, begun = contact_row.NONE, h, counts[layout.PANELS]
+        found = try_panel(engine, regime, slot, number, lengths[piece], h, counts)
+        while found == SPLIT and h >= FINEST * lengths[piece]:
             patience = min(2 * patience, PATIENT) if lengthened else patience
             h, since, lengthened = 0.5 * h, 0, False
             want = h
+            found = try_panel(engine, regime, slot, number, lengths[piece], h, counts)
+        panels += counts[layout.PANELS] - begun
+        finest += 1 if found == SPLIT else 0
         if finest > MOST_FINEST:
             return layout.UNRESOLVED, contact_row.NONE, 0.0
         if found != CLEAR:
@@ -198,9 +193,13 @@ def renews(engine: ContactEngine, regime: Regime, number: int) -> bool:
 
 
 @kernel
-def judge_all(engine: ContactEngine, regime: Regime, number: int, h: float) -> int:
-    """CLEAR where every signal's verdict is; SPLIT where one is that; else ROOT."""
+def try_panel(
+    engine: ContactEngine, regime: Regime, slot: int, number: int, length: float, h: float, counts: Index
+) -> int:  # fmt: skip
+    """A panel of length h: CLEAR where every signal's verdict is; SPLIT where one is that; else ROOT."""
     found, watch = CLEAR, engine.course.watch
+    grow(regime, engine.course, slot, length, h)
+    counts[layout.PANELS] += 1
     for place in range(number):
         one = panel.judge(engine, regime, engine.course, place, engine.watched[place], h)
         watch[row.FOUND, place] = one
