@@ -70,6 +70,7 @@ class EventDrivenSolver(ABC):
     _cover: ClassVar[Callable[..., tuple[int, int]]]
     _status_rows: int = layout.STATUS_ROWS
     _trace_columns: int = layout.TRACE_COLUMNS
+    _first_rows: ClassVar[int] = ROWS
 
     def __init__(self, system: ImpactSystem, limit: int) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
@@ -149,11 +150,11 @@ class EventDrivenSolver(ABC):
         self, drive: Drive, pose: Array, status: Array, start: float, end: float, limit: int, size: float
     ) -> tuple[int, Segments, Index]:
         """Carry ``pose`` and ``status`` on to time ``end``: outcome, segments, counts."""
-        engine = self._engine_for(size)
-        rows, done, kept = ROWS, 0.0, []
+        engine, span = self._engine_for(size), end - start
+        rows, done, kept = self._first_rows, 0.0, list[Segments]()
         counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
-        outcome, span = layout.FULL, end - start
-        while outcome == layout.FULL:
+        outcome = layout.FULL
+        while outcome == layout.FULL and (done < span or not kept):
             trace, poses = np.zeros((rows, self._trace_columns)), np.zeros((rows, 2, self.system.size))
             counts[layout.SEGMENTS] = 0
             outcome, step = unpaused(
@@ -162,13 +163,17 @@ class EventDrivenSolver(ABC):
             )  # fmt: skip
             count = int(counts[layout.SEGMENTS])
             trace[:count, layout.START] += start + done
-            kept.append(Segments(trace[:count], self._outward(poses[:count]), size))
+            self._traced(sum(len(part.trace) for part in kept))
+            kept.append(Segments(trace[:count].copy(), self._outward(poses[:count]), size))
             done += step
             rows = min(2 * rows, 65536)
         segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), size)
         if not len(segments.trace):  # ended where it began: the start is all there is
             segments = self._instant(start, pose, status, size)
-        return outcome, segments, counts
+        return layout.COMPLETE if outcome == layout.FULL else outcome, segments, counts
+
+    def _traced(self, before: int) -> None:  # noqa: B027
+        """A part of the trace, with so many segments before it, is there."""
 
     def _instant(self, time: float, pose: Array, status: Array, size: float) -> Segments:
         """A segment without duration."""

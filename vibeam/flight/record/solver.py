@@ -15,7 +15,6 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts import course as load_layout
 from vibeam.flight.kernels.contacts import layout as contact_layout
 from vibeam.flight.kernels.contacts.course import course_of
-from vibeam.flight.kernels.layout import watch_of
 from vibeam.flight.readout import OUTCOMES
 from vibeam.flight.record.course import RecordCourse
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -25,7 +24,6 @@ from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
 SEGMENTS = 8  # of the longest, for whose intervals there is room
-FIRST_ROWS, MOST_ROWS = 4096, 65536  # segments between two visits to Python
 NO_INTERVALS = np.zeros((0, layout.PIECE_COLUMNS))
 STILL = Drive(0.0, 0.0)  # the load is the record's
 
@@ -37,6 +35,7 @@ class _Own(local):
     solver: RecordSolver | None = None
     course: RecordCourse | None = None
     under: RecordCourse | None = None
+    intervals: list[Array]
 
 
 class RecordSolver(ContactsSolver):
@@ -45,6 +44,8 @@ class RecordSolver(ContactsSolver):
     Between the points that are kept, events and every 256th piece of the record, the motion is made anew where it is
     asked for.
     """
+
+    _first_rows = 4096
 
     def __init__(self, system: ImpactSystem, record: Record, start: float, end: float, limit: int = 100_000) -> None:
         """``limit``: as of ``ContactsSolver``."""
@@ -96,10 +97,11 @@ class RecordSolver(ContactsSolver):
         pose, status = self.pose(state)
         status[contact_layout.PIECE], status[layout.CLOCK] = (float(part) for part in self.course.place(start))
         self._certify(certify)
-        outcome, segments, counts, intervals = self._flown_loaded(pose, status, end - start, limit)
+        outcome, segments, counts = self._flown(STILL, pose, status, 0.0, end - start, limit, np.inf)
         trace = segments.trace
         trace[:, layout.START] = self.times_of(trace)
         last = end if outcome == layout.COMPLETE else float(trace[-1, layout.START] + trace[-1, layout.DURATION])
+        intervals = np.concatenate(self._under.intervals)
         return OUTCOMES[outcome], last, self.state(pose, status), segments, stats_of(counts, begun), intervals
 
     def times_of(self, trace: Array) -> Array:
@@ -112,40 +114,20 @@ class RecordSolver(ContactsSolver):
         course = self.sets.engine.course
         course.numbers[load_layout.CERTIFIED], course.numbers[load_layout.WRITTEN] = float(asked), 0.0
         most = 2 * len(self.contacts.gaps) * (load_layout.LONG + load_layout.STRIDE)
-        room = np.zeros((SEGMENTS * most if asked else 0, layout.PIECE_COLUMNS))
+        room, self._under.intervals = np.zeros((SEGMENTS * most if asked else 0, layout.PIECE_COLUMNS)), []
         self.sets.engine = self.sets.engine._replace(course=course._replace(intervals=room))
 
-    def _flown_loaded(self, pose: Array, status: Array, span: float, limit: int) -> tuple[int, Segments, Any, Array]:
-        """Carry ``pose`` and ``status`` on by ``span``: outcome, segments, counts, intervals."""
-        rows, done, kept, known = FIRST_ROWS, 0.0, list[Segments](), [np.zeros((0, layout.PIECE_COLUMNS))]
-        counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
-        outcome, traced = layout.FULL, 0
-        while outcome == layout.FULL:
-            if done >= span:
-                outcome = layout.COMPLETE
-                break
-            trace, poses = np.zeros((rows, self._trace_columns)), np.zeros((rows, 2, self.system.size))
-            counts[layout.SEGMENTS] = 0
-            outcome, step = self._move(
-                self.sets.engine, 0.0, 0.0, pose, status, float(span - done), 0, 0, limit,
-                watch_of(self._watch(None), 0, trace, poses), counts, 0,
-            )  # fmt: skip
-            known.append(self._intervals(traced))
-            count = int(counts[layout.SEGMENTS])
-            kept.append(Segments(trace[:count].copy(), poses[:count].copy(), np.inf))
-            done, traced, rows = done + step, traced + count, min(2 * rows, MOST_ROWS)
-        if not any(len(part.trace) for part in kept):
-            kept = [self._instant(0.0, pose, status, np.inf)]
-            kept[0].trace[0, contact_layout.PIECE_AT] = status[contact_layout.PIECE]
-        segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), np.inf)
-        return outcome, segments, counts, np.concatenate(known)
-
-    def _intervals(self, traced: int) -> Array:
-        """The intervals written, of segments counted from ``traced`` on; there is room for others then."""
+    def _traced(self, before: int) -> None:
+        """Keep the intervals written, of segments counted from ``before`` on; there is room for others then."""
         course = self.sets.engine.course
         found = course.intervals[: int(course.numbers[load_layout.WRITTEN])].copy()
-        found[:, layout.PIECE_SEGMENT] += traced
+        found[:, layout.PIECE_SEGMENT] += before
+        self._under.intervals.append(found)
         course.numbers[load_layout.WRITTEN] = 0.0
+
+    def _instant(self, time: float, pose: Array, status: Array, size: float) -> Segments:
+        found = super()._instant(time, pose, status, size)
+        found.trace[0, contact_layout.PIECE_AT] = status[contact_layout.PIECE]
         return found
 
     def poses_at(self, drive: Any, segments: Segments, times: Array) -> Array:
