@@ -74,7 +74,7 @@ def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], wor
     solvers do within a fraction of a second), and is raised. One task at a time within a thread that another call has
     begun runs in that thread, where the signal of that call reaches it. The end of a time (``ending_at``) holds in all.
     """
-    from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+    from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 
     stop = Event()
     if (workers == 1 or len(items) <= 1) and current_thread() is not main_thread():
@@ -85,11 +85,12 @@ def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], wor
             return task(item, stop)
 
     with ThreadPoolExecutor(workers or cores(), thread_name_prefix="vibeam") as pool:
-        futures = [pool.submit(copy_context().run, stoppable, item) for item in items]
-        try:
+        futures: list[Future[Made]] = []
+        try:  # the first task may be stopped before the last is handed over
+            futures.extend(pool.submit(copy_context().run, stoppable, item) for item in items)
             wait(futures, return_when=FIRST_EXCEPTION)
         finally:
-            if not all(future.done() and future.exception() is None for future in futures):
+            if len(futures) < len(items) or any(not each.done() or each.exception() for each in futures):
                 stop.set()
                 pool.shutdown(cancel_futures=True)
     for future in futures:
