@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import ast
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from apart import run_apart
 
 import vibeam
+from vibeam.flight.engine import threads
 from vibeam.flight.kernels import layout
 from vibeam.system.rows import Contact
 from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
@@ -232,3 +236,89 @@ def test_accumulations_under_a_record_are_bounded(name: str) -> None:
     assert len(bounded) == len(tails) >= 8
     assert np.all(bounded[:, 2] - bounded[:, 1] <= 1e-3 * left)
     assert np.all((bounded[:, 1] <= left) & (left <= bounded[:, 2]))
+
+
+CLOSING = """
+from dataclasses import replace
+import numpy as np
+import vibeam
+
+case = vibeam.load({case!r}, set={{"record.duration": "{end} ms", "stop.damping": "{damping} N s/m", **{more!r}}})
+system, record, end = case.system({name!r}), case.input({name!r}), {end} * 1e-3
+path = vibeam.simulate(system, record, end)
+for bins in (1, 7, 2000):
+    print(vibeam.extremes(path, ("sensor",), np.linspace(0.0, end, bins + 1)).peak.tolist())
+row = system.output("sensor")
+read = {{"speed": vibeam.TimeDerivative(row, 1), "felt": vibeam.TimeDerivative(row, 2)}}
+path = vibeam.simulate(replace(system, derivatives=read), record, end)
+found = vibeam.extremes(path, ("speed", "felt"), np.linspace(0.0, end, 2001))
+print([*found.peak.tolist(), float(np.ptp([found.least[0, -1], found.greatest[0, -1]]))])
+"""
+RELAY = """
+title = "a relay closes, and stays closed"
+[beam]
+length = "20 mm"
+width = "3 mm"
+thickness = "0.15 mm"
+youngs_modulus = "125 GPa"
+density = "8800 kg/m^3"
+damping_ratio = 0.01
+[stop]
+gap = "0.3 mm"
+position = "20 mm"
+law = "linear"
+stiffness = "2e5 N/m"
+damping = "1 N s/m"
+[sensor]
+position = "20 mm"
+[drive]
+shape = "step"
+force = "0.3 N"
+at = "14 mm"
+[record]
+duration = "30 ms"
+[fidelity.one]
+reduction = "static_mode"
+[fidelity.six]
+reduction = "modal"
+modes = 6
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "damping", "end", "more"),
+    [
+        ("one", 1.0, 30.0, {}),
+        ("one", 1.0, 2.0, {}),
+        ("one", 3.0, 100.0, {}),
+        ("one", 1.0, 30.0, {"drive.force": "1 N"}),
+        ("one", 1.0, 30.0, {"stop.stiffness": "2e6 N/m"}),
+        ("six", 1.0, 30.0, {}),
+    ],
+)
+def test_extremes_at_rest_are_read_off(
+    name: str, damping: float, end: float, more: dict[str, str], tmp_path: Path
+) -> None:
+    """A contact that closes and stays closed: what moves at the end is round-off, of which signs say nothing."""
+    case = tmp_path / "relay.toml"
+    case.write_text(RELAY)
+    given = {"case": str(case), "name": name, "damping": damping, "end": end, "more": more}
+    lines = [ast.literal_eval(line) for line in run_apart(CLOSING.format(**given)).splitlines()]
+    for other in lines[1:3]:
+        np.testing.assert_allclose(other, lines[0], rtol=1e-11)
+    assert lines[3][0] > 1.0  # m/s
+    assert lines[3][2] < 1e-3 * lines[3][0]
+
+
+def test_extremes_are_the_same_wherever_they_pause(monkeypatch: pytest.MonkeyPatch) -> None:
+    """10⁵ pieces of a random load take several calls; a bin for each second joins to the whole."""
+    pauses = []
+    monkeypatch.setattr(threads, "pause", lambda: pauses.append(1))
+    record = vibeam.Record.random(1e-2, 10.0, seed=3, rate=1e4, band=(10.0, 1000.0))
+    path = vibeam.simulate(PLAIN, record, 10.0)
+    pauses.clear()
+    found = vibeam.extremes(path, ("contact",) * 20)
+    assert len(pauses) > 1
+    each = vibeam.extremes(path, ("contact",), np.linspace(0.0, 10.0, 11))
+    assert found.greatest[0, 0] == pytest.approx(each.greatest.max(), rel=1e-14)
+    assert found.least[0, 0] == pytest.approx(each.least.min(), rel=1e-14)
