@@ -154,7 +154,7 @@ class EventDrivenSolver(ABC):
         rows, done, kept = self._first_rows, 0.0, list[Segments]()
         counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
         outcome = layout.FULL
-        while outcome == layout.FULL and (done < span or not kept):
+        while outcome == layout.FULL and done < span:
             trace, poses = np.zeros((rows, self._trace_columns)), np.zeros((rows, 2, self.system.size))
             counts[layout.SEGMENTS] = 0
             outcome, step = unpaused(
@@ -167,9 +167,9 @@ class EventDrivenSolver(ABC):
             kept.append(Segments(trace[:count].copy(), self._outward(poses[:count]), size))
             done += step
             rows = min(2 * rows, 65536)
+        if not any(len(part.trace) for part in kept):  # ended where it began: the start is all there is
+            kept = [self._instant(start, pose, status, size)]
         segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), size)
-        if not len(segments.trace):  # ended where it began: the start is all there is
-            segments = self._instant(start, pose, status, size)
         return layout.COMPLETE if outcome == layout.FULL else outcome, segments, counts
 
     def _traced(self, before: int) -> None:  # noqa: B027

@@ -101,7 +101,7 @@ class RecordSolver(ContactsSolver):
         trace = segments.trace
         trace[:, layout.START] = self.times_of(trace)
         last = end if outcome == layout.COMPLETE else float(trace[-1, layout.START] + trace[-1, layout.DURATION])
-        intervals = np.concatenate(self._under.intervals)
+        intervals = np.concatenate([NO_INTERVALS, *self._under.intervals])
         return OUTCOMES[outcome], last, self.state(pose, status), segments, stats_of(counts, begun), intervals
 
     def times_of(self, trace: Array) -> Array:
