@@ -25,6 +25,7 @@ from vibeam_models.arrays import Array, Index
 LONGEST_PERIOD = 16
 MOST_IMPACTS = 10**9  # a drive period: with 10⁹ periods that still fits an int64
 POSES = 2_000_000  # made at once, over the square of modes and a few: in integrated contact they take a second
+LONG_LOOK = 50_000_000  # panels, times modes and a few, of one call, after which the next one has fewer segments
 ROWS = 256  # segments traced before they are read off
 
 
@@ -156,7 +157,7 @@ class EventDrivenSolver(ABC):
         outcome = layout.FULL
         while outcome == layout.FULL and done < span:
             trace, poses = np.zeros((rows, self._trace_columns)), np.zeros((rows, 2, self.system.size))
-            counts[layout.SEGMENTS] = 0
+            counts[layout.SEGMENTS], before = 0, int(counts[layout.PANELS])
             outcome, step = unpaused(
                 self._move, engine, drive.omega, drive.amplitude, pose, status, float(span - done), 0, 0, limit,
                 watch_of(self._watch(None), 0, trace, poses), counts, 0,
@@ -166,7 +167,8 @@ class EventDrivenSolver(ABC):
             self._traced(sum(len(part.trace) for part in kept))
             kept.append(Segments(trace[:count].copy(), self._outward(poses[:count]), size))
             done += step
-            rows = min(2 * rows, 65536)
+            looked = (int(counts[layout.PANELS]) - before) * (self.system.size + 8)
+            rows = min(2 * rows, 65536) if looked < LONG_LOOK else max(rows // 2, 1)
         if not any(len(part.trace) for part in kept):  # ended where it began: the start is all there is
             kept = [self._instant(start, pose, status, size)]
         segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), size)

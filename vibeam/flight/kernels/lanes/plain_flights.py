@@ -50,7 +50,6 @@ from vibeam.flight.kernels.segments import MotionRecord, Progress, add, close_se
 from vibeam_models.arrays import Array
 
 MOST = 10_000  # panels
-AT_ONCE = 256_000_000  # panels, times modes and a few, before a call comes back: half a second
 QUIET = 1e-3  # share of the tolerance below which a block is left out of the panels
 CARRIED, NOT_PLAIN, AT_STOP = 0, 1, 2
 
@@ -212,10 +211,7 @@ def plain_flights_in_lanes(
     forced = Forced(const, zr, zi, w, norm(zr, zi))
     sum_e, second = to_start(cells, blocks, like)
     what, t, begun, first = STRUCK, 0.0, done, coarsest
-    last = counts[layout.PANELS] + AT_ONCE // (n + 8)
     while done < span and counts[layout.IMPACTS] < most and (rows == 0 or counts[layout.SEGMENTS] < rows):
-        if counts[layout.PANELS] > last:
-            break
         if rows > 0:
             if done > begun:
                 scatter(engine, pose, row.START_X, phase, like)
