@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, prod, sqrt
@@ -18,7 +19,7 @@ from vibeam.maps.block import DTYPES, Block, Grid
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.points import shape_of
 from vibeam.store.blocks import Values
-from vibeam.store.errors import ANEW, StoreError, unopened
+from vibeam.store.errors import ANEW, ELSEWHERE, StoreError, unopened
 from vibeam.store.hdf5 import SIGNATURE, SparseImage, scale, without_values
 from vibeam.store.place import Place
 from vibeam.store.provenance import write_provenance
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from vibeam.case.grid_keys import MapPlan
 
 FORMAT = "vibeam map 1"
+BEGIN = 1 << 20  # bytes in which a file states its format: its first attribute
+OTHER = f"is no file of a map: {ELSEWHERE}, or delete it"
 UNSEALED = "its digest does not fit (it is damaged, was changed since, or is no map of this version)"
 SHOWN = 4_000_000  # points of a quantity that are read back at most: for pictures
 
@@ -116,9 +119,10 @@ def _label(data: h5py.Dataset, scales: Sequence[h5py.Dataset], described: Datase
 
 
 def is_ours(path: Path) -> bool:
-    """Test whether a file is that of a map, even a damaged one."""
-    content = path.read_bytes()
-    return content.startswith(SIGNATURE) and FORMAT.encode() in content
+    """Test whether a file is that of a map, of any version, even a damaged one."""
+    with path.open("rb") as file:
+        begin = file.read(BEGIN)
+    return begin.startswith(SIGNATURE) and re.search(rb"vibeam map \d+", begin) is not None
 
 
 def finished(place: Place, keys: Mapping[str, str]) -> bool:
@@ -134,19 +138,17 @@ def stored_keys(place: Place) -> dict[str, str] | None:
     if not place.target.exists():
         return None
     try:
-        with place.target.open("rb") as file:
-            begin = file.read(len(SIGNATURE))
-        if begin != SIGNATURE:
-            raise StoreError(f"{path}: is no file of a map: choose another --out, or delete it")
+        if not is_ours(place.target):
+            raise StoreError(f"{path}: {OTHER}")
         if not is_sealed(place.target):
             raise StoreError(f"{path}: {UNSEALED}: {ANEW}")
         with h5py.File(place.target, "r") as file:
-            found: dict[str, str] = json.loads(file.attrs.get("keys", "null"))
+            stated, keys = file.attrs.get("format"), json.loads(file.attrs.get("keys", "{}"))
     except OSError as fault:
         raise unopened(path, fault) from None
-    if found is None:
-        raise StoreError(f"{path}: is no file of a map: choose another --out, or delete it")
-    return found
+    if stated != FORMAT:
+        raise StoreError(f"{path}: is a map of another version: {ANEW}")
+    return dict(keys)
 
 
 def read_map(path: Path, grids: Mapping[str, Grid], most: int = SHOWN) -> dict[str, GridResponse]:

@@ -14,6 +14,7 @@ import pytest
 from stand_in import SI
 
 import vibeam
+from vibeam.maps import gathered
 from vibeam.maps import run as running
 from vibeam.maps.block import Block, evaluate_block
 from vibeam.maps.evaluate import grids_of, key_of, lines_of_block
@@ -162,6 +163,25 @@ def test_a_map_that_another_program_has_changed_is_not_taken_for_ours(tmp_path: 
         vibeam.run_map(case(), "m", tmp_path / "m.h5")
     vibeam.run_map(case(), "m", tmp_path / "m.h5", fresh=True)
     np.testing.assert_array_equal(data(tmp_path / "m.h5")["period"], expected()["period"])
+
+
+@pytest.mark.parametrize("other", ["vibeam map 10", "vibeam map 2", "vibeam map 1a", "vibeam results 4"])
+def test_a_map_of_another_format_is_refused_though_its_seal_fits(
+    tmp_path: Path, other: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "m.h5"
+    with monkeypatch.context() as patch:
+        patch.setattr(gathered, "FORMAT", other)
+        vibeam.run_map(case(), "m", path)
+    before = path.read_bytes()
+    with pytest.raises(
+        vibeam.StoreError, match=r"is (a map of another version|no file of a map): choose another --out"
+    ):
+        vibeam.run_map(case(), "m", path)
+    assert path.read_bytes() == before
+    if other.startswith("vibeam map"):  # ours to replace
+        vibeam.run_map(case(), "m", path, fresh=True)
+        np.testing.assert_array_equal(data(path)["period"], expected()["period"])
 
 
 def test_a_disk_that_is_full_while_a_map_is_gathered_loses_nothing(

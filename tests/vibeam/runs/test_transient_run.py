@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from sealed import edited
 
 import vibeam
 from vibeam.figures.record import kept_place
@@ -17,6 +19,7 @@ from vibeam.runs.parallel import Interrupted
 from vibeam.runs.transient import motions, store
 from vibeam.runs.transient.result import TransientResult
 from vibeam.store.errors import StoreError
+from vibeam.store.hdf5 import fixed
 
 TABLES: dict[str, Any] = {
     "title": "two models of a mass on a spring",
@@ -177,6 +180,25 @@ def test_files_of_another_kind_and_damaged_ones_are_refused(tmp_path: Path) -> N
     path.write_text("no results")
     with pytest.raises(StoreError, match=r"no result of a case with \[record\]"):
         run(case(), path)
+
+
+@pytest.mark.parametrize("other", ["vibeam transient 10", "vibeam transient 2"])
+def test_a_file_of_another_format_is_refused_though_its_seal_fits(tmp_path: Path, other: str) -> None:
+    path = tmp_path / "own.h5"
+    run(case(), path)
+    with edited(path) as file:
+        file.attrs["format"] = fixed(other)
+    for use in (lambda: run(case(), path), lambda: vibeam.read(path)):
+        with pytest.raises(StoreError, match="is no vibeam result of this version: start over with --fresh"):
+            use()
+    assert run(case(), path, fresh=True).found == 0
+
+
+def test_a_pipe_is_no_results_file_and_nobody_waits_for_it(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "own.h5")
+    assert not store.is_transient(tmp_path / "own.h5")
+    with pytest.raises(StoreError, match="is a pipe, not a file"):
+        vibeam.read(tmp_path / "own.h5")
 
 
 def test_a_key_of_the_rig_is_varied() -> None:

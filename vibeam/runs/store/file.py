@@ -5,7 +5,6 @@ What is known of a run is the file and the blocks in ``OUT.h5.parts``, whoever a
 
 from __future__ import annotations
 
-import re
 import threading
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
@@ -13,7 +12,6 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from vibeam.exchange.whole_files import unsealed
 from vibeam.runs.store.adaptation import FORMAT, Requirements, adapted, blank, difference, is_of, loses
 from vibeam.runs.store.branches import (
     BranchPlan,
@@ -28,9 +26,10 @@ from vibeam.runs.store.branches import (
     rows_of,
     write_rows,
 )
+from vibeam.runs.store.image import bytes_of, opened_image
 from vibeam.runs.store.records import Kept, Keyed, KeyedRecord, keep, kept, read_models, write_models
-from vibeam.store.errors import ANEW, CURE, ELSEWHERE, FAULTS, StoreError, reading, reason, unopened
-from vibeam.store.hdf5 import SIGNATURE, content_of, in_memory
+from vibeam.store.errors import ANEW, ELSEWHERE, StoreError, reading
+from vibeam.store.hdf5 import content_of
 from vibeam.store.place import Place, Tell, locked, place_of
 from vibeam.store.provenance import note_continued
 from vibeam.system.quantities import OutputUnits
@@ -40,7 +39,7 @@ from vibeam.system.state import State
 if TYPE_CHECKING:
     import h5py
 
-OURS = re.compile(rb"vibeam results \d+")
+OTHER = f"is no vibeam result: {ELSEWHERE}, or delete it"
 NAME = "name one that vibeam run has written"
 MOST = 100  # blocks beside a file, then they are gathered
 Plan = Callable[[Keyed], Requirements]
@@ -171,7 +170,7 @@ def opened(
             store = _continued(place, wanted, tell)
         else:
             if place.target.exists():
-                _refuse_others(path, _read(place, "r+b"))
+                bytes_of(place, "r+b", FORMAT, OTHER)
             needs = wanted({})
             store = Store(place, blank(needs), needs.units, {}, new=True, fresh=fresh)
         with store:
@@ -180,7 +179,7 @@ def opened(
 
 def _continued(place: Place, plan: Plan, tell: Tell) -> Store:
     path = place.path
-    file = _open(place, _read(place, "r+b"))
+    file = opened_image(place, "r+b", FORMAT, OTHER)
     with reading(path, "it"):
         blocks = join_blocks(file, place.folder)
         models = read_models(file)
@@ -209,10 +208,7 @@ def _continued(place: Place, plan: Plan, tell: Tell) -> Store:
 def opened_to_read(path: Path) -> Iterator[h5py.File]:
     """Open a copy in memory of a results file and its blocks; StoreError where it is none, or is damaged."""
     place = place_of(path)
-    content = _read(place, "rb", NAME)
-    if not _format(content):
-        raise StoreError(f"{path}: is no results file: {NAME}")
-    with _open(place, content) as file:
+    with opened_image(place, "rb", FORMAT, f"is no results file: {NAME}", NAME) as file:
         with reading(path, "it"):
             join_blocks(file, place.folder)
         yield file
@@ -222,37 +218,3 @@ def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
     """Read every branch of a results file, by fidelity and direction; points that were not run are NaN."""
     with opened_to_read(path) as file, reading(path, "its groups"):
         return {(name, way): response_of(read_rows(file[name][way])) for name, way in branch_names(file)}
-
-
-def _read(place: Place, mode: str, cure: str = ELSEWHERE) -> bytes:
-    try:
-        with place.target.open(mode) as file:
-            return bytes(file.read())
-    except OSError as fault:
-        raise unopened(place.path, fault, cure) from None
-
-
-def _format(content: bytes) -> str:
-    """Format of a results file, even of a damaged one; empty of other bytes."""
-    found = OURS.search(content) if content.startswith(SIGNATURE) else None
-    return found.group().decode() if found else ""
-
-
-def _refuse_others(path: Path, content: bytes) -> None:
-    if not _format(content):
-        raise StoreError(f"{path}: is no vibeam result: {ELSEWHERE}, or delete it")
-
-
-def _open(place: Place, content: bytes) -> h5py.File:
-    """The file in memory; StoreError where it is not, to the bit, as it was written."""
-    _refuse_others(place.path, content)
-    if _format(content) != FORMAT:
-        raise StoreError(f"{place.path}: is no vibeam result of this version: {CURE}")
-    whole = unsealed(content)
-    if whole is None:
-        said = "its digest does not fit: it is damaged, or was changed since"
-        raise StoreError(f"{place.path}: {said}: {CURE}")
-    try:
-        return in_memory(whole)
-    except FAULTS as fault:
-        raise StoreError(f"{place.path}: it cannot be read ({reason(fault)}): {CURE}") from None

@@ -7,7 +7,6 @@ and what another case decides otherwise is not there.
 from __future__ import annotations
 
 import json
-import re
 import threading
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -18,16 +17,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.exchange.whole_files import unsealed
 from vibeam.runs.store.figures import HOME, sheets_of
+from vibeam.runs.store.image import bytes_of, opened_image
 from vibeam.runs.store.records import Kept, KeyedRecord, keep, kept
 from vibeam.runs.transient.layout import read_group, write_group
 from vibeam.runs.transient.motions import Realisation
 from vibeam.runs.transient.reading import Reading
 from vibeam.runs.transient.signals import TransientSignal
 from vibeam.store.blocks import read_block, write_block
-from vibeam.store.errors import ANEW, CURE, ELSEWHERE, FAULTS, StoreError, reading, reason, unopened
-from vibeam.store.hdf5 import SIGNATURE, content_of, fixed, in_memory, text_of
+from vibeam.store.errors import ANEW, ELSEWHERE, StoreError, reading
+from vibeam.store.hdf5 import content_of, fixed, in_memory, text_of
 from vibeam.store.place import Place, Tell, locked, place_of
 from vibeam.store.provenance import note_continued, write_provenance
 
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from vibeam.figures.sheet import Sheet
 
 FORMAT = "vibeam transient 1"
-OURS = re.compile(rb"vibeam transient \d+")
+OTHER = f"is no result of a case with [record]: {ELSEWHERE}, or delete it"
 WRITE_EVERY = 0.5  # s between two blocks: a killed run loses no more, and the motions under way
 CASE = ("text", "shared", "whole")
 
@@ -152,7 +151,7 @@ def opened(
         if place.target.exists() and not fresh:
             store = _continued(case, wanted, place, tell)
         elif place.target.exists():
-            _content(place, "r+b")
+            bytes_of(place, "r+b", FORMAT, OTHER)
         try:
             yield store
         except BaseException:
@@ -162,8 +161,7 @@ def opened(
 
 
 def _continued(case: Case, wanted: Collection[str], place: Place, tell: Tell) -> TransientStore:
-    content = _content(place, "r+b")
-    with _opened(place.path, content) as file:
+    with opened_image(place, "r+b", FORMAT, OTHER) as file:
         known = _known(place, file)
         name, text = text_of(file["case"], "name"), file["case"]["whole"][()].decode()
         beside = _beside(file)
@@ -185,7 +183,7 @@ def _continued(case: Case, wanted: Collection[str], place: Place, tell: Tell) ->
 def read_motions(path: Path) -> StoredRun:
     """Content of a results file and of the blocks beside it."""
     place = place_of(path)
-    with _opened(path, _content(place, "rb")) as file, reading(path, "its groups"):
+    with opened_image(place, "rb", FORMAT, OTHER) as file, reading(path, "its groups"):
         whole, numbers = (file["case"][name][()].decode() for name in ("whole", "text"))
         made = {name: str(value) for name, value in file["provenance"].attrs.items()}
         return StoredRun(_known(place, file), whole, made, numbers, _beside(file))
@@ -203,33 +201,9 @@ def _beside(file: h5py.File) -> h5py.File:
 def is_transient(path: Path) -> bool:
     """Test whether a file is one of motions under a record; False where it cannot be read."""
     try:
-        content = path.read_bytes()
-    except OSError:
+        return bool(bytes_of(place_of(path), "rb", FORMAT, OTHER))
+    except StoreError:
         return False
-    return content.startswith(SIGNATURE) and OURS.search(content) is not None
-
-
-def _content(place: Place, mode: str) -> bytes:
-    try:
-        with place.target.open(mode) as file:
-            content = bytes(file.read())
-    except OSError as fault:
-        raise unopened(place.path, fault, ELSEWHERE) from None
-    if not (content.startswith(SIGNATURE) and OURS.search(content)):
-        raise StoreError(f"{place.path}: is no result of a case with [record]: {ELSEWHERE}, or delete it")
-    return content
-
-
-def _opened(path: Path, content: bytes) -> h5py.File:
-    if FORMAT.encode() not in content:
-        raise StoreError(f"{path}: is no vibeam result of this version: {CURE}")
-    whole = unsealed(content)
-    if whole is None:
-        raise StoreError(f"{path}: its digest does not fit: it is damaged, or was changed since: {CURE}")
-    try:
-        return in_memory(whole)
-    except FAULTS as fault:
-        raise StoreError(f"{path}: it cannot be read ({reason(fault)}): {CURE}") from None
 
 
 def _known(place: Place, file: h5py.File) -> KnownMotions:
