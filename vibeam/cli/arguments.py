@@ -12,6 +12,7 @@ import typer
 
 from vibeam.cli.completion import COMPLETED
 from vibeam.cli.errors import UsageError
+from vibeam.exchange.whole_files import beside
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -107,12 +108,12 @@ def output_path(out: str | None, name: str, endings: tuple[str, ...], wanted: st
     A folder exists as one, or ends in a slash, or, being new, has no ending. UsageError for another ending.
     """
     if out is None:
-        return Path(name)
+        return beside(Path(name))
     if not out:
         raise UsageError("--out is empty: name a file or a folder")
     path = Path(out)
     if _is_folder(out):
-        return folder(path) / name
+        return beside(folder(path) / name)
     if path.suffix not in endings:
         or_folder = f"write {path}/ for a new folder" if not path.exists() else "it is no folder either"
         raise UsageError(f"{path}: --out names {wanted} that ends in {' or '.join(endings)}, or a folder: {or_folder}")

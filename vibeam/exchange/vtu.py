@@ -5,6 +5,7 @@ meshio writes the VTU files; a PVD file is a list of their names, one for each s
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +14,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from vibeam.exchange.whole_files import write_whole
+from vibeam.exchange.whole_files import beside, write_whole
 from vibeam_models.arrays import Array, Index
 
 
@@ -58,7 +59,7 @@ def write_series(steps: Sequence[Step], path: Path, comment: str = "") -> None:
     steps is one file. OSError as of ``write_whole``.
     """
     folder = path.with_suffix("")
-    folder.mkdir(exist_ok=True)
+    beside(folder).mkdir(exist_ok=True)
     written: dict[int, str] = {}
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     if comment:
@@ -67,9 +68,9 @@ def write_series(steps: Sequence[Step], path: Path, comment: str = "") -> None:
     for index, (time, pieces) in enumerate(steps):
         for part, (name, piece) in enumerate(pieces.items()):
             if id(piece) not in written:
-                plain = "".join(each if each.isalnum() or each in "-." else "_" for each in name)
+                plain = re.sub(r"[^\w.-]", "_", name)
                 written[id(piece)] = f"{folder.name}/{plain}_{index:04}.vtu"
-                write_vtu(piece, path.parent / written[id(piece)])
+                write_vtu(piece, beside(path.parent / written[id(piece)]))
             about = {"timestep": f"{time:.17g}", "part": str(part), "name": name, "file": written[id(piece)]}
             ElementTree.SubElement(listed, "DataSet", about)
     ElementTree.indent(root)

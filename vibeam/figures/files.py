@@ -11,6 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vibeam.exchange.whole_files import beside
 from vibeam.figures import FIGURES
 
 if TYPE_CHECKING:
@@ -23,13 +24,13 @@ METADATA: dict[str, dict[str, Any]] = {".svg": {"Date": None}, ".pdf": {"Creatio
 
 def paths_of(stem: Path, plan: FigurePlan) -> list[Path]:
     """Files of a figure beside ``stem``, whose ending they replace."""
-    return [stem.with_suffix(f".{ending}") for ending in plan.format]
+    return [beside(stem.with_suffix(f".{ending}")) for ending in plan.format]
 
 
 def shown_paths(path: Path, case: Case, name: str) -> list[Path]:
     """Files of the figure [show.``name``] beside the results file ``path``."""
     stem, own = path.with_name(f"{path.stem}_{name}.x"), FIGURES[case.shows[name].kind].ending
-    return [stem.with_suffix(f".{own}")] if own else paths_of(stem, case.figure)
+    return [beside(stem.with_suffix(f".{own}"))] if own else paths_of(stem, case.figure)
 
 
 def figure_files(path: Path, case: Case) -> list[Path]:

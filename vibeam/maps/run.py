@@ -14,12 +14,12 @@ from vibeam.case.source import of_source
 from vibeam.maps.block import Block, Grid
 from vibeam.maps.cluster import Cluster, evaluate_here
 from vibeam.maps.evaluate import grids_of, key_of, lines_of_block, plan_of
-from vibeam.maps.gathered import Source, finished, gather, is_ours, read_map, stored_keys
+from vibeam.maps.gathered import OTHER, Source, finished, gather, is_ours, read_map, stored_keys
 from vibeam.maps.result import MapResult
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.keys import digest_of_code
 from vibeam.store.blocks import Values, discard
-from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
+from vibeam.store.errors import ELSEWHERE, StoreError, writing
 from vibeam.store.long_work import LongWork, WorkPart
 from vibeam.store.parts import StepsOnDisk, take_part
 from vibeam.store.place import Place, Tell, locked, place_of, warn
@@ -135,13 +135,11 @@ def _set_aside(place: Place, work: LongWork, tell: Tell) -> None:
 
 
 def _remove(place: Place) -> None:
-    try:
+    with writing(place.path, ELSEWHERE):
         if place.target.exists() and not is_ours(place.target):
-            raise StoreError(f"{place.path}: is no file of a map: choose another --out, or delete it")
+            raise StoreError(f"{place.path}: {OTHER}")
         discard(place.folder)
         place.target.unlink(missing_ok=True)
-    except OSError as fault:
-        raise unwritable(place.path, fault, ELSEWHERE) from None
 
 
 def work_of(case: Case, plan: MapPlan, path: Path, cluster: Cluster | None = None) -> LongWork:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.plans import FigurePlan
-from vibeam.exchange.whole_files import write_whole
+from vibeam.exchange.whole_files import beside, write_whole
 from vibeam.figures.files import paths_of
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ class StudySheet:
         write_csv(self.rows, table)
         if self.page is None:
             return [table, *figures]
-        page = table.with_suffix(".html")
+        page = beside(table.with_suffix(".html"))
         write_whole(page, self.page().encode())
         return [page, table, *figures]
 

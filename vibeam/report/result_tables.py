@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.exchange.whole_files import beside
 from vibeam.report.output import plain, write_csv
 from vibeam.runs.result import Result, output_units
 
@@ -39,9 +40,9 @@ def write_tables(result: Any, path: Path, left_out: Collection[str] = ()) -> lis
     known = [plain(row) for row in (motions(result) if swept else impacts(result))]
     if not known:
         return [path]
-    beside = path.with_name(f"{path.stem.removesuffix(f'_{kind}')}_{own}.csv")
-    write_csv(known, beside)
-    return [path, beside]
+    further = beside(path.with_name(f"{path.stem.removesuffix(f'_{kind}')}_{own}.csv"))
+    write_csv(known, further)
+    return [path, further]
 
 
 def many_energies(result: Any) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.exchange.whole_files import read_sealed, write_sealed
-from vibeam.store.errors import ROOM, unwritable
+from vibeam.store.errors import ROOM, writing
 
 Values = dict[str, NDArray[Any]]
 MANIFEST = "manifest"
@@ -23,11 +23,9 @@ def block_path(folder: Path, name: str, first: int) -> Path:
 
 def write_block(path: Path, file: Path, of: str, values: Values) -> None:
     """Write the arrays of a block, sealed as what it is ``of``; StoreError, naming ``path``, where the disk fails."""
-    try:
+    with writing(path, ROOM):
         file.parent.mkdir(exist_ok=True)
         write_sealed(file, packed(values), of)
-    except OSError as fault:
-        raise unwritable(path, fault, ROOM) from None
 
 
 def read_block(file: Path, of: str) -> Values | None:

@@ -44,9 +44,13 @@ def unopened(path: Path, fault: OSError, cure: str = ELSEWHERE) -> StoreError:
     return StoreError(f"{path}: cannot be opened ({reason(fault)}): {cure}")
 
 
-def unwritable(path: Path, fault: OSError, cure: str) -> StoreError:
-    """Error for a file that cannot be written."""
-    return StoreError(f"{path}: cannot be written ({reason(fault)}): {cure}")
+@contextmanager
+def writing(path: Path, cure: str) -> Iterator[None]:
+    """Context that turns errors of writing the file, and those beside it, into StoreError."""
+    try:
+        yield
+    except OSError as fault:
+        raise StoreError(f"{path}: cannot be written ({reason(fault)}): {cure}") from None
 
 
 def reason(fault: BaseException) -> str:

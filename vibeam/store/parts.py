@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass, replace
 from hashlib import sha256
+from os.path import lexists
 from pathlib import Path
 from threading import Event, Lock
 from time import monotonic
@@ -16,7 +17,7 @@ from vibeam.exchange.whole_files import read_sealed, write_sealed
 from vibeam.flight.engine.entries import origin
 from vibeam.flight.engine.threads import OutOfTime, Stopped, ending_at, run_parallel
 from vibeam.store.blocks import MANIFEST, Values
-from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
+from vibeam.store.errors import ELSEWHERE, StoreError, writing
 from vibeam.store.long_work import LongWork, WorkPart, WorkStep
 from vibeam.store.place import locked
 from vibeam.store.steps import StepFile, scanned
@@ -41,7 +42,7 @@ class PartsManifest:
 def known_manifest(folder: Path) -> PartsManifest | None:
     """The manifest in ``folder``; None where there is none, or a damaged one. OSError where it cannot be read."""
     file = folder / MANIFEST
-    content = read_sealed(file) if file.exists() else None
+    content = read_sealed(file, MANIFEST) if lexists(file) else None
     if content is None:
         return None
     found = json.loads(content)
@@ -134,14 +135,12 @@ def spans(numbers: Iterator[int] | Mapping[int, object] | Sequence[int] | set[in
 
 def _begun(work: LongWork, wanted: PartsManifest) -> PartsManifest:
     """The manifest that is there, ``wanted`` where there is none or a damaged one: files say what they are of."""
-    try:
+    with writing(work.folder, ELSEWHERE):
         work.folder.mkdir(exist_ok=True)
         found = known_manifest(work.folder)
         if found is None:
-            write_sealed(work.folder / MANIFEST, json.dumps(asdict(wanted), indent=1).encode())
+            write_sealed(work.folder / MANIFEST, json.dumps(asdict(wanted), indent=1).encode(), MANIFEST)
             return wanted
-    except OSError as fault:
-        raise unwritable(work.folder, fault, ELSEWHERE) from None
     anew = f"{ELSEWHERE}, or delete it to compute it anew"
     if found.keys != wanted.keys:
         raise StoreError(f"{work.folder}: holds steps of another case, or of this one before it was changed: {anew}")
@@ -204,7 +203,7 @@ def take_part(
     """
     ending = ending or Ending()
     stored = StepsOnDisk(work, part.has)
-    with locked(stored.work.folder / f"part {part.number} of {part.of}"), ExitStack() as held:
+    with locked(stored.work.folder / f"part {part.number} of {part.of}", own=True), ExitStack() as held:
         missing = stored.missing()
         total = sum(map(stored.work.size, stored.steps()))
         found = total - sum(map(stored.work.size, missing))
@@ -246,7 +245,7 @@ class _Writer:
             path = self._stored.file_of(step).path
             if path not in self._open:
                 self._open[path] = self._held.enter_context(ExitStack())
-                self._open[path].enter_context(locked(path))
+                self._open[path].enter_context(locked(path, own=True))
                 self._stored.again(step)
             file = self._stored.file_of(step)
             if step.number not in file.places:

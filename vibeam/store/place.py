@@ -12,11 +12,12 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from glob import escape
 from itertools import count
+from os.path import lexists, samestat
 from pathlib import Path
 
-from vibeam.exchange.whole_files import BINARY, Fill, fill_sealed, part_beside, regular, write_at
+from vibeam.exchange.whole_files import Fill, fill_sealed, is_link, open_own, part_beside, regular, write_at
 from vibeam.store.blocks import discard
-from vibeam.store.errors import ELSEWHERE, ROOM, StoreError, unwritable
+from vibeam.store.errors import ELSEWHERE, ROOM, StoreError, writing
 
 UNKNOWN = (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK)  # errors of file systems without locks, which HDF5 accepts too
 UNLINKED = (*UNKNOWN, errno.EPERM, errno.EMLINK)  # errors of file systems without a second name for a file
@@ -44,10 +45,8 @@ class Place:
 
     def fill(self, fill: Fill) -> None:
         """Replace the file by what ``fill`` writes, sealed; StoreError where the disk fails: what was there stays."""
-        try:
+        with writing(self.path, ROOM):
             fill_sealed(self.target, fill)
-        except OSError as fault:
-            raise unwritable(self.path, fault, ROOM) from None
 
     def replace(self, content: bytes) -> None:
         """Replace the file by ``content``, as ``fill``."""
@@ -55,10 +54,8 @@ class Place:
 
     def discard(self) -> None:
         """Delete the blocks; StoreError where they cannot be."""
-        try:
+        with writing(self.path, ELSEWHERE):
             discard(self.folder)
-        except OSError as fault:
-            raise unwritable(self.path, fault, ELSEWHERE) from None
 
     def keep_aside(self, said: str, tell: Tell, blocks: bool = False) -> Path:
         """Give the file the further name ``OUT.1.h5``, or that of the next number that nothing has; return it.
@@ -67,11 +64,9 @@ class Place:
         name ``OUT.1.h5.parts`` instead. ``tell`` hears it behind what is ``said``. StoreError where it cannot be.
         """
         names = (self.target.with_name(f"{self.target.stem}.{each}{self.target.suffix}") for each in count(1))
-        free = (each for each in names if not (_parts(each).exists() or (blocks and each.exists())))
-        try:
+        free = (each for each in names if not (lexists(_parts(each)) or (blocks and lexists(each))))
+        with writing(self.path, ELSEWHERE):
             further = self.folder.rename(_parts(next(free))) if blocks else next(filter(None, map(self._named, free)))
-        except OSError as fault:
-            raise unwritable(self.path, fault, ELSEWHERE) from None
         tell(f"{self.path}: {said}; its results are kept aside as {further.name}")
         return further
 
@@ -80,11 +75,11 @@ class Place:
         try:
             os.link(self.target, further)
         except FileExistsError:
-            return further if os.path.samefile(self.target, further) else None
+            return further if samestat(os.lstat(self.target), os.lstat(further)) else None
         except OSError as fault:
             if fault.errno not in UNLINKED:
                 raise
-            if further.exists():
+            if lexists(further):
                 return None
             os.rename(self.target, further)
         return further
@@ -94,7 +89,8 @@ class Place:
         for name in (self.target.name, *([kin] if kin else [])):
             begun = part_beside(self.target.with_name(name)).name.removesuffix("part")
             for file in self.target.parent.glob(f"{escape(begun)}*part"):
-                file.unlink(missing_ok=True)
+                with suppress(OSError):  # a folder, and whatever else is none of ours
+                    file.unlink()
 
 
 def _parts(file: Path) -> Path:
@@ -102,25 +98,30 @@ def _parts(file: Path) -> Path:
 
 
 def place_of(path: Path) -> Place:
-    """The place of a file, there or not; StoreError for a folder, a pipe or a device."""
+    """The place of a file, there or not, a link to it followed; StoreError for a folder, a pipe or a device.
+
+    Blocks that a link leads to are refused: they would be written, and deleted, in a folder of somebody else's.
+    """
     try:
-        return Place(path, regular(path))
+        place = Place(path, regular(path))
     except OSError as fault:
         raise StoreError(f"{path}: {fault.strerror}") from None
+    if is_link(place.folder):
+        raise StoreError(f"{path}: {place.folder} is a link, no folder of vibeam's own: delete it, or {ELSEWHERE}")
+    return place
 
 
 @contextmanager
-def locked(path: Path) -> Iterator[Place]:
+def locked(path: Path, own: bool = False) -> Iterator[Place]:
     """Hold the lock of the file called ``path``; StoreError names another holder.
 
-    The lock is the operating system's, on a file beside: it ends with the process, however that ends.
+    The lock is the operating system's, on a file beside: it ends with the process, however that ends. ``own``: the name
+    is none of the user's, so that no link there is followed.
     """
-    place = place_of(path)
+    place = Place(path, path) if own else place_of(path)
     file = place.target.with_name(f".{place.target.name}.lock")
-    try:
+    with writing(path, ELSEWHERE):
         handle = _acquired(path, file)
-    except OSError as fault:
-        raise unwritable(path, fault, ELSEWHERE) from None
     try:
         yield place
     finally:
@@ -129,7 +130,7 @@ def locked(path: Path) -> Iterator[Place]:
 
 def _acquired(path: Path, file: Path) -> int:
     for _ in range(TRIES):
-        handle = os.open(file, os.O_RDWR | os.O_CREAT | BINARY, 0o666)
+        handle = open_own(file, os.O_RDWR | os.O_CREAT)
         if not _lock(handle):
             holder = os.read(handle, 200).decode(errors="replace")
             os.close(handle)
@@ -183,7 +184,7 @@ else:
 
 def _is_there(handle: int, file: Path) -> bool:
     try:
-        return os.path.samestat(os.fstat(handle), os.stat(file))
+        return samestat(os.fstat(handle), os.lstat(file))
     except FileNotFoundError:
         return False
 

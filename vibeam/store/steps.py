@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import os
 import re
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from vibeam.exchange.whole_files import BINARY, LENGTH, read_at, seal_of, write_at
+from vibeam.exchange.whole_files import LENGTH, closing, open_own, read_at, seal_of, write_at
 from vibeam.store.blocks import Values, packed, unpacked
-from vibeam.store.errors import ROOM, StoreError, unwritable
+from vibeam.store.errors import ROOM, StoreError, reason, writing
 
 RECORD = re.compile(rb"step (\d{10}) (\d{14})\n")
+FIRST = re.compile(rb"vibeam steps \d+:")  # of any layout: what another version has computed is not ours to cut off
+LONGEST = 10_000  # bytes of the first line
 HEAD = len("step  \n") + 24
 
 
@@ -35,15 +38,10 @@ class StepFile:
 
     def read(self, number: int) -> Values | None:
         """Values of a step; None where it is not there, or was damaged meanwhile."""
-        if number not in self.places:
-            return None
-        try:
-            with self.path.open("rb") as file:
-                start, length = self.places[number]
-                content = self._content(file.fileno(), number, start, length)
-        except OSError:
-            return None
-        return None if content is None else unpacked(content)
+        with suppress(OSError, KeyError), open(open_own(self.path), "rb") as file:
+            content = self._content(file.fileno(), number, *self.places[number])
+            return None if content is None else unpacked(content)
+        return None
 
     def _content(self, handle: int, number: int, start: int, length: int) -> bytes | None:
         whole = read_at(handle, length + LENGTH, start)
@@ -59,17 +57,11 @@ class StepFile:
         head = _head(number, len(content))
         record = b"".join((head, content, seal_of([head, content], self.of.decode())))
         first = b"" if self.end else self.of
-        try:
-            handle = os.open(self.path, os.O_RDWR | os.O_CREAT | BINARY, 0o666)
-            try:
-                os.ftruncate(handle, self.end)
-                write_at(handle, self.end, first + record)
-                if sync:
-                    os.fsync(handle)
-            finally:
-                os.close(handle)
-        except OSError as fault:
-            raise unwritable(said, fault, ROOM) from None
+        with writing(said, ROOM), closing(open_own(self.path, os.O_RDWR | os.O_CREAT)) as handle:
+            os.ftruncate(handle, self.end)
+            write_at(handle, self.end, first + record)
+            if sync:
+                os.fsync(handle)
         start = self.end + len(first)
         self.places[number], self.end = (start + HEAD, len(content)), start + len(record)
 
@@ -82,12 +74,10 @@ def scanned(path: Path, of: bytes) -> StepFile:
     """The file at ``path`` with its whole records, empty where there is none; StoreError where it cannot be read."""
     found = StepFile(path, of)
     try:
-        with path.open("rb") as file:
-            size, handle = os.fstat(file.fileno()).st_size, file.fileno()
-            first = read_at(handle, len(of), 0)
-            if first != of:
-                line = file.readline()
-                found.foreign = line if line.startswith(of.split(b":")[0]) and line.endswith(b"\n") else b""
+        with open(open_own(path), "rb") as file:
+            size, handle, line = os.fstat(file.fileno()).st_size, file.fileno(), file.readline(LONGEST)
+            if line != of:
+                found.foreign = line if FIRST.match(line) and line.endswith(b"\n") else b""
                 found.damaged = int(size > 0)
                 return found
             found.end = len(of)
@@ -104,5 +94,5 @@ def scanned(path: Path, of: bytes) -> StepFile:
     except FileNotFoundError:
         pass
     except OSError as fault:
-        raise StoreError(f"{path}: cannot be read ({fault.strerror}): make it readable") from None
+        raise StoreError(f"{path}: cannot be read ({reason(fault)}): make it readable") from None
     return found

@@ -249,7 +249,7 @@ from test_reuse import GRID, as_anew, of
 from vibeam.runs import fidelity_sweep
 from vibeam.runs.run import run as running
 
-CALLS = ("pwrite", "fsync", "link", "replace", "unlink")
+CALLS = ("write", "fsync", "link", "replace", "unlink")
 path, before = Path({file!r}), Path({file!r} + ".before")
 fidelity_sweep.march_blocks, fidelity_sweep.WRITE_EVERY = Solver(), 0.0
 sys.modules["vibeam.runs.run"].warm_up = lambda *given, **options: None

@@ -27,6 +27,7 @@ from vibeam.runs.store.branches import BranchPlan
 from vibeam.runs.store.file import Store, read
 from vibeam.runs.store.records import curves_of
 from vibeam.store.errors import StoreError
+from vibeam.store.hdf5 import fixed
 from vibeam.system.curves import MotionCurves
 from vibeam.system.quantities import METRES, PLAIN
 from vibeam.system.response import Ended, FrequencyResponse
@@ -231,6 +232,16 @@ def test_what_another_program_has_changed_is_refused(tmp_path: Path) -> None:
         path.unlink()
 
 
+@pytest.mark.parametrize("other", ["vibeam results 40", "vibeam results 3"])
+def test_a_file_of_another_format_is_refused_though_its_seal_fits(tmp_path: Path, other: str) -> None:
+    path = written(tmp_path / "a.h5")
+    with edited(path) as file:
+        file.attrs["format"] = fixed(other)
+    for use in (lambda: opened(path, CASE).__enter__(), lambda: read(path)):
+        with pytest.raises(StoreError, match="is no vibeam result of this version: start over with --fresh"):
+            use()
+
+
 def test_a_file_of_an_earlier_version_is_called_so(tmp_path: Path) -> None:
     """It has no digest, which is no damage."""
     path = written(tmp_path / "a.h5")
@@ -285,7 +296,7 @@ ACTIONS = {"block": "test_store.put(store, [4])", "record": "store.keep(test_sto
 
 
 @pytest.mark.parametrize("action", ACTIONS)
-@pytest.mark.parametrize("call", ["pwrite", "fsync", "replace"])
+@pytest.mark.parametrize("call", ["write", "fsync", "replace"])
 def test_a_kill_while_something_is_written_leaves_what_was_there(tmp_path: Path, call: str, action: str) -> None:
     path = written(tmp_path / "a.h5")
     assert run_script(KILLED, path, call=call, action=ACTIONS[action]).returncode == -9
@@ -522,7 +533,7 @@ def test_after_a_write_that_failed_no_other_is_tried(tmp_path: Path, monkeypatch
     with opened(tmp_path / "a.h5", CASE) as store:
         store.write(UP, 0, point(GRID[0], 3), [STATE])
         with monkeypatch.context() as patch:
-            patch.setattr(os, "pwrite", full)
+            patch.setattr(os, "write", full)
             with pytest.raises(StoreError, match="no space left"):
                 store.write(UP, 1, point(GRID[1], 3), [STATE])
         with pytest.raises(StoreError, match="no space left"):

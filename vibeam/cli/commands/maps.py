@@ -185,12 +185,13 @@ def _workers(where: str | None) -> Iterator[Cluster | None]:
 
 def _drawn(result: MapResult) -> tuple[StudySheet, list[Path]]:
     """The sheet of a map, and all its files, of which pictures and table are written."""
+    from vibeam.exchange.whole_files import beside
     from vibeam.figures.files import paths_of
     from vibeam.report.maps.page import sheet_of, study_of, write_map
     from vibeam.report.output import write_csv
 
     found, figures = study_of(result), paths_of(result.path, result.case.figure)
-    sheet, table = sheet_of(found, write_map(found, *figures)), result.path.with_suffix(".csv")
+    sheet, table = sheet_of(found, write_map(found, *figures)), beside(result.path.with_suffix(".csv"))
     if sheet.rows:
         write_csv(sheet.rows, table)
     return sheet, [result.path, *([table] if sheet.rows else []), *figures]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from vibeam.exchange.files import FormatError, State, read_by, require_coordinates, state_of
 from vibeam.exchange.matrices.entries import FileMatrix
-from vibeam.exchange.whole_files import write_whole
+from vibeam.exchange.whole_files import beside, write_whole
 from vibeam_models.registry import Registry, loaded
 
 HEAD = 512  # bytes by which a format is told where the ending does not
@@ -112,7 +112,7 @@ def write_arrays(arrays: Arrays, path: Path) -> dict[str, tuple[Path, str]]:
         return {name: (path, name) for name in arrays}
     if ending not in _ALONE:
         raise ValueError(f"{path}: matrices are written as {', '.join(WRITTEN)}")
-    files = {name: path.with_name(f"{path.stem}_{name}{ending}") for name in arrays}
+    files = {name: beside(path.with_name(f"{path.stem}_{name}{ending}")) for name in arrays}
     for name, file in files.items():
         write_whole(file, _content(_ALONE[ending], arrays[name]))
     return {name: (file, "") for name, file in files.items()}
