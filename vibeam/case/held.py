@@ -29,8 +29,7 @@ class Held:
         """The held coefficient in words, as ``R = 0.72 at the contact``."""
         if self.coefficient is None:
             return f'contact law "{self.law}"'
-        symbol, place = SYMBOLS.get(self.restitution_of, "R"), PLACES.get(self.restitution_of, "")
-        return f"{symbol} = {self.coefficient:g} {place}".rstrip()
+        return f"{self.symbol} = {self.coefficient:g} {PLACES.get(self.restitution_of, '')}".rstrip()
 
     @property
     def symbol(self) -> str:
@@ -48,9 +47,7 @@ def other_choice(held: Held) -> Held | None:
 def held_of(scene: AnyScene) -> Held:
     """Restitution that a scene holds, whatever the fidelity."""
     law = None if scene.stop is None else scene.stop.law
-    if law is not None:
-        return Held("", None, law.name)
-    return Held(*scene.held)
+    return Held(*scene.held) if law is None else Held("", None, law.name)
 
 
 def holding(scene: RigScene, restitution_of: str) -> Any:

@@ -1,36 +1,42 @@
 """Reduced structures of solids kept on disk by their content, so that a second run builds none of the solid.
 
 A file is named by the digest of the scene, the reduction, the code that makes them and the libraries below it, and is
-sealed: a damaged one is made anew. They stand in ``VIBEAM_CACHE``, else in the user's folder for caches; an empty
-``VIBEAM_CACHE`` keeps none. Of more than ``MOST`` the oldest go.
+sealed as what has that name: one that is damaged, of another name or of another form is made anew. They stand in
+``VIBEAM_CACHE``, else in the user's folder for caches; an empty ``VIBEAM_CACHE`` keeps none. Of more than ``MOST`` the
+oldest go.
 """
 
 from __future__ import annotations
 
 import json
 import os
+from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+from zipfile import BadZipFile
 
 import numpy as np
 
 import vibeam.exchange.meshes
 import vibeam_models
 import vibeam_reductions
-from vibeam.exchange.whole_files import read_sealed, write_sealed
+from vibeam.exchange.whole_files import is_link, read_sealed, write_sealed
 from vibeam_models.structure import FIELDS, Structure
 
-OF, NOTE = "reduced structure 1", "note 1"  # what a file's seal says it is of
+FORM = "kept structure 2"  # of the files, in the seal of each
+MISFITS = (OSError, EOFError, LookupError, TypeError, ValueError, AttributeError, BadZipFile)  # of content of any form
+NAME = "[0-9a-f]" * 40  # of a file, without its ending: no other is deleted
 MOST = 500  # files, of some kilobytes each
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "meshio")
 MAKERS = (vibeam_models, vibeam_reductions, vibeam.exchange.meshes)
 UNKNOWN = (" at 0x", "...")  # in a repr that does not say all of a value
 ROWS = FIELDS[:-1]
+Value = TypeVar("Value")
 
 
 def folder() -> Path | None:
@@ -42,74 +48,70 @@ def folder() -> Path | None:
     return (Path(own) if own else Path.home() / ".cache") / "vibeam" / "structures"
 
 
-def place_of(*content: Any) -> Path | None:
-    """File of what is made from ``content``; None where that cannot be told from its repr."""
+def place_of(*content: Any, ending: str = "npz") -> Path | None:
+    """File of what is made from ``content``; None where that cannot be told from its repr, or the folder is a link."""
     text, home = repr(content), folder()
-    if home is None or any(each in text for each in UNKNOWN):
+    if home is None or is_link(home) or any(each in text for each in UNKNOWN):
         return None
-    return home / f"{sha256(f'{_code()} {text}'.encode()).hexdigest()[:40]}.npz"
+    return home / f"{sha256(f'{_code()} {text}'.encode()).hexdigest()[:40]}.{ending}"
 
 
 def kept(place: Path | None) -> tuple[Structure, float] | None:
-    """Reduced structure and static deflection of a file; None where there is none, or a damaged one."""
-    content = _sealed(place, OF)
-    return None if content is None else _read(content)
+    """Reduced structure and static deflection of a file; None where there is none that fits."""
+    return _fitting(place, _read)
 
 
 def keep(place: Path | None, structure: Structure, static: float) -> None:
     """Keep a reduced structure; nothing where the disk does not take it."""
-    _write(place, _written(structure, static), OF)
+    _write(place, _written(structure, static))
 
 
-def noted(*content: Any) -> Any:
-    """Value noted of ``content``, as JSON has it; None where there is none, or a damaged one."""
-    found = _sealed(_note_of(*content), NOTE)
-    return None if found is None else json.loads(found)
+def noted(form: Callable[[Any], Value], *content: Any) -> Value | None:
+    """Value noted of ``content``, which ``form`` reads from what JSON has; None where there is none that fits."""
+    return _fitting(place_of(*content, ending="json"), lambda found: form(json.loads(found)))
 
 
 def note(value: Any, *content: Any) -> None:
     """Note a value of ``content``; nothing where the disk does not take it."""
-    _write(_note_of(*content), json.dumps(value).encode(), NOTE)
+    _write(place_of(*content, ending="json"), json.dumps(value).encode())
 
 
-def _note_of(*content: Any) -> Path | None:
-    place = place_of(*content)
-    return None if place is None else place.with_suffix(".json")
-
-
-def _sealed(place: Path | None, of: str) -> bytes | None:
-    with suppress(OSError):
-        return None if place is None else read_sealed(place, of)
+def _fitting(place: Path | None, read: Callable[[bytes], Value]) -> Value | None:
+    with suppress(*MISFITS):
+        content = None if place is None else read_sealed(place, _seal_of(place))
+        return None if content is None else read(content)
     return None
 
 
-def _write(place: Path | None, content: bytes, of: str) -> None:
+def _seal_of(place: Path) -> str:
+    """Form and name of a file, so that no other passes for it."""
+    return f"{FORM} {place.name}\n"
+
+
+def _write(place: Path | None, content: bytes) -> None:
     if place is None:
         return
     with suppress(OSError):
         place.parent.mkdir(parents=True, exist_ok=True)
-        write_sealed(place, content, of)
-        files = place.parent.glob(f"*{place.suffix}")
-        for old in sorted(files, key=lambda each: each.stat().st_mtime)[:-MOST]:
+        write_sealed(place, content, _seal_of(place))
+        files = place.parent.glob(f"{NAME}{place.suffix}")
+        for old in sorted(files, key=lambda each: each.lstat().st_mtime)[:-MOST]:
             old.unlink(missing_ok=True)
 
 
 def _written(structure: Structure, static: float) -> bytes:
     names = {"outputs": list(structure.outputs), "units": dict(structure.units), "static": static}
-    names["flexibility"] = structure.contact_flexibility
-    rows = {f"row {name}": getattr(structure, name) for name in ROWS}
-    rows |= {f"output {i}": row for i, row in enumerate(structure.outputs.values())}
-    rows |= {f"attached {i}": row for i, row in enumerate(structure.attached)}
+    said = json.dumps(names | {"flexibility": structure.contact_flexibility})
+    rows: dict[str, Any] = {f"row {name}": getattr(structure, name) for name in ROWS}
     file = BytesIO()
-    np.savez(file, names=np.array(json.dumps(names)), **dict[str, Any](rows))
+    np.savez(file, names=np.array(said), outputs=[*structure.outputs.values()], attached=structure.attached, **rows)
     return file.getvalue()
 
 
 def _read(content: bytes) -> tuple[Structure, float]:
     with np.load(BytesIO(content), allow_pickle=False) as file:
-        names = json.loads(str(file["names"]))
-        attached = tuple(file[f"attached {i}"] for i in range(sum(each.startswith("attached") for each in file.files)))
-        outputs = {name: file[f"output {i}"] for i, name in enumerate(names["outputs"])}
+        names, attached = json.loads(str(file["names"])), tuple(file["attached"])
+        outputs = dict(zip(names["outputs"], file["outputs"], strict=True))
         rows = {name: file[f"row {name}"] for name in ROWS}
     made = Structure(
         **rows, outputs=outputs, units=names["units"], attached=attached, contact_flexibility=names["flexibility"]

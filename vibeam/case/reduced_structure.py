@@ -84,10 +84,10 @@ def mobility_at_contact(scene: RigScene) -> float:
         return _mobility(own)
     from vibeam.case.kept_structures import note, noted
 
-    known = noted(own, "mobility")
+    known = noted(float, own, "mobility")
     if known is None:
         note(known := _mobility(own), own, "mobility")
-    return float(known)
+    return known
 
 
 def _mobility(scene: RigScene) -> float:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import os
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +13,8 @@ import pytest
 
 from vibeam.case import kept_structures
 from vibeam.case import reduced_structure as rooms
-from vibeam.case.kept_structures import keep, kept, place_of
+from vibeam.case.kept_structures import FORM, keep, kept, note, noted, place_of
+from vibeam.exchange.whole_files import write_sealed
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import Rectangle
@@ -60,6 +64,103 @@ def test_a_damaged_file_is_none(folder: Path) -> None:
     assert kept(place) is None
     keep(place, small(), 1.0)
     assert kept(place) is not None
+
+
+def stored(*content: object) -> Path:
+    place = place_of(*content)
+    assert place is not None
+    keep(place, small(), 1.0)
+    return place
+
+
+def test_the_file_of_another_structure_under_this_name_is_none(folder: Path) -> None:
+    place, other = stored("a scene"), stored("another")
+    place.write_bytes(other.read_bytes())
+    assert kept(place) is None
+    keep(place, small(), 1.0)
+    assert kept(place) is not None
+    other.unlink()
+    place.rename(other)
+    assert kept(other) is None
+
+
+def test_the_code_that_makes_a_structure_is_in_its_name(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place, value = stored("a scene"), 1.5
+    note(value, "a scene")
+    assert noted(float, "a scene") == value
+    monkeypatch.setattr(kept_structures, "_code", lambda: "other code")
+    assert place_of("a scene") != place
+    assert kept(place_of("a scene")) is None
+    assert noted(float, "a scene") is None
+
+
+@pytest.mark.parametrize("content", [b"", b"{}", b"PK\x03\x04 no archive", b"\x93NUMPY"])
+def test_a_file_of_another_form_is_none_and_is_made_anew(folder: Path, content: bytes) -> None:
+    place = stored("a scene")
+    write_sealed(place, content, f"{FORM} {place.name}\n")
+    assert kept(place) is None
+    keep(place, small(), 1.0)
+    assert kept(place) is not None
+
+
+def test_a_structure_that_lacks_an_array_is_none(folder: Path) -> None:
+    place, content = stored("a scene"), BytesIO()
+    np.savez(content, names=np.array(json.dumps({"outputs": [], "units": {}, "static": 1.0, "flexibility": 0.0})))
+    write_sealed(place, content.getvalue(), f"{FORM} {place.name}\n")
+    assert kept(place) is None
+
+
+def test_a_file_of_another_version_is_none(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place = stored("a scene")
+    monkeypatch.setattr(kept_structures, "FORM", FORM + "0")
+    assert kept(place) is None
+    assert kept_structures._seal_of(place) != FORM + place.name
+
+
+def pair(said: tuple[float, list[str]]) -> tuple[float, tuple[str, ...]]:
+    mass, assumed = said
+    return float(mass), tuple(assumed)
+
+
+@pytest.mark.parametrize(
+    "content", [b"1.5", b"[1.5]", b"null", b'"text"', b'{"mass": 1}', b"[[], []]", b"", b"\xff", b"{", b'["a", []]']
+)
+def test_a_note_of_another_form_is_none_and_is_made_anew(folder: Path, content: bytes) -> None:
+    note((1.5, ["said"]), "a mesh")
+    assert noted(pair, "a mesh") == (1.5, ("said",))
+    [file] = folder.glob("*.json")
+    write_sealed(file, content, f"{FORM} {file.name}\n")
+    assert noted(pair, "a mesh") is None
+    note((1.5, ["said"]), "a mesh")
+    assert noted(pair, "a mesh") == (1.5, ("said",))
+
+
+def test_a_link_in_the_cache_is_replaced_and_what_it_stands_for_stays(folder: Path, tmp_path: Path) -> None:
+    place, victim = stored("a scene"), tmp_path / "victim"
+    victim.write_bytes(place.read_bytes())
+    place.unlink()
+    place.symlink_to(victim)
+    assert kept(place) is None
+    keep(place, replace(small(), contact_flexibility=0.5), 1.0)
+    assert (kept(place) or (small(),))[0].contact_flexibility == 0.5
+    assert not place.is_symlink()
+    victim.unlink()
+
+
+def test_a_folder_that_is_a_link_keeps_nothing_and_files_of_others_stay(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kept_structures, "MOST", 1)
+    folder.mkdir()
+    (folder / "data.npz").write_bytes(b"another's")
+    (folder / f"{'0' * 40}.npz").symlink_to(folder / "none")
+    for other in ("data.npz", f"{'0' * 40}.npz"):
+        os.utime(folder / other, (0, 0), follow_symlinks=False)
+    place = stored("a scene")
+    assert {each.name for each in folder.iterdir()} == {"data.npz", place.name}
+    moved = folder.rename(folder.with_name("moved"))
+    folder.symlink_to(moved)
+    assert place_of("a scene") is None
 
 
 def test_what_a_repr_does_not_say_is_not_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

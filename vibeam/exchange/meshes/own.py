@@ -44,7 +44,7 @@ def own_structure(
     try:
         said = f"{digest_of(folder / plan.file)} {replace(plan, file='')!r}"
         asked = _Asked(sha256(said.encode()).hexdigest(), plan, folder)
-        known = noted(WHOLE, asked.digest)
+        known = noted(_known, WHOLE, asked.digest)
         if known is None:
             made = _body(asked)
             if made.faults or made.body is None:
@@ -53,9 +53,14 @@ def own_structure(
             note(known, WHOLE, asked.digest)
     except FormatError as error:
         return None, (("mesh", f"{plan.file}: {error}"),)
-    carried, assumed = known
-    made_of = partial(_structure, asked), None, carried, tuple(assumed), partial(_solid_body, asked)
+    made_of = partial(_structure, asked), None, *known, partial(_solid_body, asked)
     return GivenStructure(asked.digest, "solid", *made_of), ()
+
+
+def _known(said: tuple[float, list[str]]) -> tuple[float, tuple[str, ...]]:
+    """Mass of a mesh without faults, and what no key says of it, from a note; an error where that is another's."""
+    mass, assumed = said
+    return float(mass), tuple(map(str, assumed))
 
 
 @dataclass(frozen=True)
