@@ -42,3 +42,24 @@ def test_a_load_is_zero_outside_its_span_and_jumps_at_its_ends() -> None:
     found = observe.history_of_cubics([1.0, 2.0], [[3.0, 0.0, 0.0, 0.0]], 0.0, 3.0, bins=6)
     assert found.least.tolist() == [0.0, 0.0, 3.0, 3.0, 0.0, 0.0]
     assert found.greatest.tolist() == [0.0, 3.0, 3.0, 3.0, 3.0, 0.0]
+
+
+def test_a_zoom_from_edge_to_edge_has_the_bins_between_them_alone() -> None:
+    found = observe.history_of_cubics([0.0, 8.0], [[0.0, 1.0, 0.0, 0.0]], bins=8)
+    part = found.within(2.0, 5.0)
+    assert (part.edges.tolist(), part.least.tolist(), part.greatest.tolist()) == ([2, 3, 4, 5], [2, 3, 4], [3, 4, 5])
+
+
+def test_the_first_value_counts_in_the_first_bin_alone() -> None:
+    found = observe.history_of_cubics([0.0, 4.0], [[5.0, -1.0, 0.0, 0.0]], bins=4)
+    assert (found.least.tolist(), found.greatest.tolist()) == ([4, 3, 2, 1], [5, 4, 3, 2])
+
+
+def test_at_an_edge_where_it_jumps_the_later_value_counts_on_both_sides() -> None:
+    found = observe.history_of_cubics([0.0, 1.0, 2.0], [[1.0, 0.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0]], bins=2)
+    assert (found.least.tolist(), found.greatest.tolist()) == ([1, 3], [3, 3])
+
+
+def test_an_impact_at_an_edge_is_in_the_bin_after_it() -> None:
+    time, speed, many = observe.hardest_impacts([0.5, 1.0, 1.5], [3.0, 2.0, 1.0], [0.0, 1.0, 2.0])
+    assert (time.tolist(), speed.tolist(), many.tolist()) == ([0.5, 1.0], [3.0, 2.0], [1, 2])

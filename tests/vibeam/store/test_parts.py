@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from vibeam.store import parts
+from vibeam.exchange.whole_files import write_sealed
+from vibeam.store import parts, place, steps
 from vibeam.store.errors import StoreError
 from vibeam.store.long_work import LongWork, WorkPart, WorkStep
 from vibeam.store.parts import Ending, gathered, spans, take_part
-from vibeam.store.place import locked
+from vibeam.store.place import locked, place_of
 from vibeam.store.price import price
 
 ITEMS = {"fine": range(0, 47, 3), "coarse": range(0, 20, 4)}
@@ -76,6 +77,159 @@ def test_what_is_damaged_or_torn_is_named_and_computed_anew(tmp_path: Path, at: 
         gathered(made)
     take_part(made, WorkPart(4, 7))
     assert content(made) == before
+
+
+@pytest.mark.parametrize("tail", [b"torn", b"x" * 100_000, b"step 0000000099 00000000000999\nthe beginning"])
+def test_what_a_kill_has_left_behind_the_last_step_is_cut_off(tmp_path: Path, tail: bytes) -> None:
+    (tmp_path / "one").mkdir()
+    whole, made = work(tmp_path / "one"), work(tmp_path)
+    take_part(whole, workers=1)
+    take_part(made, workers=1)
+    path = made.folder / "00002.steps"
+    first = path.read_bytes().find(b"step ", len(b"vibeam steps") + 200)  # of the second record
+    path.write_bytes(path.read_bytes()[:first] + tail)
+    take_part(made, workers=1)
+    assert path.read_bytes() == (whole.folder / path.name).read_bytes()
+
+
+def other_first(made: LongWork, ending: Ending | None = None) -> LongWork:
+    """The work in whose first step another process computes all of it."""
+
+    def evaluated(step: WorkStep) -> dict[str, Any]:
+        if step.number == 0:
+            assert take_part(made).complete
+            if ending is not None:
+                ending.wish()
+        return evaluate(step)
+
+    return replace(made, evaluate=evaluated)
+
+
+def test_a_file_that_another_has_written_meanwhile_is_read_again_before_it_is_written(tmp_path: Path) -> None:
+    made, ending = work(tmp_path), Ending()
+    take_part(other_first(made, ending), WorkPart(1, 2), workers=1, ending=ending)
+    assert len(content(made)) == 21
+
+
+def test_no_step_is_written_twice(tmp_path: Path) -> None:
+    (tmp_path / "one").mkdir()
+    whole, made = work(tmp_path / "one"), work(tmp_path)
+    take_part(whole, workers=1)
+    take_part(other_first(made), WorkPart(1, 2), workers=1)
+    for file in whole.folder.glob("*.steps"):
+        assert sorted((made.folder / file.name).read_bytes()) == sorted(file.read_bytes())
+
+
+def test_a_file_is_locked_until_it_is_whole_and_no_longer(tmp_path: Path) -> None:
+    made, free = work(tmp_path), dict[int, bool]()
+
+    def evaluated(step: WorkStep) -> dict[str, Any]:
+        try:
+            with locked(made.folder / "00001.steps"):
+                free[step.number] = True
+        except StoreError:
+            free[step.number] = False
+        return evaluate(step)
+
+    take_part(replace(made, evaluate=evaluated), workers=1)
+    assert [free[number] for number in range(5)] == [True, False, False, True, True]
+
+
+def test_a_record_of_another_file_of_the_same_steps_is_not_there(tmp_path: Path) -> None:
+    """Its own first line is in the seal: what other code has computed is not taken for ours."""
+    for name, code in (("here", "code"), ("there", "old!")):
+        (tmp_path / name).mkdir()
+        take_part(replace(work(tmp_path / name), code=code), workers=1)
+    here, there = (work(tmp_path / name).folder / "00003.steps" for name in ("here", "there"))
+    line = here.read_bytes().index(b"\n") + 1
+    here.write_bytes(here.read_bytes()[:line] + there.read_bytes()[line:])
+    with pytest.raises(StoreError, match=r"3 of 21 steps are not there, in the files 3 \(damaged: 3\)"):
+        gathered(work(tmp_path / "here"))
+
+
+def test_a_file_of_steps_in_another_layout_is_named_and_stays(tmp_path: Path) -> None:
+    made = work(tmp_path)
+    take_part(made)
+    path = made.folder / "00003.steps"
+    other = path.read_bytes().replace(b"vibeam steps 1:", b"vibeam steps 10:")
+    path.write_bytes(other)
+    for use in (gathered, take_part):
+        with pytest.raises(StoreError, match="files 3 are of other code, other kernels or another computation"):
+            use(made)
+    assert path.read_bytes() == other
+
+
+def test_a_sealed_file_of_another_kind_is_no_manifest(tmp_path: Path) -> None:
+    made = work(tmp_path)
+    take_part(made)
+    manifest = made.folder / "manifest"
+    before = manifest.read_bytes()
+    for of in ("", "it"):
+        write_sealed(manifest, b"no manifest", of)
+        assert len(content(made)) == 21
+        assert manifest.read_bytes() == before
+
+
+def test_a_step_is_on_disk_unless_another_was_just_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, synchronised = [0.0], list[float]()
+    monkeypatch.setattr(parts, "monotonic", lambda: clock[0])
+
+    def evaluated(step: WorkStep) -> dict[str, Any]:
+        clock[0] += 0.2
+        return evaluate(step)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(steps.os, "fsync", lambda handle: synchronised.append(clock[0]))
+        take_part(replace(work(tmp_path), evaluate=evaluated), workers=1)
+    assert np.diff(synchronised[-7:]).tolist() == pytest.approx([0.6] * 6)
+
+
+def test_files_of_others_in_the_folder_stay_and_the_manifest_goes_last(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, gone = work(tmp_path), list[str]()
+    take_part(made)
+    (made.folder / "notes.txt").write_text("another's")
+    unlink = Path.unlink
+
+    def noted(path: Path, missing_ok: bool = False) -> None:
+        gone.append(path.name)
+        unlink(path, missing_ok)
+
+    monkeypatch.setattr(Path, "unlink", noted)
+    place_of(made.path).discard()
+    assert [each.name for each in made.folder.iterdir()] == ["notes.txt"]
+    assert (len(gone), gone[-1]) == (8, "manifest")
+
+
+def test_a_lock_that_its_last_holder_has_deleted_is_no_lock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between opening and locking the file: a third process would make a new one, and both would write."""
+    file, lock, tries = tmp_path / ".out.h5.lock", place._lock, list[int]()
+
+    def locking(handle: int) -> bool:
+        tries.append(handle)
+        if len(tries) == 1:
+            file.unlink()
+        return lock(handle)
+
+    monkeypatch.setattr(place, "_lock", locking)
+    with locked(tmp_path / "out.h5"):
+        assert len(tries) == 2
+        with pytest.raises(StoreError, match="is writing it"), locked(tmp_path / "out.h5"):
+            pass
+
+
+def test_a_lock_that_cannot_be_signed_is_given_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(handle: int, content: bytes) -> int:
+        raise OSError(28, "no space left")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(place.os, "write", full)
+        with pytest.raises(StoreError, match="no space left"), locked(tmp_path / "out.h5"):
+            pass
+    assert list(tmp_path.iterdir()) == []
+    with locked(tmp_path / "out.h5"):
+        pass
 
 
 def test_every_file_that_lacks_steps_is_named_at_once(tmp_path: Path) -> None:
