@@ -7,6 +7,7 @@ from typing import Any
 
 from vibeam.case.fidelity import with_first_mode_restitution
 from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.number_text import ratio
 from vibeam_models.scene import AnyScene, RigScene
 
 SYMBOLS = {"contact": "R", "first mode": "R₁"}
@@ -29,7 +30,7 @@ class Held:
         """The held coefficient in words, as ``R = 0.72 at the contact``."""
         if self.coefficient is None:
             return f'contact law "{self.law}"'
-        return f"{self.symbol} = {self.coefficient:g} {PLACES.get(self.restitution_of, '')}".rstrip()
+        return f"{self.symbol} = {ratio(self.coefficient, 'g')} {PLACES.get(self.restitution_of, '')}".rstrip()
 
     @property
     def symbol(self) -> str:

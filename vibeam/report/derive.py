@@ -10,7 +10,7 @@ from vibeam.case.held import held_of
 from vibeam.report.output import StudySheet, plain
 from vibeam.report.reductions import shown
 from vibeam.report.tables import ReportTable, blank, coefficient
-from vibeam.system.number_text import percent, signed, with_unit, without_round_off
+from vibeam.system.number_text import percent, ratio, signed, with_unit, without_round_off
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -53,7 +53,7 @@ def impact_answer(impact: SharedImpact, case: Case) -> str:
 
 def share_table(impact: SharedImpact) -> ReportTable:
     """Table of the restitution of mode 1 and of the contact, a row a number of modes."""
-    given = f"{impact.restitution:.4g}"
+    given = ratio(impact.restitution)
     table = blank(
         "Restitution of contact and sensor", "modes|", "mode 1|", f"R₁ if R = {given}|", f"R if R₁ = {given}|"
     )

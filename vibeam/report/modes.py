@@ -7,7 +7,7 @@ from math import isfinite
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.studies.modes import ModeRow, ModeTable
-from vibeam.system.number_text import FREQUENCIES, percent, prefixed, with_unit, without_round_off
+from vibeam.system.number_text import FREQUENCIES, percent, prefixed, ratio, with_unit, without_round_off
 
 
 def sheet(modes: ModeTable) -> StudySheet:
@@ -36,12 +36,12 @@ def _seen(first: ModeRow, last: ModeRow) -> str:
         return ""
     at, after = "cut off after mode 1", f"after mode {last.number}"
     if first.contact_restitution == last.contact_restitution:
-        held = f"with R = {last.contact_restitution:.4g} held at the contact"
+        held = f"with R = {ratio(last.contact_restitution)} held at the contact"
         seen = first.first_mode_restitution, last.first_mode_restitution
-        return f"; {held}, mode 1 sees R₁ = {seen[0]:.4g} in a model {at}, {seen[1]:.4g} {after}"
-    held = f"with R₁ = {last.first_mode_restitution:.4g} of mode 1 held"
+        return f"; {held}, mode 1 sees R₁ = {ratio(seen[0])} in a model {at}, {ratio(seen[1])} {after}"
+    held = f"with R₁ = {ratio(last.first_mode_restitution)} of mode 1 held"
     needs = first.contact_restitution, last.contact_restitution
-    return f"; {held}, the contact has R = {needs[0]:.4g} in a model {at}, {needs[1]:.4g} {after}"
+    return f"; {held}, the contact has R = {ratio(needs[0])} in a model {at}, {ratio(needs[1])} {after}"
 
 
 def modal(modes: ModeTable) -> ReportTable:
@@ -56,7 +56,7 @@ def modal(modes: ModeTable) -> ReportTable:
     largest = [max(map(abs, column)) for column in zip(*shown, strict=True)]
     for row, numbers in zip(modes.rows, shown, strict=True):
         values = (f"{without_round_off(*pair):.4g}" for pair in zip(numbers, largest, strict=True))
-        restitutions = [f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}"] * impulsive
+        restitutions = [ratio(row.first_mode_restitution, ".4f"), ratio(row.contact_restitution, ".4f")] * impulsive
         damping = percent(row.damping_ratio) if row.frequency else "rigid body"
         first = (str(row.number), f"{row.frequency * factor:.5g}", damping, *values)
         table.add_row(*first, percent(row.share), *restitutions)

@@ -18,7 +18,7 @@ from vibeam.studies.modes_needed.reduction import ReductionProblem, plan_asked
 from vibeam.studies.modes_needed.response import Claim
 from vibeam.studies.modes_needed.study import MODAL, BeforeFlight, ModesNeeded, before_flight
 from vibeam.system.curves import evenly
-from vibeam.system.number_text import begun, modes_in_words, percent, signed
+from vibeam.system.number_text import begun, modes_in_words, percent, ratio, signed
 
 HELD = {"contact": "R at the contact", "first mode": "R as mode 1 sees it"}
 SINGLE = "one degree of freedom"
@@ -78,7 +78,7 @@ def _held(found: BeforeFlight, plan: ModesNeededPlan) -> str:
     if found.claim.modes == 1 or not found.choices:
         return ""
     here, *others = found.choices
-    said = f" {begun(HELD[here.held.restitution_of])} is held at {here.held.coefficient:g}"
+    said = f" {begun(HELD[here.held.restitution_of])} is held at {ratio(here.held.coefficient, 'g')}"
     for there in others:
         if there.enough == here.enough and abs(there.single.peak - here.single.peak) < DUST:
             said += ", which makes no difference"

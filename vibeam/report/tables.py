@@ -23,6 +23,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from vibeam.exchange.whole_files import naming_stdout
+from vibeam.system.number_text import ratio
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
@@ -262,4 +263,4 @@ def rows_of(title: str, rows: Sequence[object]) -> ReportTable:
 
 def coefficient(value: float) -> str:
     """Coefficient of restitution as text; a dash where there is none."""
-    return f"{value:.4f}" if isfinite(value) else "–"
+    return ratio(value, ".4f") if isfinite(value) else "–"

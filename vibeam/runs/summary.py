@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.runs.comparison.differences import listed
+from vibeam.system.number_text import ratio
 from vibeam.system.response import Branches, Difference, Peak, complete, modes_of
 
 if TYPE_CHECKING:
@@ -127,8 +128,8 @@ def yielding(scene: Any) -> str:
 def beyond(row: str, needed: float, scene: Any) -> str:
     """Remark on a first mode's restitution that no coefficient at the contact gives: it would be ``needed``."""
     return (
-        f"{row}: R₁ = {scene.stop.usual_restitution:g} would take R = {needed:.4g} at the contact, and none is above "
-        f"1. Take fewer modes, put a mass at the contact, or {YIELDS}.\n{yielding(scene)}"
+        f"{row}: R₁ = {ratio(scene.stop.usual_restitution, 'g')} would take R = {ratio(needed)} at the contact, and "
+        f"none is above 1. Take fewer modes, put a mass at the contact, or {YIELDS}.\n{yielding(scene)}"
     )
 
 

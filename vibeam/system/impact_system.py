@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.system.arguments import checked
+from vibeam.system.number_text import ratio
 from vibeam.system.rows import Contact, TimeDerivative
 from vibeam_models.arguments import counted, number, read_only, refuse, require
 from vibeam_models.arrays import Array, ValueRecord
@@ -94,7 +95,7 @@ class ImpactSystem(ValueRecord):
 
     def __repr__(self) -> str:
         rates = ", ".join(f"{rate:.6g}" for rate in self.omega[:SHOWN]) + (", …" if self.size > SHOWN else "")
-        law = f"restitution={self.restitution:g}" if self.law is None else f"law={self.law!r}"
+        law = f"restitution={ratio(self.restitution, 'g')}" if self.law is None else f"law={self.law!r}"
         second = "" if self.second_gap is None else f", second_gap={self.second_gap:g}"
         coupled = "" if self.coupling is None else ", coupled damping"
         second += "" if self.further is None else f", {counted(len(self.further), 'further contact')}"

@@ -54,6 +54,18 @@ def prefixed(steps: Steps, largest: float, usual: int = 1) -> tuple[str, float]:
     return name, factor
 
 
+ONE = 1e-13  # difference from 0 and 1 that is round-off
+
+
+def ratio(value: float, form: str = ".4g", whole: float = 1.0) -> str:
+    """Ratio in a format; in more digits where that says 0 or the ``whole``, and it is neither: 0.999999999."""
+    text = f"{value:{form}}"
+    if abs(float(text)) not in (0.0, whole) or abs(value - float(text)) <= ONE * whole:
+        return text
+    more = (f"{value:.{digits}g}" for digits in range(1, 18))
+    return next(each for each in more if abs(float(each)) not in (0.0, whole))
+
+
 MOST = 100.0  # largest share shown as a number: what is further off is off altogether
 ROUND_OFF = 1e-9  # share of what a number comes from, below which it is round-off
 
@@ -62,7 +74,7 @@ def percent(value: float) -> str:
     """Share as percent, to three digits; of one beyond ``MOST`` that it is more."""
     if value > MOST:
         return "∞" if math.isinf(value) else f"> {100 * MOST:.0f} %"
-    return f"{_three_digits(100 * value):g} %" if math.isfinite(value) else "–"
+    return f"{_three_digits(100 * value):.15g} %" if math.isfinite(value) else "–"
 
 
 def without_round_off(value: float, of: float) -> float:
@@ -77,7 +89,7 @@ def signed(value: float) -> str:
     if value > MOST:
         return f"> +{100 * MOST:.0f} %"
     if abs(value) >= 1e-5:
-        return f"{_three_digits(100 * value):+g} %"
+        return f"{_three_digits(100 * value):+.15g} %"
     return f"{float(f'{100 * value:.0e}'):+.4f} %" if abs(value) >= 1e-6 else "0"
 
 
@@ -95,4 +107,4 @@ def begun(text: str) -> str:
 
 
 def _three_digits(value: float) -> float:
-    return float(f"{value:.3g}")
+    return float(ratio(value, ".3g", 100.0))

@@ -265,7 +265,7 @@ def contact_restitution(first_mode: float, first: float, mobility: float) -> flo
     restitution = needed_restitution(first_mode, first, mobility)
     if not 0 <= restitution <= 1:
         raise ValueError(
-            f"restitution: mode 1 would see {first_mode} only with {restitution:.4g} at the contact, outside [0, 1]: "
+            f"restitution: mode 1 would see {first_mode} only with {restitution:.12g} at the contact, outside [0, 1]: "
             f"it carries {first**2 / mobility:.1%} of this model's contact mobility; hold the contact's own "
             '(restitution_of = "contact"), or let the stop yield: vibeam modes writes its table'
         )

@@ -171,6 +171,7 @@ def test_the_page_asks_nothing_of_any_network_and_is_small(text):
     policy = next(each["content"] for _, each in parsed.found if each.get("http-equiv") == "Content-Security-Policy")
     assert policy.startswith("default-src 'none'")
     assert "connect-src" not in policy
+    assert {"base-uri 'none'", "form-action 'none'"} <= set(policy.split("; "))  # no part of default-src
     assert len(text.encode()) < 1.6e6
 
 

@@ -15,6 +15,7 @@ from vibeam.figures.units import units_for
 from vibeam.observe.restitution import Collision
 from vibeam.solvers.collision import struck
 from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.number_text import ratio
 from vibeam_models.arrays import Array
 
 caption = "one collision: what the contact and the mode that strikes keep of their velocity"
@@ -99,4 +100,4 @@ def _range(values: Array) -> tuple[float, float, float]:
 
 
 def _law(system: ImpactSystem) -> str:
-    return f"R = {system.restitution:g}" if system.law is None else system.law.name
+    return f"R = {ratio(system.restitution, 'g')}" if system.law is None else system.law.name

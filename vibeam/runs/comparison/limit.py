@@ -20,6 +20,7 @@ from vibeam.case.fidelity import Fidelity, system
 from vibeam.case.held import holding
 from vibeam.case.reduced_structure import mobility_at_contact
 from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.number_text import ratio
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene, Scene, line_of
 
@@ -55,7 +56,7 @@ class Limit:
         at_contact = impulse * self.mobility - 1
         if not 0 <= restitution <= 1 or at_contact > 1:
             needed = at_contact if at_contact > 1 else restitution
-            raise ValueError(f"its limit would need R = {needed:.4g} at the contact, outside [0, 1]")
+            raise ValueError(f"its limit would need R = {ratio(needed)} at the contact, outside [0, 1]")
         return replace(self.system, restitution=restitution)
 
 

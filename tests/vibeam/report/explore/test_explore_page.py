@@ -141,7 +141,8 @@ def test_sizes_of_numbers_suit_the_motion():
 
 def test_the_page_asks_nothing_of_any_network_and_may_compile(html):
     wanted = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
-    assert policy(html) == wanted + "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:"
+    wanted += "script-src 'unsafe-inline' 'wasm-unsafe-eval'; worker-src blob:; base-uri 'none'; form-action 'none'"
+    assert policy(html) == wanted
     assert not re.search(r"""(src|href)\s*=\s*["'](?!data:|#)""", html)
     assert "<img src=x" not in html
     assert "49" not in re.search(r"<h1>(.*?)</h1>", html)[1]
