@@ -130,7 +130,7 @@ def is_link(path: Path) -> bool:
 
 
 def _called(mode: int) -> str:
-    """What else than a file it is; empty of a file."""
+    """Kind of what is no regular file; empty of one."""
     kinds = {stat.S_IFREG: "", stat.S_IFLNK: "a link", stat.S_IFDIR: "a folder", stat.S_IFIFO: "a pipe"}
     return (kinds | {stat.S_IFSOCK: "a socket"}).get(stat.S_IFMT(mode), "a device")
 
