@@ -59,11 +59,8 @@ ONE = 1e-13  # difference from 0 and 1 that is round-off
 
 def ratio(value: float, form: str = ".4g", whole: float = 1.0) -> str:
     """Ratio in a format; in more digits where that says 0 or the ``whole``, and it is neither: 0.999999999."""
-    text = f"{value:{form}}"
-    if abs(float(text)) not in (0.0, whole) or abs(value - float(text)) <= ONE * whole:
-        return text
-    more = (f"{value:.{digits}g}" for digits in range(1, 18))
-    return next(each for each in more if abs(float(each)) not in (0.0, whole))
+    texts = (f"{value:{each}}" for each in (form, *(f".{digits}g" for digits in range(1, 18))))
+    return next(each for each in texts if abs(float(each)) not in (0, whole) or abs(value - float(each)) <= ONE * whole)
 
 
 MOST = 100.0  # largest share shown as a number: what is further off is off altogether
@@ -74,7 +71,7 @@ def percent(value: float) -> str:
     """Share as percent, to three digits; of one beyond ``MOST`` that it is more."""
     if value > MOST:
         return "∞" if math.isinf(value) else f"> {100 * MOST:.0f} %"
-    return f"{_three_digits(100 * value):.15g} %" if math.isfinite(value) else "–"
+    return f"{float(ratio(100 * value, '.3g', 100.0)):.15g} %" if math.isfinite(value) else "–"
 
 
 def without_round_off(value: float, of: float) -> float:
@@ -89,7 +86,7 @@ def signed(value: float) -> str:
     if value > MOST:
         return f"> +{100 * MOST:.0f} %"
     if abs(value) >= 1e-5:
-        return f"{_three_digits(100 * value):+.15g} %"
+        return f"{float(ratio(100 * value, '.3g', 100.0)):+.15g} %"
     return f"{float(f'{100 * value:.0e}'):+.4f} %" if abs(value) >= 1e-6 else "0"
 
 
@@ -104,7 +101,3 @@ def modes_in_words(count: int) -> str:
 def begun(text: str) -> str:
     """The text with a capital letter at its beginning."""
     return text[:1].upper() + text[1:]
-
-
-def _three_digits(value: float) -> float:
-    return float(ratio(value, ".3g", 100.0))
