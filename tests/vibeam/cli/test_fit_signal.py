@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import vibeam
 from vibeam.cli.main import app
 
 CASE = Path(__file__).parents[3] / "cases" / "synthetic" / "modes.toml"
@@ -93,3 +94,24 @@ def test_all_options_in_vain_are_told_at_once(decay: Path) -> None:
     assert [line.removeprefix(f"{decay}: ").split(" ")[0] for line in told] == [
         "--next", "--key", "--drive", "--level", "--drive", "--level",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [1e300, 1e-300, 1e61, 1e-61])
+@pytest.mark.parametrize("head", ["time (s),x (m)", "frequency (Hz),amplitude (m)"])
+def test_values_whose_squares_no_float_holds_are_refused_in_one_message(tmp_path: Path, size: float, head: str) -> None:
+    file = tmp_path / "m.csv"
+    rows = (f"{1 + 0.01 * i:.2f},{size * (1 + np.cos(i / 5)):.6g}" for i in range(200))
+    file.write_text("\n".join((head, *rows)))
+    done = CliRunner().invoke(app, ["fit", str(file)])
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert "too large or too small; the largest lies between 1e-60 and 1e+60 in its unit" in done.stderr
+
+
+def test_decays_and_responses_of_any_usual_unit_are_fitted_alike() -> None:
+    time = np.linspace(0.0, 2.0, 2001)
+    motion = np.exp(-0.5 * time) * np.cos(50.0 * time)
+    found = [vibeam.identify_decay(time, size * motion).rows[0].value for size in (1.0, 1e-9, 1e-59, 1e59)]
+    assert found == pytest.approx([50 / (2 * np.pi)] * 4, rel=1e-4)
+    for size in (1e-61, 1e61):
+        with pytest.raises(ValueError, match="the largest lies between"):
+            vibeam.identify_decay(time, size * motion)

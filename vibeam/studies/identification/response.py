@@ -120,6 +120,11 @@ def _dynamic(r: Array, ratio: float) -> Array:
     return np.asarray(np.hypot(1 - r**2, 2 * ratio * r))
 
 
+def in_range(values: Array) -> bool:
+    """Test whether values are finite, and 0 or such that the fourth power of the largest is a number."""
+    return bool(1e-60 <= np.max(np.abs(values), initial=0.0) <= 1e60 or not np.any(values))
+
+
 def _checked(
     frequency: ArrayLike, amplitude: ArrayLike, uncertainty: ArrayLike | None, least: int
 ) -> tuple[Array, Array, Array | None]:
@@ -129,8 +134,8 @@ def _checked(
     if len(f) < least:
         raise ValueError(f"{len(f)} points are too few: {least} are needed")
     _require_room(len(f))
-    if not (np.isfinite(f).all() and np.isfinite(a).all() and (f >= 0).all() and (a >= 0).all()):
-        raise ValueError("every frequency and amplitude must be a finite number, not below 0")
+    if not (in_range(f) and in_range(a) and (f >= 0).all() and (a >= 0).all()):
+        raise ValueError(f"every frequency and amplitude must be a finite number, not below 0{RANGE}")
     if not a.max() > 0 or np.ptp(f) == 0:
         raise ValueError("there is no response in it: all amplitudes are 0, or all frequencies the same")
     if f[np.argmax(a)] == 0:
@@ -139,8 +144,8 @@ def _checked(
     if uncertainty is None:
         return f[order], a[order], None
     u = np.broadcast_to(np.asarray(uncertainty, dtype=float), f.shape)
-    if not (np.isfinite(u).all() and (u > 0).all()):
-        raise ValueError("every uncertainty must be a finite number above 0")
+    if not (in_range(u) and (u > 0).all()):
+        raise ValueError(f"every uncertainty must be a finite number above 0{RANGE}")
     return f[order], a[order], u[order]
 
 
@@ -201,6 +206,7 @@ def _remains(left: float) -> list[str]:
 
 
 LEAST = 16  # samples
+RANGE = "; the largest lies between 1e-60 and 1e+60 in its unit"
 CORRELATED = 0.3  # correlation of neighbouring residuals from which on noise is not white
 
 
@@ -258,13 +264,13 @@ def _checked_decay(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Arr
     if len(t) < LEAST:
         raise ValueError(f"a decay of {len(t)} samples is too short: {LEAST} are needed")
     _require_room(len(t))
-    if not (np.isfinite(t).all() and np.isfinite(x).all()):
-        raise ValueError("every time and displacement must be a finite number")
+    if not (in_range(t) and in_range(x)):
+        raise ValueError(f"every time and displacement must be a finite number{RANGE}")
     if not (np.diff(t) > 0).all():
         raise ValueError("the times must ascend")
     if np.ptp(x) == 0:
         raise ValueError("the displacement is constant: there is no motion in it")
-    return t - t[0], x
+    return t - t[0], x / 2.0 ** np.frexp(np.max(np.abs(x)))[1]  # exact; tolerances of the fit are absolute
 
 
 def _first_guess(t: Array, x: Array) -> tuple[float, float]:
