@@ -13,7 +13,7 @@ from sealed import edited
 
 import vibeam
 from vibeam.figures.record import kept_place
-from vibeam.report.transient import transient_report
+from vibeam.report.transient import modal_energies, transient_report
 from vibeam.report.transient_answer import is_chaotic
 from vibeam.runs.parallel import Interrupted
 from vibeam.runs.transient import motions, store
@@ -152,6 +152,22 @@ def test_a_run_that_is_stopped_goes_on(
     assert rest == whole
 
 
+def test_a_part_of_a_run_is_reported_without_the_value_that_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(done: int, total: int) -> None:
+        if done == 1:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(store, "WRITE_EVERY", 0.0)
+    with pytest.raises(Interrupted):
+        run(case(), tmp_path / "own.h5", progress=stop)
+    partial: Any = vibeam.read(tmp_path / "own.h5")
+    assert not partial["events"].run[-1].any()
+    assert list(modal_energies(partial)) == []
+    assert transient_report(partial)
+
+
 def test_blocks_of_a_killed_run_are_found(
     tmp_path: Path, whole: TransientResult, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -199,6 +215,16 @@ def test_a_pipe_is_no_results_file_and_nobody_waits_for_it(tmp_path: Path) -> No
     assert not store.is_transient(tmp_path / "own.h5")
     with pytest.raises(StoreError, match="is a pipe, not a file"):
         vibeam.read(tmp_path / "own.h5")
+
+
+def test_every_fidelity_whose_solver_cannot_take_the_law_is_named_at_once(tmp_path: Path) -> None:
+    stop = {"gap": 0.01, "law": "linear", "stiffness": 1e4, "restitution": 0.5}
+    made = vibeam.Case.of(TABLES | {"stop": stop})
+    with pytest.raises(vibeam.CaseError) as told:
+        run(made, tmp_path / "own.h5")
+    assert [each.key for each in told.value.faults] == ["fidelity.events", "fidelity.steps"]
+    assert "solver 'direct' cannot take the contact law \"linear\": the solver 'flight' can" in str(told.value)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_key_of_the_rig_is_varied() -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.case import plan_of_record, units_of_output
+from vibeam.exchange.faults import CaseError, Fault
 from vibeam.runs.parallel import PointCount
 from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.transient.memory import require_room
@@ -86,8 +87,15 @@ def _make(
     count: PointCount | None,
 ) -> None:  # fmt: skip
     """Make motions, several at once, and keep each."""
-    for name in {each.fidelity for each in motions}:
-        makers[name].warm_up()  # here Ctrl-C can stop a compilation; what is made once is there before threads ask
+    faults: list[Fault] = []
+    for name in dict.fromkeys(each.fidelity for each in motions):
+        try:
+            makers[name].warm_up()  # here Ctrl-C can stop a compilation; what is made once is there before threads ask
+        except ValueError as refusal:
+            own = makers[name].case.fault("fidelity", name, message=str(refusal))
+            faults += refusal.faults if isinstance(refusal, CaseError) else [own]
+    if faults:
+        raise CaseError(faults)
 
     def keep(motion: Realisation, found: Reading) -> None:
         maker = makers[motion.fidelity]
