@@ -78,7 +78,7 @@ def _held(found: BeforeFlight, plan: ModesNeededPlan) -> str:
     if found.claim.modes == 1 or not found.choices:
         return ""
     here, *others = found.choices
-    said = f" {begun(HELD[here.held.restitution_of])} is held at {ratio(here.held.coefficient, 'g')}"
+    said = f" {begun(HELD[here.held.restitution_of])} is held at {ratio(here.held.coefficient or 0.0, 'g')}"
     for there in others:
         if there.enough == here.enough and abs(there.single.peak - here.single.peak) < DUST:
             said += ", which makes no difference"

@@ -137,8 +137,8 @@ def energies(result: TransientResult) -> ReportTable:
 def modal_energies(result: TransientResult) -> Iterator[ReportTable]:
     """Tables of the finest fidelities: work, energy lost and left of every mode, at the last value."""
     last = f"; at {result.over} = {factor_text(result, result.factors[-1])}" * (len(result.factors) > 1)
-    for name in dict.fromkeys(result.finest.values()):
-        own = result[name]
+    finest = {name: result[name] for name in result.finest.values()}
+    for name, own in ((name, each) for name, each in finest.items() if each.run[-1].any()):
         heads = (f"{each}{_of(result, 'J')}|" for each in ("work", "by damping", "to the stop", "left"))
         table = blank(f"Energy by mode, {name}", "mode|", *heads)
         table.caption = "to the stop: less than 0 is handed to the mode by impacts" + last

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.system.number_text import ratio
 from vibeam_models.base import Base
 from vibeam_models.beam import assemble
 from vibeam_models.keys import keys_of
@@ -112,7 +111,7 @@ def doubts(scene: Scene, found: tuple[ContactAtSpeed, ...]) -> Iterator[str]:
     spring = law.contact(1 / found[0].mass).spring
     if spring is not None and law.damping is None and spring.damping > 1e-9 * sqrt(spring.stiffness * found[0].mass):
         yield (
-            f"each fidelity has a damping of its own for R = {ratio(law.restitution, 'g')}, that of its own 1/S: the "
+            f"each fidelity has a damping of its own for R = {law.restitution}, that of its own 1/S: the "
             f'{found[0].modes} modes that count have it with damping = "{spring.damping:.4g} N s/m" in place of '
             "restitution, which is the same stop in all"
         )

@@ -54,6 +54,14 @@ def test_every_picture_is_drawn_of_its_map(picture: str, tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("picture", ["bifurcation", "basins", "spectra"])
+def test_a_map_without_motion_is_drawn_without_a_warning(picture: str, tmp_path: Path) -> None:
+    table = {"picture": picture, "settle": 20, "hold": 16, "boundaries": False} | TABLES[picture]
+    still = {"map": {"m": table}, "drive.voltage": 0.0, "stop.gap": 1e-3, "reference": None}
+    figure = map_figure(vibeam.run_map(vibeam.load(RIG, set=SI | still), "m", tmp_path / "m.h5"))
+    assert np.all(np.isfinite(figure.axes[0].get_ylim()))
+
+
+@pytest.mark.parametrize("picture", ["bifurcation", "basins", "spectra"])
 def test_a_map_of_one_point_is_drawn_without_a_warning(picture: str, tmp_path: Path) -> None:
     axes = [{"key": "sweep.frequency", "values": [15.0]}]
     figure = map_figure(vibeam.run_map(case(picture, axes=axes), "m", tmp_path / "m.h5"))

@@ -135,3 +135,11 @@ def test_the_front_is_what_nothing_beats(points: list[tuple[float, float]]) -> N
     kept = {points[i] for i in front(points)}
     beaten = {p for p in points if any(q != p and q[0] <= p[0] and q[1] <= p[1] for q in points)}
     assert kept == set(points) - beaten
+
+
+def test_samples_of_nothing_have_no_distance() -> None:
+    """Of a truth that does not move: each is over the truth's mean, which is 0."""
+    nothing, some = AperiodicSample(np.zeros(8), np.zeros(0)), AperiodicSample(np.ones(8), np.ones(8))
+    for cloud in (nothing, some):
+        assert np.isnan(sample_distance(cloud, nothing))
+    assert sample_distance(some, some) == 0

@@ -186,3 +186,16 @@ def test_the_exact_motion_with_any_stop_is_that_of_settled_flights(stop: dict[st
             model, omega=[omega], amplitude=case.amplitude(np.array([omega])), settle=600, hold=8, output="sensor"
         )
         assert found.values[found.counts.index(count)] == pytest.approx(flown.amplitude[0], rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("values", "arrived"),
+    [
+        ([1, 1, 1, 2, 3, 4], False), ([1, 1, 1, 1, 1.5, 1.7], False), ([1, 2, 3, 4, 4], True),
+        ([1, 2, 1, 2, 1, 1], True), ([0, 0, 0, 0, 0], True),
+    ],
+)  # fmt: skip
+def test_values_that_stand_still_are_taken_without_a_division_by_nothing(values: list[float], arrived: bool) -> None:
+    found = observed_limit([2**n for n in range(len(values))], [float(each) for each in values])
+    assert (found.limit == values[-1]) is arrived
+    assert np.isfinite(found.uncertainty) == arrived

@@ -36,7 +36,7 @@ def spectra(figure: Figure, result: MapResult, exact: bool) -> tuple[list[Any], 
         (float(each.amplitude.max()) for lines in every.values() for each in lines if len(each.order)), default=1
     )
     for axes, ((name, way), lines) in zip(grid, every.items(), strict=True):
-        _waterfall(axes, lines, largest, across.factor)
+        _waterfall(axes, lines, largest or 1.0, across.factor)
         axes.set_title(plain(f"{name_of(result.case, name)}, {result[name].ways[way]}"))
         axes.set_xlabel("frequency over drive frequency")
     grid[0].set_ylabel(across.label)

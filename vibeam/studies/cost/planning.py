@@ -107,10 +107,10 @@ class Planning:
     def plan(self) -> Plan:
         """Common plan of all runs: the path is driven at the reference's peak and starts one swing from the stop."""
         response = measure(self._finest.system, FLIGHT, self.first).response
-        size, top = float(np.nanmedian(response.reach)), response.peak.frequency
+        reach, top = response.reach[np.isfinite(response.reach)], response.peak.frequency
         drive = self._drive(2 * np.pi * top) if np.isfinite(top) else self.first.drive
-        size = size if size > 0 else 1.0
-        return replace(self.first, cloud=CLOUD, window=WINDOW, size=size, drive=drive)
+        size = float(np.median(reach)) if len(reach) else 0.0
+        return replace(self.first, cloud=CLOUD, window=WINDOW, size=size if size > 0 else 1.0, drive=drive)
 
     @cached_property
     def long(self) -> Plan:

@@ -62,9 +62,9 @@ def _statistics(found: Measurement, truth: Measurement) -> dict[str, Any]:
 
 
 def sample_distance(cloud: AperiodicSample, truth: AperiodicSample) -> float:
-    """Worst difference of means and quantiles of two samples, each over the truth's mean; NaN for an empty sample."""
+    """Worst difference of means and quantiles of two samples, each over the truth's mean; NaN for one empty or 0."""
     pairs = ((cloud.amplitude, truth.amplitude), (cloud.velocity, truth.velocity))
-    gaps = [np.abs(_shape(ours) - _shape(theirs)) / abs(np.mean(theirs)) for ours, theirs in pairs if len(theirs)]
+    gaps = [np.abs(_shape(ours) - _shape(theirs)) / abs(np.mean(theirs)) for ours, theirs in pairs if np.any(theirs)]
     return float(np.max(gaps)) if gaps else NONE
 
 

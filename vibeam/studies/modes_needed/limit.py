@@ -263,6 +263,7 @@ def moving_law(found: Sequence[ImpactSystem]) -> str:
 LEAST = 4  # values from which a rate is observed
 SLOWEST = 0.4  # rate below which differences are not taken to sum up
 STEADY = 0.25  # largest difference of two successive rates of a sequence that is extrapolated
+LEAST_STEP = 1e-300  # for logarithms
 ROUND_OFF = 1e-7  # relative difference at which a sequence has arrived
 TOO_FEW = "too few numbers of modes to observe a rate"
 DIVERGES = "no limit in sight: from N = {0} to {1} it still changes by {2:.2g} %, no less than before"
@@ -277,8 +278,7 @@ def observed_limit(counts: Sequence[int], values: Sequence[float]) -> ObservedLi
     scale = max(abs(float(x[-1])), 1e-300)
     if np.all(np.abs(steps[-2:]) <= ROUND_OFF * scale):
         return ObservedLimit(limit=float(x[-1]), uncertainty=ROUND_OFF * scale)
-    with np.errstate(divide="ignore"):
-        rates = np.log2(np.abs(steps[:-1] / steps[1:]))
+    rates = -np.diff(np.log2(np.maximum(np.abs(steps), LEAST_STEP)))
     one_way = bool(np.all(steps[-3:] > 0) or np.all(steps[-3:] < 0))
     if one_way and rates[-1] > SLOWEST and abs(rates[-1] - rates[-2]) < STEADY:
         return _extrapolated(x, steps, float(rates[-1]), float(rates[-2]))
@@ -295,8 +295,8 @@ def _extrapolated(x: Array, steps: Array, rate: float, before: float) -> Observe
 
 def _bounded(counts: Sequence[int], x: Array, steps: Array) -> ObservedLimit:
     """Last value, with the geometric bound on the rest by the decay of the largest later difference."""
-    later = np.maximum.accumulate(np.abs(steps)[::-1])[::-1]
-    rate = float(-np.polyfit(np.arange(len(later)), np.log2(np.maximum(later, 1e-300)), 1)[0])
+    later = np.maximum(np.maximum.accumulate(np.abs(steps)[::-1])[::-1], LEAST_STEP)
+    rate = float(-np.polyfit(np.arange(len(later)), np.log2(later), 1)[0])
     recent = float(np.log2(later[-3] / later[-1]) / 2) if len(later) > 2 else rate
     if min(rate, recent) <= SLOWEST:
         change = 100 * abs(float(steps[-1])) / max(abs(float(x[-1])), 1e-300)
