@@ -97,9 +97,8 @@ def results_path(case: Case, out: str | None) -> Path:
 
 def table_path(case: Case, out: str | None, kind: str, endings: tuple[str, ...] = (".csv",)) -> Path:
     """``out`` itself, or the case's name and ``kind`` in the folder ``out``."""
-    return output_path(
-        out, f"{case.path.stem}_{kind}.csv", endings, "a table" if len(endings) == 1 else "a table or page"
-    )
+    wanted = "a table" if len(endings) == 1 else "a table or page"
+    return output_path(out, f"{case.path.stem}_{kind}.csv", endings, wanted)
 
 
 def output_path(out: str | None, name: str, endings: tuple[str, ...], wanted: str) -> Path:

@@ -120,7 +120,7 @@ def _dynamic(r: Array, ratio: float) -> Array:
     return np.asarray(np.hypot(1 - r**2, 2 * ratio * r))
 
 
-def in_range(values: Array) -> bool:
+def usable(values: Array) -> bool:
     """Test whether values are finite, and 0 or such that the fourth power of the largest is a number."""
     return bool(1e-60 <= np.max(np.abs(values), initial=0.0) <= 1e60 or not np.any(values))
 
@@ -134,7 +134,7 @@ def _checked(
     if len(f) < least:
         raise ValueError(f"{len(f)} points are too few: {least} are needed")
     _require_room(len(f))
-    if not (in_range(f) and in_range(a) and (f >= 0).all() and (a >= 0).all()):
+    if not (usable(f) and usable(a) and (f >= 0).all() and (a >= 0).all()):
         raise ValueError(f"every frequency and amplitude must be a finite number, not below 0{RANGE}")
     if not a.max() > 0 or np.ptp(f) == 0:
         raise ValueError("there is no response in it: all amplitudes are 0, or all frequencies the same")
@@ -144,7 +144,7 @@ def _checked(
     if uncertainty is None:
         return f[order], a[order], None
     u = np.broadcast_to(np.asarray(uncertainty, dtype=float), f.shape)
-    if not (in_range(u) and (u > 0).all()):
+    if not (usable(u) and (u > 0).all()):
         raise ValueError(f"every uncertainty must be a finite number above 0{RANGE}")
     return f[order], a[order], u[order]
 
@@ -264,7 +264,7 @@ def _checked_decay(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Arr
     if len(t) < LEAST:
         raise ValueError(f"a decay of {len(t)} samples is too short: {LEAST} are needed")
     _require_room(len(t))
-    if not (in_range(t) and in_range(x)):
+    if not (usable(t) and usable(x)):
         raise ValueError(f"every time and displacement must be a finite number{RANGE}")
     if not (np.diff(t) > 0).all():
         raise ValueError("the times must ascend")

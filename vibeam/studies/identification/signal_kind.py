@@ -18,14 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.studies.identification.estimates import Identification
-from vibeam.studies.identification.response import (
-    DRIVES,
-    RANGE,
-    identify_decay,
-    identify_response,
-    identify_spectrum,
-    in_range,
-)
+from vibeam.studies.identification.response import DRIVES, identify_decay, identify_response, identify_spectrum, usable
 from vibeam.studies.identification.signals import NAMES, UNITS, Signal, ascends, name_in, read_signal, suits
 from vibeam_models.arrays import Array
 
@@ -58,8 +51,8 @@ def identify_signal(
     ``level``: of a response. CaseError with the place and the cure; ValueError where it is none, or cannot be told.
     """
     signal = read_signal(path, "" if of is None else "time" if of == KINDS[0] else "frequency", x, y)
-    if not in_range(signal.value):
-        raise ValueError(f"a value is no finite number, or all are too large or too small{RANGE}: take another unit")
+    if not usable(signal.value):
+        raise ValueError("values are too large or too small; the largest lies between 1e-60 and 1e+60 in its unit")
     told = [*_of_abscissa(signal), *_of_value(signal), *_of_numbers(signal)]
     if drive is not None or level is not None:
         told.append(Clue("a drive is given, --drive or --level", ("response",)))
