@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import nudged
@@ -52,3 +53,9 @@ def test_a_nudged_result_is_one_unit_in_the_last_place_away() -> None:
         assert np.array_equal(after.t[:-1], time[:-1])
         assert (after.t[-1] != time[-1]) == (after.status == 1)
         assert all(np.all(a != b) for a, b in zip(after.t_events, event, strict=True))
+
+
+def test_no_two_files_of_tests_have_one_name() -> None:
+    """Without packages pytest would take the second one for the first."""
+    names = [each.name for each in Path(__file__).parent.rglob("test_*.py")]
+    assert [name for name, number in Counter(names).items() if number > 1] == []
