@@ -3,10 +3,11 @@
 To know where its open contact first closes, yes. To know how far up it goes on tapping, no.
 
 The spring is a strip of 20 mm with a rivet at its tip, shaken at 4.5 g. The contact first closes where the amplitude
-without a stop reaches the gap: at 141.16 Hz with one degree of freedom, at 141.02 Hz with eight modes. From there on the
-stop carries the resonance up with the frequency, as the sweep shows: one degree of freedom goes on tapping up to 201 Hz, eight modes up to 183 Hz, because every impact also moves
-the modes that one degree of freedom does not have. Two modes tell it: 183 Hz. Between 183 Hz and 201 Hz the smallest
-model predicts a contact that chatters where the relay is quiet.
+without a stop reaches the gap: at 141.16 Hz with one degree of freedom, at 141.02 Hz with eight modes. From there on
+the stop carries the resonance up with the frequency, as the sweep shows: one degree of freedom goes on tapping up to
+201 Hz, eight modes up to 183 Hz, because every impact also moves the modes that one degree of freedom does not have.
+Two modes tell it: 183 Hz. Between 183 Hz and 201 Hz the smallest model predicts a contact that chatters where the
+relay is quiet.
 
 `vibeam verdict cases/rigs/relay.toml` finds the number of modes that a case needs
 ([the verdict](../../vibeam/studies/README.md#the-verdict)); the relay is one of the [rigs](../rigs/README.md).
