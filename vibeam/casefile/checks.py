@@ -37,6 +37,10 @@ from vibeam.casefile.tables.table import name_checks
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, shortened
 
+ALIKE = {  # tables: a spelling that is read, and the key that it is
+    **dict.fromkeys(("map", "show"), ("fidelity", "fidelities")), "measured": ("scatter", "uncertainty"),
+}  # fmt: skip
+
 
 def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     """Every complaint about keys that do not go together; files are looked for from ``folder``."""
@@ -62,7 +66,7 @@ def checked(
     place = Places(str(file), lines, paths, name_map(tables))
     _share_units(tables)
     _leave_free(tables)
-    _name_fidelities(tables, lines)
+    _name_alike(tables, lines)
     case, wrong = _validated(tables, file.parent)
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
     own = {name: variant.declared for name, variant in changed.items()}
@@ -90,15 +94,15 @@ def _leave_free(tables: dict[str, Any]) -> None:
         tables.setdefault("drive", {})
 
 
-def _name_fidelities(tables: dict[str, Any], lines: dict[KeyPath, int]) -> None:
-    """Call ``fidelities``, in place, what [map] and [show] call ``fidelity`` as other tables do."""
-    for kind in ("map", "show"):
+def _name_alike(tables: dict[str, Any], lines: dict[KeyPath, int]) -> None:
+    """Call a key, in place, by its one name where a table spells it otherwise, as ``ALIKE`` has it."""
+    for kind, (spelt, key) in ALIKE.items():
         named = tables.get(kind)
         for name, table in named.items() if isinstance(named, dict) else ():
-            if isinstance(table, dict) and "fidelity" in table and "fidelities" not in table:
-                table["fidelities"] = table.pop("fidelity")
-                line = lines.get((kind, name, "fidelity"), lines.get((kind, "fidelity"), lines.get((kind,))))
-                lines |= {} if line is None else {(kind, name, "fidelities"): line, (kind, "fidelities"): line}
+            if isinstance(table, dict) and spelt in table and key not in table:
+                table[key] = table.pop(spelt)
+                line = lines.get((kind, name, spelt), lines.get((kind, spelt), lines.get((kind,))))
+                lines |= {} if line is None else {(kind, name, key): line, (kind, key): line}
 
 
 def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:

@@ -40,7 +40,7 @@ SYNONYMS = {
     "method": ("fidelity.reduction", "fidelity.solver"), "model": ("fidelity.reduction",), "models": ("fidelity",),
     "gmsh": ("solid.mesh",), "hexahedra": ("solid",), "three_dimensional": ("solid",), "patch": ("solid.contact",),
     "block": ("solid.mass_size",), "n": ("fidelity.modes",), "order": ("fidelity.modes",), "plot": ("show",),
-    "plots": ("show",), "scatter": ("measured.uncertainty",), "sigma": ("measured.uncertainty",),
+    "plots": ("show",), "sigma": ("measured.uncertainty",),
 }  # fmt: skip
 
 

@@ -486,3 +486,13 @@ def test_fidelities_are_named_as_in_other_tables_too(table):
     line = text.splitlines().index('fidelity = "sdof"') + 1
     assert said.startswith(f"mine.toml:{line}: ")
     assert said.endswith("no fidelity 'sdfo'; did you mean 'sdof'?")
+
+
+def test_a_scatter_is_an_uncertainty_at_its_line() -> None:
+    text = (
+        template()
+        + '\n[measured.tap]\nfidelity = "sdof"\nquantity = "peak"\nvalue = "1 mm"\nscatter = "2 %"\nsource = "a log"\n'
+    )
+    assert parse(text).measured["tap"].uncertainty == pytest.approx(2e-5)
+    with pytest.raises(CaseError, match=rf"case.toml:{len(text.splitlines()) - 1}: measured.tap.uncertainty: .*length"):
+        parse(text.replace('"2 %"', '"1 ms"'))
