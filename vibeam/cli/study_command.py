@@ -14,9 +14,10 @@ from vibeam.cli.completion import words
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet, put_lines
 from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
-from vibeam.cli.verbosity import verbosity
+from vibeam.cli.verbosity import parameter, taking, verbosity
 from vibeam.system.number_text import begun
 from vibeam_models.keys import Key, defaults_of, keys_of
+from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -32,8 +33,8 @@ def study_command(study: StudyDeclaration) -> Callable[..., None]:
     defaults = defaults_of(study.asks) if study.asks is not None else {}
 
     def command(
-        case: Path, set_: list[str] | None = None, out: str | None = None, price: bool = False, part: str | None = None,
-        gather: bool = False, **asked: Any,
+        case: CaseFile, set_: Overrides = None, out: TableFile = None, price: PriceOption = False,
+        part: PartOption = None, gather: GatherOption = False, **asked: Any,
     ) -> None:  # fmt: skip
         shared = part_asked(price, part, gather)
         given = {key: value for key, value in asked.items() if value not in (None, [])}
@@ -42,25 +43,10 @@ def study_command(study: StudyDeclaration) -> Callable[..., None]:
             loaded = load(case, [*(set_ or ()), *settings])
         run_declared(study, loaded, out, shared)
 
-    own = [
-        inspect.Parameter("case", _KIND, annotation=CaseFile),
-        inspect.Parameter("set_", _KIND, default=None, annotation=Overrides),
-        inspect.Parameter("out", _KIND, default=None, annotation=TableFile),
-        *(_option(name, key, defaults.get(name)) for name, key in keys.items()),
-        *(_SHARED if study.parts else ()),
-    ]
     command.__name__, command.__doc__ = study.name, help_of(study)
-    command.__signature__ = inspect.Signature(own)  # type: ignore[attr-defined]
-    command.__annotations__ = {each.name: each.annotation for each in own}
-    return command
-
-
-_KIND = inspect.Parameter.POSITIONAL_OR_KEYWORD
-_SHARED = (
-    inspect.Parameter("price", _KIND, default=False, annotation=PriceOption),
-    inspect.Parameter("part", _KIND, default=None, annotation=PartOption),
-    inspect.Parameter("gather", _KIND, default=False, annotation=GatherOption),
-)
+    *usual, price, part, gather, _ = inspect.signature(command, eval_str=True).parameters.values()
+    own = [_option(name, key, defaults.get(name)) for name, key in keys.items()]
+    return taking(command, [*usual, *own, *[price, part, gather] * study.parts])
 
 
 def _option(name: str, key: Key, default: Any) -> inspect.Parameter:
@@ -70,7 +56,7 @@ def _option(name: str, key: Key, default: Any) -> inspect.Parameter:
     said = option(begun(key.meaning) + usual, f"--{name.replace('_', '-')}", metavar=shown)
     said.autocompletion = words(key.words) if key.words else None
     kind = list[str] | None if key.several else str | None
-    return inspect.Parameter(name, _KIND, default=None, annotation=Annotated[kind, said])
+    return parameter(name, Annotated[kind, said])
 
 
 def _text(value: str | list[str], key: Key) -> str:
@@ -137,8 +123,6 @@ def files_of(sheet: StudySheet, path: Path, title: str, meaning: str, plan: Figu
 
 def _first(study: StudyDeclaration, case: Case) -> str:
     """Sentence that is known at once, printed before the study is run; empty where there is none."""
-    from vibeam_models.registry import loaded
-
     if study.first is None or verbosity().json or verbosity().quiet:
         return ""
     said: str = of_case(case.path, lambda: loaded(study.first)(case))

@@ -34,11 +34,11 @@ def verbosity() -> Verbosity:
     return _CURRENT.get()
 
 
-_OPTIONS = {
-    "json": ("--json", "Print one JSON object in place of text."),
-    "quiet": ("--quiet,-q", "Print the answer alone, and no progress."),
-    "verbose": ("--verbose,-v", "Print all tables, columns and remarks."),
-    "yes": ("--yes", "Take 2 GiB of memory or more, which is refused without."),
+_OPTIONS: dict[str, Any] = {
+    "json": typer.Option("--json", help="Print one JSON object in place of text."),
+    "quiet": typer.Option("--quiet", "-q", help="Print the answer alone, and no progress."),
+    "verbose": typer.Option("--verbose", "-v", help="Print all tables, columns and remarks."),
+    "yes": typer.Option("--yes", help="Take 2 GiB of memory or more, which is refused without."),
 }
 
 
@@ -58,15 +58,17 @@ def with_verbosity(command: Callable[..., None]) -> Callable[..., None]:
         finally:
             _CURRENT.reset(token)
 
-    added = [
-        inspect.Parameter(
-            key,
-            inspect.Parameter.KEYWORD_ONLY,
-            default=False,
-            annotation=Annotated[bool, typer.Option(*names.split(","), help=said)],
-        )
-        for key, (names, said) in _OPTIONS.items()
-    ]
-    call.__signature__ = own.replace(parameters=[*own.parameters.values(), *added])  # type: ignore[attr-defined]
-    call.__annotations__ = {each.name: each.annotation for each in call.__signature__.parameters.values()}  # type: ignore[attr-defined]
-    return call
+    added = [parameter(key, Annotated[bool, each], False) for key, each in _OPTIONS.items()]
+    return taking(call, [*own.parameters.values(), *added])
+
+
+def parameter(name: str, annotation: Any, default: Any = None) -> inspect.Parameter:
+    """Parameter of a command, an option by its annotation."""
+    return inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=default, annotation=annotation)
+
+
+def taking(command: Callable[..., None], parameters: list[inspect.Parameter]) -> Callable[..., None]:
+    """The command, of which typer reads that it has these parameters."""
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    command.__annotations__ = {each.name: each.annotation for each in parameters}
+    return command
