@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.grid_keys import MapPlan
     from vibeam.cli.parts import Asked
-    from vibeam.maps.cluster import Cluster
     from vibeam.maps.result import MapResult
     from vibeam.report.output import StudySheet
 
@@ -161,24 +159,14 @@ def _path(case: Case, out: str | None, name: str, count: int) -> Path:
 
 def _computed(case: Case, plan: MapPlan, path: Path, fresh: bool, where: str | None, asked: Asked) -> MapResult:
     from vibeam.cli.progress import Bar, stderr
+    from vibeam.maps.cluster import ClusterError, connected
     from vibeam.maps.run import run_map
 
     name = f"map {plan.name}"
     shared = nullcontext() if asked is None else in_parts(name, path, asked, last=True)
-    with _workers(where) as cluster, shared, Bar(name) as bar:
-        return run_map(case, plan, path, fresh=fresh, progress=bar, cluster=cluster, tell=stderr().print)
-
-
-@contextmanager
-def _workers(where: str | None) -> Iterator[Cluster | None]:
-    if where is None:
-        yield None
-        return
-    from vibeam.maps.cluster import ClusterError, connected
-
     try:
-        with connected(where) as cluster:
-            yield cluster
+        with nullcontext() if where is None else connected(where) as cluster, shared, Bar(name) as bar:
+            return run_map(case, plan, path, fresh=fresh, progress=bar, cluster=cluster, tell=stderr().print)
     except ClusterError as fault:
         raise UsageError(str(fault)) from None
 
