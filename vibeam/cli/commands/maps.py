@@ -65,17 +65,16 @@ def map(
     """
     asked_part = part_asked(price, part, gather, {"--fresh": fresh, "--cluster": cluster})
     loaded = load(case, set_)
-    if loaded.record is not None:
-        ends, counts = (low, high), _counts(points)
-        not_taken = {"--picture": picture, "--accuracy": accuracy, "--periods": periods, "--verify": verify,
-                     "--cluster": cluster, "NAME": names or None}  # fmt: skip
-        _under_record(loaded, out, over, ends, counts, quantity, fidelity, not_taken, asked_part)
-        return
     asked = {
         "over": over, "low": low, "high": high, "points": _counts(points), "accuracy": accuracy,
         "quantity": quantity, "periods": periods, "verify": verify, "fidelities": fidelity,
     }  # fmt: skip
     given = {name: value for name, value in asked.items() if value is not None}
+    if loaded.record is not None:
+        not_taken = {"--picture": picture, "--accuracy": accuracy, "--periods": periods, "--verify": verify,
+                     "--cluster": cluster, "NAME": names or None}  # fmt: skip
+        _under_record(loaded, out, given, not_taken, asked_part)
+        return
     plans = of_case(case, lambda: _plans(loaded, names or [], picture, given))
     sheets: list[tuple[str, StudySheet]] = []
     files: list[Path] = []
@@ -92,10 +91,7 @@ def map(
     print_sheet(one_sheet(sheets), files)
 
 
-def _under_record(
-    case: Case, out: str | None, over: str | None, ends: tuple[str | None, str | None], counts: tuple[int, ...] | None,
-    quantity: str | None, fidelities: list[str] | None, not_taken: dict[str, Any], asked: Asked,
-) -> None:  # fmt: skip
+def _under_record(case: Case, out: str | None, given: dict[str, Any], not_taken: dict[str, Any], asked: Asked) -> None:
     """The map of a case under a record: means over its realisations, as table and figure; or a part of it."""
     from vibeam.cli.arguments import table_path
     from vibeam.cli.progress import Bar
@@ -105,9 +101,10 @@ def _under_record(
     if found := [name for name, given in not_taken.items() if given is not None]:
         raise UsageError(f"{found[0]}: is of a map of a [sweep]; of a [record]: --over KEY[,KEY] --quantity peak")
     path = table_path(case, out, "map", (".csv",))
+    said = [given.get(key) for key in ("over", "low", "high", "points")]
     with in_parts("map", path, asked) as shared, Bar("map") as bar:
         study = of_case(case.path, lambda: record_map(
-            case, axes_asked(case, over, *ends, counts), quantity or "peak", fidelities, bar
+            case, axes_asked(case, *said), given.get("quantity") or "peak", given.get("fidelities"), bar
         ))  # fmt: skip
     made = sheet(study)
     files = made.write(path, case.figure)
