@@ -46,7 +46,14 @@ def mistakes() -> Iterator[None]:
         fault = fault_of(error)
         if fault is None:
             raise
-        _stop(*fault, error)
+        message, code = fault
+        say(message)
+        if verbosity().json:
+            from vibeam.cli.output import print_json
+
+            faults = [vars(each) for each in getattr(error, "faults", ())]
+            print_json({"error": message, "exit_code": code, "faults": faults})
+        raise typer.Exit(code) from None
 
 
 def fault_of(error: BaseException) -> tuple[str, int] | None:
@@ -81,13 +88,3 @@ def of_case(case: Path, make: Callable[[], Made]) -> Made:
         raise
     except ValueError as refusal:
         raise UsageError(f"{case}: {refusal}") from None
-
-
-def _stop(message: str, code: int, fault: BaseException | None = None) -> None:
-    say(message)
-    if verbosity().json:
-        from vibeam.cli.output import print_json
-
-        faults = [vars(each) for each in getattr(fault, "faults", ())]
-        print_json({"error": message, "exit_code": code, "faults": faults})
-    raise typer.Exit(code) from None
