@@ -9,12 +9,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from importlib import import_module
+from inspect import getdoc
 from os import getcwd
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+from vibeam.cli.arguments import option
 from vibeam.cli.commands import case_files, checks, maps, measured, modes, pages, runs, studies
 from vibeam.cli.errors import UsageError, mistakes
 from vibeam.cli.streams import put, standard_streams
@@ -41,26 +43,21 @@ class Commands(TyperGroup):
         """Write the commands, a section a group."""
         for title, commands in GROUPS.items():
             with formatter.section(title):
-                formatter.write_dl([(each.__name__, _line(each)) for each in commands])
-
-
-def _line(command: Callable[..., None]) -> str:
-    """First line of a command's help."""
-    return (command.__doc__ or "").strip().partition("\n")[0]
+                formatter.write_dl([(each.__name__, (getdoc(each) or "").partition("\n")[0]) for each in commands])
 
 
 def import_extension(name: str) -> None:
     """Import the module ``name``, from the current folder too; UsageError where it is not found."""
-    if getcwd() not in sys.path:
-        sys.path.insert(0, getcwd())
+    here = getcwd()
+    if here not in sys.path:
+        sys.path.insert(0, here)
     try:
         import_module(name)
     except ModuleNotFoundError as missing:
-        if missing.name != name.partition(".")[0] and missing.name != name:
+        if missing.name not in (name.partition(".")[0], name):
             raise
-        raise UsageError(
-            f"--load {name}: no such module; it is looked for in {getcwd()} and among those installed"
-        ) from None
+        said = f"no such module; it is looked for in {here} and among those installed"
+        raise UsageError(f"--load {name}: {said}") from None
 
 
 app = typer.Typer(
@@ -79,10 +76,8 @@ def main() -> None:
         app()
 
 
-Modules = Annotated[
-    list[str] | None,
-    typer.Option("--load", metavar="MODULE", help="A Python module to import first: what it registers is known."),
-]
+_LOAD = "A Python module to import first: what it registers is known."
+Modules = Annotated[list[str] | None, option(_LOAD, "--load", metavar="MODULE")]
 
 
 @app.callback(invoke_without_command=True)
