@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from html import escape
 from textwrap import wrap
 from time import monotonic
-from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
@@ -35,7 +35,7 @@ def tell_overview(overview: Overview) -> None:
             console.print(line)
 
 
-class Bar:
+class Bar(AbstractContextManager["Bar"]):
     """Context whose value is called with the points done and their total; the first call sets the stored ones.
 
     A line of text is printed.
@@ -47,10 +47,7 @@ class Bar:
         self._progress: Any = None  # rich's, or that of a notebook
         self._began = False
 
-    def __enter__(self) -> Bar:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *raised: object) -> None:
         if self._progress is not None:
             self._progress.stop()
 
