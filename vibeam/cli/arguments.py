@@ -111,18 +111,13 @@ def output_path(out: str | None, name: str, endings: tuple[str, ...], wanted: st
     if not out:
         raise UsageError("--out is empty: name a file or a folder")
     path = Path(out)
-    if _is_folder(out):
+    if out.endswith(("/", sep)) or path.is_dir() or not (path.suffix or path.exists()):
         return beside(folder(path) / name)
     if path.suffix not in endings:
         or_folder = f"write {path}/ for a new folder" if not path.exists() else "it is no folder either"
         raise UsageError(f"{path}: --out names {wanted} that ends in {' or '.join(endings)}, or a folder: {or_folder}")
     folder(path.parent)
     return path
-
-
-def _is_folder(out: str) -> bool:
-    path = Path(out)
-    return out.endswith(("/", sep)) or path.is_dir() or not (path.suffix or path.exists())
 
 
 def folder(path: Path) -> Path:
