@@ -75,14 +75,11 @@ def report(
 def _page(found: StoredResult, no_engine: bool) -> str:
     """Page of results; without an engine where the libraries of pages are missing, which is told."""
     from vibeam.flight.engine.loading import KernelsUnavailable
+    from vibeam.report.explore.page import results_page
     from vibeam.report.page.page import page
 
-    if no_engine:
-        return page(found)
-    from vibeam.report.explore.page import results_page
-
     try:
-        return results_page(found)
+        return page(found) if no_engine else results_page(found)
     except KernelsUnavailable as why:
         say(f"the page has no engine: {why}")
         return page(found)
