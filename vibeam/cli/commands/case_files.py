@@ -104,7 +104,7 @@ def new(
         return
     if path is not None and out is not None:
         raise UsageError(f"--out {out}: the file is {path} already: name one of them")
-    text, beside = (_template(short), {}) if example is None else _of_example(example, short)
+    text, beside = _content(example, short)
     name = f"{example or 'case'}.toml"
     target = output_path(out or path or name, name, (".toml",), "a case file")
     texts = {target.with_name(other): content for other, content in beside.items()} | {target: text}
@@ -119,16 +119,13 @@ def new(
     print_sheet(StudySheet(said, data={"written": target}))
 
 
-def _template(brief: bool) -> str:
+def _content(name: str | None, brief: bool) -> tuple[str, dict[str, str]]:
+    """Text of the template or of an example, and those of the files beside it by name."""
+    from vibeam.casefile.examples import PLACES, texts
     from vibeam.casefile.template import short, template
 
-    return short() if brief else template()
-
-
-def _of_example(name: str, brief: bool) -> tuple[str, dict[str, str]]:
-    """Text of an example, and those of the files beside it by name."""
-    from vibeam.casefile.examples import PLACES, texts
-
+    if name is None:
+        return short() if brief else template(), {}
     if name not in PLACES:
         raise UsageError(f"--from {name}: no such example; {suggest(name, PLACES)}")
     return texts(name, brief)
