@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from vibeam.cli.errors import UsageError, fault_of
-from vibeam.cli.output import as_object, print_json, put_lines
+from vibeam.cli.output import as_object, print_json, print_sheet, put_lines
 from vibeam.cli.streams import WRONG, say
 from vibeam.cli.verbosity import verbosity
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.report.output import StudySheet
-
-    Answer = tuple[StudySheet, list[Path]]
 
 
 def require_folder(option: str, named: str | None, endings: Sequence[str]) -> None:
@@ -28,10 +27,10 @@ def require_folder(option: str, named: str | None, endings: Sequence[str]) -> No
 
 
 def answers(
-    name: str, paths: Sequence[Path], prepare: Callable[[Path], Case], answer: Callable[[Case], Answer],
-    show: Callable[[Path, Answer], None] | None = None,
+    name: str, paths: Sequence[Path], prepare: Callable[[Path], Case],
+    answer: Callable[[Case], tuple[StudySheet, list[Path]]], whole: bool = False,
 ) -> dict[Path, dict[str, Any]]:  # fmt: skip
-    """Objects of the answers on cases, in JSON under ``name``; each is shown, or a line of it when all are there.
+    """Objects of the answers on cases, in JSON under ``name``; each ``whole``, or a line of it when all are there.
 
     Exit code 2 where there is none on one of them.
     """
@@ -44,14 +43,14 @@ def answers(
         if not verbosity().quiet:
             say(f"{path}:")
         with _noting(found, path):
-            made = answer(case)
-            found[path] = as_object(*made)
-            if show is not None and not verbosity().json:
-                show(path, made)
+            sheet, files = answer(case)
+            found[path] = as_object(sheet, files)
+            if whole and not verbosity().json:
+                print_sheet(replace(sheet, answer=f"{path}: {sheet.answer}"), files)
     if verbosity().json:
         print_json({name: [{"case": path, **found[path]} for path in paths]})
     else:
-        put_lines(f"{path}: {_line(path, found[path])}" for path in paths if show is None or "error" in found[path])
+        put_lines(f"{path}: {_line(path, found[path])}" for path in paths if not whole or "error" in found[path])
     if any("error" in each for each in found.values()):
         raise typer.Exit(WRONG)
     return found

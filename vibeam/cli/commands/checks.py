@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -79,7 +78,7 @@ def check(
     if len(cases) > 1:
         require_folder("--out", out, RESULTS)
         require_folder("--plot", plot, DRAWN)
-        made = answers("checks", cases, prepared, answer, _print_headed)
+        made = answers("checks", cases, prepared, answer, whole=True)
         missed = sum(each.get("missed", 0) for each in made.values())
     else:
         sheet, files = answer(prepared(cases[0]))
@@ -87,10 +86,6 @@ def check(
         missed = sheet.data.get("missed", 0)
     if missed:
         raise typer.Exit(MISSED)
-
-
-def _print_headed(path: Path, made: tuple[StudySheet, list[Path]]) -> None:
-    print_sheet(replace(made[0], answer=f"{path}: {made[0].answer}"), made[1])
 
 
 def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], files: Sequence[Path]) -> StudySheet:
