@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -106,15 +106,13 @@ def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], 
     from vibeam.studies.regression.references import require_readable
 
     require_readable(case)
-    if case.record is not None and (record_files := [str(file) for file in files]):
-        raise UsageError(f"--plot {record_files[0]}: draws curves over frequency, and this case has a [record]")
+    if case.record is not None and files:
+        raise UsageError(f"--plot {files[0]}: draws curves over frequency, and this case has a [record]")
     result = run_case(case, None if out is None else results_path(case, out), show=False, fresh=fresh)
     partial = any(each.strip().startswith("sweep") for each in settings)
     at = at_references(case, result, partial=partial)
-    rows = [
-        *check_references(case, result, partial=partial, at=at),
-        *check_expectations(case, result, partial=bool(settings)),
-    ]
+    rows = check_references(case, result, partial=partial, at=at)
+    rows += check_expectations(case, result, partial=bool(settings))
     held = held_of(case.scene).label if any(each.against for each in case.expectations.values()) else ""
     if files:
         from vibeam.report.references import write_references
@@ -124,8 +122,7 @@ def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], 
     if case.record is not None:
         from vibeam.report.transient import remarks as remarks_of
 
-        transient: Any = result
-        return check_report(rows, measured, held=held, remarks=list(remarks_of(transient)))
+        return check_report(rows, measured, held=held, remarks=list(remarks_of(result)))
     return check_report(rows, measured, units_of(case), held, remarks(result))
 
 
