@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from vibeam.cli.arguments import (
     RESULTS,
@@ -57,15 +57,26 @@ def run(
       vibeam run *.toml --accuracy "2 %" --out results/
     """
     from vibeam.casefile.quantities import RATIO
+    from vibeam.runs.systems import require_runnable
+    from vibeam.studies.regression.references import require_readable
 
     asked = part_asked(price, part, gather, {"--fresh": fresh, "several cases": len(cases) > 1})
     within = None if accuracy is None else number("--accuracy", accuracy, RATIO, positive=True)
     if within is not None and within >= 1:
         raise UsageError(f"--accuracy {accuracy}: must lie between 0 and 100 %: write '5 %' or 0.05")
+
+    def prepared(path: Path) -> Case:
+        case = of_fidelities(load(path, set_), fidelity)
+        require_readable(case)
+        if len(cases) > 1:
+            require_runnable(case)
+        return case
+
     if len(cases) > 1:
-        _run_several(cases, (set_, out, fidelity), fresh, within)
+        place = _shared_folder(cases, out)
+        answers("runs", cases, prepared, lambda case: _swept(case, place / f"{case.path.stem}.h5", fresh, within))
         return
-    case = _runnable(cases[0], set_, fidelity)
+    case = prepared(cases[0])
     path = results_path(case, out)
     if asked is None:
         print_sheet(*_swept(case, path, fresh, within))
@@ -79,15 +90,6 @@ def run(
     print_sheet(sheet, files)
 
 
-def _runnable(path: Path, settings: list[str] | None, fidelities: Sequence[str] | None) -> Case:
-    """The case, whose references can be read."""
-    from vibeam.studies.regression.references import require_readable
-
-    case = of_fidelities(load(path, settings), fidelities)
-    require_readable(case)
-    return case
-
-
 def _swept(case: Case, path: Path, fresh: bool, within: float | None) -> tuple[StudySheet, list[Path]]:
     """Report of the run of a case, and the files written."""
     result = run_case(case, path, fresh=fresh, compare=True)
@@ -97,26 +99,13 @@ def _swept(case: Case, path: Path, fresh: bool, within: float | None) -> tuple[S
         from vibeam.report.transient import transient_report as report
     else:
         from vibeam.report.run_report import run_report as report  # type: ignore[assignment]
-    made: Any = result
-    return report(made, within), [path, *write_figures(made, path)]
+    return report(result, within), [path, *write_figures(result, path)]
 
 
-def _run_several(
-    paths: Sequence[Path], of: tuple[list[str] | None, str | None, list[str] | None], fresh: bool, within: float | None
-) -> None:
-    """Run cases one after the other, each into a file of its own."""
-    from vibeam.runs.systems import require_runnable
-
-    settings, out, fidelities = of
+def _shared_folder(paths: Sequence[Path], out: str | None) -> Path:
+    """Folder of the results of cases; UsageError where not each has a file of its own there."""
     require_folder("--out", out, RESULTS)
     for stem in {path.stem for path in paths}:
         if len(same := [str(path) for path in paths if path.stem == stem]) > 1:
             raise UsageError(f"{', '.join(same)}: all write {stem}.h5: run them apart, each with an --out of its own")
-    place = Path() if out is None else folder(Path(out))
-
-    def prepared(path: Path) -> Case:
-        case = _runnable(path, settings, fidelities)
-        require_runnable(case)
-        return case
-
-    answers("runs", paths, prepared, lambda case: _swept(case, place / f"{case.path.stem}.h5", fresh, within))
+    return Path() if out is None else folder(Path(out))
