@@ -13,7 +13,7 @@ from vibeam.cli.arguments import Overrides, TableFile, argument, load, option, o
 from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_sheet
 from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
-from vibeam.cli.study_command import files_of
+from vibeam.cli.study_command import ENDINGS, files_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -111,11 +111,7 @@ def _show(file: Path, identified: Callable[[], Identification], out: str | None)
     from vibeam.case.plans import FigurePlan
     from vibeam.report.fit import identification_sheet
 
-    path = (
-        output_path(out, f"{file.stem}_identified.csv", (".csv", ".html"), "a table or page")
-        if out is not None
-        else None
-    )
+    path = None if out is None else output_path(out, f"{file.stem}_identified.csv", ENDINGS, "a table or page")
     found = of_case(file, identified)
     sheet = identification_sheet(found)
     print_sheet(sheet, [] if path is None else files_of(sheet, path, file.stem, found.method, FigurePlan()))
@@ -131,7 +127,7 @@ def _of_responses(
     from vibeam.studies.fit.study import fit as fitted
 
     loaded = load(file, set_)
-    path = table_path(loaded, out, "fit", (".csv", ".html"))
+    path = table_path(loaded, out, "fit", ENDINGS)
     if write is not None:
         _require_new(loaded, write, set_)
     with in_parts("fit", path, shared) as rounds:
