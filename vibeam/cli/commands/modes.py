@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -11,10 +11,6 @@ from vibeam.cli.arguments import CaseFile, Overrides, load, of_fidelities, optio
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet
 from vibeam.cli.streams import say
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-
 
 _FIDELITY = "Whose structure: of a solid the body itself; absent = the beam of the case."
 _MATRICES = "Write M, C, K and the rows too: .npz, .h5, .mat, .mtx or .npy."
@@ -38,8 +34,9 @@ def modes(
       vibeam modes mine.toml --out shapes.pvd --matrices mine.npz
       vibeam modes mine.toml --fidelity solid --out shapes.vtu
     """
+    from vibeam.exchange.matrices.declaration import WRITTEN
     from vibeam.report.modes import sheet
-    from vibeam.studies.modes import mode_table, write_shapes
+    from vibeam.studies.modes import export_matrices, mode_table, write_shapes
 
     loaded = load(case, set_)
     name, endings = f"{loaded.path.stem}_modes.vtu", (".vtu", ".pvd")
@@ -47,16 +44,8 @@ def modes(
     scene = loaded.scene if fidelity is None else of_fidelities(loaded, [fidelity]).scene_of(fidelity)
     table = of_case(case, lambda: mode_table(scene, count))
     if matrices is not None:
-        export(loaded, matrices)
+        path = output_path(matrices, f"{loaded.path.stem}.npz", WRITTEN, "a file of matrices")
+        say(f"wrote {path}; to read it as a case:\n{of_case(loaded.path, lambda: export_matrices(loaded, path))}")
     for file in files:
         of_case(case, partial(write_shapes, table, file))
     print_sheet(sheet(table), files)
-
-
-def export(case: Case, out: str) -> None:
-    """Write the matrices of the whole model, and say which table reads them."""
-    from vibeam.exchange.matrices.declaration import WRITTEN
-    from vibeam.studies.modes import export_matrices
-
-    path = output_path(out, f"{case.path.stem}.npz", WRITTEN, "a file of matrices")
-    say(f"wrote {path}; to read it as a case:\n{of_case(case.path, lambda: export_matrices(case, path))}")
