@@ -182,18 +182,14 @@ class _Panel:
         """
         if 0 < height <= FAR * highest or (height > 0 and highest == 0):
             self.drawn.add("gap")
-            own = GAP | {"color": self.look.colour, "linestyle": _dots(self.row, shared)}
+            dots = 2.65 * self.row, (1.0, 2.65 * shared - 1.0)
+            own = GAP | {"color": self.look.colour, "linestyle": dots}
             self.axes.axhline(height * self.units.length_factor, gid=f"{self.name}-gap", **own)
         elif height > 0:
             self.drawn.add("gap above")
 
     def _plot(self, frequency: Array, length: Array, **look: Any) -> None:
         self.axes.plot(frequency * self.units.frequency_factor, length * self.units.length_factor, **look)
-
-
-def _dots(row: int, shared: int) -> tuple[float, tuple[float, float]]:
-    """Dotted line style of one of several lines that may coincide."""
-    return 2.65 * row, (1.0, 2.65 * shared - 1.0)
 
 
 def grazing_heights(result: Comparison) -> Iterator[tuple[str, float]]:
