@@ -66,8 +66,5 @@ class FigureKind:
         """Keys that its table may have in a case with [``record``], or with [sweep]."""
         if not (self.record and self.sweep):
             return self.known
-        return self.record_keys if record else tuple(each for each in self.known if each not in self._of_records)
-
-    @property
-    def _of_records(self) -> set[str]:
-        return set(self.record_keys) - {*self.needs, *self.takes}
+        of_records = set(self.record_keys) - {*self.needs, *self.takes}
+        return self.record_keys if record else tuple(each for each in self.known if each not in of_records)
