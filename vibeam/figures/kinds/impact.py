@@ -84,7 +84,8 @@ def _draw_modes(axes: Axes, case: Case, shown: list[Sheet]) -> None:
         laws.setdefault(_law(case.system(sheet.fidelity)), []).append(sheet)
     drawn = []
     for place, own in enumerate(laws.values()):
-        low, middle, high = np.transpose([_range(sheet["first_mode_restitution"]) for sheet in own])
+        values = [sheet["first_mode_restitution"] for sheet in own]
+        low, middle, high = np.transpose([(np.min(each), np.median(each), np.max(each)) for each in values])
         counts, keys = [float(sheet["modes"][0]) for sheet in own], look(place).keys(1.0)
         spread = [middle - low, high - middle]
         drawn.append(axes.errorbar(counts, middle, yerr=spread, marker="o", markersize=3, capsize=2, **keys))
@@ -93,10 +94,6 @@ def _draw_modes(axes: Axes, case: Case, shown: list[Sheet]) -> None:
     axes.xaxis.set_major_formatter("{x:g}")
     labelled(axes, "number of modes", "", across=True)
     labelled(axes, "restitution of the mode", "")
-
-
-def _range(values: Array) -> tuple[float, float, float]:
-    return float(np.min(values)), float(np.median(values)), float(np.max(values))
 
 
 def _law(system: ImpactSystem) -> str:
