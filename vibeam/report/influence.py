@@ -281,24 +281,19 @@ def bars(study: InfluenceStudy, plan: FigurePlan = USUAL) -> Figure:
     thick = 1 / (len(quantities) + 1)
     colours = dict(zip((quantity.name for quantity in quantities), (*COLOURS, "#9A9A9A"), strict=False))
     for index, quantity in enumerate(quantities):
-        shares = [_drawn(row.without, index) for row in study.rows]
+        shares = [MOST if row.without.why else row.without.changes[index].share for row in study.rows]
         places = np.arange(count) + (index - (len(quantities) - 1) / 2) * thick
         tolerance = f"{100 * quantity.tolerance:g} %" if quantity.how == "relative" else f"{quantity.tolerance:g}"
         label = f"{quantity.name.replace('_', ' ')} ({tolerance})"
         for place, row in zip(places, study.rows, strict=True):
             if row.without.why or np.isinf(row.without.changes[index].share):
                 axes.text(MOST, place, "∞ ", ha="right", va="center", color="white", fontsize=6)
-        axes.barh(places, shares, thick, left=LEAST, color=colours[quantity.name], label=label)
+        lengths = np.clip(shares, LEAST, MOST) - LEAST
+        axes.barh(places, lengths, thick, left=LEAST, color=colours[quantity.name], label=label)
     _dress(axes, study)
     titled(figure, plan, study.title, f"what each effect changes, {study.comparison.held.label}")
     legend(figure, axes.get_legend_handles_labels()[0])
     return figure
-
-
-def _drawn(variant: Variant, index: int) -> float:
-    """Length of the bar from ``LEAST``."""
-    value = MOST if variant.why else variant.changes[index].share
-    return float(np.clip(value, LEAST, MOST)) - LEAST
 
 
 def _dress(axes: Axes, study: InfluenceStudy) -> None:
