@@ -17,9 +17,8 @@ from vibeam.flight.engine.loading import WASM
 from vibeam.report.explore.case_text import fixed_keys, template
 from vibeam.report.explore.dampings import with_dampings
 from vibeam.report.explore.drive import drive_amplitude, motion_without_stop, slider_frequencies
-from vibeam.report.explore.models import array_of, ended_words, model_of
+from vibeam.report.explore.models import array_of, ended_words, model_of, packed
 from vibeam.report.explore.sliders import CaseSliders, Slider, case_sliders
-from vibeam_models.arrays import Array
 from vibeam_models.outputs import DISPLACEMENT
 
 #: libraries of the kernels by which each engine flies
@@ -44,9 +43,9 @@ def payload(case: Case, units: DisplayUnits | None = None) -> dict[str, Any]:
     sliders = _moving(with_dampings(case, found, models), models)
     flown = {each["engine"] for each in models}
     libraries = tuple(dict.fromkeys(name for engine, names in LIBRARIES.items() if engine in flown for name in names))
-    packed = browser_libraries(libraries)
+    found_libraries = browser_libraries(libraries)
     return {
-        **_engine(packed),
+        **_engine(found_libraries),
         "slots": slots_table(libraries),
         "models": models,
         "sliders": [_slider(each) for each in sliders.sliders.values()],
@@ -65,7 +64,7 @@ def _engine(packed: Mapping[str, str]) -> dict[str, Any]:
 def _model(case: Case, name: str, sliders: CaseSliders) -> dict[str, Any]:
     """Model of one fidelity with its drive; one that does not follow a slider is refused."""
     made: dict[str, Any] = model_of(case, name)
-    made["amplitude"] = _arrays(drive_amplitude(case, name, slider_frequencies(case)))
+    made["amplitude"] = packed(drive_amplitude(case, name, slider_frequencies(case)))
     if name in sliders.refused and made["engine"]:
         why = f"It does not follow every slider: {sliders.refused[name]}."
         made |= {"engine": None, "refusal": why}
@@ -124,7 +123,3 @@ def guessed_units(case: Case) -> DisplayUnits:
 def _case(case: Case, sliders: CaseSliders) -> dict[str, Any]:
     own = {"title": case.title, "name": case.path.stem, "file": case.path.name}
     return own | {"template": template(case, sliders)}
-
-
-def _arrays(said: Mapping[str, float | Array]) -> dict[str, Any]:
-    return {name: array_of(each) if isinstance(each, np.ndarray) else each for name, each in said.items()}
