@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any, TextIO, cast
 from rich import box
 from rich.cells import cell_len
 from rich.console import Console
-from rich.segment import Segment
 from rich.table import Column, Table
 from rich.text import Text
 
@@ -211,15 +210,12 @@ def _print(console: Console, table: ReportTable) -> None:
         console.width = max(width, needed(piece))  # a single number may be wider than a very narrow terminal
         console.print(Text(title, style="bold"))
         stripped = table.unbroken and not console.is_terminal
-        console.print(Text("\n".join(map(_text, console.render_lines(piece)))) if stripped else piece)
+        lines = ("".join(each.text for each in line).rstrip() for line in console.render_lines(piece))
+        console.print(Text("\n".join(lines)) if stripped else piece)
         console.width = width
     if table.caption:
         console.print(Text(str(table.caption), style="dim italic"))
     console.print()
-
-
-def _text(line: Iterable[Segment]) -> str:
-    return "".join(each.text for each in line).rstrip()
 
 
 def plain(quantity: str) -> str:
