@@ -175,16 +175,13 @@ def estimated_case(study: FitStudy) -> str:
     from vibeam.casefile.toml import read_text
     from vibeam.casefile.toml_writing import with_values
 
-    found = {row.key: _in_toml(row) for row in study.rows if row.determined}
+    rows = [row for row in study.rows if row.determined]
+    found = {row.key: f'"{row.value:.6g} {row.unit}"' if row.unit else f"{row.value:.6g}" for row in rows}
     names = dict.fromkeys(point.reference for point in study.points)
     head = (
         f"# {', '.join(found) or 'nothing'}: estimated by vibeam fit from {', '.join(names)} of {study.case.path.name}"
     )
     return f"{head}\n\n{with_values(read_text(study.case.path), found)}"
-
-
-def _in_toml(row: FitRow) -> str:
-    return f'"{row.value:.6g} {row.unit}"' if row.unit else f"{row.value:.6g}"
 
 
 def fit_figure(study: FitStudy) -> Figure:
