@@ -58,12 +58,8 @@ def bifurcation(figure: Figure, result: MapResult, exact: bool) -> tuple[list[An
         if count > 1:
             axes.set_title(plain(name_of(result.case, fidelity)))
     grid[-1].set_xlabel(across.label)
-    return [handles[each] for each in sorted(handles, key=_order)], list(notes)
-
-
-def _order(name: str) -> int:
-    known = ("up", "down", "apart", "exact, stable")
-    return known.index(name) if name in known else len(known)
+    first = [each for each in ("up", "down", "apart", "exact, stable") if each in handles]
+    return [handles[each] for each in dict.fromkeys([*first, *handles])], list(notes)
 
 
 def _lines(axes: Any, found: list[ClosedForm], across: float, upward: float, handles: dict[str, Any]) -> None:
