@@ -65,7 +65,8 @@ def _rows(found: RecordMap) -> list[Mapping[str, Any]]:
 
 def figure(found: RecordMap) -> Figure:
     """Lines of all fidelities over one key, with two standard errors; a plane for each over two."""
-    unit, factor = _shown(found)
+    known = [float(each) for values in found.means.values() for each in values.ravel() if isfinite(each)]
+    unit, factor = shown_in(unit_of_number(found.case, found.number), *known)
     label = f"{begun(str(found.number))}{f' ({unit})' if unit else ''}"
     names = list(found.means)
     size = (PANEL[0] * (len(names) if len(found.axes) > 1 else 1.3), PANEL[1])
@@ -80,11 +81,6 @@ def figure(found: RecordMap) -> Figure:
     titled(made, found.case.figure, found.case.title, f"{found.number}{seeds}")
     legend(made, {})
     return made
-
-
-def _shown(found: RecordMap) -> tuple[str, float]:
-    known = [float(each) for values in found.means.values() for each in values.ravel() if isfinite(each)]
-    return shown_in(unit_of_number(found.case, found.number), *known)
 
 
 def _scaled(found: RecordMap, axis: RecordAxis) -> tuple[np.ndarray[Any, Any], str]:
