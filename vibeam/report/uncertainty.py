@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import Case, quantity_of
-from vibeam.case.study_plans import Uncertain
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, units_of
@@ -65,9 +64,9 @@ def inputs(study: UncertaintyStudy) -> ReportTable:
         "total: share of the peak's variance, together with others (Sobol' index; may pass 0 and 1)\n"
         "first order, with -v: what it gives alone"
     )
-    found = study.of_peak
+    found, keys, plain_numbers = study.of_peak, study.case.keys, study.case.scene.natural_unit is not None
     for place, each in enumerate(study.uncertain):
-        unit, factor = _unit(study, each)
+        unit, factor = ("", 1.0) if plain_numbers else shown_in(keys.unit(each.key), each.middle, each.deviation)
         kind = "normal" if each.kind == "normal" else f"uniform, {each.first * factor:.6g} … {each.second * factor:.6g}"
         first, total, low, high = (
             f"{part[place, 0]:.2f}" if isfinite(part[place, 0]) else "–"
@@ -76,13 +75,6 @@ def inputs(study: UncertaintyStudy) -> ReportTable:
         mean, deviation = f"{each.middle * factor:.6g}", f"{each.deviation * factor:.3g}"
         table.add_row(each.key, kind, mean, deviation, unit, first, total, f"{low} … {high}" if total != "–" else "–")
     return table
-
-
-def _unit(study: UncertaintyStudy, each: Uncertain) -> tuple[str, float]:
-    """Displayed unit of an input and the factor to it."""
-    if study.case.scene.natural_unit is not None:
-        return "", 1.0
-    return shown_in(study.case.keys.unit(each.key), each.middle, each.deviation)
 
 
 def fidelities(study: UncertaintyStudy) -> ReportTable:
