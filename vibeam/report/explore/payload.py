@@ -43,9 +43,9 @@ def payload(case: Case, units: DisplayUnits | None = None) -> dict[str, Any]:
     sliders = _moving(with_dampings(case, found, models), models)
     flown = {each["engine"] for each in models}
     libraries = tuple(dict.fromkeys(name for engine, names in LIBRARIES.items() if engine in flown for name in names))
-    found_libraries = browser_libraries(libraries)
+    contents = browser_libraries(libraries)
     return {
-        **_engine(found_libraries),
+        **_engine(contents),
         "slots": slots_table(libraries),
         "models": models,
         "sliders": [_slider(each) for each in sliders.sliders.values()],
