@@ -132,19 +132,6 @@ class InputPlan:
         made = _made(self, duration * speed, own) if self.file is None else self.measured()
         return made if level == speed == 1.0 else made.scaled(level=level, speed=speed)
 
-    def made(self, duration: float, seed: int | None) -> Record:
-        """Record of a shape or of noise, or of no load."""
-        from vibeam.system.record import Record
-
-        of = self.quantity or "acceleration"
-        if self.shape is not None:
-            return self._shaped(Record, SHAPES[self.shape], duration)
-        if self.density is None:
-            return Record.step(0.0, duration, quantity=of)
-        return Record.random(
-            self.density, duration, seed=seed or 0, quantity=of, **self.said("band", "rate", "interpolation")
-        )
-
     def said(self, *names: str) -> dict[str, Any]:
         """Those of its values that are given, by name."""
         return {name: each for name in names if (each := getattr(self, name)) is not None}
@@ -171,7 +158,17 @@ class InputPlan:
 
 @lru_cache(maxsize=1)  # all fidelities run under one, and one may have millions of samples
 def _made(plan: InputPlan, duration: float, seed: int | None) -> Record:
-    return plan.made(duration, seed)
+    """Record of a shape or of noise, or of no load."""
+    from vibeam.system.record import Record
+
+    of = plan.quantity or "acceleration"
+    if plan.shape is not None:
+        return plan._shaped(Record, SHAPES[plan.shape], duration)
+    if plan.density is None:
+        return Record.step(0.0, duration, quantity=of)
+    return Record.random(
+        plan.density, duration, seed=seed or 0, quantity=of, **plan.said("band", "rate", "interpolation")
+    )
 
 
 @lru_cache(maxsize=4)
