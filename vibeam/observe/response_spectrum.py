@@ -135,10 +135,13 @@ def response_spectrum(
     ``segment``: its samples, an eighth of a record where None; ``overlap``: the share of a segment that the next one
     has too; ``window``: any name that scipy.signal knows. ValueError names all that is wrong.
     """
+    from scipy import special
+
     (rows,), method = _welch((values,), rate, segment, overlap, window, level)
     frequency, density = method.density(rows, rows)
     freedom = method.freedoms(frequency)
-    low, high = (freedom * density.real / _quantile("chi2", share, freedom) for share in _tails(level)[::-1])
+    tails = (1 + level) / 2, (1 - level) / 2
+    low, high = (freedom * density.real / special.chdtri(freedom, 1 - share) for share in tails)
     return ResponseSpectrum(frequency, density.real, low, high, freedom, level)
 
 
@@ -150,6 +153,8 @@ def transfer_function(
 
     Arguments and errors as ``response_spectrum``; ValueError also for fewer than 4 degrees of freedom.
     """
+    from scipy import special
+
     (first, second), method = _welch((base, output), rate, segment, overlap, window, level)
     frequency, crossed = method.density(first, second)
     freedom = method.freedoms(frequency)
@@ -157,9 +162,9 @@ def transfer_function(
         raise ValueError(f"segment: {freedom.min():.1f} degrees of freedom are too few: shorter segments, more records")
     power, driven = method.density(second, second)[1].real, method.density(first, first)[1].real
     coherence = np.minimum(np.abs(crossed) ** 2 / (power * driven), 1.0)
-    spread = 2 / (freedom - 2) * _quantile("f", level, freedom - 2, 2)
+    spread = 2 / (freedom - 2) * special.fdtri(2, freedom - 2, level)
     half = np.arctanh(np.minimum(np.sqrt(coherence), 1 - 1e-15)) - 1 / (freedom - 2)
-    width = _quantile("norm", _tails(level)[1], freedom) / np.sqrt(freedom - 2)
+    width = special.ndtri((1 + level) / 2) / np.sqrt(freedom - 2)
     return TransferFunction(
         frequency, crossed / driven, np.sqrt(spread * (1 - coherence) * power / driven), coherence,
         np.tanh(np.maximum(half - width, 0.0)) ** 2, np.tanh(np.maximum(half + width, 0.0)) ** 2, freedom, level,
@@ -180,29 +185,16 @@ def spectrum_ratio(
     >>> bool(numpy.allclose(found.ratio, 1.21)), bool(numpy.allclose(found.low, found.high))  # nothing but a factor
     (True, True)
     """
+    from scipy import special
+
     (one, other), method = _welch((first, second), rate, segment, overlap, window, level)
     frequency, above = method.density(one, one)
     below = method.density(other, other)[1].real
     freedom = method.freedoms(frequency)
     coherence = np.minimum(np.abs(method.density(one, other)[1]) ** 2 / (above.real * below), 1.0)
-    width = _quantile("norm", _tails(level)[1], freedom) * 2 * np.sqrt((1 - coherence) / freedom)
+    width = special.ndtri((1 + level) / 2) * 2 * np.sqrt((1 - coherence) / freedom)
     ratio = above.real / below
     return SpectrumRatio(frequency, ratio, ratio * np.exp(-width), ratio * np.exp(width), freedom, level)
-
-
-def _tails(level: float) -> tuple[float, float]:
-    return (1 - level) / 2, (1 + level) / 2
-
-
-def _quantile(kind: str, share: float, freedom: Array, first: float | None = None) -> Array:
-    """Quantile (f,) of the distribution ``kind``."""
-    from scipy import special
-
-    if kind == "norm":
-        return np.full(len(freedom), special.ndtri(share))
-    if kind == "chi2":
-        return np.asarray(special.chdtri(freedom, 1 - share))
-    return np.asarray(special.fdtri(first, freedom, share))
 
 
 def _welch(
