@@ -46,8 +46,11 @@ class Stepper(SteadySolver):
         """
 
     def begin(self, state: State | None) -> State:
-        """As ``SteadySolver.begin``."""
-        return first_state(self.system, state)
+        """As ``SteadySolver.begin``; ValueError where its shape is wrong."""
+        if state is None:
+            return equilibrium(self.system)
+        modal_values(self.system, state)
+        return state
 
     def point(
         self, response: FrequencyResponse, index: int, drive: Drive, carried: State, settle: int, hold: int, output: str
@@ -82,7 +85,7 @@ class Stepper(SteadySolver):
         if not (np.isfinite(t_start) and np.isfinite(t_end) and t_end > t_start >= 0):
             raise ValueError(f"times: t_end {t_end} must be finite and after t_start {t_start} ≥ 0")
         begun = time.thread_time()
-        first = first_state(self.system, state)
+        first = self.begin(state)
         pose = np.stack([first.displacement, first.velocity])[None]
         pieces = [SampledPiece(np.array([t_start]), pose, NO_MARKS, NO_MARKS)]
         outcome = self.run(drive, first, t_start, t_end, pieces.append)
@@ -111,14 +114,6 @@ def pause_at(call: int) -> None:
     """Pause at the first of every 64 calls, counted from 0."""
     if call % EACH == 0:
         pause()
-
-
-def first_state(system: ImpactSystem, state: State | None) -> State:
-    """Initial state, static equilibrium for None; ValueError where its shape is wrong."""
-    if state is None:
-        return equilibrium(system)
-    modal_values(system, state)
-    return state
 
 
 def slack(system: ImpactSystem, displacement: Array) -> float:
