@@ -42,7 +42,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.solvers.integration.samples import SampledMotion
-from vibeam.solvers.one_mode import OneMode, Oscillator, StationaryMotion, StationarySolver, nearest
+from vibeam.solvers.one_mode import HIGHEST, OneMode, Oscillator, StationaryMotion, StationarySolver, nearest
 from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
@@ -208,9 +208,6 @@ def _smooth(model: Oscillator, motion: StationaryMotion, omega: float, time: Arr
         return np.stack([np.full_like(time, model.gap), np.zeros_like(time)], axis=1)
     turned = model.harmonic(omega) * np.exp(1j * omega * time)
     return np.stack([turned.imag, omega * turned.real], axis=1)
-
-
-HIGHEST = 16  # longest period in a response
 
 
 class AveragingSolver(StationarySolver):

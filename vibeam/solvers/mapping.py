@@ -56,7 +56,7 @@ from scipy.optimize import brentq
 from vibeam.flight.kernels import layout
 from vibeam.flight.readout import struck
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.one_mode import Oscillator, StationaryMotion, StationarySolver
+from vibeam.solvers.one_mode import HIGHEST, Oscillator, StationaryMotion, StationarySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import count, refuse
@@ -260,9 +260,6 @@ def admissible_orbits(flights: ImpactMap, periods: int = 1) -> list[FixedPoint]:
     """Admissible fixed points of 1 … ``periods`` drive periods at the map's Ω."""
     orbits = [o for n in range(1, periods + 1) for o in fixed_points(flights.oscillator, flights.omega, n)]
     return [orbit for orbit in orbits if orbit.admissible(flights)]
-
-
-HIGHEST = 16  # longest period in a response
 
 
 class MappingSolver(StationarySolver):

@@ -28,6 +28,8 @@ from vibeam.system.state import State
 from vibeam_models.arguments import refuse
 from vibeam_models.arrays import Array
 
+HIGHEST = 16  # longest period in a response, in drive periods
+
 
 @dataclass(frozen=True)
 class Oscillator:
