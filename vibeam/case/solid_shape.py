@@ -17,7 +17,6 @@ import numpy as np
 from vibeam.case.beam_field import with_points
 from vibeam.case.fidelity import Fidelity, parameters_of, system_of
 from vibeam.case.reduced_structure import static_at_contact
-from vibeam.exchange.vtu import cell_name
 from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.beam import structure_of
 from vibeam_models.given import GivenScene
@@ -118,11 +117,6 @@ class SolidShape:
     def kind(self) -> VtkCell:
         """Kind of its cells."""
         return KINDS[self.cells.shape[1]]
-
-    @property
-    def vtk_cells(self) -> tuple[str, Index]:
-        """Cells as ``exchange.vtu`` takes them."""
-        return cell_name(self.cells), self.cells
 
     def by(self, shapes: Array) -> SolidShape:
         """The same by m other coordinates: ``shapes`` (n, m) has what these are."""

@@ -17,22 +17,19 @@ import numpy as np
 from vibeam.exchange.whole_files import beside, write_whole
 from vibeam_models.arrays import Array, Index
 
+CELLS = {27: "hexahedron27", 10: "tetra10"}  # meshio's names of quadratic cells, by their number of nodes
+
 
 @dataclass(frozen=True, eq=False)
 class VtuPiece:
     """Points (k, 3) in m with ``data`` (k,) or (k, 3) at each.
 
-    ``cells``: meshio's name of their kind, and their nodes (c, nodes); None: the points are a chain of lines, or one.
+    ``cells``: the nodes (c, nodes) of quadratic cells; None: the points are a chain of lines, or one.
     """
 
     points: Array
     data: Mapping[str, Array]
-    cells: tuple[str, Index] | None = None
-
-
-def cell_name(cells: Index) -> str:
-    """Kind of quadratic cells (c, nodes) by their number of nodes, as meshio calls it."""
-    return {27: "hexahedron27", 10: "tetra10"}[cells.shape[1]]
+    cells: Index | None = None
 
 
 Step = tuple[float, Mapping[str, VtuPiece]]  # time, and the pieces by name
@@ -42,10 +39,9 @@ def write_vtu(piece: VtuPiece, path: Path) -> None:
     """Write one piece to a VTU file; OSError as of ``write_whole``."""
     import meshio
 
-    count = len(piece.points)
-    ends = np.arange(count)
-    chain = ("line", np.column_stack((ends[:-1], ends[1:]))) if count > 1 else ("vertex", ends[:, None])
-    cells = chain if piece.cells is None else piece.cells
+    ends = np.arange(len(piece.points))
+    chain = ("line", np.column_stack((ends[:-1], ends[1:]))) if len(ends) > 1 else ("vertex", ends[:, None])
+    cells = chain if piece.cells is None else (CELLS[piece.cells.shape[1]], piece.cells)
     with TemporaryDirectory() as folder:  # meshio writes to a path alone
         place = Path(folder) / "piece.vtu"
         meshio.Mesh(piece.points, [cells], point_data=dict(piece.data)).write(place)

@@ -177,7 +177,7 @@ def write_shapes(table: ModeTable, path: Path) -> None:
     if body is None:
         write_vtu(VtuPiece(_line(table.beams["beam"]), data), path)
     else:
-        write_vtu(VtuPiece(body.points, data, body.vtk_cells), path)
+        write_vtu(VtuPiece(body.points, data, body.cells), path)
 
 
 def shape_steps(table: ModeTable) -> list[Step]:
@@ -191,7 +191,7 @@ def shape_steps(table: ModeTable) -> list[Step]:
             pieces[name] = VtuPiece(_line(beam), data)
         for name, body in table.bodies.items():
             data = {"displacement": _moved(table, body, index), **_constant(row, len(body.points))}
-            pieces[f"solid {name}"] = VtuPiece(body.points, data, body.vtk_cells)
+            pieces[f"solid {name}"] = VtuPiece(body.points, data, body.cells)
         steps.append((float(row.number), pieces))
     return steps
 

@@ -89,7 +89,7 @@ def test_a_quadratic_field_is_read_back_within_the_cells_of_vtk(name: str, tmp_p
     def quadratic(x: np.ndarray) -> np.ndarray:
         return np.stack([x[:, 0] ** 2, x[:, 1] * x[:, 2] - x[:, 0], x[:, 2] ** 2 + 1], axis=1)
 
-    write_vtu(VtuPiece(shape.points, {"u": quadratic(shape.points)}, shape.vtk_cells), tmp_path / "a.vtu")
+    write_vtu(VtuPiece(shape.points, {"u": quadratic(shape.points)}, shape.cells), tmp_path / "a.vtu")
     read = meshio.read(tmp_path / "a.vtu")
     (block,) = read.cells
     assert (block.type, block.data.shape) == (name, shape.cells.shape)

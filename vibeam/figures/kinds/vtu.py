@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vibeam.case.beam_field import Fields, field_system, fields, stop_places
 from vibeam.case.plans import ShowPlan
-from vibeam.exchange.vtu import Step, VtuPiece, cell_name, centre_line, write_series
+from vibeam.exchange.vtu import Step, VtuPiece, centre_line, write_series
 from vibeam.figures.settled_motion import Settled, exact_motion, settled
 from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet
 from vibeam.flight.trajectory import Trajectory
@@ -234,7 +234,7 @@ def _solid_pieces(sheet: Sheet, frame: int) -> Iterator[tuple[str, VtuPiece]]:
             place, rate = (np.einsum("m,mki->ki", pose, sheet[f"{name}_mode"]) for pose in sheet["modes"][frame])
             cells = sheet[f"{name}_cell"].astype(np.int64)
             data = {"displacement": place, "velocity": rate}
-            yield name, VtuPiece(sheet[f"{name}_node"], data, (cell_name(cells), cells))
+            yield name, VtuPiece(sheet[f"{name}_node"], data, cells)
 
 
 def _beam(sheet: Sheet, name: str, frame: int, places: Array, lift: float) -> VtuPiece:
