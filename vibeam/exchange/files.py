@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import lru_cache
-from hashlib import sha256
+from hashlib import file_digest
 from math import isfinite, prod
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
@@ -133,8 +133,7 @@ def require_room(shape: Sequence[int], itemsize: int = 8) -> None:
 def require_coordinates(*sizes: int) -> None:
     """FormatError for a matrix of more rows or columns than are read."""
     if max(sizes) > COORDINATES:
-        limit = f"{COORDINATES:,}".replace(",", " ")
-        raise FormatError(f"has {max(sizes)} coordinates; a matrix may have {limit} at most")
+        raise FormatError(f"has {max(sizes)} coordinates; a matrix may have {COORDINATES:,} at most".replace(",", " "))
 
 
 def require_samples(shape: Sequence[int]) -> None:
@@ -151,10 +150,7 @@ def digest_of(path: Path) -> str:
 @lru_cache(maxsize=64)
 def _digest(path: Path, state: State) -> str:
     with read_by(refusal=OSError), path.open("rb") as file:
-        made = sha256()
-        while block := file.read(1 << 20):
-            made.update(block)
-    return made.hexdigest()
+        return file_digest(file, "sha256").hexdigest()
 
 
 LINES = 5_000_000  # of one file: 100 MB of lines of 20 characters
@@ -172,12 +168,9 @@ def text_of(path: Path) -> str:
         raise FormatError("is a workbook, not text: save the sheet as CSV")
     encodings = ("utf-16",) if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252")
     for encoding in encodings:
-        try:
-            text = raw.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        if "\0" not in text:
-            return text
+        with suppress(UnicodeDecodeError):
+            if "\0" not in (text := raw.decode(encoding)):
+                return text
     raise FormatError("cannot be read: it is not UTF-8 text")
 
 
