@@ -15,9 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, split_head
+from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, in_si, split_head
 from vibeam.exchange.curves.read import is_text, read_columns
-from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, file_fault, read_by, require_samples
 from vibeam.system.record import Record
@@ -37,6 +36,7 @@ HEADS = {
 WAVES = (".wav", ".wave")
 EVEN, ROUNDED = 1e-3, 0.3  # of a step: times taken as equal steps; times that were written with too few digits
 LONGER = 0.01  # share by which a record may last longer or shorter by a rate that is said than by its own times
+SAY_UNIT, SAY_RATE = 'say it: unit = "…"', 'say it: rate = "…"'
 ANONYMOUS = "cannot be read as a record; its lines are not shown, since it lies outside the case's folder"
 
 
@@ -78,8 +78,8 @@ def record_of_file(
     try:
         _require_keys(quantity, column, time, unit, scale)
         found, own = _columns(path, column, time, quantity, rate, scale is not None)
-        value = _in_si(found.columns["value"], UNITS[quantity], unit, "unit") * (1.0 if scale is None else scale)
-        times = _in_si(found.columns["frequency"], "s", None, "rate") if own is None else None
+        value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
+        times = in_si(found.columns["frequency"], "s", None, SAY_RATE) if own is None else None
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
     _require_sound(path, found, value, times, 2 if interpolation == "linear" else LEAST[JOINED[quantity][0]])
@@ -131,7 +131,7 @@ def _require_times(clock: CurveColumn, value: CurveColumn, rate: float | None) -
     """FormatError for times that are read as the samples, or go by another rate than the one that is said."""
     if clock.head == value.head and np.array_equal(clock.values, value.values, equal_nan=True):
         raise FormatError(f"column {clock.head!r} is that of the times: name that of the samples, column = …")
-    times = _in_si(clock, "s", None, "rate") if rate is not None else np.zeros(0)
+    times = in_si(clock, "s", None, SAY_RATE) if rate is not None else np.zeros(0)
     if len(times) > 1 and (span := float(times[-1] - times[0])) > 0:
         _require_rate(rate, (len(times) - 1) / span, len(times), f"column {clock.head!r}")
 
@@ -202,14 +202,6 @@ def _even(times: Array) -> float | None:
         told = f"times are equal steps but for {100 * off:.2g} % of one, by digits that were lost"
         raise ValueError(f"{told}: say rate = {rate:.6g} Hz, or what it was before")
     return None
-
-
-def _in_si(column: CurveColumn, wanted: str, unit: str | None, key: str) -> Array:
-    """Values of a column in SI; a unit that is said goes before the file's."""
-    try:
-        return column.values * factor(column.unit if unit is None else unit, wanted)
-    except ValueError as fault:
-        raise FormatError(f'column {column.head!r}: {fault}; say it: {key} = "…"') from None
 
 
 def _told(wrong: FormatError, quote: bool) -> str:

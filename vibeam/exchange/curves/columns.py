@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from vibeam.exchange.curves.record import factor
 from vibeam.exchange.files import FormatError, shown
 from vibeam_models.arrays import Array
 
@@ -47,6 +48,14 @@ class Columns:
     columns: Mapping[str, CurveColumn]
     lines: Sequence[int]
     heads: tuple[str, ...] = ()
+
+
+def in_si(column: CurveColumn, wanted: str, unit: str | None, cure: str, scale_unit: str = "") -> Array:
+    """Values of a column in SI; a ``unit`` that is said goes before the file's; FormatError with the ``cure``."""
+    try:
+        return column.values * factor(column.unit if unit is None else unit, wanted, scale_unit)
+    except ValueError as fault:
+        raise FormatError(f"column {column.head!r}: {fault}; {cure}") from None
 
 
 _UNIT = r"[A-Za-zµμ%][\w%µμ²³⁻¹*/·^ -]{0,39}|1 ?/ ?[A-Za-z]+"

@@ -9,9 +9,9 @@ from re import fullmatch
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn
+from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn, in_si
 from vibeam.exchange.curves.read import read_columns
-from vibeam.exchange.curves.record import COLUMNS, Point, ReferenceCurve, ReferenceForm, factor, given
+from vibeam.exchange.curves.record import COLUMNS, Point, ReferenceCurve, ReferenceForm, given
 from vibeam.exchange.curves.text import TextForm
 from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in, suggest
 from vibeam.exchange.files import FormatError, file_fault, read_by
@@ -138,11 +138,7 @@ def _require_known(heads: tuple[str, ...]) -> None:
 
 def _in_si(column: CurveColumn, role: str, wanted: str, said: str | None, scale_unit: str) -> Array:
     """Values of a column in SI; the case's unit goes before the file's."""
-    unit = column.unit if said is None else said
-    try:
-        return column.values * factor(unit, wanted, scale_unit)
-    except ValueError as fault:
-        raise FormatError(f'column {column.head!r}: {fault}; say it in the case: units = {{ {role} = "…" }}') from None
+    return in_si(column, wanted, said, f'say it in the case: units = {{ {role} = "…" }}', scale_unit)
 
 
 def _uncertainty(
