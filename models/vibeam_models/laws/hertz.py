@@ -93,7 +93,7 @@ class ElasticBodies:
         return contact_stiffness(self.body_shape, size, self.contact_modulus)
 
     @classmethod
-    def body_faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
+    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """(key, message): a shape whose force has another form, its size missing, that of another shape."""
         shape = stop.shape or SPHERE
         if stop.shape is None and SPHERE not in cls.shapes:

@@ -17,13 +17,6 @@ def _lost(law: str, stop: Any) -> Iterator[tuple[str, str]]:
         yield "restitution", f'0 is more than law = "{law}" can lose: write a number above 0'
 
 
-def _said_once(law: str, stop: Any) -> Iterator[tuple[str, str]]:
-    if (stop.damping is None) == (stop.restitution is None):
-        said = "is not said" if stop.damping is None else "is said twice"
-        yield "damping", f"the loss of the linear stop {said}: write damping, or restitution"
-    yield from _lost(law, stop)
-
-
 class Yielding(ContactLaw):
     """A law of a stop that yields, by its stiffness or by two bodies that give it; ``by_shape``: the latter."""
 
@@ -69,7 +62,10 @@ class Linear(Yielding):
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """The loss, said once."""
-        yield from _said_once(cls.name, stop)
+        if (stop.damping is None) == (stop.restitution is None):
+            said = "is not said" if stop.damping is None else "is said twice"
+            yield "damping", f"the loss of the linear stop {said}: write damping, or restitution"
+        yield from _lost(cls.name, stop)
 
     def contact(self, mobility: float) -> LinearStop:
         """The stop with the damping, or with what gives a free mass 1/S the restitution."""
@@ -91,17 +87,12 @@ class LinearBodies(ElasticBodies, Yielding):
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """The loss, said once; another shape, a radius missing."""
-        yield from _said_once(cls.name, stop)
-        yield from cls.body_faults(stop)
+        yield from Linear.faults(stop)
+        yield from super().faults(stop)
 
     def contact(self, mobility: float) -> LinearStop:
         """The linear stop of that stiffness."""
         return Linear(self.body_stiffness, self.damping, self.restitution).contact(mobility)
-
-
-def _soft(stop: Any) -> Iterator[tuple[str, str]]:
-    if stop.exponent is not None and stop.exponent < 1:
-        yield "exponent", f"{stop.exponent:g} is below 1: the stop would be infinitely stiff at first touch"
 
 
 @dataclass(frozen=True)
@@ -117,7 +108,8 @@ class Elastic(Yielding):
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """An exponent below 1."""
-        yield from _soft(stop)
+        if stop.exponent is not None and stop.exponent < 1:
+            yield "exponent", f"{stop.exponent:g} is below 1: the stop would be infinitely stiff at first touch"
 
     def contact(self, mobility: float) -> HuntCrossley:
         """Hertz's law, p = 3/2 where it is not said."""
@@ -130,11 +122,6 @@ class ElasticContact(ElasticBodies, Yielding):
 
     name: ClassVar[str] = "hertz"
     integrated: ClassVar[bool] = True
-
-    @classmethod
-    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
-        """Another shape, a size missing."""
-        yield from cls.body_faults(stop)
 
     def contact(self, mobility: float) -> HuntCrossley:
         """Hertz's law for the sphere, Palmgren's relation for the cylinder."""
@@ -157,7 +144,7 @@ class Damped(Yielding):
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """A loss that no damping gives, an exponent below 1."""
         yield from _lost(cls.name, stop)
-        yield from _soft(stop)
+        yield from Elastic.faults(stop)
 
     def contact(self, mobility: float) -> HuntCrossley:
         """Law with the damping that gives the restitution at that velocity."""
@@ -179,7 +166,7 @@ class DampedContact(ElasticBodies, Yielding):
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
         """A loss that no damping gives; another shape, a size missing."""
         yield from _lost(cls.name, stop)
-        yield from cls.body_faults(stop)
+        yield from super().faults(stop)
 
     def contact(self, mobility: float) -> HuntCrossley:
         """Law with the damping that gives the restitution at that velocity."""
