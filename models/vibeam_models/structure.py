@@ -177,8 +177,9 @@ class Structure(ValueRecord):
         return np.asarray((product + product.T) / 2)
 
     def _solved(self) -> Modes:
+        size, K, M = self.size, self.K, self.M
         try:
-            squared, shapes = natural_modes(self.K, self.M) if self.size <= SMALL else _kept_modes(self.K, self.M)
+            squared, shapes = natural_modes(K, M) if size <= SMALL else _modes_of(size, K.tobytes(), M.tobytes())
         except np.linalg.LinAlgError:
             raise ValueError("structure: M: must be positive definite: every coordinate needs a mass") from None
         if squared[0] < -STIFF * abs(squared[-1]):
@@ -341,13 +342,9 @@ def rank(K: Array) -> int:
     return int(dpstrf(K / np.outer(scale, scale))[2])
 
 
-def _kept_modes(K: Array, M: Array) -> tuple[Array, Array]:
-    """As ``natural_modes``, read-only; solved once for matrices with the same bits, of the last few problems."""
-    return _modes_of(len(K), K.tobytes(), M.tobytes())
-
-
 @lru_cache(maxsize=SOLVED)
 def _modes_of(size: int, K: bytes, M: bytes) -> tuple[Array, Array]:
+    """As ``natural_modes``, read-only; solved once for matrices with the same bits, of the last few problems."""
     made = natural_modes(*(np.frombuffer(each).reshape(size, size) for each in (K, M)))
     for each in made:
         each.setflags(write=False)
