@@ -217,6 +217,8 @@ def _first_mode(scene: Scene) -> _FirstMode:
 
 
 STATIC_SHAPE = "the static deflection of a uniform strip as mode shape"
+
+
 BARE_SHAPE = "the static deflection of the bare beam as mode shape"
 ADDED = "added masses left out"
 
