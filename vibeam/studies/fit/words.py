@@ -246,8 +246,7 @@ def _constant(problem: Problem, values: Array, k: int, j: int) -> str:
         return ""
     logs = np.log(values[:, [k, j]])
     logs = logs - logs.mean(axis=0)
-    _, _, rows = np.linalg.svd(logs, full_matrices=False)
-    along = rows[0]
+    along = np.linalg.svd(logs, full_matrices=False)[2][0]
     if min(abs(along)) < 1e-3:
         return ""
     power = -along[0] / along[1]  # ln other + power ln one is constant
@@ -266,14 +265,13 @@ def _slow_flow(problem: Problem, names: dict[str, Array], values: Array) -> tupl
         return None
     forward: Forward = next(iter(problem.forward.values()))
     found = []
-    for row in values:
+    for row, size in zip(values, names[drive], strict=True):
         made = forward.system(row)
         if made.law is not None:
             return None
         seen = first_mode_restitution(made)
         if seen <= 0:
             return None
-        index = next(k for k, each in enumerate(problem.keys) if each.key == drive)
-        found.append(row[index] / (made.zeta[0] - log(seen) / pi))
+        found.append(size / (made.zeta[0] - log(seen) / pi))
     mean = float(max(found) + min(found)) / 2
     return mean, float(np.ptp(found) / mean), f"{drive}/(ζ₁ − ln R₁/π)"
