@@ -128,12 +128,9 @@ def usable(values: Array) -> bool:
 def _checked(
     frequency: ArrayLike, amplitude: ArrayLike, uncertainty: ArrayLike | None, least: int
 ) -> tuple[Array, Array, Array | None]:
-    f, a = np.asarray(frequency, dtype=float), np.asarray(amplitude, dtype=float)
-    if f.ndim != 1 or f.shape != a.shape:
-        raise ValueError(f"frequency {f.shape} and amplitude {a.shape} must be of one shape (n,)")
+    f, a = _of_one_shape(frequency=frequency, amplitude=amplitude)
     if len(f) < least:
         raise ValueError(f"{len(f)} points are too few: {least} are needed")
-    _require_room(len(f))
     if not (usable(f) and usable(a) and (f >= 0).all() and (a >= 0).all()):
         raise ValueError(f"every frequency and amplitude must be a finite number, not below 0{RANGE}")
     if not a.max() > 0 or np.ptp(f) == 0:
@@ -149,8 +146,14 @@ def _checked(
     return f[order], a[order], u[order]
 
 
-def _require_room(points: int) -> None:
-    check_room(f"a fit to {points} points", A_POINT * points, "cut the record, or take every second point of it")
+def _of_one_shape(**columns: ArrayLike) -> tuple[Array, Array]:
+    """Two columns (n,) by their names; ValueError where they are none, or where there is no room for a fit to them."""
+    one, other = (np.asarray(each, dtype=float) for each in columns.values())
+    if one.ndim != 1 or one.shape != other.shape:
+        said = " and ".join(f"{name} {each.shape}" for name, each in zip(columns, (one, other), strict=True))
+        raise ValueError(f"{said} must be of one shape (n,)")
+    check_room(f"a fit to {len(one)} points", A_POINT * len(one), "cut the record, or take every second point of it")
+    return one, other
 
 
 def _half_power(f: Array, a: Array) -> float:
@@ -258,12 +261,9 @@ def _notes(residual: Array, left: float, envelope: float) -> tuple[str, ...]:
 
 
 def _checked_decay(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Array]:
-    t, x = np.asarray(time, dtype=float), np.asarray(displacement, dtype=float)
-    if t.ndim != 1 or t.shape != x.shape:
-        raise ValueError(f"time {t.shape} and displacement {x.shape} must be of one shape (n,)")
+    t, x = _of_one_shape(time=time, displacement=displacement)
     if len(t) < LEAST:
         raise ValueError(f"a decay of {len(t)} samples is too short: {LEAST} are needed")
-    _require_room(len(t))
     if not (usable(t) and usable(x)):
         raise ValueError(f"every time and displacement must be a finite number{RANGE}")
     if not (np.diff(t) > 0).all():
