@@ -37,7 +37,6 @@ def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
     found = [read(expected, result, direction) for direction in directions(expected, result.case)]
     present = [each for each in found if not each.absent]
     deviations = [_deviation(expected, each.number) for each in present]
-    worst = max(deviations, default=NAN)
     faults = [each.fault for each in found if each.fault and not (partial and each.absent)]
     within = all(each <= expected.tolerance for each in deviations)
     return CheckRow(
@@ -46,7 +45,7 @@ def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
         quantity=expected.quantity,
         points=len(present),
         total=len(found),
-        worst=worst,
+        worst=max(deviations, default=NAN),
         frequency=NAN if expected.frequency is None else expected.frequency,
         tolerance=expected.tolerance,
         passed=within and not faults,
