@@ -54,12 +54,8 @@ def _on(declared: BaseModel, name: str) -> Iterator[str]:
     yield from (part for part in parts_of(name) if getattr(declared, part, None) is not None)
     for field in physics_keys(type(declared)):
         if is_repeated(fields_of(type(declared))[field]):
-            carried = [getattr(each, "on", None) == name for each in _tables(getattr(declared, field))]
+            carried = [getattr(each, "on", None) == name for each in getattr(declared, field) or ()]
             yield from (effect for effect, is_on in zip(_named(declared, field), carried, strict=False) if is_on)
-
-
-def _tables(value: object) -> tuple[object, ...]:
-    return value if isinstance(value, tuple) else ()
 
 
 def _named(declared: BaseModel, name: str) -> Iterator[str]:
