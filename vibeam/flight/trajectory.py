@@ -19,7 +19,6 @@ from vibeam.flight.readout import sides, struck
 from vibeam.flight.solver import exact_solver, warm_up_motion
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
-from vibeam.system.rows import TimeDerivative
 from vibeam.system.state import State
 from vibeam_models.arguments import count, counted, floats, number, refuse, require
 from vibeam_models.arrays import Array, Index, ValueRecord
@@ -181,10 +180,7 @@ class Trajectory(ValueRecord):
 
         ValueError outside [t_start, t_end], KeyError for an unknown name.
         """
-        wanted = self.system.derivative(output)
-        if wanted is None:
-            return np.asarray(self.modes_at(t)[..., 0, :] @ self.system.output(output))
-        return self._derivative(t, wanted, 0)
+        return self._read(t, output, 0)
 
     def gaps(self, t: ArrayLike) -> Array:
         """Gap of every contact (…, k) at times t, m: the first stop, a second one on its other side, further ones."""
@@ -193,10 +189,7 @@ class Trajectory(ValueRecord):
 
     def velocity_at(self, t: ArrayLike, output: str = "contact") -> Array:
         """The output's rate at times t (any shape), m/s where it is in m; at an impact the one after it."""
-        wanted = self.system.derivative(output)
-        if wanted is None:
-            return np.asarray(self.modes_at(t)[..., 1, :] @ self.system.output(output))
-        return self._derivative(t, wanted, 1)
+        return self._read(t, output, 1)
 
     def modes_at(self, t: ArrayLike) -> Array:
         """Modal displacements and velocities (…, 2, n) at times t of any shape; ValueError outside the motion."""
@@ -206,19 +199,20 @@ class Trajectory(ValueRecord):
         found = self._solver.poses_at(self.drive, self.segments, np.ascontiguousarray(times.ravel()))
         return np.asarray(found.reshape(*times.shape, 2, self.system.size))
 
-    def _derivative(self, t: ArrayLike, wanted: TimeDerivative, more: int) -> Array:
-        """A velocity or acceleration, or its rate, at times t of any shape."""
-        times, poses = floats("t", t), self.modes_at(t)
-        flat, states = times.ravel(), poses.reshape(-1, 2, self.system.size)
-        if isinstance(self.drive, Drive):
-            from vibeam.flight.disturbance.derivatives import derivative_along
+    def _read(self, t: ArrayLike, output: str, more: int) -> Array:
+        """The output, or its rate (``more`` 1), at times t of any shape."""
+        wanted = self.system.derivative(output)
+        if wanted is None:
+            return np.asarray(self.modes_at(t)[..., more, :] @ self.system.output(output))
+        from vibeam.flight.disturbance.derivatives import derivative_along
 
-            found = derivative_along(self.system, self.drive, self.segments.trace, flat, states, wanted, more)
-        else:
-            from vibeam.flight.record.readout import derivative_under
-
-            found = derivative_under(cast(Any, self._solver), self.segments.trace, flat, states, wanted, more)
-        return np.asarray(found.reshape(times.shape))
+        times, poses = floats("t", t).ravel(), self.modes_at(t)
+        loads = None if isinstance(self.drive, Drive) else cast(Any, self._solver).course.loads(times)
+        found = derivative_along(
+            self.system, self.drive, self.segments.trace, loads, times, poses.reshape(-1, 2, self.system.size), wanted,
+            more,
+        )  # fmt: skip
+        return np.asarray(found.reshape(poses.shape[:-2]))
 
 
 def simulate(

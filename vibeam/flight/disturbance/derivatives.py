@@ -127,23 +127,28 @@ def exact(values: Array) -> Sum:
 
 
 def derivative_along(
-    system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int
-) -> Array:
+    system: ImpactSystem, drive: Drive, trace: Array, loads: Array | None, times: Array, poses: Array,
+    wanted: TimeDerivative, more: int,
+) -> Array:  # fmt: skip
     """The output ``wanted`` (m,), or its rate (``more`` 1), at ``times`` (m,) with their ``poses`` (m, 2, n).
 
-    At an event the value after it. ValueError for the rate of an acceleration in a contact that is integrated.
+    ``loads`` (2, m): of a record there, and their rates. At an event the value after it. ValueError for the rate of an
+    acceleration in a contact that is integrated.
     """
     order = wanted.order + more
     if order == 1:
         return np.asarray(poses[:, 1] @ wanted.row)
-    which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
-    clocks = trace[which, layout.AT_CLOCK] + times - trace[which, layout.START]
-    if system.further is not None:
-        from vibeam.flight.contacts.readout import derivatives_in, loads_of
+    from vibeam.flight.contacts.readout import derivatives_in, loads_of
 
-        found = derivatives_in(system, loads_of(drive, clocks), trace[which], poses, wanted.row, order)
+    rows = trace[np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)]
+    if loads is not None:
+        found = derivatives_in(system, loads, rows, poses, wanted.row, order)
+        return np.asarray(found - wanted.base * loads[order - 2])
+    clocks = rows[:, layout.AT_CLOCK] + times - rows[:, layout.START]
+    if system.further is not None:
+        found = derivatives_in(system, loads_of(drive, clocks), rows, poses, wanted.row, order)
     else:
-        found = _modal(system, drive, trace[which], clocks, poses, order) @ wanted.row
+        found = _modal(system, drive, rows, clocks, poses, order) @ wanted.row
     return np.asarray(found + _of_base(drive, clocks, order, wanted.base))
 
 
