@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from vibeam.flight.engine.threads import run_parallel
-from vibeam.flight.record.solver import RecordSolver, flown
+from vibeam.flight.record.solver import RecordSolver
 from vibeam.flight.trajectory import Trajectory
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.record import Record
@@ -43,8 +43,7 @@ def simulate_records(
     first = RecordSolver(system, records[0], t_start, t_end)
 
     def one(record: Record, state: State | None) -> Trajectory:
-        runner = first.sibling(record, t_start, t_end)
-        return Trajectory(**flown(runner, record, t_end, state, t_start, max_impacts, certify))
+        return Trajectory(**first.sibling(record, t_start, t_end).fly(state, max_impacts, certify))
 
     pairs = list(zip(records, starts, strict=True))
     return run_parallel(lambda pair, _: one(*pair), pairs, workers)

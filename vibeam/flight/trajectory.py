@@ -261,13 +261,12 @@ def _under_record(
     system: ImpactSystem, record: Any, end: float, state: State | None, start: float, limit: int, certify: bool
 ) -> Trajectory:
     """The motion under a record; ValueError where it is none."""
-    from vibeam.flight.record.solver import RecordSolver, flown
+    from vibeam.flight.record.solver import RecordSolver
     from vibeam.system.record import Record
 
     if not isinstance(record, Record):
         raise ValueError(f"drive: must be a Drive or a Record, not {type(record).__name__}")
-    runner = RecordSolver(system, record, start, end)
-    return Trajectory(**flown(runner, record, end, state, start, limit, certify))
+    return Trajectory(**RecordSolver(system, record, start, end).fly(state, limit, certify))
 
 
 def _checked(t_start: Any, t_end: Any, max_impacts: Any) -> tuple[float, float, int]:

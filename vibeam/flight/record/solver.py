@@ -19,7 +19,6 @@ from vibeam.flight.readout import OUTCOMES
 from vibeam.flight.record.course import RecordCourse
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.record import Record
-from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
@@ -89,11 +88,9 @@ class RecordSolver(ContactsSolver):
         own.sets.engine, own.under = own.sets.engine._replace(course=load), course
         return own.sets
 
-    def fly(
-        self, state: State | None, start: float, end: float, limit: int, certify: bool
-    ) -> tuple[Ended, float, State, Segments, dict[str, float], Array]:
-        """As ``simulate``, and the intervals (m, PIECE_COLUMNS) of a certificate, none where not asked for."""
-        begun = time.thread_time()
+    def fly(self, state: State | None, limit: int, certify: bool) -> dict[str, Any]:
+        """The fields of the trajectory from ``start`` to ``end``; its certificate where asked for."""
+        begun, (record, start, end) = time.thread_time(), self._known
         pose, status = self.pose(state)
         status[contact_layout.PIECE], status[layout.CLOCK] = (float(part) for part in self.course.place(start))
         self._certify(certify)
@@ -101,8 +98,16 @@ class RecordSolver(ContactsSolver):
         trace = segments.trace
         trace[:, layout.START] = self.times_of(trace)
         last = end if outcome == layout.COMPLETE else float(trace[-1, layout.START] + trace[-1, layout.DURATION])
-        intervals = np.concatenate([NO_INTERVALS, *self._under.intervals])
-        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats_of(counts, begun), intervals
+        found: dict[str, Any] = {
+            "system": self.system, "drive": record, "t_start": start, "t_end": last, "state": self.state(pose, status),
+            "ended": OUTCOMES[outcome], "stats": stats_of(counts, begun), "_solver": self, "segments": segments,
+        }  # fmt: skip
+        if certify:
+            from vibeam.flight.record.certificate import certificate_of_record
+
+            intervals = np.concatenate([NO_INTERVALS, *self._under.intervals])
+            found["certificate"] = certificate_of_record(self.system, record, self.course, segments, intervals)
+        return found
 
     def times_of(self, trace: Array) -> Array:
         """Times at which the segments begin, s: by the record's own knots, so that they do not drift."""
@@ -133,19 +138,3 @@ class RecordSolver(ContactsSolver):
     def poses_at(self, drive: Any, segments: Segments, times: Array) -> Array:
         """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
         return super().poses_at(STILL, segments, times)
-
-
-def flown(
-    runner: RecordSolver, record: Record, end: float, state: State | None, start: float, limit: int, certify: bool
-) -> dict[str, Any]:
-    """The fields of the trajectory that ``runner`` flies under its ``record``."""
-    ended, last, after, segments, stats, intervals = runner.fly(state, start, end, limit, certify)
-    found: dict[str, Any] = {
-        "system": runner.system, "drive": record, "t_start": start, "t_end": last, "state": after, "ended": ended,
-        "stats": stats, "_solver": runner, "segments": segments,
-    }  # fmt: skip
-    if certify:
-        from vibeam.flight.record.certificate import certificate_of_record
-
-        found["certificate"] = certificate_of_record(runner.system, record, runner.course, segments, intervals)
-    return found
