@@ -11,7 +11,6 @@ import numpy as np
 from vibeam.flight.contacts.readout import keys_of
 from vibeam.flight.contacts.sets import ContactSets
 from vibeam.flight.engine.entries import contacts_cover, contacts_move, contacts_poses_at
-from vibeam.flight.engine.threads import pause
 from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.event_driven import EventDrivenSolver, Segments
 from vibeam.flight.kernels import layout
@@ -75,13 +74,10 @@ class ContactsSolver(EventDrivenSolver):
     def _move(
         self, engine: ContactEngine, omega: float, amplitude: float, pose: Array, status: Array, *given: Any
     ) -> Any:
-        """The kernels' ``move``; sets that it wants are made on the way."""
-        outcome, value = layout.PAUSED, 0.0
-        while outcome == layout.PAUSED:
-            pause()
-            outcome, value = contacts_move(self.sets.engine, omega, amplitude, pose, status, *given)
-            if outcome == layout.PAUSED and status[contact_layout.WANTED] > 0:
-                self.sets.make(int(status[contact_layout.WANTED]) - 1)
+        """The kernels' ``move``; a set for want of which it pauses is made."""
+        outcome, value = contacts_move(self.sets.engine, omega, amplitude, pose, status, *given)
+        if outcome == layout.PAUSED and status[contact_layout.WANTED] > 0:
+            self.sets.make(int(status[contact_layout.WANTED]) - 1)
         return outcome, value
 
     _poses_at, _cover = staticmethod(contacts_poses_at), staticmethod(contacts_cover)
