@@ -122,14 +122,6 @@ def multipliers(rows: Array) -> Array:
     return np.asarray(np.linalg.pinv(rows @ rows.T, hermitian=True) @ rows)
 
 
-def within(row: Array, rows: Array) -> bool:
-    """True where a row is a sum of others, to round-off."""
-    if not len(rows):
-        return False
-    left = row - (multipliers(rows) @ row) @ rows
-    return bool(np.linalg.norm(left) <= 1e-10 * np.linalg.norm(row))
-
-
 def equilibrium(system: ImpactSystem) -> State:
     """The static equilibrium, resting on the stop where the free one lies beyond it.
 
