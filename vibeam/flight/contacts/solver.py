@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from threading import local
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -31,6 +31,8 @@ class ContactsSolver(EventDrivenSolver):
     ``FrequencyResponse.rest`` is the share of time in which any contact is held or pushed.
     """
 
+    _a_thread: ClassVar[type[Any]] = local  # what each thread has of its own
+
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
         super().__init__(system, limit)
@@ -38,13 +40,13 @@ class ContactsSolver(EventDrivenSolver):
         self._top = top_level(self._slowest, self.contacts.fastest_rate)
         self._status_rows = contact_layout.status_rows(len(self.contacts.gaps))
         self._trace_columns = contact_layout.trace_columns(len(self.contacts.gaps))
-        self._own = local()
+        self._own = self._a_thread()
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if name != "_own"}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state, _own=local())
+        vars(self).update(state, _own=self._a_thread())
 
     @property
     def sets(self) -> ContactSets:

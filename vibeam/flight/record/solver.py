@@ -45,18 +45,13 @@ class RecordSolver(ContactsSolver):
     """
 
     _first_rows = 4096
+    _a_thread = _Own
+    _own: _Own
 
     def __init__(self, system: ImpactSystem, record: Record, start: float, end: float, limit: int = 100_000) -> None:
         """``limit``: as of ``ContactsSolver``."""
         super().__init__(system, 0.0, end - start, limit)
-        self._known, self._under = (record, start, end), _Own()
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in super().__getstate__().items() if name != "_under"}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        super().__setstate__(state)
-        self._under = _Own()
+        self._known = record, start, end
 
     def sibling(self, record: Record, start: float, end: float) -> RecordSolver:
         """The solver of the same system under another record of about the same span; both use the same sets."""
@@ -67,7 +62,7 @@ class RecordSolver(ContactsSolver):
     @property
     def course(self) -> RecordCourse:
         """The record's course; many motions of one batch hold none, but make it anew where they are read."""
-        own = self._under
+        own = self._own
         if own.course is None or own.solver is not self:
             own.solver, own.course = self, RecordCourse.of(*self._known)
         return own.course
@@ -75,7 +70,7 @@ class RecordSolver(ContactsSolver):
     @property
     def sets(self) -> ContactSets:
         """The calling thread's sets, under this record's course."""
-        own, course = self._under, self.course
+        own, course = self._own, self.course
         if own.sets is not None and own.under is course:
             return own.sets
         if own.sets is None:
@@ -105,7 +100,7 @@ class RecordSolver(ContactsSolver):
         if certify:
             from vibeam.flight.record.certificate import certificate_of_record
 
-            intervals = np.concatenate([NO_INTERVALS, *self._under.intervals])
+            intervals = np.concatenate([NO_INTERVALS, *self._own.intervals])
             found["certificate"] = certificate_of_record(self.system, record, self.course, segments, intervals)
         return found
 
@@ -119,7 +114,7 @@ class RecordSolver(ContactsSolver):
         course = self.sets.engine.course
         course.numbers[load_layout.CERTIFIED], course.numbers[load_layout.WRITTEN] = float(asked), 0.0
         most = 2 * len(self.contacts.gaps) * (load_layout.LONG + load_layout.STRIDE)
-        room, self._under.intervals = np.zeros((SEGMENTS * most if asked else 0, layout.PIECE_COLUMNS)), []
+        room, self._own.intervals = np.zeros((SEGMENTS * most if asked else 0, layout.PIECE_COLUMNS)), []
         self.sets.engine = self.sets.engine._replace(course=course._replace(intervals=room))
 
     def _traced(self, before: int) -> None:
@@ -127,7 +122,7 @@ class RecordSolver(ContactsSolver):
         course = self.sets.engine.course
         found = course.intervals[: int(course.numbers[load_layout.WRITTEN])].copy()
         found[:, layout.PIECE_SEGMENT] += before
-        self._under.intervals.append(found)
+        self._own.intervals.append(found)
         course.numbers[load_layout.WRITTEN] = 0.0
 
     def _instant(self, time: float, pose: Array, status: Array, size: float) -> Segments:
