@@ -89,7 +89,7 @@ class _Group:
         """Fill them; whether the arrays are so small that they may be kept. TypeError for what does not fit."""
         found: list[Any] = []
         size = 0
-        for (dtype, axes), item in zip(self._kinds, _items(value), strict=True):
+        for (dtype, axes), item in zip(self._kinds, items_of(value), strict=True):
             if dtype is None:
                 found.append(item)
                 continue
@@ -122,11 +122,11 @@ def _array_kind(kind: str) -> tuple[np.dtype[Any] | None, int]:
     return (None, 0) if kind in NUMBERS else (np.dtype(kind[:2]), axes_of(kind))
 
 
-def _items(value: Any) -> Iterator[Any]:
+def items_of(value: Any) -> Iterator[Any]:
     """The items of a tuple, nested ones too, in order."""
     if isinstance(value, tuple):
         for each in value:
-            yield from _items(each)
+            yield from items_of(each)
     else:
         yield value
 

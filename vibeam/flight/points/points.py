@@ -6,10 +6,10 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from threading import local
-from typing import Any
 
 import numpy as np
 
+from vibeam.flight.engine.call import items_of
 from vibeam.flight.engine.entries import run_points
 from vibeam.flight.engine.threads import resumed
 from vibeam.flight.equilibrium import equilibria
@@ -149,7 +149,7 @@ def task_of(points: PlainPoints, made: list[Packed], settings: PointSettings) ->
 def _lane(task: row.Task) -> row.Lane:
     """Lanes without points: the calling thread's last ones where they fit, since to fill a call's slots costs more."""
     width, n = row.WIDTH, task.energy.shape[1]
-    shapes = tuple(shape[1:] for shape in _shapes(task.packs))
+    shapes = tuple(array.shape[1:] for array in items_of(task.packs))
     if getattr(_OWN, "shapes", None) != shapes:
         _OWN.shapes, _OWN.lane = shapes, row.Lane(
             np.zeros(row.COMMON_ROWS * width), np.zeros(n * row.MODAL_ROWS * width), blank(task.packs, width),
@@ -162,15 +162,6 @@ def _lane(task: row.Task) -> row.Lane:
     lane.whole[:] = 0
     lane.whole[:, row.PACK] = -1
     return lane
-
-
-def _shapes(engine: Any) -> Iterator[tuple[int, ...]]:
-    """Shapes of an engine's arrays."""
-    for each in engine:
-        if isinstance(each, np.ndarray):
-            yield each.shape
-        else:
-            yield from _shapes(each)
 
 
 def room_of(made: PackedSystem, settings: PointSettings) -> Watch:
