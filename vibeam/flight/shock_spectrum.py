@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -90,22 +89,13 @@ def _device_faults(device: ImpactSystem, damping: float | None) -> list[str]:
     return faults
 
 
-class _Point(NamedTuple):
-    """Extremes (2 parts, 2 outputs, 2 sides) of one device, its impacts, the velocity of the hardest."""
-
-    extremes: Array
-    impacts: int
-    hardest: float
-
-
 def _of_device(device: ImpactSystem, record: Record, rates: Array, output: str) -> ShockSpectrum:
     row, lowest = device.output(output), float(np.min(device.omega))
     wanted = {"absolute": TimeDerivative(row, 2, base=1.0)}
     read = replace(device, outputs={**device.outputs, "relative": row}, derivatives=wanted)
     points = [_point(_scaled(read, 2 * np.pi * rate / lowest), record) for rate in rates.tolist()]
-    acceleration, displacement = np.moveaxis(np.array([point.extremes for point in points]), (2, 0), (0, 3))
-    impacts = np.array([point.impacts for point in points])
-    hardest = np.array([point.hardest for point in points])
+    sizes, impacts, hardest = (np.array(each) for each in zip(*points, strict=True))
+    acceleration, displacement = np.moveaxis(sizes, (2, 0), (0, 3))
     first = float(device.zeta[int(np.argmin(device.omega))])
     return ShockSpectrum(rates, first, acceleration, displacement, impacts, hardest)
 
@@ -116,7 +106,8 @@ def _scaled(system: ImpactSystem, factor: float) -> ImpactSystem:
     return replace(system, omega=factor * system.omega, coupling=coupling)
 
 
-def _point(system: ImpactSystem, record: Record) -> _Point:
+def _point(system: ImpactSystem, record: Record) -> tuple[Array, int, float]:
+    """Extremes (2 parts, 2 outputs, 2 sides) of one device, its impacts, the velocity of the hardest."""
     lowest = float(np.min(system.omega))
     end = record.end + AFTER * 2 * np.pi / lowest
     path = simulate(system, record, end, t_start=record.start)
@@ -125,6 +116,5 @@ def _point(system: ImpactSystem, record: Record) -> _Point:
         raise ValueError(f"shock_spectrum: the device, {at}, ended at {path.t_end:g} s: {path.ended.value}")
     found = extremes(path, ("absolute", "relative"), [record.start, record.end, end])
     sizes = np.stack([found.least, found.greatest], axis=-1)  # (outputs, parts, sides)
-    return _Point(
-        sizes.transpose(1, 0, 2), len(path.impact_times), float(np.abs(path.impact_velocities).max(initial=0.0))
-    )
+    hardest = float(np.abs(path.impact_velocities).max(initial=0.0))
+    return sizes.transpose(1, 0, 2), len(path.impact_times), hardest
