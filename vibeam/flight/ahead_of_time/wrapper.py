@@ -9,7 +9,9 @@ it. All that is known here of numba's inside (version as in ``constraints.txt``)
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 from inspect import signature
+from itertools import count
 from typing import Any
 
 from numba import types
@@ -69,14 +71,12 @@ def _kind(argument: Any) -> Any:
 def wrapper(compiled: Compiled, name: str) -> str:
     """LLVM module with ``i32 name(i64* slots)``: takes the slots apart and calls the kernel."""
     lines = _Lines(compiled)
-    lines.write()
-    result = "{" + ", ".join(TYPES[each] for each in compiled.results) + "}" if compiled.results else "ptr"
     given = ", ".join(["ptr %results", "ptr %fault", *lines.given])
     taken = ", ".join(["ptr", "ptr", *(each.split()[0] for each in lines.given)])
     body = [
         f'declare i32 @"{compiled.symbol}"({taken})',
         f"define i32 @{name}(ptr %slots) {{",
-        f"  %results = alloca {result}",
+        f"  %results = alloca {lines.whole if compiled.results else 'ptr'}",
         "  %fault = alloca ptr",
         "  store ptr null, ptr %fault",
         *lines.before,
@@ -89,55 +89,38 @@ def wrapper(compiled: Compiled, name: str) -> str:
 
 
 class _Lines:
-    """Instructions around the call, written as the slots are gone through in their order (see ``engine.call``)."""
+    """Instructions around the call, written as the slots are gone through in their order (see ``engine.call``).
+
+    Numbers first, then room for the results, then arrays; the call has them in the kernel's order.
+    """
 
     def __init__(self, compiled: Compiled) -> None:
-        self.compiled = compiled
-        self.before: list[str] = []
-        self.after: list[str] = []
-        self.given: list[str] = []
-        self._names = iter(range(10**6))
+        self.whole = "{" + ", ".join(TYPES[each] for each in compiled.results) + "}"
+        self.before, self.after = list[str](), list[str]()
+        self._names, self._slots = count(), count()
+        arguments = list(enumerate(compiled.arguments))
+        passed = {i: self._taken_apart(kind) for i, kind in arguments if kind in NUMBERS}
+        for i, kind in enumerate(compiled.results):
+            self._store(i, TYPES[kind])
+        passed |= {i: self._taken_apart(kind) for i, kind in arguments if kind not in NUMBERS}
+        self.given = [each for i, _ in arguments for each in passed[i]]
 
-    def write(self) -> None:
-        """Numbers first, then room for the results, then arrays; the call has them in the kernel's order."""
-        arguments, results = self.compiled.arguments, self.compiled.results
-        numbers = [i for i, kind in enumerate(arguments) if kind in NUMBERS]
-        passed: dict[int, list[str]] = {}
-        for slot, i in enumerate(numbers):
-            passed[i] = [self._load(slot, TYPES[arguments[i]])]
-        slot = len(numbers)
-        for i, kind in enumerate(results):
-            self._store(slot + i, i, TYPES[kind])
-        slot += len(results)
-        for i, kind in enumerate(arguments):
-            if i not in passed:
-                passed[i], slot = self._taken_apart(kind, slot)
-        self.given = [each for i in range(len(arguments)) for each in passed[i]]
-
-    def _taken_apart(self, kind: Kind, slot: int) -> tuple[list[str], int]:
-        """Arguments of the kernel for an array or tuple whose slots begin there, and the slot behind them."""
+    def _taken_apart(self, kind: Kind) -> list[str]:
+        """Arguments of the kernel for a number, an array or a tuple."""
         found: list[str] = []
         for each in leaves(kind):
-            if each in NUMBERS:
-                found.append(self._load(slot, TYPES[each]))
-                slot += 1
-                continue
-            axes = axes_of(each)
-            found += self._array(slot, axes)
-            slot += 1 + axes
-        return found, slot
+            found += [self._load(TYPES[each])] if each in NUMBERS else self._array(axes_of(each))
+        return found
 
-    def _array(self, slot: int, axes: int) -> list[str]:
+    def _array(self, axes: int) -> list[str]:
         """meminfo, parent, items, bytes of an item, data, lengths, strides of an array in C order."""
-        data = self._load(slot, "ptr")
-        lengths = [self._load(slot + 1 + axis, "i64") for axis in range(axes)]
+        data = self._load("ptr")
+        lengths = [self._load("i64") for _ in range(axes)]
         strides, step = ["i64 8"], "i64 8"
         for length in reversed(lengths[1:]):
             step = self._product(step, length)
             strides.insert(0, step)
-        items, size = lengths[0], lengths[0]
-        for length in lengths[1:]:
-            items = size = self._product(size, length)
+        items = reduce(self._product, lengths)
         return ["ptr null", "ptr null", items, "i64 8", data, *lengths, *strides]
 
     def _product(self, a: str, b: str) -> str:
@@ -145,15 +128,15 @@ class _Lines:
         self.before.append(f"  {name} = mul i64 {a.split()[1]}, {b.split()[1]}")
         return f"i64 {name}"
 
-    def _load(self, slot: int, kind: str) -> str:
+    def _load(self, kind: str) -> str:
         name = f"%v{next(self._names)}"
-        self.before.append(f"  {name}.at = getelementptr i64, ptr %slots, i64 {slot}")
+        self.before.append(f"  {name}.at = getelementptr i64, ptr %slots, i64 {next(self._slots)}")
         self.before.append(f"  {name} = load {kind}, ptr {name}.at")
         return f"{kind} {name}"
 
-    def _store(self, slot: int, index: int, kind: str) -> None:
-        name, whole = f"%r{index}", "{" + ", ".join(TYPES[each] for each in self.compiled.results) + "}"
-        self.after.append(f"  {name}.from = getelementptr {whole}, ptr %results, i32 0, i32 {index}")
+    def _store(self, index: int, kind: str) -> None:
+        name = f"%r{index}"
+        self.after.append(f"  {name}.from = getelementptr {self.whole}, ptr %results, i32 0, i32 {index}")
         self.after.append(f"  {name} = load {kind}, ptr {name}.from")
-        self.after.append(f"  {name}.at = getelementptr i64, ptr %slots, i64 {slot}")
+        self.after.append(f"  {name}.at = getelementptr i64, ptr %slots, i64 {next(self._slots)}")
         self.after.append(f"  store {kind} {name}, ptr {name}.at")
