@@ -60,12 +60,9 @@ class Contacts:
     @property
     def fastest_rate(self) -> float:
         """The highest rate (rad/s) that panels must resolve, whichever linear stops push."""
-        stiffness = sum(
-            spring.stiffness * float(row @ row) for row, spring in zip(self.rows, self.springs, strict=True) if spring
-        )
-        damping = sum(
-            spring.damping * float(row @ row) for row, spring in zip(self.rows, self.springs, strict=True) if spring
-        )
+        each = [(law, float(row @ row)) for row, law in zip(self.rows, self.springs, strict=True) if law]
+        stiffness = sum(law.stiffness * mobility for law, mobility in each)
+        damping = sum(law.damping * mobility for law, mobility in each)
         return float(np.hypot(fastest_rate(self.system), np.sqrt(stiffness))) + damping
 
     def kernel_laws(self) -> tuple[Array, Array]:
