@@ -59,9 +59,6 @@ class PlanOverGap:
         slowest = slowest_rate(system, 0.0, 0.0)
         unit = replace(system, static=nothing, load=nothing, gap=1.0, second_gap=0.0 if second else None)
         own, more = plan(system, slowest), plan(unit, slowest)
-        free, upper, lower = (
-            RegimeOverGap.between(*pair)
-            for pair in ((own.free, more.free), (own.upper, more.upper), (own.lower, more.lower))
-        )
-        fastest = fastest_rate(system)
-        return cls(own, free, upper, lower if second else None, fastest, system.contact_law.integrated)
+        free, upper = RegimeOverGap.between(own.free, more.free), RegimeOverGap.between(own.upper, more.upper)
+        lower = RegimeOverGap.between(own.lower, more.lower) if second else None
+        return cls(own, free, upper, lower, fastest_rate(system), system.contact_law.integrated)
