@@ -8,6 +8,7 @@ they still take has no bound where other contacts move.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.proof.certificate import Certificate, UnprovedSpan, pieces_of
 from vibeam.flight.proof.watched import WatchedMotion
 from vibeam.flight.readout import sides
-from vibeam.system.impact_system import Drive
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array, Flags, Index
 
 
@@ -50,21 +51,32 @@ def integrated(contacts: Contacts, pushed: Index) -> Flags:
 def certificate_of_contacts(solver: EventDrivenSolver, drive: Drive, segments: Segments) -> ContactsCertificate:
     """The certificate of a motion that was flown."""
     trace, contacts = segments.trace, Contacts.of(solver.system)
-    held, pushed = (trace[:, column].astype(np.int64) for column in (row.HELD_AT, row.PUSHED_AT))
     motion = WatchedMotion(solver.system, drive, trace, segments.poses, trace[:, layout.WHAT], sides(trace))
+    pushed = trace[:, row.PUSHED_AT].astype(np.int64)
     tasks = _tasks(trace, len(contacts.gaps), (trace[:, layout.DURATION] > 0) & ~integrated(contacts, pushed))
-    pieces = pieces_of(solver, motion, tasks, segments.size)
     starting = tasks[tasks[:, layout.TASK_ORDER] > 0]
-    orders, roots = np.zeros(len(trace)), np.full(len(trace), -1.0)
-    first = starting[np.unique(starting[:, layout.TASK_SEGMENT], return_index=True)[1]]
-    which = first[:, layout.TASK_SEGMENT].astype(np.int64)
-    orders[which], roots[which] = first[:, layout.TASK_ORDER], first[:, layout.TASK_SIGNAL]
+    starts = starting[:, [layout.TASK_SEGMENT, layout.TASK_SIGNAL, layout.TASK_ORDER, layout.TASK_RISE]]
     completed = np.flatnonzero(trace[:, layout.END] == layout.CHATTER)
     tails = np.stack([completed, np.zeros(len(completed)), np.full(len(completed), np.nan)], axis=1)
+    return certificate_in_sets(
+        solver.system, drive, segments, pieces_of(solver, motion, tasks, segments.size), tails, starts
+    )
+
+
+def certificate_in_sets(
+    system: ImpactSystem, drive: Any, segments: Segments, pieces: Array, tails: Array, starts: Array
+) -> ContactsCertificate:
+    """The certificate of a motion in sets of contacts, ``starts`` as ``starts_at_zero``; under a record too."""
+    trace = segments.trace
+    held, pushed = (trace[:, column].astype(np.int64) for column in (row.HELD_AT, row.PUSHED_AT))
+    orders, roots = np.zeros(len(trace)), np.full(len(trace), -1.0)
+    first = starts[np.unique(starts[:, 0], return_index=True)[1]]
+    which = first[:, 0].astype(np.int64)
+    roots[which], orders[which] = first[:, 1], first[:, 2]
     return ContactsCertificate(
-        solver.system, drive, trace[:, layout.START], motion.kinds, motion.sides, trace[:, layout.END], segments.poses,
-        trace[:, layout.AT_CLOCK], trace[:, layout.DURATION], orders, roots, pieces, tails, held, pushed,
-        starting[:, [layout.TASK_SEGMENT, layout.TASK_SIGNAL, layout.TASK_ORDER, layout.TASK_RISE]],
+        system, drive, trace[:, layout.START], trace[:, layout.WHAT], sides(trace), trace[:, layout.END],
+        segments.poses, trace[:, layout.AT_CLOCK], trace[:, layout.DURATION], orders, roots, pieces, tails, held,
+        pushed, starts,
     )  # fmt: skip
 
 

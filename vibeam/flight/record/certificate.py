@@ -10,10 +10,8 @@ import numpy as np
 
 from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.event_driven import Segments
-from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.contacts import layout as row
-from vibeam.flight.proof.contacts import ContactsCertificate
-from vibeam.flight.readout import sides
+from vibeam.flight.proof.contacts import ContactsCertificate, certificate_in_sets
 from vibeam.flight.record.course import RecordCourse
 from vibeam.flight.record.tails import tails_under
 from vibeam.system.impact_system import ImpactSystem
@@ -25,18 +23,9 @@ def certificate_of_record(
     system: ImpactSystem, record: Record, course: RecordCourse, segments: Segments, intervals: Array
 ) -> ContactsCertificate:
     """The certificate of a motion that was flown with these ``intervals`` (m, PIECE_COLUMNS)."""
-    trace, k = segments.trace, len(Contacts.of(system).gaps)
-    held, pushed = (trace[:, column].astype(np.int64) for column in (row.HELD_AT, row.PUSHED_AT))
-    starting = _starting(trace, k)
-    orders, roots = np.zeros(len(trace)), np.full(len(trace), -1.0)
-    first = starting[np.unique(starting[:, 0], return_index=True)[1]]
-    orders[first[:, 0].astype(np.int64)], roots[first[:, 0].astype(np.int64)] = first[:, 2], first[:, 1]
+    trace, contacts = segments.trace, len(Contacts.of(system).gaps)
     tails = tails_under(system, course, trace, segments.poses)
-    return ContactsCertificate(
-        system, record, trace[:, layout.START], trace[:, layout.WHAT], sides(trace), trace[:, layout.END],  # type: ignore[arg-type]
-        segments.poses, trace[:, layout.AT_CLOCK], trace[:, layout.DURATION], orders, roots, intervals, tails, held,
-        pushed, starting,
-    )  # fmt: skip
+    return certificate_in_sets(system, record, segments, intervals, tails, _starting(trace, contacts))
 
 
 def _starting(trace: Array, contacts: int) -> Array:
