@@ -219,12 +219,10 @@ def _in_memory(content: bytes) -> Iterator[str]:
     """
     if sys.platform != "linux":
         raise OSError(errno.ENOSYS, "no files in memory")
-    number = os.memfd_create("vibeam", os.MFD_CLOEXEC)
-    try:
-        _write(number, content)
-        yield f"/proc/self/fd/{'./' * next(_NUMBER)}{number}"
-    finally:
-        os.close(number)
+    with open(os.memfd_create("vibeam", os.MFD_CLOEXEC), "wb") as file:
+        file.write(content)
+        file.flush()
+        yield f"/proc/self/fd/{'./' * next(_NUMBER)}{file.fileno()}"
 
 
 @contextmanager
@@ -232,13 +230,8 @@ def _in_folder(content: bytes) -> Iterator[str]:
     """The name of a file in a temporary folder, while it is opened."""
     number, name = tempfile.mkstemp(prefix="vibeam-", suffix=".so")
     try:
-        _write(number, content)
-        os.close(number)
+        with open(number, "wb") as file:
+            file.write(content)
         yield name
     finally:
         os.unlink(name)
-
-
-def _write(number: int, content: bytes) -> None:
-    with open(number, "wb", closefd=False) as file:
-        file.write(content)
