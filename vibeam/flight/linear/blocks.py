@@ -136,7 +136,7 @@ def _single(part: LinearSystem) -> tuple[Array, Array]:
 def _several(part: LinearSystem) -> list[tuple[Array, Array]]:
     if part.held and len(part.spring) == 1:
         return []
-    if part.held and _proportional(part):
+    if part.held and proportional(part):
         return _undisturbed(part)
     state, lift = _state(part)
     values, vectors = np.linalg.eig(state)
@@ -154,7 +154,7 @@ def _several(part: LinearSystem) -> list[tuple[Array, Array]]:
     return found
 
 
-def _proportional(part: LinearSystem) -> bool:
+def proportional(part: LinearSystem) -> bool:
     """True where D = a + bΛ to round-off (Rayleigh's, the paper's D): it couples nothing when held."""
     if not part.uncoupled:
         return False

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from vibeam.flight.kernels import layout
-from vibeam.flight.linear.blocks import PROPORTIONAL
+from vibeam.flight.linear.blocks import proportional
+from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam.flight.linear.packing import pack
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
@@ -37,7 +38,8 @@ def roots_serve(system: ImpactSystem) -> bool:
         return True
     if np.any(np.diff(omega) <= APART * omega[1:]):
         return False
-    return _proportional(omega, zeta) or _all_turn(system)
+    linear = LinearSystem(omega**2, np.diag(2 * zeta * omega), system.contact[order])
+    return proportional(linear) or _all_turn(system)
 
 
 def _all_turn(system: ImpactSystem) -> bool:
@@ -49,10 +51,3 @@ def _all_turn(system: ImpactSystem) -> bool:
     a, b, c, d = found["blocks"][:, found["mode"] < 0]
     turn = -(((a - d) / 2) ** 2) - b * c
     return bool(np.all(4 * turn > TURNING**2 * (a * d - b * c)))
-
-
-def _proportional(omega: Array, zeta: Array) -> bool:
-    """Test whether damping is a + bω² to round-off, so that it couples nothing when held."""
-    damping, low, high = 2 * zeta * omega, omega[0] ** 2, omega[-1] ** 2
-    line = damping[0] + (damping[-1] - damping[0]) / (high - low) * (omega**2 - low)
-    return bool(np.all(np.abs(line - damping) <= PROPORTIONAL * damping))
