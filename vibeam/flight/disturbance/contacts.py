@@ -22,7 +22,7 @@ import numpy as np
 
 from vibeam.flight.contacts.readout import keys_of
 from vibeam.flight.contacts.sets import ConstrainedSystem, ContactSet
-from vibeam.flight.disturbance.tangent import TangentMaps
+from vibeam.flight.disturbance.tangent import TangentMaps, state_matrix
 from vibeam.flight.equilibrium import Contacts, multipliers, one_sided
 from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
@@ -75,7 +75,7 @@ class ContactMaps(TangentMaps):
     @cached_property
     def fastest(self) -> float:
         """Fastest decay of the free modes, 1/s."""
-        return float(-np.linalg.eigvals(_Set(self.contacts, 0).matrix).real.min())
+        return float(-np.linalg.eigvals(state_matrix(self.system)).real.min())
 
     def jump(self, i: int) -> Array | None:
         """Map over the event that ends segment i, of an instant with several impulses over all; None: the identity."""
@@ -192,9 +192,6 @@ class _Set:
         self.system, self.held, n = ConstrainedSystem(contacts, which), which.held, contacts.system.size
         rows = contacts.rows[list(which.held)]
         self.free = np.eye(n) - multipliers(rows).T @ rows if len(rows) else np.eye(n)
-        self.matrix = np.zeros((2 * n, 2 * n))
-        self.matrix[:n, n:] = np.eye(n)
-        self.matrix[n:, :n], self.matrix[n:, n:] = -self.free @ self.system.stiffness, -self.free @ self.system.damper
 
     def flow(self, duration: float) -> Array:
         """Map over so much time: block by block e^{At} = e^{−σt} (C + S (A + σ)), C and S as in the kernels."""
