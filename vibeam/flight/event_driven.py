@@ -91,7 +91,7 @@ class EventDrivenSolver(ABC):
 
     def _still_pose(self) -> tuple[Array, Array]:
         """Pose and status of the equilibrium, a copy."""
-        return self._pose_of(equilibrium(self.system))
+        return self.pose(equilibrium(self.system))
 
     def _inward(self, values: Array) -> Array:
         """Values (…, n) of the user's modes in the kernels' order, a copy."""
@@ -110,11 +110,8 @@ class EventDrivenSolver(ABC):
         """The kernels' pose and status of a state; None: equilibrium. ValueError where its shape is wrong."""
         if state is None:
             return self._still_pose()
-        return self._pose_of(state)
-
-    def _pose_of(self, start: State) -> tuple[Array, Array]:
-        pose, status = self._inward(modal_values(self.system, start)), np.empty(self._status_rows)
-        self._restart(pose, status, layout.RESTING if start.resting else layout.FREE)
+        pose, status = self._inward(modal_values(self.system, state)), np.empty(self._status_rows)
+        self._restart(pose, status, layout.RESTING if state.resting else layout.FREE)
         return pose, status
 
     def state(self, pose: Array, status: Array) -> State:
@@ -240,7 +237,7 @@ class EventDrivenSolver(ABC):
         for index, (omega, drive) in enumerate(zip(omegas, drives, strict=True)):
             counts[:] = 0  # a point knows no more of the last than a State says
             if starts:
-                pose[:], status[:] = self._pose_of(starts[index])
+                pose[:], status[:] = self.pose(starts[index])
             self._restart(pose, status, layout.RESTING if status[layout.KIND] == layout.RESTING else layout.FREE)
             outcome, period = unpaused(
                 self._move, engine, float(omega), float(drive), pose, status, 0.0, settle, hold, self.limit, watch,
@@ -255,13 +252,9 @@ class EventDrivenSolver(ABC):
                 strobes.append(self._outward(watch.strobes))
             begun = readout.time(index, begun)
         last = states[-1] if states else self.state(pose, status)
-        return self._response(np.asarray(omegas, dtype=float), readout, hold, reading), last
-
-    def _response(self, omegas: Array, readout: PointReadout, hold: int, reading: int) -> FrequencyResponse:
-        """The response that was noted, in the user's order of modes; NaN where nothing was read off."""
-        response = readout.response(omegas, hold, self.system.gap, reading)
+        response = readout.response(np.asarray(omegas, dtype=float), hold, self.system.gap, reading)
         response.mode_energy[:] = self._outward(response.mode_energy)
-        return response
+        return response, last
 
     def _watch(self, output: str | None) -> Array:
         """Set the signal of an output (None: the contact) in every regime; its row in the kernels' order of modes."""

@@ -53,7 +53,7 @@ def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
     top, n, sides = top_level(slowest, fastest_rate(system)), system.size, 1 if system.second_gap is None else 2
     contact = np.stack([system.contact, -system.contact])
     gaps = np.array([system.gap, inf if system.second_gap is None else system.second_gap])
-    law, curve = law_of(system)
+    law, curve = numbers_of(system.contact_law, system.restitution, system.mobility)
     law[regime_layout.SIDES], law[regime_layout.COUPLED] = sides, float(system.coupling is not None)
     at_stop = [_at_stop(system, side, contact, gaps, top) for side in range(sides)]
     nodes, weights = runge_kutta(law[regime_layout.FAMILY] == regime_layout.CURVED)
@@ -68,13 +68,8 @@ def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
     )  # fmt: skip
 
 
-def law_of(system: ImpactSystem) -> tuple[Array, Array]:
-    """The law's numbers, and the table R(v) where it is one; ValueError where the kernels have no formula of it."""
-    return numbers_of(system.contact_law, system.restitution, system.mobility)
-
-
 def numbers_of(law: StopLaw, restitution: float, mobility: float) -> tuple[Array, Array]:
-    """The same of the law of one contact."""
+    """The law's numbers, and the table R(v) where it is one; ValueError where the kernels have no formula of it."""
     found, numbers = law.kernel_numbers(), np.zeros(regime_layout.LAW_ROWS)
     numbers[regime_layout.COEFFICIENT] = restitution
     numbers[regime_layout.MOBILITY] = mobility

@@ -151,22 +151,19 @@ class _CarriedCovariance:
             self._before = self.covariance
         if int(self.trace[i, layout.END]) not in STRUCK:
             return None
-        error, jump = self._impact_error(i), self.maps.jump(i)
+        time, velocity = (float(abs(row @ self._before @ row)) ** 0.5 for row in self.maps.readings(i))
+        jump = self.maps.jump(i)
         if jump is not None:
             self._carry(jump)
         if self.unending[i]:
             self._add(self._left_out(self.trace[i, layout.BEFORE]))
-        return error
+        return time, velocity
 
     def _carry(self, matrix: Array) -> None:
         self.covariance = matrix @ self.covariance @ matrix.T
 
     def _add(self, variances: Array) -> None:
         self.covariance[np.diag_indices_from(self.covariance)] += variances
-
-    def _impact_error(self, i: int) -> tuple[float, float]:
-        time, velocity = (float(abs(row @ self._before @ row)) ** 0.5 for row in self.maps.readings(i))
-        return time, velocity
 
     def _left_out(self, speed: float) -> Array:
         """Variances (2n,) by what an endless accumulation of impacts still does: √2W₀ at most, see ``endless``."""
