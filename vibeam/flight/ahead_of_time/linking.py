@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import NamedTuple
 
 from vibeam.flight.ahead_of_time.emit import MACOS, TARGETS, Target, object_code
 from vibeam.flight.engine.loading import LINUX, system_of
 
-LINKERS = {LINUX: "ld.lld", "windows": "lld-link", "macos": "ld64.lld"}  # by system
 PACKAGE = "apt install lld, or another system's LLVM package"
 MATHEMATICS = ("cos", "cosh", "exp", "expm1", "fmod", "hypot", "ldexp", "pow", "sin", "sinh")
 LIBM, LIBC, UCRT, SYSTEM = "libm.so.6", "libc.so.6", "ucrtbase.dll", "/usr/lib/libSystem.B.dylib"
@@ -25,6 +25,37 @@ CALLED = {  # all that the kernels may call of a system, by its library
     UCRT: (*MATHEMATICS, "memcpy", "memset"),
     SYSTEM: (*MATHEMATICS, "memcpy", "memset", "bzero", "__bzero", "__sincos_stret", r"\01dyld_stub_binder"),
 }
+
+
+class Linker(NamedTuple):
+    """A linker, what it makes, and its words: of every call, and then of a stand-in and of the kernels."""
+
+    program: str
+    library: str
+    stand_ins: tuple[str, ...]
+    always: str
+    stand_in: str
+    kernels: str
+    export: str = ""
+
+
+LINKERS = {
+    LINUX: Linker(  # ELF: all that is not hidden is exported; names of the system's functions are without versions
+        "ld.lld", "kernels.so", (LIBM, LIBC), "-m {machine} -shared -s --build-id=none -z noexecstack",
+        "system.o -soname {name} -o {name}", f"kernels.o -z defs --as-needed {LIBM} {LIBC} -o kernels.so",
+    ),
+    "windows": Linker(  # PE: by an import library; ``/brepro`` puts a digest where a time would stand
+        "lld-link", "kernels.dll", (UCRT,), "/dll /noentry /nodefaultlib /brepro /machine:{machine}",
+        "/implib:system.lib system.o /out:{name} {exports}",
+        "/implib:own.lib system.lib kernels.o /out:kernels.dll {exports}", "/export:{}",
+    ),
+    "macos": Linker(  # Mach-O, for arm64 with the signature without a name that this system asks for
+        "ld64.lld", "kernels.dylib", (SYSTEM,),
+        f"-dylib -arch {{machine}} -platform_version macos {MACOS} {MACOS} -install_name",
+        "{name} system.o -o system.dylib",
+        "@rpath/kernels.dylib -dead_strip {exports} system.dylib kernels.o -o kernels.dylib", "-exported_symbol _{}",
+    ),
+}  # fmt: skip
 
 
 def linker(name: str) -> str:
@@ -38,62 +69,21 @@ def linker(name: str) -> str:
 
 def linker_version(levels: Sequence[str]) -> str:
     """Version of the linker of the first of these levels, in its own words; RuntimeError where one is missing."""
-    found = [linker(LINKERS[system_of(level)]) for level in levels]
+    found = [linker(LINKERS[system_of(level)].program) for level in levels]
     return subprocess.run([found[0], "--version"], capture_output=True, text=True, check=True).stdout.strip()
 
 
 def linked(content: bytes, level: str, exported: Sequence[str]) -> bytes:
     """The shared library of one object file, which exports these functions; RuntimeError without the linker."""
+    target, by = TARGETS[level], LINKERS[system_of(level)]
     with TemporaryDirectory() as place:
         folder = Path(place)
         (folder / "kernels.o").write_bytes(content)
-        return LINKED[system_of(level)](folder, TARGETS[level], exported).read_bytes()
-
-
-def _for_linux(folder: Path, target: Target, exported: Sequence[str]) -> Path:
-    """ELF: everything that is not hidden is exported; names of the system's functions are without versions."""
-
-    def link(out: str, *given: str) -> None:
-        words = ["-m", target.emulation, "-shared", "-s", "--build-id=none", "-z", "noexecstack"]
-        _run(folder, "ld.lld", *words, *given, "-o", out)
-
-    for name in (LIBM, LIBC):
-        (folder / "system.o").write_bytes(_stand_in(name, target))
-        link(name, "system.o", "-soname", name)
-    link("kernels.so", "kernels.o", "-z", "defs", "--as-needed", LIBM, LIBC)
-    return folder / "kernels.so"
-
-
-def _for_windows(folder: Path, target: Target, exported: Sequence[str]) -> Path:
-    """PE: linked against the import library of a stand-in; ``/brepro`` puts a digest where a time would stand."""
-
-    def link(out: str, given: str, names: Sequence[str], *further: str) -> None:
-        words = ["/dll", "/noentry", "/nodefaultlib", "/brepro", f"/machine:{target.emulation}", *further]
-        _run(folder, "lld-link", *words, given, f"/out:{out}", *(f"/export:{name}" for name in names))
-
-    (folder / "system.o").write_bytes(_stand_in(UCRT, target))
-    link(UCRT, "system.o", CALLED[UCRT], "/implib:system.lib")
-    link("kernels.dll", "kernels.o", exported, "/implib:own.lib", "system.lib")
-    return folder / "kernels.dll"
-
-
-def _for_macos(folder: Path, target: Target, exported: Sequence[str]) -> Path:
-    """Mach-O, for arm64 with the signature without a name that this system asks for."""
-
-    def link(out: str, given: str, name: str, *further: str) -> None:
-        words = ["-dylib", "-arch", target.emulation, "-platform_version", "macos", MACOS, MACOS, "-install_name", name]
-        _run(folder, "ld64.lld", *words, *further, given, "-o", out)
-
-    (folder / "system.o").write_bytes(_stand_in(SYSTEM, target))
-    link("system.dylib", "system.o", SYSTEM)
-    names = [word for name in exported for word in ("-exported_symbol", f"_{name}")]
-    link("kernels.dylib", "kernels.o", "@rpath/kernels.dylib", "-dead_strip", *names, "system.dylib")
-    return folder / "kernels.dylib"
-
-
-LINKED: dict[str, Callable[[Path, Target, Sequence[str]], Path]] = {
-    LINUX: _for_linux, "windows": _for_windows, "macos": _for_macos,
-}  # fmt: skip
+        for name in by.stand_ins:
+            (folder / "system.o").write_bytes(_stand_in(name, target))
+            _run(folder, by, by.stand_in, CALLED[name], machine=target.emulation, name=name)
+        _run(folder, by, by.kernels, exported, machine=target.emulation)
+        return (folder / by.library).read_bytes()
 
 
 def _stand_in(library: str, target: Target) -> bytes:
@@ -101,5 +91,7 @@ def _stand_in(library: str, target: Target) -> bytes:
     return object_code("\n".join(f'define void @"{name}"() {{ ret void }}' for name in CALLED[library]), target)
 
 
-def _run(folder: Path, name: str, *words: str) -> None:
-    subprocess.run([linker(name), *words], cwd=folder, check=True)
+def _run(folder: Path, by: Linker, words: str, exported: Sequence[str], **named: str) -> None:
+    exports = " ".join(by.export.format(name) for name in exported)
+    command = [linker(by.program), *f"{by.always} {words}".format(exports=exports, **named).split()]
+    subprocess.run(command, cwd=folder, check=True)
