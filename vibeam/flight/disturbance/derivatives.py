@@ -44,9 +44,9 @@ class Sum(NamedTuple):
         """The sum of both."""
         return Sum(self.value + other.value, self.size + other.size)
 
-    def scaled(self, factor: float) -> Sum:
-        """The product with a number."""
-        return Sum(self.value * factor, self.size * abs(factor))
+    def scaled(self, factor: float | Array) -> Sum:
+        """The product with a number, or with one (n,) for each mode."""
+        return Sum(self.value * factor, self.size * np.abs(factor))
 
     def times(self, matrix: Array) -> Sum:
         """The product with a matrix (n, n) or a row (n,) from the right."""
@@ -108,8 +108,7 @@ class RegimeDerivatives:
         if j == 0:
             push = Sum(push.value + system.static, push.size + np.abs(system.static))
         slowed = self.known[j + 1].times(-self.damper)
-        spring = self.known[j]
-        return push.plus(slowed).plus(Sum(-spring.value * system.omega**2, spring.size * system.omega**2))
+        return push.plus(slowed).plus(self.known[j].scaled(-(system.omega**2)))
 
     def _push(self, j: int, stop: StopRow) -> Sum:
         """Derivative j of k d + b d'."""
