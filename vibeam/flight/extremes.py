@@ -71,10 +71,9 @@ def extremes(path: Trajectory, outputs: Sequence[str], edges: ArrayLike | None =
         wanted = system.derivative(name)
         row = system.output(name) if wanted is None else wanted.row
         order, base = (0, 0.0) if wanted is None else (wanted.order, wanted.base)
-        rows[place, :-2], rows[place, -2:] = row, (order, base if order == 2 else 0.0)
+        rows[place, :-2], rows[place, -2:] = row, (order, base)
         for slot in range(len(solver.sets)):
-            signals[slot, place] = solver.sets.derivative(slot, np.array(row), order)
-            signals[slot, place, -1] -= base if order == 2 else 0.0
+            signals[slot, place] = solver.sets.derivative(slot, np.array(row), order, base)
     before, beyond = int(bins[0] > path.t_start), int(bins[-1] < path.t_end)
     edges = np.concatenate([[-np.inf] * before, bins, [np.inf] * beyond])  # what lies outside has bins of its own
     found = np.empty((len(outputs), len(edges) - 1, 4))

@@ -20,7 +20,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Engine, Regime
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.regimes.layout import RegimeEngine
-from vibeam.flight.linear.block_regime import set_derivative
+from vibeam.flight.linear.block_regime import derivative_signal
 from vibeam.flight.linear.packing import PackedSystem, pack, slowest_rate
 from vibeam.flight.linear.regimes import plan
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -81,7 +81,8 @@ class RegimeSolver(EventDrivenSolver):
             said = f"output {output!r}: the {wanted.called} in a contact that is integrated is not read"
             raise ValueError(f"{said}, {self.system.contact_law.name!r}: take a linear stop, or one with a restitution")
         for regime in self._regimes():
-            set_derivative(regime, wanted)
+            signal = derivative_signal(regime.blocks, regime.outof, wanted.row, wanted.order, wanted.base)
+            regime.signals[layout.OUTPUT_SIGNAL] = signal
         return np.array(wanted.row)
 
 

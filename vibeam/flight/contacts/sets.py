@@ -19,7 +19,7 @@ from vibeam.flight.kernels.contacts import layout as contact_layout
 from vibeam.flight.kernels.contacts.course import no_course, with_sets
 from vibeam.flight.kernels.contacts.layout import ContactEngine, room_for
 from vibeam.flight.kernels.layout import Regime
-from vibeam.flight.linear.block_regime import SignalRow, free_regime, lone_modes, signal_rate
+from vibeam.flight.linear.block_regime import SignalRow, derivative_signal, free_regime, lone_modes
 from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam.flight.linear.regimes import runge_kutta
 from vibeam_models.arrays import Array
@@ -151,7 +151,7 @@ class ContactSets:
             engine.signals[slot, place] = _filled(engine, slot, row)
         engine.sets[slot], self._made[key] = key, slot
         if self._output is not None:
-            self._set_output(slot)
+            engine.signals[slot, -1] = self.derivative(slot, *self._output)
 
     def _signals(self, system: ConstrainedSystem) -> dict[int, SignalRow]:
         """Gap of every contact, force of those that hold or that yield linearly."""
@@ -171,23 +171,14 @@ class ContactSets:
         """Make row·η, row·η' or row·η'' + base·b̈ the output of every set, those to come too."""
         self._output = row, order, base
         for slot in self._made.values():
-            self._set_output(slot)
+            self.engine.signals[slot, -1] = self.derivative(slot, *self._output)
 
-    def _set_output(self, slot: int) -> None:
-        assert self._output is not None
-        row, order, base = self._output
-        self.engine.signals[slot, -1] = self.derivative(slot, row, order)
-        if order == 2:
-            self.engine.signals[slot, -1, -1] -= base
-
-    def derivative(self, slot: int, row: Array, order: int) -> Array:
-        """Derivative of row·η of ``order`` 0 … 2 as a signal: weights (2n,), constant, share of Ω²B sin φ."""
+    def derivative(self, slot: int, row: Array, order: int, base: float) -> Array:
+        """What ``watch`` makes the output, as a signal: weights (2n,), constant, share of Ω²B sin φ."""
         engine = self.engine
         if order == 0:
             return _filled(engine, slot, SignalRow(row, np.zeros(len(row))))
-        weights = row @ engine.outof[slot, len(row) :]
-        weights, constant, load = (weights, 0.0, 0.0) if order == 1 else signal_rate(engine.blocks[slot], weights)
-        return np.append(weights, [constant, load])
+        return derivative_signal(engine.blocks[slot], engine.outof[slot], row, order, base)
 
     def _grow(self) -> None:
         room = len(self.engine.sets)

@@ -17,7 +17,6 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import APART, RESOLVED, Regime
 from vibeam.flight.linear.blocks import pair_constants, planes
 from vibeam.flight.linear.eigenpairs import LinearSystem
-from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 
 SMALLEST = 1e-300  # rad/s: slower is as good as free
@@ -108,27 +107,21 @@ def set_output(found: Regime, row: Array) -> None:
     found.signals[layout.OUTPUT_SIGNAL, -2:] = constant, 0.0
 
 
-def set_derivative(found: Regime, wanted: TimeDerivative) -> None:
-    """Make row·η', or row·η'' + base·b̈ with b̈ = −Ω²B sin φ, the regime's output.
+def derivative_signal(blocks: Array, outof: Array, row: Array, order: int, base: float) -> Array:
+    """row·η' (``order`` 1), or row·η'' + base·b̈ with b̈ = −Ω²B sin φ, as a signal: weights on y, constant, load.
 
     η'' follows from the regime's own y' = Ay + constant + load Ω²B sin φ, so that it has the force of a stop that
     holds or pushes.
     """
-    weights, constant, load = wanted.row @ found.outof[len(wanted.row) :], 0.0, 0.0
-    if wanted.order == 2:
-        weights, constant, load = signal_rate(found.blocks, weights)
-    found.signals[layout.OUTPUT_SIGNAL, :-2] = weights
-    found.signals[layout.OUTPUT_SIGNAL, -2:] = constant, load - wanted.base
-
-
-def signal_rate(blocks: Array, weights: Array) -> tuple[Array, float, float]:
-    """Weights on y, constant and share of Ω²B sin φ of the rate of weights·y, ``weights`` (2m,)."""
+    weights = row @ outof[len(row) :]
+    if order == 1:
+        return np.append(weights, [0.0, 0.0])
     first, second = weights[0::2], weights[1::2]
     rate = np.empty(len(weights))
     rate[0::2] = first * blocks[layout.A11] + second * blocks[layout.A21]
     rate[1::2] = first * blocks[layout.A12] + second * blocks[layout.A22]
     constant = first @ blocks[layout.CONSTANT1] + second @ blocks[layout.CONSTANT2]
-    return rate, float(constant), float(first @ blocks[layout.LOAD1] + second @ blocks[layout.LOAD2])
+    return np.append(rate, [constant, first @ blocks[layout.LOAD1] + second @ blocks[layout.LOAD2] - base])
 
 
 @dataclass(frozen=True)
