@@ -80,19 +80,19 @@ class _Group:
     """The slots, from byte ``at`` on, of one argument: an array, or a tuple of arrays and numbers."""
 
     def __init__(self, kind: Kind, at: int) -> None:
-        self.at, self._kinds = at, [_array_kind(each) for each in leaves(kind)]
-        self.slots = Struct(
-            "=" + "".join(each if each in NUMBERS else "q" * (1 + axes_of(each)) for each in leaves(kind))
-        )
+        parts = list(leaves(kind))
+        self.at, self._arrays = at, [None if each in NUMBERS else (np.dtype(each[:2]), axes_of(each)) for each in parts]
+        self.slots = Struct("=" + "".join(each if each in NUMBERS else "q" * (1 + axes_of(each)) for each in parts))
 
     def fill(self, slots: Any, value: Any) -> bool:
         """Fill them; whether the arrays are so small that they may be kept. TypeError for what does not fit."""
         found: list[Any] = []
         size = 0
-        for (dtype, axes), item in zip(self._kinds, items_of(value), strict=True):
-            if dtype is None:
+        for array, item in zip(self._arrays, items_of(value), strict=True):
+            if array is None:
                 found.append(item)
                 continue
+            dtype, axes = array
             fits = isinstance(item, np.ndarray) and item.dtype == dtype and item.ndim == axes
             if not (fits and item.flags.carray):
                 raise TypeError(f"needs a writable array {dtype} of {axes} axes in C order, not {_description(item)}")
@@ -115,11 +115,6 @@ def leaves(kind: Kind) -> Iterator[str]:
 def axes_of(kind: str) -> int:
     """The number of axes of an array."""
     return int(kind[3:])
-
-
-def _array_kind(kind: str) -> tuple[np.dtype[Any] | None, int]:
-    """Type and number of axes of an array; None for a number."""
-    return (None, 0) if kind in NUMBERS else (np.dtype(kind[:2]), axes_of(kind))
 
 
 def items_of(value: Any) -> Iterator[Any]:
