@@ -174,7 +174,7 @@ class ContactSets:
             self.engine.signals[slot, -1] = self.derivative(slot, *self._output)
 
     def derivative(self, slot: int, row: Array, order: int, base: float) -> Array:
-        """What ``watch`` makes the output, as a signal: weights (2n,), constant, share of Ω²B sin φ."""
+        """The output that ``watch`` sets, as a signal: weights (2n,), constant, share of Ω²B sin φ."""
         engine = self.engine
         if order == 0:
             return _filled(engine, slot, SignalRow(row, np.zeros(len(row))))
