@@ -209,8 +209,8 @@ class Trajectory(ValueRecord):
         times, poses = floats("t", t).ravel(), self.modes_at(t)
         loads = None if isinstance(self.drive, Drive) else cast(Any, self._solver).course.loads(times)
         found = derivative_along(
-            self.system, self.drive, self.segments.trace, loads, times, poses.reshape(-1, 2, self.system.size), wanted,
-            more,
+            self.system, self.drive, self.segments.trace, times, poses.reshape(-1, 2, self.system.size), wanted, more,
+            loads,
         )  # fmt: skip
         return np.asarray(found.reshape(poses.shape[:-2]))
 

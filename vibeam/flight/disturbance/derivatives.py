@@ -126,8 +126,8 @@ def exact(values: Array) -> Sum:
 
 
 def derivative_along(
-    system: ImpactSystem, drive: Drive, trace: Array, loads: Array | None, times: Array, poses: Array,
-    wanted: TimeDerivative, more: int,
+    system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int,
+    loads: Array | None = None,
 ) -> Array:  # fmt: skip
     """The output ``wanted`` (m,), or its rate (``more`` 1), at ``times`` (m,) with their ``poses`` (m, 2, n).
 
