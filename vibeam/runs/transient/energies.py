@@ -18,8 +18,9 @@ import numpy as np
 from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.kernels.layout import START
 from vibeam.observe.motion import poles_of
-from vibeam.runs.transient.signals import contact_forces, contacts_struck, damping_force
-from vibeam_models.arrays import Array, Flags, Index
+from vibeam.runs.transient.signals import contact_forces, contacts_struck, damping_force, pushes_of, within
+from vibeam.system.record_pieces import blocks
+from vibeam_models.arrays import Array, Index
 
 if TYPE_CHECKING:
     from vibeam.observe.motion import Path
@@ -31,7 +32,6 @@ MANY = 20_000  # intervals from which on nodes are spared
 TURNS = np.array([1.0, 2.5, 6.0])
 DEAD = 10.0  # decay after which an exponential counts no more: 2e-9 of the energy that it was born with
 LIGHT = 1e-3  # share of the hardest impact below which one excites no mode that counts
-BLOCK = 1 << 17  # nodes at once: a motion is made anew for each block
 KNOTS = 1 << 16  # of the record at once
 
 
@@ -68,14 +68,9 @@ def energy_balance(path: Path, record: Any) -> EnergyBalance:
     lost = start + work - damping - left
     scale = max(float(np.sum(start)), abs(float(np.sum(work))), float(np.sum(damping)), float(np.sum(left)), to_stop)
     residual = abs(float(np.sum(lost)) - to_stop) / scale if scale > 0 else 0.0
-    if not _meets(path):
+    if not (len(path.impact_times) or len(path.rests) or len(pushes_of(path))):  # the stop is never touched
         lost = np.zeros_like(lost)  # it is round-off, which the residual says
     return EnergyBalance(start, work, damping, lost, left, residual)
-
-
-def _meets(path: Path) -> bool:
-    """Test whether the stop is ever touched."""
-    return bool(len(path.impact_times) or len(path.rests) or len(getattr(path, "contacts", ())))
 
 
 def _energy(system: ImpactSystem, pose: Array) -> Array:
@@ -104,15 +99,15 @@ def _nodes(path: Path, record: Any) -> Iterator[tuple[Array, Array]]:
         knots = [each[slice(*np.searchsorted(each, ends))] for each in (marks, record.times)]
         edges = np.unique(np.concatenate([*knots, ends]))
         times, weights = _nodes_between(path, edges, events, few=len(borders) == 2)
-        for begin in range(0, len(times), BLOCK):
-            yield times[begin : begin + BLOCK], weights[begin : begin + BLOCK]
+        yield from ((times[part], weights[part]) for part in blocks(len(times)))
 
 
 def _nodes_between(path: Path, edges: Array, events: Array, few: bool) -> tuple[Array, Array]:
     """Nodes and weights of the intervals between ``edges``; ``few``: those are all that there are."""
     width = np.diff(edges)
     since = edges[:-1] - events[np.searchsorted(events, edges[:-1], side="right") - 1]
-    turn = np.where(_pushing(path, edges), TURNS[-1], width * _live_rate(path.system, since))
+    pushed = within(pushes_of(path), (edges[1:] + edges[:-1]) / 2)
+    turn = np.where(pushed, TURNS[-1], width * _live_rate(path.system, since))
     parts = np.maximum(1, np.ceil(turn / TURNS[-1])).astype(int)
     kinds = np.minimum(np.searchsorted(TURNS, turn), len(TURNS) - 1)
     rules = FINE if few and parts.sum() < MANY else NODES
@@ -136,23 +131,13 @@ def _rule(nodes: int, low: Array, width: Array, parts: Index) -> tuple[Array, Ar
 def _marks(path: Path) -> tuple[Array, Array]:
     """Marks between which a motion is smooth but for its load; and the events alone after which all modes are live."""
     segments = getattr(path, "segments", None)
-    speeds, contacts = path.impact_velocities, getattr(path, "contacts", np.empty((0, 3)))
+    speeds = path.impact_velocities
     hard = path.impact_times[speeds > LIGHT * np.max(speeds, initial=0.0)]
-    events = np.concatenate([[path.t_start], hard, path.rests.ravel(), contacts[:, :2].sum(axis=1)])
+    events = np.concatenate([[path.t_start], hard, path.rests.ravel(), pushes_of(path)[:, 1]])
     further = np.empty(0) if segments is None else segments.trace[:, START]
     found = (events, np.concatenate([events, path.impact_times, further]))
     events, marks = (np.unique(np.clip(each, path.t_start, path.t_end)) for each in found)
     return marks, events
-
-
-def _pushing(path: Path, edges: Array) -> Flags:
-    """Intervals within a contact with a stop that yields."""
-    contacts = getattr(path, "contacts", np.empty((0, 3)))
-    if not len(contacts):
-        return np.zeros(len(edges) - 1, dtype=bool)
-    middle = (edges[1:] + edges[:-1]) / 2
-    last = np.maximum(np.searchsorted(contacts[:, 0], middle, side="right") - 1, 0)
-    return np.asarray((middle > contacts[last, 0]) & (middle < contacts[last, 0] + contacts[last, 1]))
 
 
 def _live_rate(system: ImpactSystem, since: Array) -> Array:

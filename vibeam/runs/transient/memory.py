@@ -14,7 +14,8 @@ from vibeam.case.case import plan_of_record
 from vibeam.exchange.faults import CaseError
 from vibeam.flight.engine.threads import cores
 from vibeam.runs.transient.motions import SCALED
-from vibeam.runs.transient.samples import A_PERIOD, BLOCK, PLENTY, count_of
+from vibeam.runs.transient.samples import A_PERIOD, PLENTY, count_of
+from vibeam.system.record_pieces import BLOCK
 from vibeam_models.arguments import counted
 from vibeam_models.memory import check_room
 

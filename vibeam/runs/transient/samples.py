@@ -12,6 +12,7 @@ import numpy as np
 from vibeam.flight.equilibrium import Contacts
 from vibeam.observe.decimation import History, history_of_samples
 from vibeam.runs.transient.signals import TransientSignal, contacts_struck, values_at
+from vibeam.system.record_pieces import blocks
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 LEAST, MOST = 2**12, 2**20  # samples of a motion
 A_PERIOD, PLENTY = 3, 10  # samples a period of the fastest mode: for spectra, and for all that is read
-BLOCK = 2**17  # samples at once
 SEGMENTS = 8  # of a record, half overlapping: the resolution of a spectrum is 8 over the record's duration
 BANDS = 400  # of a spectrum, evenly spaced over the logarithm of the frequency; a line each where they are narrower
 
@@ -90,9 +90,8 @@ def samples_of(path: Path, record: Any, signals: Sequence[TransientSignal], a_pe
     span = path.t_end - path.t_start
     times = path.t_start + np.linspace(0.0, 1.0, count_of(path.system, span, a_period) + 1) * span
     values = np.empty((len(times), len(signals)))
-    for first in range(0, len(times), BLOCK):
-        block = times[first : first + BLOCK]
-        values[first : first + BLOCK] = values_at(path, record, signals, block, path.modes_at(block))
+    for part in blocks(len(times)):
+        values[part] = values_at(path, record, signals, times[part], path.modes_at(times[part]))
     struck, before, after = _around_impacts(path)
     sides = [
         values_at(path, record, signals, struck, poses) if len(struck) else np.empty((0, len(signals)))

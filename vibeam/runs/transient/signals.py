@@ -93,7 +93,7 @@ def accelerations(path: Path, record: Any, times: Array, poses: Array) -> Array:
     if any(law.yields for law in contacts.laws):
         found -= contact_forces(contacts, poses)[0] @ contacts.rows
     for number, row in enumerate(contacts.rows):
-        held = _within(path.rests if system.further is None else path.holds(number), times)  # type: ignore[attr-defined]
+        held = within(path.rests if system.further is None else path.holds(number), times)  # type: ignore[attr-defined]
         if held.any() and not (system.further is None and number):
             found[held] -= np.outer(found[held] @ row / (row @ row), row)
     return np.asarray(found)
@@ -106,7 +106,7 @@ def damping_force(system: ImpactSystem, rates: Array) -> Array:
     return np.asarray(2 * system.zeta * system.omega * rates)
 
 
-def _within(intervals: Array, times: Array) -> Flags:
+def within(intervals: Array, times: Array) -> Flags:
     """Times that lie within one of the intervals (m, 2), in ascending order."""
     if not len(intervals):
         return np.zeros(len(times), dtype=bool)
@@ -116,11 +116,15 @@ def _within(intervals: Array, times: Array) -> Flags:
 
 def share_in_contact(path: Path) -> float:
     """Share of a motion's time in which a rigid stop holds, or a yielding one is pushed."""
-    pushed = np.asarray(getattr(path, "contacts", ())).reshape(-1, 3)
-    spans = np.concatenate([path.rests, np.stack([pushed[:, 0], pushed[:, :2].sum(axis=1)], axis=1)])
+    spans = np.concatenate([path.rests, pushes_of(path)])
     begin, end = spans[np.argsort(spans[:, 0])].T
     before = np.concatenate([[path.t_start], np.maximum.accumulate(end)])[:-1]  # spans of several stops overlap
     return float(np.sum(np.maximum(end - np.maximum(begin, before), 0.0))) / (path.t_end - path.t_start)
+
+
+def pushes_of(path: Path) -> Array:
+    """Begins and ends (k, 2), s, of a motion's contacts with stops that yield."""
+    return np.cumsum(np.reshape(getattr(path, "contacts", ()), (-1, 3))[:, :2], axis=1)
 
 
 def contacts_struck(path: Path) -> Index:
