@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.case import Case, units_of_output
+from vibeam.case.case import Case
 from vibeam.case.source import of_source
 from vibeam.runs.fidelity_sweep import Job, Progress, job_of, known_curves, sweep_branches
 from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
 from vibeam.runs.parallel import PointCount, run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import planned, restricted
-from vibeam.runs.store.figures import sheets_of
+from vibeam.runs.store.figures import shown_of
 from vibeam.runs.store.file import Store
 from vibeam.runs.store.records import COMPARISONS, ESTIMATED
 from vibeam.runs.systems import ModelProperties, Overview, Systems, overview_of, properties_of
@@ -26,7 +26,6 @@ from vibeam.store.place import Tell, warn
 from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
-    from vibeam.figures.sheet import Sheet
     from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate
     from vibeam.runs.transient.result import TransientResult
@@ -91,7 +90,7 @@ def run(
         try:
             _sweep(case, jobs, store, count)
             curves = {job.name: known_curves(case, job, store) for job in jobs if SOLVERS[job.fidelity.solver].curves}
-            shown = _shown(case, records) if show else {}
+            shown = shown_of(case, partial(kept_or_made, records)) if show else {}
             branches = {job.name: job.gathered(curves.get(job.name)) for job in jobs}
             _keep_models(case, models, records)
             result = Result(case, branches, path, sum(job.found for job in jobs), shown, models=models)
@@ -156,14 +155,3 @@ def _warm_up(case: Case, job: Job) -> None:
     base = float(np.ravel(case.amplitude_of(job.name, omega))[0])
     fidelity = job.fidelity
     warm_up(fidelity.solver, job.system, float(omega[0]), base, case.sweep.output, fidelity.options)
-
-
-def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
-    """Data of the case's further figures, from the file where stored."""
-    found: dict[str, tuple[Sheet, ...]] = {}
-    for name, plan in case.shows.items():
-        from vibeam.figures.sheet import sheets
-
-        record = sheets_of(plan, units_of_output(case, plan.output))
-        found[name] = kept_or_made(store, record, plan.key, partial(sheets, case, plan))
-    return found

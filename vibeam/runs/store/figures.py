@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.case import units_of_output
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.sheet import Column, Sheet
+from vibeam.figures.sheet import Column, Sheet, sheets
 from vibeam.runs.store.records import KeyedRecord
 from vibeam.store.hdf5 import described, fixed, text_of
 from vibeam.system.quantities import METRES, DatasetQuantity, OutputUnits, unit_of
@@ -15,6 +18,7 @@ from vibeam.system.quantities import METRES, DatasetQuantity, OutputUnits, unit_
 if TYPE_CHECKING:
     import h5py
 
+    from vibeam.case.case import Case
 
 HOME = "show"
 
@@ -33,6 +37,16 @@ def sheets_of(plan: ShowPlan, units: OutputUnits = METRES) -> KeyedRecord[tuple[
         return tuple(_sheet(group[name][index]) for name in named for index in sorted(group[name], key=int))
 
     return KeyedRecord(f"{HOME}/{plan.name}", write, read)
+
+
+def shown_of(
+    case: Case, kept_or_made: Callable[[KeyedRecord[tuple[Sheet, ...]], str, Callable[[], Any]], tuple[Sheet, ...]]
+) -> dict[str, tuple[Sheet, ...]]:
+    """Data of the case's figures by name, each kept in the file or made."""
+    return {
+        name: kept_or_made(sheets_of(plan, units_of_output(case, plan.output)), plan.key, partial(sheets, case, plan))
+        for name, plan in case.shows.items()
+    }
 
 
 def _sheet(group: h5py.Group) -> Sheet:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.case import plan_of_record, units_of_output
+from vibeam.case.case import plan_of_record
 from vibeam.exchange.faults import CaseError, Fault
 from vibeam.runs.parallel import PointCount
-from vibeam.runs.store.figures import sheets_of
+from vibeam.runs.store.figures import shown_of
 from vibeam.runs.transient.memory import require_room
 from vibeam.runs.transient.motions import MotionMaker, Realisation, histories_of, input_of, motions_of
 from vibeam.runs.transient.overview import overview_of_record
@@ -60,18 +59,7 @@ def run_record(
             _make("twins", makers, shadows, store, None)
         except KeyboardInterrupt:
             raise count.stopped(path) from None
-        return result_of(case, store.known, path, found, _shown(case, store) if show else {})
-
-
-def _shown(case: Case, store: TransientStore) -> dict[str, tuple[Sheet, ...]]:
-    """Data of the case's figures that have any beside the motions."""
-    found = {}
-    for name, plan in case.shows.items():
-        from vibeam.figures.sheet import sheets
-
-        record = sheets_of(plan, units_of_output(case, plan.output))
-        found[name] = store.sheets(record, plan.key, partial(sheets, case, plan))
-    return found
+        return result_of(case, store.known, path, found, shown_of(case, store.sheets) if show else {})
 
 
 def _in_turn(motions: Sequence[Realisation], makers: Mapping[str, MotionMaker]) -> list[Realisation]:
@@ -120,20 +108,17 @@ def result_of(
 ) -> TransientResult:
     """Result of what is known of the motions of a case; others are not run yet. ``sheets``: data of its figures."""
     own = {name: known.models[name] for name in case.fidelities if name in known.models}
+    plan = plan_of_record(case)
     shown = {}
     transients, twins = {}, {}
     for name, model in own.items():
-        rows: dict[tuple[int, int], Realisation] = {(each.value, each.seed): each for each in motions_of(case, name)}
-        read = {at: known.motions[each.key][1] for at, each in rows.items() if each.key in known.motions}
+        read = _read(known, motions_of(case, name))
         kept = next((each for each in read.values() if "history_edges" in each), None)
-        table = [[read.get((i, j)) for j in _numbers(rows, 1)] for i in _numbers(rows, 0)]
+        table = [[read.get((i, j)) for j in range(len(plan.seeds) or 1)] for i in range(len(plan.values))]
         histories = {} if kept is None else histories_of(kept, model.signals)
-        duration = plan_of_record(case).duration
-        transients[name] = assembled(name, duration, model.signals, table, histories)
-        near = {each.value: known.motions.get(each.key) for each in motions_of(case, name, twins=True)}
-        twins[name] = {
-            value: each[1] for value, each in near.items() if each and each[1]["ended"] == Ended.COMPLETE.code
-        }
+        transients[name] = assembled(name, plan.duration, model.signals, table, histories)
+        near = _read(known, motions_of(case, name, twins=True))
+        twins[name] = {value: each for (value, _), each in near.items() if each["ended"] == Ended.COMPLETE.code}
         if kept is not None:
             shown[name] = input_of(kept)
     alike = len(set(shown.values())) == 1
@@ -142,5 +127,6 @@ def result_of(
     return TransientResult(case, transients, path, found, periods, twins, inputs, sheets)
 
 
-def _numbers(rows: Mapping[tuple[int, int], Realisation], of: int) -> list[int]:
-    return sorted({place[of] for place in rows})
+def _read(known: KnownMotions, motions: Iterable[Realisation]) -> dict[tuple[int, int], Reading]:
+    """Readings that are known of ``motions``, by the numbers of value and seed."""
+    return {(each.value, each.seed): known.motions[each.key][1] for each in motions if each.key in known.motions}
