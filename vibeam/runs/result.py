@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from vibeam.case.case import Case, units_of_output
 from vibeam.case.fidelity import restitutions
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from vibeam.system.quantities import OutputUnits
 
 
+Each = TypeVar("Each")
+
+
 def finest_of(result: Result, beside: str | None = None) -> str:
     """Finest fidelity, the first of several, among those with the same rig as ``beside`` (None: of all).
 
@@ -37,7 +40,33 @@ def output_units(case: Case) -> OutputUnits:
     return units_of_output(case, case.sweep.output)
 
 
-class Result(Mapping[str, Branches], LabelledData):
+class FidelityResults(Mapping[str, Each], LabelledData):
+    """What each fidelity of a ``case`` gave, by its name; equal to another where the case is and all numbers are."""
+
+    case: Case
+    _fidelities: dict[str, Each]
+
+    def __getitem__(self, fidelity: str) -> Each:
+        if fidelity not in self._fidelities:
+            raise KeyError(f"no fidelity {fidelity!r}: {suggest(str(fidelity), self._fidelities)}")
+        return self._fidelities[fidelity]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._fidelities)
+
+    def __len__(self) -> int:
+        return len(self._fidelities)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, type(self)):
+            return NotImplemented
+        return (self.case, self._fidelities) == (other.case, other._fidelities)
+
+    def __hash__(self) -> int:
+        return hash(self.case)
+
+
+class Result(FidelityResults[Branches]):
     """Result of a run: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
     ``shown``: the numbers of the case's [show.NAME] tables, by name. ``comparisons``: under both choices of the
@@ -71,7 +100,7 @@ class Result(Mapping[str, Branches], LabelledData):
         self.shown = dict(shown or {})
         self.comparisons = tuple(comparisons)
         self.estimates: dict[str, FidelityEstimate] = {}
-        self._branches = dict(branches)
+        self._fidelities = dict(branches)
         self._models = dict(models or {})
 
     @property
@@ -106,12 +135,7 @@ class Result(Mapping[str, Branches], LabelledData):
     @property
     def curves(self) -> dict[str, MotionCurves]:
         """All motions, unstable ones included, of each fidelity whose solver knows them."""
-        return {name: branches.curves for name, branches in self._branches.items() if branches.curves is not None}
-
-    def __getitem__(self, fidelity: str) -> Branches:
-        if fidelity not in self._branches:
-            raise KeyError(f"no fidelity {fidelity!r}: {suggest(str(fidelity), self._branches)}")
-        return self._branches[fidelity]
+        return {name: branches.curves for name, branches in self.items() if branches.curves is not None}
 
     def __repr__(self) -> str:
         where = "" if self.path is None else f" in {self.path}"
@@ -128,17 +152,3 @@ class Result(Mapping[str, Branches], LabelledData):
     @property
     def _names(self) -> DataNames:
         return DataNames(output_units(self.case), about=self.case.about)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Result):
-            return NotImplemented
-        return (self.case, self._branches) == (other.case, other._branches)
-
-    def __hash__(self) -> int:
-        return hash(self.case)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._branches)
-
-    def __len__(self) -> int:
-        return len(self._branches)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,11 +13,11 @@ from vibeam.case.case import plan_of_record
 from vibeam.case.fineness import alike, finest
 from vibeam.case.held import held_of
 from vibeam.case.transient_quantities import QUANTITIES
-from vibeam.exchange.faults import suggest
+from vibeam.runs.result import FidelityResults
 from vibeam.runs.transient.comparison import TransientComparison, compared
 from vibeam.runs.transient.reading import Reading
 from vibeam.runs.transient.transient import Transient
-from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
+from vibeam.system.labelled import DataNames, LabelledPart
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from vibeam.observe.decimation import History
 
 
-class TransientResult(Mapping[str, Transient], LabelledData):
+class TransientResult(FidelityResults[Transient]):
     """Result of a run under a record: ``result[fidelity].peak``; ``found`` motions of ``total`` were in the file.
 
     ``factors`` (v,): values of what the case varies (``over``), ``seeds`` (s,) of its realisations; arrays of a
@@ -100,25 +100,6 @@ class TransientResult(Mapping[str, Transient], LabelledData):
     def held(self) -> str:
         """Coefficient of restitution held in its comparisons; empty without any."""
         return ", ".join(dict.fromkeys(held_of(self.case.scene_of(name)).label for name in self.comparison))
-
-    def __getitem__(self, fidelity: str) -> Transient:
-        if fidelity not in self._fidelities:
-            raise KeyError(f"no fidelity {fidelity!r}: {suggest(str(fidelity), self._fidelities)}")
-        return self._fidelities[fidelity]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._fidelities)
-
-    def __len__(self) -> int:
-        return len(self._fidelities)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, TransientResult):
-            return NotImplemented
-        return (self.case, self._fidelities) == (other.case, other._fidelities)
-
-    def __hash__(self) -> int:
-        return hash(self.case)
 
     def __repr__(self) -> str:
         where = "" if self.path is None else f" in {self.path}"
