@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import restricted
-from vibeam.runs.store.adaptation import whole_case
+from vibeam.runs.store.adaptation import case_text
 from vibeam.runs.store.branches import branch_names, points_of, read_rows, response_of
 from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.store.file import opened_to_read
@@ -57,7 +57,7 @@ def read_result(path: str | Path, parse: Callable[[str], Case]) -> StoredResult:
     file = Path(path)
     with opened_to_read(file) as stored:
         with reading(file, "/case"):
-            text = whole_case(stored)
+            text = case_text(stored, "whole")
         case = parse(text)
         with reading(file, "its groups"):
             return _read(stored, file, case)
@@ -81,7 +81,7 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
     )
     result.estimates = read_estimates(stored[ESTIMATES]) if ESTIMATES in stored else {}
     provenance = {name: str(value) for name, value in stored["provenance"].attrs.items()}
-    return StoredResult(result, provenance, result.total - result.found, stored["case/text"][()].decode())
+    return StoredResult(result, provenance, result.total - result.found, case_text(stored, "text"))
 
 
 def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Values]) -> Branches:

@@ -13,7 +13,6 @@ from vibeam.exchange.files import dotted
 from vibeam.runs.store.branches import (
     BranchPlan,
     branch_names,
-    key_of,
     last_with_state,
     lay_out,
     points_of,
@@ -68,7 +67,7 @@ def blank(wanted: Requirements) -> h5py.File:
     """New file in memory: the case, the provenance, every branch with room for all its points."""
     file = in_memory()
     file.attrs["format"] = fixed(FORMAT)
-    _write_case(file, wanted)
+    write_case(file, wanted)
     write_provenance(file.create_group("provenance"))
     for branch in wanted.branches:
         lay_out(file, branch, wanted.units)
@@ -79,25 +78,28 @@ def adapted(file: h5py.File, wanted: Requirements) -> str | None:
     """Adapt the file to ``wanted``: the changes in one line, empty where no number changes, None without any."""
     reuses = _reuses(file, wanted)
     if all(reuse.fits for reuse in reuses) and _says(file, wanted):
-        return _renewed(file, wanted)
+        if wanted.whole == case_text(file, "whole"):
+            return None
+        write_case(file, wanted)  # title, checks and figures, which decide no number of a branch
+        return ""
     named = {branch.group for branch in wanted.branches}
     others = [name for name in _groups_with_points(file) if name not in named]
     for reuse in reuses:
         _lay_out_anew(file, reuse, wanted.units)
     for record in (MODELS, COMPARISON, ESTIMATES):  # of the case before
         file.pop(record, None)
-    _write_case(file, wanted)
+    write_case(file, wanted)
     return _reported(reuses, others)
 
 
 def difference(file: h5py.File, wanted: Requirements) -> str:
     """First difference in physics, if the file has points of another one than ``wanted``; else empty."""
-    if _text(file, "shared") == wanted.shared:
+    if case_text(file, "shared") == wanted.shared:
         return ""
     same = {reuse.branch.group for reuse in _reuses(file, wanted) if reuse.kept or not reuse.stored}
     if all(name in same for name in _groups_with_points(file)):
         return ""
-    stored, present = _flat(_text(file, "shared")), _flat(wanted.shared)
+    stored, present = _flat(case_text(file, "shared")), _flat(wanted.shared)
     key = next((key for key in {**stored, **present} if stored.get(key) != present.get(key)), "its key")
     there, here = (repr(values.get(key, "nothing")) for values in (stored, present))
     return f"{key} = {there} there, {here} here"
@@ -108,38 +110,22 @@ def loses(file: h5py.File, wanted: Requirements) -> bool:
     return any(reuse.kept < reuse.stored for reuse in _reuses(file, wanted))
 
 
-def is_of(file: h5py.File, wanted: Requirements) -> bool:
-    """Test whether the file is of a case of that name."""
-    return text_of(file["case"], "name") == wanted.name
-
-
-def whole_case(file: h5py.File) -> str:
-    """The case of the file as TOML."""
-    return _text(file, "whole")
-
-
-def _renewed(file: h5py.File, wanted: Requirements) -> str | None:
-    """Bring title, checks and figures of the case up to date, which decide no number of a branch: nothing to tell."""
-    if wanted.whole == whole_case(file):
-        return None
-    _write_case(file, wanted)
-    return ""
-
-
-def _write_case(file: h5py.File, wanted: Requirements) -> None:
+def write_case(file: h5py.File, wanted: Requirements) -> None:
+    """Write the case that the file is of, in place of one that is there."""
     file.pop("case", None)
     group = file.create_group("case")
     group.attrs["key"], group.attrs["name"] = fixed(wanted.key), fixed(wanted.name)
     group["text"], group["shared"], group["whole"] = map(fixed, (wanted.text, wanted.shared, wanted.whole))
 
 
-def _text(file: h5py.File, name: str) -> str:
+def case_text(file: h5py.File, name: str) -> str:
+    """A text of the case that the file is of: ``"text"``, ``"shared"`` or ``"whole"``, as in ``Requirements``."""
     return str(file["case"][name][()].decode())
 
 
 def _says(file: h5py.File, wanted: Requirements) -> bool:
     """Test whether the file says of its case what ``wanted`` says."""
-    found = (key_of(file["case"]), _text(file, "text"), _text(file, "shared"))
+    found = (text_of(file["case"], "key"), case_text(file, "text"), case_text(file, "shared"))
     return found == (wanted.key, wanted.text, wanted.shared)
 
 
@@ -157,7 +143,7 @@ def _reuse_of(file: h5py.File, branch: BranchPlan) -> Reuse:
     if group is None:
         return Reuse(branch, 0, 0, fits=False)
     stored, frequency = points_of(group), group["frequency"][()]
-    if key_of(group) != branch.key or group["mode_energy"].shape[1:] != (branch.modes,):
+    if text_of(group, "key") != branch.key or group["mode_energy"].shape[1:] != (branch.modes,):
         return Reuse(branch, stored, 0, fits=False)
     common = _common(frequency, branch.frequency)
     kept = min(stored, common)

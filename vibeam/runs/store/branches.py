@@ -120,11 +120,6 @@ def points_of(group: h5py.Group) -> int:
     return int(group.attrs["done"])
 
 
-def key_of(group: h5py.Group) -> str:
-    """Key of the branch stored in a group."""
-    return text_of(group, "key")
-
-
 def last_with_state(group: h5py.Group, points: int) -> int:
     """Largest number of the first ``points`` after which a state is stored to resume from."""
     known = np.all([np.isfinite(group[name][:points]).all(axis=1) for name in list(STATES)[:2]], axis=0)
@@ -178,7 +173,7 @@ def _file(folder: Path, group: h5py.Group, start: int) -> Path:
 
 def _identity(group: h5py.Group, start: int) -> str:
     grid = sha256(group["frequency"][()].tobytes()).hexdigest()
-    return f"{group.name} {key_of(group)} {grid} {group['mode_energy'].shape[1]} {start}"
+    return f"{group.name} {text_of(group, 'key')} {grid} {group['mode_energy'].shape[1]} {start}"
 
 
 def state_after(values: Values, point: int) -> State | None:

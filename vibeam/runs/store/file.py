@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from vibeam.runs.store.adaptation import FORMAT, Requirements, adapted, blank, difference, is_of, loses
+from vibeam.runs.store.adaptation import FORMAT, Requirements, adapted, blank, difference, loses
 from vibeam.runs.store.branches import (
     BranchPlan,
     StoredBranch,
@@ -29,7 +29,7 @@ from vibeam.runs.store.branches import (
 from vibeam.runs.store.image import bytes_of, opened_image
 from vibeam.runs.store.records import Kept, Keyed, KeyedRecord, keep, kept, read_models, write_models
 from vibeam.store.errors import ANEW, ELSEWHERE, StoreError, reading
-from vibeam.store.hdf5 import content_of
+from vibeam.store.hdf5 import content_of, text_of
 from vibeam.store.place import Place, Tell, locked, place_of
 from vibeam.store.provenance import note_continued
 from vibeam.system.quantities import OutputUnits
@@ -189,7 +189,7 @@ def _continued(place: Place, plan: Plan, tell: Tell) -> Store:
     with reading(path, "it"):
         other = difference(file, wanted)
         lost = bool(other) or loses(file, wanted)
-        if lost and not is_of(file, wanted):
+        if lost and text_of(file["case"], "name") != wanted.name:
             raise StoreError(f"{path}: holds another case ({other or 'of other points'}): {ANEW}")
         if lost and blocks:
             place.replace(content_of(file))

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.runs.store.adaptation import Requirements, case_text, write_case
 from vibeam.runs.store.figures import HOME, sheets_of
 from vibeam.runs.store.image import bytes_of, opened_image
 from vibeam.runs.store.records import Kept, KeyedRecord, keep, kept
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
 FORMAT = "vibeam transient 1"
 OTHER = f"is no result of a case with [record]: {ELSEWHERE}, or delete it"
 WRITE_EVERY = 0.5  # s between two blocks: a killed run loses no more, and the motions under way
-CASE = ("text", "shared", "whole")
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ def opened(
 def _continued(case: Case, wanted: Collection[str], place: Place, tell: Tell) -> TransientStore:
     with opened_image(place, "r+b", FORMAT, OTHER) as file:
         known = _known(place, file)
-        name, text = text_of(file["case"], "name"), file["case"]["whole"][()].decode()
+        name, text = text_of(file["case"], "name"), case_text(file, "whole")
         beside = _beside(file)
     lost = [key for key in known.motions if key not in wanted]
     if lost and name != case.path.name:
@@ -184,9 +184,8 @@ def read_motions(path: Path) -> StoredRun:
     """Content of a results file and of the blocks beside it."""
     place = place_of(path)
     with opened_image(place, "rb", FORMAT, OTHER) as file, reading(path, "its groups"):
-        whole, numbers = (file["case"][name][()].decode() for name in ("whole", "text"))
         made = {name: str(value) for name, value in file["provenance"].attrs.items()}
-        return StoredRun(_known(place, file), whole, made, numbers, _beside(file))
+        return StoredRun(_known(place, file), case_text(file, "whole"), made, case_text(file, "text"), _beside(file))
 
 
 def _beside(file: h5py.File) -> h5py.File:
@@ -254,11 +253,8 @@ def _file_of(case: Case, known: KnownMotions, beside: h5py.File, whole: str | No
         write_provenance(file.create_group("provenance"))
     elif whole is None:
         note_continued(file["provenance"])
-    group = file.create_group("case")
-    group.attrs["key"], group.attrs["name"] = fixed(case.key), fixed(case.path.name)
-    texts = (case.numbers, case.shared, case.text if whole is None else whole)
-    for name, text in zip(CASE, texts, strict=True):
-        group[name] = fixed(text)
+    said = case.text if whole is None else whole
+    write_case(file, Requirements(case.numbers, case.key, case.shared, (), said, case.path.name))
     for name, model in known.models.items():
         own = [each for each in known.motions.values() if each[0].fidelity == name]
         write_group(file.create_group(f"motions/{name}"), model.signals, model.period, own)
