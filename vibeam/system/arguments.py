@@ -24,7 +24,7 @@ def checked(system: Any) -> dict[str, Any]:
     clean["outputs"] = outputs = _outputs(system.outputs, faults)
     if not _rows_valid([*clean.values()][: len(ROWS)], outputs.values()):
         _check_rows({name: clean[name] for name in ROWS}, outputs, faults)
-    clean["law"], restitution = _law(system, faults)
+    clean["law"], restitution = checked_law(system.law, system.restitution, faults)
     clean["restitution"] = number("restitution", restitution, faults, least=0.0, most=1.0)
     clean["gap"] = number("gap", system.gap, faults)
     if system.coupling is not None:
@@ -121,18 +121,18 @@ def _check_contact(contact: Array, faults: list[str]) -> None:
         )
 
 
-def _law(system: Any, faults: list[str]) -> tuple[Any, Any]:
-    """Check the contact law and the coefficient of restitution; a constant one stands for its coefficient."""
-    if system.law is None:
-        return None, system.restitution
+def checked_law(given: Any, restitution: Any, faults: list[str]) -> tuple[Any, Any]:
+    """Check the contact law beside the coefficient of restitution; a constant one stands for its coefficient."""
+    if given is None:
+        return None, restitution
     from vibeam_models.laws.mechanics import stop_law
 
-    law = stop_law(system.law)
+    law = stop_law(given)
     if law is None:
-        faults.append(f"law: {shown(system.law)} is no contact law of vibeam_models.laws")
+        faults.append(f"law: {shown(given)} is no contact law of vibeam_models.laws")
     elif law.constant is not None:
         return None, law.constant
-    return law, system.restitution
+    return law, restitution
 
 
 def _coupling(given: Any, n: int, faults: list[str]) -> Array | None:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam_models.arguments import number, read_only, refuse, shown
+from vibeam.system.arguments import checked_law
+from vibeam_models.arguments import number, read_only, refuse
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
@@ -41,21 +42,10 @@ class Contact(ValueRecord):
         object.__setattr__(self, "row", row)
         object.__setattr__(self, "gap", number("gap", self.gap, faults))
         coefficient = number("restitution", self.restitution, faults, least=0.0, most=1.0)
+        law, coefficient = checked_law(self.law, coefficient, faults)
+        object.__setattr__(self, "law", law)
         object.__setattr__(self, "restitution", coefficient)
-        if self.law is not None:
-            self._check_law(faults)
         refuse("contact", faults)
-
-    def _check_law(self, faults: list[str]) -> None:
-        """A constant coefficient of restitution stands for itself."""
-        from vibeam_models.laws.mechanics import stop_law
-
-        law = stop_law(self.law)
-        if law is None:
-            faults.append(f"law: {shown(self.law)} is no contact law of vibeam_models.laws")
-        elif law.constant is not None:
-            object.__setattr__(self, "law", None)
-            object.__setattr__(self, "restitution", law.constant)
 
     @property
     def contact_law(self) -> StopLaw:
