@@ -209,7 +209,7 @@ class ReadyModel:
             self._work.matrices(section.system)
             self._work.lift(own, section.system)
             time, state = lifted(own, section.system)
-            section.at(time).tried(state, own.periods)
+            section.tried(state, own.periods, time)
             try:
                 found = _contracted(section.at(time), state, own.periods)
                 if found is None:

@@ -6,8 +6,6 @@ their evaluations and segments, tangent maps their segments, Newton's method its
 
 from __future__ import annotations
 
-from typing import Self
-
 from vibeam.flight.solver import ExactSolver
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.stroboscopic import Flown, MotionEnded, StroboscopicMap
@@ -86,16 +84,10 @@ class CountedMap(StroboscopicMap):
         super().__init__(system, drive, runner=runner)
         self._work = work
 
-    def at(self, time: float) -> Self:
-        """See the base class."""
-        moved = super().at(time)
-        assert isinstance(moved, type(self))
-        return moved
-
-    def tried(self, state: State, periods: int) -> None:
+    def tried(self, state: State, periods: int, begin: float) -> None:
         """Fly a part of a period; TooDear where all that Newton's method needs is more than the point's part."""
         try:
-            flown = super().flown(state, TRIED)
+            flown = super().flown(state, TRIED, begin)
         except MotionEnded:
             return
         work = self._work.flight(self.system, flown.evaluations, len(flown.segments.trace))
