@@ -156,35 +156,26 @@ def _of_branches(
 def _of_own_motions(
     case: Case, full: ImpactSystem, made: Mapping[str, FidelityEstimate], branches: Mapping[str, Branches], left: float
 ) -> dict[str, FidelityEstimate]:
-    """Estimates of one scene's fidelities, without the points at which its full model makes another motion.
+    """Estimates of one scene's fidelities that have any, without points at which its full model makes another motion.
 
     Its sweep may take the work ``left``.
     """
     plain = not unsuited(full)
     expected = {
-        name: {
-            way: Motion.predicted(response, made[name].branches[way], plain) for way, response in branches[name].items()
-        }
-        for name in made
-        if made[name].branches
+        name: {way: Motion.predicted(response, each.branches[way], plain) for way, response in branches[name].items()}
+        for name, each in made.items()
+        if each.branches
     }
     if not expected:
-        return dict(made)
-    ways = [way for way, _ in branches[next(iter(expected))].items()]
-    flown = _flown(
-        case, next(iter(expected)), full, {way: [own[way] for own in expected.values()] for way in ways}, left
-    )
-    if not flown:
-        return dict(made) | {name: replace(made[name], swept=False) for name in expected}
-    return dict(made) | {
-        name: replace(
-            made[name],
-            branches={
-                way: without_another_motion(each, own[way], flown[way]) for way, each in made[name].branches.items()
-            },
-        )
-        for name, own in expected.items()
-    }
+        return {}
+    first, *_ = expected
+    flown = _flown(case, first, full, {way: [own[way] for own in expected.values()] for way in expected[first]}, left)
+    found = {}
+    for name, own in expected.items():
+        parts = made[name].branches
+        kept = {way: without_another_motion(parts[way], own[way], there) for way, there in flown.items()}
+        found[name] = replace(made[name], branches=kept or parts, swept=bool(flown))
+    return found
 
 
 def _flown(
