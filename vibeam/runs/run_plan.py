@@ -66,11 +66,6 @@ class RunPlan:
     branches: Mapping[str, tuple[BranchPlan, ...]]
     models: Mapping[str, ModelProperties]
 
-    @property
-    def modes(self) -> dict[str, int]:
-        """Number of modes of every fidelity."""
-        return {name: several[0].modes for name, several in self.branches.items()}
-
 
 def _plan(case: Case, systems: Mapping[str, ImpactSystem], stored: Keyed) -> RunPlan:
     """Plan of a run by what the file has ``stored`` of its models, else by their systems."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibeam.case.case import plan_of_record
 from vibeam.runs.systems import Overview, properties_of
-from vibeam.system.number_text import ACCELERATIONS, TIMES, prefixed, with_unit
+from vibeam.system.number_text import TIMES, prefixed, with_unit
 from vibeam.system.record_samples import too_coarse
 from vibeam_models.arguments import counted
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 
 COARSE = 0.1  # share of its amplitude by which interpolation may be off in a sine at the highest mode
-ONE_WAY = 1e-6  # share of the peak below which a load of the other sign is none
 
 
 @dataclass(frozen=True)
@@ -34,26 +33,16 @@ class RecordOverview(Overview):
     duration: float = 0.0
     motions: int = 0
     remarks: tuple[str, ...] = ()  # on the load, for the modes that there are
-    both_ways: bool = False  # whether levels of both signs are run
 
     def _driven(self) -> Iterator[str]:
         if self.load is not None and not self.load.peak:
             yield "no load: the motion is free"
         elif self.load is not None:
             of = "base acceleration" if self.load.quantity == "acceleration" else self.load.quantity
-            unit, factor = "N" if self.load.quantity == "force" else "N m", 1.0
-            if self.load.quantity == "acceleration":
-                unit, factor = prefixed(ACCELERATIONS, self.load.peak, 0)
-            size = f"{self.load.peak:.4g}" if self.plain else f"{self.load.peak * factor:.4g} {unit}"
+            unit = {"acceleration": "m/s^2", "force": "N", "moment": "N m"}[self.load.quantity]
+            size = f"{self.load.peak:.4g}" if self.plain else with_unit(self.load.peak, unit)
             yield f"{of} up to {size}, {_time(self.load.duration)}"
         yield f"{counted(self.motions, 'motion')} of {_time(self.duration)}"
-
-    def _thrown(self, load: Record) -> str:
-        """Direction in which a base that is accelerated one way throws the beam."""
-        low, high = (each / load.peak for each in load.bounds)
-        if self.both_ways or low < -ONE_WAY < ONE_WAY < high:
-            return ""
-        return f", beam thrown {'away from' if high > -low else 'onto'} its stop"
 
     def warnings(self) -> Iterator[str]:
         """Sentence on a load that ends later than the motion."""
@@ -75,9 +64,7 @@ def overview_of_record(makers: Mapping[str, MotionMaker], motions: int) -> Recor
     load = maker.load(largest_level(maker.case), 0)
     plain = scene.natural_unit is not None
     remarks = tuple(remarks_on(load, system, maker.duration))
-    plan = plan_of_record(maker.case)
-    both = plan.over == "level" and min(plan.values) < 0 < max(plan.values)
-    return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions, remarks, both)
+    return RecordOverview(*scene.bulk, properties, (0.0, 0.0), plain, load, maker.duration, motions, remarks)
 
 
 def remarks_on(record: Record, system: ImpactSystem, duration: float) -> Iterator[str]:
