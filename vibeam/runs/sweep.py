@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from math import isfinite
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -102,8 +101,6 @@ class SweepPoints:
 def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
     """Return one number, or one for each frequency; ValueError for anything else."""
     drives = floats("amplitude", amplitude)
-    if drives.ndim == 0 and isfinite(drives):
-        return drives
     if drives.shape not in ((), grid.shape):
         raise ValueError(f"amplitude: must be one number or one for each of the {len(grid)} frequencies")
     if not np.all(np.isfinite(drives)):

@@ -164,9 +164,7 @@ def _margin(difference: Difference, finest: Difference, model: Difference) -> fl
 
 def _sign(difference: float, margin: float) -> int:
     """Sign of a difference that is larger than its uncertainty; else 0."""
-    if not abs(difference) > max(SURE, margin if isfinite(margin) else 0.0):
-        return 0
-    return 1 if difference > 0 else -1
+    return int(np.sign(difference)) if abs(difference) > max(SURE, margin if isfinite(margin) else 0.0) else 0
 
 
 def _peak_fault(model: ComparedModel, closed: Closed) -> str:

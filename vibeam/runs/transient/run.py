@@ -62,19 +62,15 @@ def run_record(
         return result_of(case, store.known, path, found, shown_of(case, store.sheets) if show else {})
 
 
-def _in_turn(motions: Sequence[Realisation], makers: Mapping[str, MotionMaker]) -> list[Realisation]:
-    """Motions of all fidelities under one load, then under the next: a run that is stopped has some of each.
-
-    Costly ones come first, so that threads end about together.
-    """
-    return sorted(motions, key=lambda each: (each.seed, each.value, -makers[each.fidelity].system(0)[0].size))
-
-
 def _make(
     what: str, makers: Mapping[str, MotionMaker], motions: Sequence[Realisation], store: TransientStore,
     count: PointCount | None,
 ) -> None:  # fmt: skip
-    """Make motions, several at once, and keep each."""
+    """Make motions, several at once, and keep each.
+
+    All fidelities under one load, then under the next: a run that is stopped has some of each. Costly ones come first,
+    so that threads end about together.
+    """
     faults: list[Fault] = []
     for name in dict.fromkeys(each.fidelity for each in motions):
         try:
@@ -91,7 +87,7 @@ def _make(
         if count is not None:
             count.add()
 
-    every = _in_turn(motions, makers)
+    every = sorted(motions, key=lambda each: (each.seed, each.value, -makers[each.fidelity].system(0)[0].size))
     of = " ".join(each.key for each in every)
     evaluate_each(what, of, every, lambda motion: makers[motion.fidelity].made(motion), keep)
 
