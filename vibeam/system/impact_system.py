@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from vibeam.system.arguments import checked
 from vibeam.system.number_text import ratio
 from vibeam.system.rows import Contact, TimeDerivative
-from vibeam_models.arguments import counted, number, read_only, refuse, require
+from vibeam_models.arguments import counted, read_only, require, settle
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
@@ -41,10 +41,7 @@ class Drive:
     amplitude: float
 
     def __post_init__(self) -> None:
-        faults: list[str] = []
-        object.__setattr__(self, "omega", number("omega", self.omega, faults, least=0.0))
-        object.__setattr__(self, "amplitude", number("amplitude", self.amplitude, faults))
-        refuse("drive", faults)
+        settle(self, "drive", omega={"least": 0.0}, amplitude={})
 
     def load_at(self, t: Array) -> Array:
         """Factor of the modes' load row at times ``t``: Ω²B sin Ωt, which is −b̈."""

@@ -49,9 +49,7 @@ class DensityTable:
         f, s = self.frequency, self.level
         with np.errstate(divide="ignore", invalid="ignore"):
             octaves = np.log(f[1:] / f[:-1])
-            power = (
-                np.log(s[1:] / s[:-1]) + octaves
-            )  # of f S over the piece, whose integral is f S (e^p − 1)/p · octaves
+            power = np.log(s[1:] / s[:-1]) + octaves  # p of f S over the piece, of integral f S (e^p − 1)/p · octaves
             sloped = f[:-1] * s[:-1] * octaves * np.where(np.abs(power) > TINY, np.expm1(power) / power, 1.0)
         return float(np.sum(np.where(s[1:] == s[:-1], s[1:] * np.diff(f), sloped)))
 
@@ -171,7 +169,6 @@ def transformed(lines: NDArray[np.complex128], n: int) -> Array:
             low, far = j * length, (count - j) * length + 1
             part = lines[low : low + len(folded)] if 2 * j < count else lines[far - len(folded) : far][::-1].conj()
             folded += part * np.exp(2j * np.pi * j * r / count)
-        kept = len(found[r::count])
-        found[r::count] = np.fft.irfft(folded * turn, length)[:kept] / count
+        found[r::count] = np.fft.irfft(folded * turn, length)[: len(found[r::count])] / count
         turn *= turns
     return found

@@ -98,8 +98,8 @@ class FrequencyResponse(ValueRecord, LabelledData):
     def __repr__(self) -> str:
         failed = int(np.count_nonzero(self.ended != Ended.COMPLETE.code))
         size, modes = counted(len(self), "point"), counted(self.mode_energy.shape[1], "mode")
-        parts = [size, _span(self.frequency, "Hz"), modes]
-        return f"FrequencyResponse({', '.join(parts)}{f', {failed} not complete' if failed else ''})"
+        span = f"{self.frequency.min():.6g} … {self.frequency.max():.6g} Hz" if len(self) else "no frequency"
+        return f"FrequencyResponse({size}, {span}, {modes}{f', {failed} not complete' if failed else ''})"
 
     def _parts(self) -> Sequence[LabelledPart]:
         return [LabelledPart({}, {"frequency": self.frequency}, self.quantities)]
@@ -121,10 +121,6 @@ class FrequencyResponse(ValueRecord, LabelledData):
             "mode_energy": np.full((n, modes), np.nan),
         }
         return cls(**blank)
-
-
-def _span(values: Array, unit: str) -> str:
-    return f"{values.min():.6g} … {values.max():.6g} {unit}" if len(values) else "no frequency"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
