@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.system.arguments import checked
+from vibeam.system.arguments import ROWS, checked
 from vibeam.system.number_text import ratio
 from vibeam.system.rows import Contact, TimeDerivative
 from vibeam_models.arguments import counted, read_only, require, settle
@@ -190,14 +190,8 @@ class ImpactSystem(ValueRecord):
         """
         frequencies, ratios = read_only(omega), read_only(zeta)
         n = 1 if frequencies is None else frequencies.size
-        rows = {
-            "omega": omega,
-            "zeta": zeta,
-            "contact": contact,
-            "load": load,
-            "static": 0.0 if static is None else static,
-        }
-        given: dict[str, Any] = {name: _row(value, n) for name, value in rows.items()}
+        rows = (omega, zeta, contact, load, 0.0 if static is None else static)
+        given: dict[str, Any] = {name: _row(value, n) for name, value in zip(ROWS, rows, strict=True)}
         given |= {"gap": gap, "restitution": restitution, "law": law, "coupling": coupling, "second_gap": second_gap}
         given |= {"outputs": {} if outputs is None else outputs, "derivatives": derivatives or {}, "further": further}
         if isinstance(outputs, Mapping):

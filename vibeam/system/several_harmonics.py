@@ -16,7 +16,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
@@ -82,7 +81,7 @@ class SeveralHarmonics:
     def system(self) -> ImpactSystem:
         """The system with two modes more for each harmonic."""
         own, contact = self.plain, np.zeros(2 * len(self.harmonics))
-        contact[::2] = np.where(self._seen, self.light, 0.0)
+        contact[::2] = np.where(self._at_contact != 0, self.light, 0.0)
         outputs = {name: np.concatenate([row, self._output(row)]) for name, row in own.outputs.items()}
         derivatives = {
             name: replace(each, row=np.concatenate([each.row, self._output(each.row, each.base)]))
@@ -93,7 +92,8 @@ class SeveralHarmonics:
     def enter(self, state: State, time: float = 0.0) -> State:
         """``state`` of ``plain`` at ``time`` (s) as that of ``system``."""
         forced, rate = self._forced(time)
-        turned = np.stack([self._phasors, 1j * self._phasors], axis=1) * self._turns(time)[:, None] / self.light
+        turns = np.exp(1j * self.rates * time)[:, None]
+        turned = np.stack([self._phasors, 1j * self._phasors], axis=1) * turns / self.light
         swing, pace = turned.imag.ravel(), (turned * 1j * self.rates[:, None]).imag.ravel()
         return State(
             np.concatenate([state.displacement - forced, swing]),
@@ -121,16 +121,13 @@ class SeveralHarmonics:
 
     def _forced(self, time: float) -> tuple[Array, Array]:
         """Steady responses (n,) of the modes to all harmonics, and their rates."""
-        turned = self.responses * self._turns(time)[:, None]
+        turned = self.responses * np.exp(1j * self.rates * time)[:, None]
         return turned.imag.sum(axis=0), (turned * 1j * self.rates[:, None]).imag.sum(axis=0)
 
     @cached_property
     def rates(self) -> Array:
         """Frequencies (m,) of the harmonics, rad/s."""
         return np.array([each.order * self.drive.omega for each in self.harmonics])
-
-    def _turns(self, time: float) -> Complex:
-        return np.asarray(np.exp(1j * self.rates * time))
 
     @property
     def light(self) -> float:
@@ -142,15 +139,11 @@ class SeveralHarmonics:
         """z (m,) of the contact."""
         return np.asarray(self.responses @ self.plain.contact)
 
-    @property
-    def _seen(self) -> NDArray[np.bool_]:
-        return np.asarray(self._at_contact != 0)
-
     @cached_property
     def _phasors(self) -> Complex:
         """Those of the oscillators (m,): the contact's, or the largest mode's where the contact sees nothing of it."""
         largest = np.abs(self.responses).max(axis=1, initial=0.0)
-        return np.where(self._seen, self._at_contact, np.where(largest > 0, largest, 1.0))
+        return np.where(self._at_contact != 0, self._at_contact, np.where(largest > 0, largest, 1.0))
 
     def _output(self, row: Array, base: float = 0.0) -> Array:
         """The oscillators' weights (2m,) in an output: z_o = (α + iβ) z is α of the first and β of the second.
