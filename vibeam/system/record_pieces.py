@@ -56,16 +56,13 @@ def blocks(count: int, size: int = BLOCK) -> Iterator[slice]:
 
 def bounds(times: Array, coefficients: Array) -> tuple[float, float]:
     """Least and greatest value of all pieces, exact: at their ends and where the slope is zero."""
-    every = [_bounds(times[part.start : part.stop + 1], coefficients[part]) for part in blocks(len(coefficients))]
-    return min(low for low, _ in every), max(high for _, high in every)
-
-
-def _bounds(times: Array, coefficients: Array) -> tuple[float, float]:
-    lengths = np.diff(times)
-    which, s = turning_points(coefficients, lengths)
-    ends, turns = integrated(coefficients, lengths, 0), integrated(coefficients[which], s, 0)
-    every = np.concatenate([coefficients[:, 0], ends, turns])
-    return float(every.min()), float(every.max())
+    low, high = np.inf, -np.inf
+    for part in blocks(len(coefficients)):
+        own, lengths = coefficients[part], np.diff(times[part.start : part.stop + 1])
+        which, s = turning_points(own, lengths)
+        every = np.concatenate([own[:, 0], integrated(own, lengths, 0), integrated(own[which], s, 0)])
+        low, high = np.minimum(low, every.min()), np.maximum(high, every.max())
+    return float(low), float(high)
 
 
 def turning_points(coefficients: Array, spans: Array) -> tuple[Index, Array]:

@@ -79,7 +79,9 @@ class SampledRecords(pieces.MadeOfPieces):
         (True, 0.002, -9.0)
         """
         faults: list[str] = []
-        joined = _interpolation(quantity, interpolation, faults)
+        kinds = JOINED[word("quantity", quantity, JOINED, faults)]
+        asked = kinds[0] if interpolation is None else interpolation
+        joined = word(f"interpolation of {quantity}", asked, kinds, faults)
         known = samples_of(values, LEAST[joined], faults)
         knots = times_of(len(known), rate, times, start, faults)
         refuse("record", faults)
@@ -91,11 +93,6 @@ class SampledRecords(pieces.MadeOfPieces):
         velocity = known[0] if derivative == 1 else pieces.spline(knots, known, 1)[0, 0]
         initial = (float(velocity), 0.0 if derivative == 1 else float(known[0]))
         return cls(knots, made, "acceleration", initial, quantity).without(remove)
-
-
-def _interpolation(quantity: str, interpolation: str | None, faults: list[str]) -> str:
-    known = JOINED[word("quantity", quantity, JOINED, faults)]
-    return known[0] if interpolation is None else word(f"interpolation of {quantity}", interpolation, known, faults)
 
 
 def samples_of(values: ArrayLike, least: int, faults: list[str], named: Named = by_index) -> Array:

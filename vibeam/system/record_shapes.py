@@ -181,9 +181,8 @@ class ShapedRecords(pieces.MadeOfPieces):
         require_peak(peak, quantity)
         kept = [(pair, length) for pair, length in zip(ends, lengths, strict=True) if length > 0]
         lines = [[peak * first, peak * (last - first) / length, 0.0, 0.0] for (first, last), length in kept]
-        return cls(
-            start + np.concatenate([[0.0], np.cumsum([length for _, length in kept])]), np.array(lines), quantity
-        )
+        times = start + np.concatenate([[0.0], np.cumsum([length for _, length in kept])])
+        return cls(times, np.array(lines), quantity)
 
     @classmethod
     def _fitted(
