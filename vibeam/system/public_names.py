@@ -7,7 +7,7 @@ from importlib import import_module
 
 TYPE_CHECKING = False  # typing itself is not loaded before the command's first line
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Mapping
     from types import ModuleType
     from typing import Any
 else:
@@ -23,7 +23,10 @@ class Namespace(ModuleType):
 
     def __getattr__(self, name: str) -> object:
         if name not in self._homes:
-            raise AttributeError(f"{self.__name__} has no name {name!r}{_meant(name, self._homes)}")
+            from difflib import get_close_matches
+
+            meant = [f"; did you mean {each!r}?" for each in get_close_matches(name, self._homes, 1)]
+            raise AttributeError(f"{self.__name__} has no name {name!r}{''.join(meant)}")
         home = self._homes[name]
         found = import_module(f"{home}.{name}") if home == self.__name__ else getattr(import_module(home), name)
         self.__dict__[name] = found
@@ -55,13 +58,6 @@ def homes_of(package_file: str) -> dict[str, str]:
     for room in (line[1].rpartition(".")[2] for line in words if line[3] == "*"):
         found |= homes_of(f"{package_file.removesuffix('__init__.py')}{room}/__init__.py")
     return found
-
-
-def _meant(name: str, known: Iterable[str]) -> str:
-    from difflib import get_close_matches
-
-    close = get_close_matches(name, known, 1)
-    return f"; did you mean {close[0]!r}?" if close else ""
 
 
 def hand_in(places: Mapping[str, str]) -> None:

@@ -39,13 +39,11 @@ class Contact(ValueRecord):
         row = read_only(self.row)
         if row is None or row.ndim != 1 or not row.size or not np.isfinite(row).all() or not row.any():
             faults.append("row: must be finite numbers, one a mode, not all zero")
-        object.__setattr__(self, "row", row)
-        object.__setattr__(self, "gap", number("gap", self.gap, faults))
+        gap = number("gap", self.gap, faults)
         coefficient = number("restitution", self.restitution, faults, least=0.0, most=1.0)
         law, coefficient = checked_law(self.law, coefficient, faults)
-        object.__setattr__(self, "law", law)
-        object.__setattr__(self, "restitution", coefficient)
         refuse("contact", faults)
+        self.__dict__.update(row=row, gap=gap, restitution=coefficient, law=law)
 
     @property
     def contact_law(self) -> StopLaw:
