@@ -22,6 +22,7 @@ from vibeam.maps.models import models_of
 from vibeam.maps.points import Axis, Starts, shape_of
 from vibeam.store.blocks import Values
 from vibeam.system.labelled import DataNames, LabelledData, LabelledPart
+from vibeam.system.record_pieces import blocks
 from vibeam_models.arguments import floats
 from vibeam_models.arrays import ValueRecord
 from vibeam_models.memory import check_room
@@ -132,10 +133,7 @@ def evaluate(
     numbers = points * (len(grid.quantities) + max(strobes - 1, 0))
     check_room(f"{points} points of a grid", A_NUMBER * numbers, "take fewer points or quantities, or vibeam.run_map")
     size = max(1, AT_ONCE // int(np.prod(grid.shape)))
-    parts = [
-        evaluate_block(Block(grid, first, min(first + size, grid.lines)), threads)
-        for first in range(0, grid.lines, size)
-    ]
+    parts = [evaluate_block(Block(grid, part.start, part.stop), threads) for part in blocks(grid.lines, size)]
     known = {axis.key: np.array(axis.values) for axis in grid.axes}
     found = GridResponse(fidelity, known, grid.ways or ("apart",), over_axes(grid, parts))
     return found.of_case(case, grid.output)

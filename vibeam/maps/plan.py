@@ -49,7 +49,8 @@ def plan_over(
     _require_fitting(picture, said)
     names = tuple(fidelities or ())
     plane = picture not in ALONG
-    models = models_of(case, _any_plane(case, picture, names)).names
+    axis = AxisPlan(FREQUENCY, tuple(case.sweep.frequency.tolist()), "Hz")  # models are the same of any plane
+    models = models_of(case, planned(picture, (axis, axis), case.sweep, picture, fidelities=names)).names
     words = over or ("gap" if plane else "frequency")
     usual: Sequence[int] = POINTS.get(picture, USUAL)
     if picture == "stability":
@@ -59,11 +60,6 @@ def plan_over(
         raise ValueError(f"--over {words}: at one frequency: --set 'sweep.frequency=[\"15.3 Hz\"]'")
     direction = "apart" if is_structural(axes[-1].key) else None
     return planned(picture, axes, case.sweep, picture, fidelities=names, direction=direction, **said)
-
-
-def _any_plane(case: Case, picture: str, names: tuple[str, ...]) -> MapPlan:
-    axis = AxisPlan(FREQUENCY, tuple(case.sweep.frequency.tolist()), "Hz")
-    return planned(picture, (axis, axis), case.sweep, picture, fidelities=names)
 
 
 def _require_fitting(picture: str, said: dict[str, Any]) -> None:
