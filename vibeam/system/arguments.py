@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.system.rows import Contact, TimeDerivative, checked_law
 from vibeam_models.arguments import number, read_only, real, refuse, shown
 from vibeam_models.arrays import Array
 
@@ -41,8 +42,6 @@ def checked(system: Any) -> dict[str, Any]:
 
 def _further(given: Any, law: Any, n: int, faults: list[str]) -> tuple[Any, ...] | None:
     """Check the further contacts; none are None."""
-    from vibeam.system.rows import Contact
-
     found = tuple(given) if isinstance(given, Sequence) else (given,)
     for each in found:
         if not isinstance(each, Contact):
@@ -68,8 +67,6 @@ def _outputs(given: Any, faults: list[str]) -> dict[str, Array | None]:
 
 
 def _check_derivatives(given: Any, outputs: Mapping[str, Any], n: int, faults: list[str]) -> None:
-    from vibeam.system.rows import TimeDerivative
-
     if not isinstance(given, Mapping):
         faults.append(f"derivatives: {shown(given)} must be a mapping from names to TimeDerivative")
         return
@@ -119,20 +116,6 @@ def _check_contact(contact: Array, faults: list[str]) -> None:
         faults.append(
             f"contact: Σ contact² of values up to {largest:g} is beyond what a float can hold: take other units"
         )
-
-
-def checked_law(given: Any, restitution: Any, faults: list[str]) -> tuple[Any, Any]:
-    """Check the contact law beside the coefficient of restitution; a constant one stands for its coefficient."""
-    if given is None:
-        return None, restitution
-    from vibeam_models.laws.mechanics import stop_law
-
-    law = stop_law(given)
-    if law is None:
-        faults.append(f"law: {shown(given)} is no contact law of vibeam_models.laws")
-    elif law.constant is not None:
-        return None, law.constant
-    return law, restitution
 
 
 def _coupling(given: Any, n: int, faults: list[str]) -> Array | None:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.system.arguments import checked_law
-from vibeam_models.arguments import number, read_only, refuse
+from vibeam_models.arguments import number, read_only, refuse, shown
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
@@ -51,6 +50,20 @@ class Contact(ValueRecord):
         from vibeam_models.laws.restitution import Restitution
 
         return Restitution(self.restitution) if self.law is None else self.law
+
+
+def checked_law(given: Any, restitution: Any, faults: list[str]) -> tuple[Any, Any]:
+    """Check the contact law beside the coefficient of restitution; a constant one stands for its coefficient."""
+    if given is None:
+        return None, restitution
+    from vibeam_models.laws.mechanics import stop_law
+
+    law = stop_law(given)
+    if law is None:
+        faults.append(f"law: {shown(given)} is no contact law of vibeam_models.laws")
+    elif law.constant is not None:
+        return None, law.constant
+    return law, restitution
 
 
 CALLED = {1: "velocity", 2: "acceleration"}
