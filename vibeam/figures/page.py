@@ -67,7 +67,7 @@ def composed(make: Callable[[], Figure]) -> Figure:
         return figure
 
 
-class Picture(Figure):
+class ShownFigure(Figure):
     """Figure that a notebook shows by itself."""
 
     def _repr_png_(self) -> bytes:
@@ -83,7 +83,7 @@ def blank_page(size: tuple[float, float], plan: FigurePlan) -> Figure:
     if plan.width is not None:
         share = plan.width / INCH / width
         width, height = share * width, max(share, LEAST_SHARE) * height
-    return Picture(figsize=(width, height), layout="constrained")
+    return ShownFigure(figsize=(width, height), layout="constrained")
 
 
 def titled(figure: Figure, plan: FigurePlan, title: str, shows: str) -> None:

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
 from vibeam.exchange.faults import suggest
-from vibeam.figures.page import Picture
+from vibeam.figures.page import ShownFigure
 from vibeam.figures.panels import mark_failed
 from vibeam.figures.style import COLOURS, DOT, KEY, LINES, Keys, Look, line, shade
 from vibeam.observe.branches import MotionClass, pieces
@@ -53,7 +53,7 @@ def response_figure(branches: Mapping[str, FrequencyResponse], quantity: str) ->
     """Draw the kinds of motion by line, the sweep down lighter; ValueError for an unknown quantity."""
     if quantity not in SHOWN:
         raise ValueError(f"quantity: no {quantity!r} with one number a point: {suggest(str(quantity), SHOWN)}")
-    figure = Picture(figsize=(5.8, 4.2), layout="constrained")
+    figure = ShownFigure(figsize=(5.8, 4.2), layout="constrained")
     axes = figure.subplots()
     drawn: set[object] = set()
     for direction, response in branches.items():

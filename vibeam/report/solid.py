@@ -240,15 +240,15 @@ def _data(found: SolidVerdict) -> dict[str, Any]:
 
 def steps_and_shapes(found: SolidVerdict) -> Figure:
     """Figure of the steps and, below, of the modes of beam and solid, unless they take long to make."""
-    from vibeam.figures.page import Picture
+    from vibeam.figures.page import ShownFigure
 
     if found.solid.cpu_seconds > PICTURED:
-        figure = Picture(figsize=(6.3, 3.2), layout="constrained")
+        figure = ShownFigure(figsize=(6.3, 3.2), layout="constrained")
         _bars(figure, found)
         return figure
     from vibeam.figures.kinds.shapes import draw_modes, shapes_of
 
-    figure = Picture(figsize=(6.3, 8.4), layout="constrained")
+    figure = ShownFigure(figsize=(6.3, 8.4), layout="constrained")
     parts: Any = figure.subfigures(2, 1, height_ratios=(3.2, 5.2))
     _bars(parts[0], found)
     scene: Any = found.case.scene_of(found.fidelity)

@@ -176,9 +176,9 @@ def _plane(across: str, upward: str, x: Any, y: Any, values: Any) -> Figure:
 
 
 def _small(across: str, upward: str) -> tuple[Figure, Any]:
-    from vibeam.figures.page import Picture
+    from vibeam.figures.page import ShownFigure
 
-    figure = Picture(figsize=SMALL, layout="constrained")
+    figure = ShownFigure(figsize=SMALL, layout="constrained")
     axes = figure.subplots()
     axes.set(xlabel=across, ylabel=upward)
     return figure, axes

@@ -41,7 +41,7 @@ def output_units(case: Case) -> OutputUnits:
 
 
 class FidelityResults(Mapping[str, Each], LabelledData):
-    """What each fidelity of a ``case`` gave, by its name; equal to another where the case is and all numbers are."""
+    """Outcome of each fidelity of a ``case``, by its name; equal to another where the case is and all numbers are."""
 
     case: Case
     _fidelities: dict[str, Each]

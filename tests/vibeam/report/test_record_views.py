@@ -44,7 +44,8 @@ DRAWN = """
       closePath: none, setLineDash: none, fill: none, stroke: none };
     const [low, high] = given.span, at = { ratio: 1, left: 0, top: 0, width: given.width, height: 100,
       x: (value) => (value - low) / (high - low) * given.width, y: (value) => value };
-    envelope(pen, at, { begin: 0, width: given.bin, least: given.least, greatest: given.greatest }, given.span, "#000");
+    const history = { begin: 0, width: given.bin, least: given.least, greatest: given.greatest };
+    envelope(pen, at, history, given.span, { colour: "#000", wide: 1 });
     return [points, hits({ time: given.time, velocity: given.velocity }, given.span, given.width)];
 """
 

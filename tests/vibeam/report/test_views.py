@@ -105,7 +105,7 @@ def test_every_record_with_a_view_is_one() -> None:
     """A name in the table of views without its mixin has a sheet that no notebook shows."""
     named = {name: getattr(place, name) for place in (vibeam, vibeam.studies) for name in dir(place)}
     classes = {name: named[name] for name in SHEETS if isinstance(named.get(name), type)}
-    assert {"Result", "ModeTable", "Stability", "Verdict"} < classes.keys()
+    assert {"Result", "FidelityMap", "Verdict"} < classes.keys()
     assert [name for name, each in classes.items() if not issubclass(each, Viewed)] == []
 
 

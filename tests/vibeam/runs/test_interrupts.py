@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from importlib import import_module
 from threading import Event
 from typing import Any
 
@@ -16,6 +15,7 @@ from vibeam.flight.engine import threads as pause
 from vibeam.runs import parallel
 from vibeam.runs.parallel import heartbeat
 from vibeam.runs.sweep import march
+from vibeam.solvers.integration import stepper
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 FOREVER = """
@@ -92,8 +92,7 @@ def test_solvers_that_step_hear_it_too(monkeypatch: pytest.MonkeyPatch, solver: 
         if heard == 50:
             raise pause.Stopped
 
-    module = import_module(f"vibeam.solvers.integration.{'impact_events' if solver == 'direct' else 'moreau'}")
-    monkeypatch.setattr(module, "pause", stop)
+    monkeypatch.setattr(stepper, "pause", stop)
     system = vibeam.ImpactSystem.from_modes([1.0], 0.1, 1.0, 1.0, restitution=0.7)
     with pytest.raises(pause.Stopped):
         vibeam.sweep(system, omega=[2.0], amplitude=1.0, settle=10**6, hold=1, solver=solver)
