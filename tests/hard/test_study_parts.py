@@ -64,7 +64,7 @@ MAP = ["map", "shaken.toml", "--over", "gap,level", "--from", "0 mm,0.5", "--to"
             ["motions", 98],
             marks=pytest.mark.slow,
         ),
-        (MAP, "csv", ["1-motions"], ["motions", 24]),
+        pytest.param(MAP, "csv", ["1-motions"], ["motions", 24], marks=pytest.mark.slow),
         pytest.param(
             ["fit", "linear_stop.toml"],
             "csv",
@@ -138,7 +138,7 @@ def killed(words: list[str], folder: Path, when: Callable[[], bool], by: int) ->
     ],
 )
 def test_an_ensemble_that_is_killed_goes_on(folder: Path, more: list[str], by: int, expected: int) -> None:
-    text = SWEPT.replace("settle = 60", "settle = 6000")
+    text = SWEPT.replace("settle = 60", "settle = 2000")
     (folder / "rig.toml").write_text(text, encoding="utf-8")
     steps = folder / "two.csv.1-sweeps.parts"
     code = killed([*UNCERTAIN, "--out", "two.csv", *more], folder, lambda: len(list(steps.glob("*.steps"))) > 5, by)
