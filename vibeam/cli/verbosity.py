@@ -12,8 +12,6 @@ from typing import Annotated, Any
 
 import typer
 
-from vibeam_models.memory import large_memory
-
 
 @dataclass(frozen=True)
 class Verbosity:
@@ -49,6 +47,8 @@ def with_verbosity(command: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(command)
     def call(**given: Any) -> None:
+        from vibeam_models.memory import large_memory
+
         asked = {key: given.pop(key) for key in _OPTIONS}
         confirmed = large_memory() if asked.pop("yes") else nullcontext()
         token = _CURRENT.set(Verbosity(name, **asked))

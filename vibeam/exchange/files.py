@@ -71,12 +71,12 @@ def whole(text: str) -> int:
     return int(text)
 
 
-def real(text: str) -> float:
-    """The finite number that is written in digits of ASCII; FormatError for any other text."""
+def real(text: str, spelt: str = "") -> float:
+    """The finite number that is written in digits of ASCII; FormatError for other text, as the file ``spelt`` it."""
     if not _REAL.fullmatch(text):
-        raise FormatError(f"{shown(text)} is no number")
+        raise FormatError(f"{shown(spelt or text)} is no number")
     if not isfinite(value := float(text)):
-        raise FormatError(f"{shown(text)} is beyond the largest number")
+        raise FormatError(f"{shown(spelt or text)} is beyond the largest number")
     return value
 
 

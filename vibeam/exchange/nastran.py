@@ -48,4 +48,4 @@ def _fields(text: str) -> tuple[str, list[str]]:
 def real_field(field: str) -> float:
     """The real number of a field, whose exponent may have D, or no letter: ``1.5-3``; FormatError where it is none."""
     number = field.replace("D", "E")
-    return real(number if "E" in number else re.sub(r"(?<=[0-9.])([+-])", r"E\1", number))
+    return real(number if "E" in number else re.sub(r"(?<=[0-9.])([+-])", r"E\1", number), field)

@@ -256,7 +256,7 @@ def test_starts_are_at_static_equilibrium(node: Any) -> None:
     held: dict[str, set[bool]] = {name: set() for name in SYSTEMS}
     for place, answer in zip(asked, answers(node, pushed, asked, "sensor"), strict=True):
         wanted = equilibrium(replace(pushed[place["fidelity"]], gap=place["gap"]))
-        assert apart(answer["displacement"], wanted.displacement) <= 1e-13
+        assert apart(answer["displacement"], wanted.displacement) <= 1e-12  # round-off of the systems solved
         assert answer["resting"] == wanted.resting
         held[place["fidelity"].rpartition(",")[0]].add(answer["resting"])
     assert all(held[name] == ({False} if SYSTEMS[name].contact_law.yields else {False, True}) for name in SYSTEMS)
