@@ -57,7 +57,6 @@ def run(
       vibeam run *.toml --accuracy "2 %" --out results/
     """
     from vibeam.casefile.quantities import RATIO
-    from vibeam.runs.systems import require_runnable
     from vibeam.studies.regression.references import require_readable
 
     asked = part_asked(price, part, gather, {"--fresh": fresh, "several cases": len(cases) > 1})
@@ -69,6 +68,8 @@ def run(
         case = of_fidelities(load(path, set_), fidelity)
         require_readable(case)
         if len(cases) > 1:
+            from vibeam.runs.systems import require_runnable
+
             require_runnable(case)
         return case
 
