@@ -152,7 +152,7 @@ class EventDrivenSolver(ABC):
         rows, done, kept = self._first_rows, 0.0, list[Segments]()
         counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
         outcome = layout.FULL
-        while outcome == layout.FULL and (done < span or not kept):
+        while outcome == layout.FULL and done < span:
             trace, poses = np.zeros((rows, self._trace_columns)), np.zeros((rows, 2, self.system.size))
             counts[layout.SEGMENTS], before = 0, int(counts[layout.PANELS])
             outcome, step = unpaused(

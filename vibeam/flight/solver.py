@@ -149,10 +149,10 @@ _READY: set[tuple[Hashable, ...]] = set()
 
 
 def warm_up_motion(system: ImpactSystem, drive: Drive) -> None:
-    """Run a motion of no duration, once a process for systems of the same kind."""
+    """Run a motion of next to no duration, once a process for systems of the same kind."""
     kind = kind_of(system)
     if kind not in _READY:
-        exact_solver(system, drive.omega, 1.0).simulate(drive, None, 0.0, 0.0, 1)
+        exact_solver(system, drive.omega, 1.0).simulate(drive, None, 0.0, 1e-9, 1)
         _READY.add(kind)
 
 

@@ -15,7 +15,7 @@ from vibeam.case.fidelity import restitutions
 from vibeam.case.plans import Reference
 from vibeam.casefile.read import load, parse
 from vibeam.exchange.curves.reference import read_curve
-from vibeam.exchange.faults import CaseError, printable
+from vibeam.exchange.faults import CaseError, printable, shortest
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
 from vibeam.studies.regression.references import CheckRow, check
@@ -202,7 +202,7 @@ def test_a_file_that_is_no_reference_says_where(tmp_path: Path, head: str, lines
     with pytest.raises(CaseError) as caught:
         checked(tmp_path, lines, BOTH, head=head)
     assert message in str(caught.value)
-    assert str(tmp_path / "curve.csv") in str(caught.value)
+    assert shortest(tmp_path / "curve.csv") in str(caught.value)
 
 
 def test_a_reference_that_cannot_be_read_says_so(tmp_path: Path) -> None:
@@ -225,7 +225,7 @@ def test_a_reference_that_cannot_be_read_says_so(tmp_path: Path) -> None:
         path = tmp_path / name
         with pytest.raises(CaseError) as caught:
             read_curve(path, "amplitude").along(("up", "down"))
-        assert str(caught.value) == printable(f"{path}{message}")
+        assert str(caught.value) == printable(f"{shortest(path)}{message}")
 
 
 @pytest.mark.parametrize("text", ["14,up,1\n15,up,2\n", "# nothing\n", "x,y\n1,2\n", "\n\n14 up 1\n"])
