@@ -31,7 +31,6 @@ from vibeam.report.declaration import StudyDeclaration as StudyDeclaration
 from vibeam.report.declaration import register_study as register_study
 from vibeam.report.explore.exploration import explore as explore
 from vibeam.report.figures import plot as plot
-from vibeam.runs.estimate.error import estimate_error as estimate_error
 from vibeam.runs.result import Result as Result
 from vibeam.runs.run import run as run
 from vibeam.runs.sweep import sweep as sweep

@@ -176,11 +176,15 @@ USUAL_STAGES = STAGES[:-1]  # the last joins them where a fidelity is a solid
 
 @dataclass(frozen=True)
 class VerdictPlan:
-    """Plan of ``vibeam verdict``: largest relative error ``accuracy``, stages, plane, ``budget`` in CPU seconds."""
+    """Plan of ``vibeam verdict``: the errors allowed, stages, plane, ``budget`` in CPU seconds."""
 
     accuracy: float = declare.quantity(
         "", "largest error of the amplitude that is allowed", "5 %", 0.05, above=0, most=1
     )
+    frequency_accuracy: float | None = declare.quantity(
+        "", "of frequencies at which branches end, jumps among them; absent = a fifth of accuracy", "1 %", None,
+        above=0, most=1,
+    )  # fmt: skip
     only: tuple[str, ...] = declare.word(
         STAGES,
         "stages: modes, effects, solvers, map or solid; repeatable, absent = all, solid where a fidelity is one",

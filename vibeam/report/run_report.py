@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rich.text import Text
 
 from vibeam.figures.units import METRIC, DisplayUnits, units_for
+from vibeam.report.comparison_words import cells
 from vibeam.report.output import StudySheet
-from vibeam.report.run_answer import USUAL, groups_of, run_answer
+from vibeam.report.run_answer import beyond, groups_of, run_answer
 from vibeam.report.tables import ARROWS, ReportTable, blank, coefficient, plain
 from vibeam.runs.comparison.differences import HeldComparison, doubts, listed, settled
-from vibeam.runs.estimate.records import EstimateTexts, estimate_texts
+from vibeam.runs.comparison.of_run import ComparedFidelity
 from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare, remarks
+from vibeam.system.curves import NAN
 from vibeam.system.number_text import percent, signed, without_round_off
 
 FEW_IMPACTS = 100  # so few tell nothing of what an impact costs
@@ -22,35 +24,41 @@ NOTES = 5
 MARK = "*"  # of a peak at which the motion does not repeat
 
 
-def run_report(result: Result, accuracy: float | None = None) -> StudySheet:
-    """Report of a result; its errors are estimated and its comparisons made as far as it has them.
-
-    ``accuracy``: what suffices, None: 5 %.
-    """
-    rows, units, estimated = compare(result), units_for(result), estimate_texts(result.estimates)
+def run_report(result: Result) -> StudySheet:
+    """Report of a result; its comparisons are made as far as it has them."""
+    rows, units = compare(result), units_for(result)
     uncertain = [*remarks(result), *_faults(rows), *_at_ends(result, rows)]
     certain: list[str] = []
-    groups = groups_of(result, rows)
     for each in result.comparisons:
         uncertain += doubts(each)
         certain += settled(each)
-    if estimated.unknown:
-        uncertain.append(f"{listed(estimated.unknown)}: est. off is not known, -v says why")
+    compared = {each.fidelity: each for each in result.compare()}
+    finest = [each.finest.fidelity for each in groups_of(result, rows)]
     return StudySheet(
-        run_answer(result, accuracy or USUAL),
-        [fidelities(rows, result.comparisons, units, estimated, [each.finest.fidelity for each in groups])],
+        run_answer(result),
+        [fidelities(rows, compared, units, finest)],
         uncertain[:NOTES],
-        [*uncertain[NOTES:], *certain, *estimated.sentences],
-        [details(rows, units)],
-        _data(result, rows, estimated),
+        [*uncertain[NOTES:], *certain, *_not_compared(compared.values())],
+        [details(rows, units, result.comparisons)],
+        _data(result, rows),
     )
 
 
-def _data(result: Result, rows: Sequence[Summary], estimated: EstimateTexts) -> dict[str, Any]:
+def _data(result: Result, rows: Sequence[Summary]) -> dict[str, Any]:
     """Content of the JSON object."""
     always = {"fidelities": rows, "remarks": remarks(result), "found": result.found, "total": result.total}
-    known = {"curves": result.curves, "estimates": estimated.rows}
-    return always | {"comparisons": result.comparisons} | {name: value for name, value in known.items() if value}
+    known = {"curves": result.curves} if result.curves else {}
+    return always | known | {"compared": result.compare(), "comparisons": result.comparisons}
+
+
+def _not_compared(found: Iterable[ComparedFidelity]) -> Iterator[str]:
+    """Sentences on fidelities whose own error is not known, those with one reason together."""
+    reasons: dict[str, list[str]] = {}
+    for each in found:
+        if each.why:
+            reasons.setdefault(each.why, []).append(each.fidelity)
+    for why, names in reasons.items():
+        yield f"{listed(names)}: no fuller model ({why})"
 
 
 def _faults(rows: Sequence[Summary]) -> Iterator[str]:
@@ -72,35 +80,30 @@ def _at_ends(result: Result, rows: Sequence[Summary]) -> Iterator[str]:
 
 
 def fidelities(
-    summaries: Sequence[Summary], comparisons: Sequence[HeldComparison] = (), units: DisplayUnits = METRIC,
-    estimates: EstimateTexts | None = None, finest: Collection[str] = (),
+    summaries: Sequence[Summary], compared: Mapping[str, ComparedFidelity], units: DisplayUnits = METRIC,
+    finest: Collection[str] = (),
 ) -> ReportTable:  # fmt: skip
-    """Table of every fidelity: its peak, its distance from the finest and from the full model, its cost.
-
-    With ``comparisons``: at the peak with the other restitution held as well, and in the row of the finest its distance
-    from its own limit. With ``estimates``: the error against the full model. ``finest``: those called so.
-    """
-    compared = [each for each in comparisons if each.other is not None]
-    cells = estimates.cells if estimates else {}
+    """Table of every fidelity: its peak, its errors, its cost; ``finest``: those whose errors are of a fuller model."""
     hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
-    table = blank("Fidelities", "fidelity", "modes|", f"peak{length}|", f"at{hertz}|", "off at peak|")
-    table.add(*[f"{_other_symbol(compared)} held|"] * bool(compared), "rms off|")
-    table.add(*["est. off|"] * bool(cells), "CPU ratio|")
-    table.caption = "\n".join(_captions(summaries, bool(compared), estimates if cells else None))
+    table = blank("Fidelities", "fidelity", "modes|", f"peak{length}|", f"at{hertz}|", "amplitudes|", "ends|", "kinds|")
+    table.add("CPU ratio|")
+    table.caption = "\n".join(_captions(summaries, [compared[name] for name in finest if name in compared]))
     for row in summaries:
         at = plain(units.frequencies(row.peak.frequency)) + ARROWS.get(row.peak.direction, "")
         first = (str(row.modes), plain(units.lengths(row.peak.amplitude)) + MARK * _irregular(row), at)
-        estimated = [cells.get(row.fidelity, "–")] * bool(cells)
-        table.add_row(row.fidelity, *first, *_off(row, compared, finest), *estimated, f"{row.cost_ratio:.3g}")
+        own = compared.get(row.fidelity)
+        errors = cells(None if own is None else own.comparison)
+        if own is not None and not own.reference:
+            errors = ("exact", "", "") if own.whole else tuple(f"[{each}]" for each in errors)  # type: ignore[assignment]
+        table.add_row(row.fidelity, *first, *errors, f"{row.cost_ratio:.3g}")
     return table
 
 
-def _captions(rows: Sequence[Summary], compared: bool, estimates: EstimateTexts | None) -> Iterator[str]:
-    if any(row.distance is not None for row in rows):
-        limit = "; [ ]: the finest off its own limit" if compared else ""
-        yield f"off: from the finest, where both repeat{limit}"
-    if estimates:
-        yield estimates.caption
+def _captions(rows: Sequence[Summary], finest: Sequence[ComparedFidelity]) -> Iterator[str]:
+    yield "amplitudes, ends of branches: largest errors against the finest; kinds: width in which the motion is another"
+    known = [f"{each.fidelity} against {beyond(each).name}" for each in finest if each.comparison is not None]
+    if known:
+        yield f"[ ]: {listed(known)}"
     if any(map(_irregular, rows)):
         yield f"{MARK}: the motion at the peak does not repeat"
 
@@ -110,46 +113,37 @@ def _irregular(row: Summary) -> bool:
     return row.peak.point >= 0 and not row.peak.repeats
 
 
-def _other_symbol(compared: Sequence[HeldComparison]) -> str:
-    """Symbol of the coefficient that the other choice holds."""
-    symbols = {each.other.symbol for each in compared if each.other is not None}
-    return symbols.pop() if len(symbols) == 1 else "other"
-
-
-def _off(row: Summary, compared: Sequence[HeldComparison], finest: Collection[str]) -> tuple[str, ...]:
-    """Cells of a fidelity's distance from the finest, of the finest from its limit."""
-    own = ("finest" * (row.fidelity in finest), "")
-    if row.distance is not None:
-        off = (without_round_off(each, 1.0) for each in (row.distance.peak, row.distance.rms))
-        own = signed(next(off)), percent(next(off))
-    for each in compared:
-        if row.fidelity == each.finest and not each.limit.why:
-            here, there = each.limit.held, each.limit.other
-            return tuple(f"[{cell}]" for cell in (signed(here.peak), signed(there.peak), percent(here.rms)))
-        for other in each.rows:
-            if other.fidelity == row.fidelity:
-                return own[0], signed(other.other.peak), own[1]
-    return own[:1] + ("",) * bool(compared) + own[1:]
-
-
-def details(summaries: Sequence[Summary], units: DisplayUnits = METRIC) -> ReportTable:
-    """Table of every fidelity's restitution, period-1 range, largest distance from the finest, and impacts."""
+def details(
+    summaries: Sequence[Summary], units: DisplayUnits = METRIC, comparisons: Sequence[HeldComparison] = ()
+) -> ReportTable:  # fmt: skip
+    """Table of every fidelity's restitution, period-1 range, distance from the finest over all points, and impacts."""
     swept = [branch for branch in ("up", "down") if any(branch in row.period_one for row in summaries)]
     hertz = f" ({units.frequency})" if units.frequency else ""
+    other = {row.fidelity: row.other for each in comparisons if each.other is not None for row in each.rows}
     table = blank("Motions and impacts", "fidelity", "R|", "R₁|")
-    table.add(*(f"period 1 {ARROWS[branch].strip()}{hertz}|" for branch in swept))
-    table.add("max off|", "CPU|", "impacts|", "ns each|", "failed|")
+    table.add(*(f"period 1 {ARROWS[branch].strip()}{hertz}|" for branch in swept), "off at peak|")
+    table.add(*["other held|"] * bool(other), "rms off|", "CPU|", "impacts|", "ns each|", "failed|")
     table.caption = (
         "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
         "period 1: the contiguous range with impacts around the largest amplitude\n"
+        "off: from the finest, where both repeat; other held: the same with the other restitution held\n"
         f"ns each: CPU time an impact, where there are {FEW_IMPACTS} or more"
     )
     for row in summaries:
         coefficients = map(coefficient, (row.restitution, row.first_mode_restitution))
         ranges = (units.range(row.period_one.get(branch)) for branch in swept)
-        worst = "" if row.distance is None else percent(abs(without_round_off(row.distance.worst, 1.0)))
         per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts >= FEW_IMPACTS else "–"
-        cpu = f"{row.cpu_seconds:.3g} s"
         failed = Text(str(row.failed), style="bold red") if row.failed else Text("–")
-        table.add_row(row.fidelity, *coefficients, *ranges, worst, cpu, str(row.impacts), per_impact, failed)
+        table.add_row(
+            row.fidelity, *coefficients, *ranges, *_off(row, other), f"{row.cpu_seconds:.3g} s", str(row.impacts),
+            per_impact, failed,
+        )  # fmt: skip
     return table
+
+
+def _off(row: Summary, other: Mapping[str, float]) -> tuple[str, ...]:
+    """Cells of the distance from the finest: at the peak, there with the other restitution held, rms."""
+    if row.distance is None:
+        return ("",) * (2 + bool(other))
+    peak, rms = (without_round_off(each, 1.0) for each in (row.distance.peak, row.distance.rms))
+    return signed(peak), *[signed(other.get(row.fidelity, NAN))] * bool(other), percent(rms)

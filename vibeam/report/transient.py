@@ -11,7 +11,7 @@ import numpy as np
 from vibeam.figures.record import unit_of_signal
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
-from vibeam.report.transient_answer import DUST, ENSEMBLE, USUAL, answers, difference_text, time_text, transient_answer
+from vibeam.report.transient_answer import DUST, ENSEMBLE, answers, difference_text, time_text, transient_answer
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.summary import assumed
 from vibeam.runs.transient.comparison import TransientComparison
@@ -28,11 +28,11 @@ OPEN = 1e-3  # residual of an energy balance that is told
 SHARES = (0.1, 0.5, 0.9)  # quantiles of impact velocities
 
 
-def transient_report(result: TransientResult, accuracy: float | None = None) -> StudySheet:
-    """Report of a result under a record; ``accuracy``: what suffices, None: 5 %."""
+def transient_report(result: TransientResult) -> StudySheet:
+    """Report of a result under a record."""
     tables = [fidelities(result), peaks(result), energies(result)]
     return StudySheet(
-        transient_answer(result, accuracy or USUAL),
+        transient_answer(result, result.case.asked["verdict"].accuracy),
         tables[:1],
         list(remarks(result)),
         list(_details()),

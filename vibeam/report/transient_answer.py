@@ -19,7 +19,6 @@ from vibeam.runs.transient.result import TransientResult
 from vibeam.runs.transient.transient import Transient
 from vibeam.system.number_text import TIMES, begun, percent, prefixed, signed
 
-USUAL = 0.05  # accuracy where none is asked for
 NAMED = 4  # quantities named of what a fidelity misses
 ENSEMBLE = 4  # realisations from which on statistics are compared where single motions part
 BEFORE = "peak_before"  # peak before the horizon
@@ -94,7 +93,7 @@ def _before(of: TransientComparison, finest: Transient, plain: set[str]) -> Iter
             )
 
 
-def transient_answer(result: TransientResult, accuracy: float = USUAL) -> str:
+def transient_answer(result: TransientResult, accuracy: float) -> str:
     """Answer of a result; of one fidelity what its motion does."""
     if not any(each.complete.any() for each in result.values()):
         return "No motion was completed."

@@ -88,26 +88,20 @@ def model_key(case: Case, name: str) -> str:
     return code and sha256(f"{code} {case.own[name]}".encode() + case.sweep.frequency.tobytes()).hexdigest()
 
 
-def comparison_key(case: Case, finest: Mapping[str, str], branches: Mapping[str, Branches]) -> str:
+def comparison_key(case: Case, finest: Mapping[str, str], branches: Mapping[str, Branches], asked: str = "") -> str:
     """Key of a comparison of fidelities with their ``finest``: models, and every number of their ``branches``.
 
-    Empty where the code is not known.
+    ``asked``: what is asked of them. Empty where the code is not known.
     """
     if not digest_of_code():
         return ""
-    found = sha256(repr([(name, top, model_key(case, name)) for name, top in finest.items()]).encode())
+    found = sha256(repr([(name, top, model_key(case, name)) for name, top in finest.items()]).encode() + asked.encode())
     for name, several in branches.items():
         for direction, response in several.items():
             found.update(f"{name} {direction}".encode())
             for field in fields(response):
                 found.update(np.ascontiguousarray(getattr(response, field.name)).tobytes())
     return found.hexdigest()
-
-
-def estimates_key(case: Case, branches: Mapping[str, Branches]) -> str:
-    """Key of the error estimates of fidelities by their ``branches``, in the case's order."""
-    ordered = {name: branches[name] for name in case.fidelities if name in branches}
-    return comparison_key(case, dict.fromkeys(ordered, "full model"), ordered)
 
 
 def kept_or_made(store: Store | None, record: KeyedRecord[Made], key: str, make: Callable[[], Made]) -> Made:

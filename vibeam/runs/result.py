@@ -18,9 +18,11 @@ from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
     from vibeam.figures.sheet import Sheet
-    from vibeam.runs.estimate.records import FidelityEstimate
+    from vibeam.runs.comparison.errors import Asked
+    from vibeam.runs.comparison.of_run import ComparedFidelity
     from vibeam.system.curves import MotionCurves
     from vibeam.system.quantities import OutputUnits
+    from vibeam.system.state import StatesAfter
 
 
 Each = TypeVar("Each")
@@ -69,11 +71,11 @@ class FidelityResults(Mapping[str, Each], LabelledData):
 class Result(FidelityResults[Branches]):
     """Result of a run: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
-    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``comparisons``: under both choices of the
-    restitution held, one for each finest fidelity, where the run was asked for them; ``estimates``: then also the error
-    of each fidelity against the full model of its scene, estimated along its exact orbits. ``models``: properties of
-    the fidelities' models, where they are known already. Equal to another where the case is and all numbers are, CPU
-    times aside.
+    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``comparisons``: peaks under both choices of the
+    restitution held, one for each finest fidelity, where the run was asked for them; ``compared``: then also each
+    fidelity with the finest, and that with a fuller model (``compare``). ``models``: properties of the fidelities'
+    models, where they are known already; ``after``: states after the points. Equal to another where the case is and all
+    numbers are, CPU times aside.
 
     >>> import vibeam
     >>> case = vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 3})
@@ -93,13 +95,16 @@ class Result(FidelityResults[Branches]):
         shown: Mapping[str, tuple[Sheet, ...]] | None = None,
         comparisons: Sequence[HeldComparison] = (),
         models: Mapping[str, ModelProperties] | None = None,
+        compared: Sequence[ComparedFidelity] = (),
+        after: Mapping[str, Mapping[str, StatesAfter]] | None = None,
     ) -> None:
         self.case = case
         self.path = path
         self.found = found
         self.shown = dict(shown or {})
         self.comparisons = tuple(comparisons)
-        self.estimates: dict[str, FidelityEstimate] = {}
+        self.compared = tuple(compared)
+        self._after = dict(after or {})
         self._fidelities = dict(branches)
         self._models = dict(models or {})
 
@@ -117,6 +122,30 @@ class Result(FidelityResults[Branches]):
     def finest(self) -> dict[str, str]:
         """Reference fidelity of each fidelity: see ``finest_of``."""
         return {name: finest_of(self, name) for name in self}
+
+    @property
+    def asked(self) -> Asked:
+        """Errors that its case allows a model that suffices."""
+        from vibeam.runs.comparison.of_run import asked_of
+
+        return asked_of(self.case)
+
+    def compare(self) -> tuple[ComparedFidelity, ...]:
+        """Comparison of each fidelity with the finest of its rig, and of that with a fuller model of it.
+
+        By an amplitude error, a frequency error and differences in kind (``vibeam.runs.comparison.responses``).
+
+        >>> import vibeam
+        >>> result = vibeam.run(vibeam.load("cases/dtu_neutral.toml", {"sweep.frequency.points": 9}))
+        >>> [sdof, two, beam] = result.compare()
+        >>> two.reference, two.suffices(result.asked), sdof.suffices(result.asked)  # for 5 %, its jumps for 1 %
+        ('beam', True, False)
+        """
+        if not self.compared:
+            from vibeam.runs.comparison.of_run import compared_fidelities
+
+            self.compared = compared_fidelities(self, self._after)
+        return self.compared
 
     @property
     def held(self) -> str:

@@ -12,13 +12,13 @@ import numpy as np
 from vibeam.case.case import Case
 from vibeam.case.source import of_source
 from vibeam.runs.fidelity_sweep import Job, Progress, job_of, known_curves, sweep_branches
-from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
+from vibeam.runs.keys import comparison_key, kept_or_made, model_key
 from vibeam.runs.parallel import PointCount, run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import planned, restricted
 from vibeam.runs.store.figures import shown_of
 from vibeam.runs.store.file import Store
-from vibeam.runs.store.records import COMPARISONS, ESTIMATED
+from vibeam.runs.store.records import COMPARED, COMPARISONS
 from vibeam.runs.systems import ModelProperties, Overview, Systems, overview_of, properties_of
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.steady import warm_up
@@ -27,10 +27,9 @@ from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
     from vibeam.runs.comparison.differences import HeldComparison
-    from vibeam.runs.estimate.records import FidelityEstimate
+    from vibeam.runs.comparison.of_run import ComparedFidelity
     from vibeam.runs.transient.result import TransientResult
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam.system.state import StatesAfter
 
 
 @of_source
@@ -60,9 +59,9 @@ def run(
     there, at the start and after each further block of them, and their total, from any thread. ``show``: compute the
     data of the case's further figures.
     ``fidelities``: these alone; the others can be added to the same file later.
-    ``compare``: compare the fidelities with the finest under both choices of the restitution held, and that with its
-    own limit (``result.comparisons``), and estimate the error of each against the full model of its scene
-    (``result.estimates``); the file gets both too.
+    ``compare``: compare the fidelities with the finest of the same rig, and that with a fuller model
+    (``result.compare()``), and the peaks under both choices of the restitution held (``result.comparisons``); the file
+    gets both too.
     CaseError for a fidelity that cannot be built; ValueError for one that there is not; StoreError where ``out`` cannot
     be used, Interrupted on Ctrl-C.
 
@@ -93,11 +92,12 @@ def run(
             shown = shown_of(case, partial(kept_or_made, records)) if show else {}
             branches = {job.name: job.gathered(curves.get(job.name)) for job in jobs}
             _keep_models(case, models, records)
-            result = Result(case, branches, path, sum(job.found for job in jobs), shown, models=models)
+            after = {job.name: job.after for job in jobs}
+            result = Result(case, branches, path, sum(job.found for job in jobs), shown, models=models, after=after)
             if not compare:
                 return result
-            result.estimates = _estimated(result, systems, {job.name: job.after for job in jobs}, records)
-            return _compared(result, systems, records)
+            result.compared = _compared(result, records)
+            return _held(result, systems, records)
         except KeyboardInterrupt:
             raise count.stopped(path) from None
 
@@ -119,8 +119,14 @@ def _keep_models(case: Case, models: Mapping[str, ModelProperties], store: Store
         store.keep_models({name: (keys[name], properties) for name, properties in models.items()})
 
 
-def _compared(result: Result, systems: Mapping[str, ImpactSystem], store: Store | None) -> Result:
-    """The result with its comparisons, which the file keeps."""
+def _compared(result: Result, store: Store | None) -> tuple[ComparedFidelity, ...]:
+    """Comparisons of all fidelities, which the file keeps."""
+    key = comparison_key(result.case, result.finest, result, repr(result.asked)) if store else ""
+    return kept_or_made(store, COMPARED, key, result.compare)
+
+
+def _held(result: Result, systems: Mapping[str, ImpactSystem], store: Store | None) -> Result:
+    """The result with its peaks under both choices of the restitution held, which the file keeps."""
     finest = result.finest
     if all(name == top for name, top in finest.items()):
         return result
@@ -133,20 +139,6 @@ def _compared(result: Result, systems: Mapping[str, ImpactSystem], store: Store 
     key = comparison_key(result.case, finest, result) if store else ""
     result.comparisons = kept_or_made(store, COMPARISONS, key, made)
     return result
-
-
-def _estimated(
-    result: Result, systems: Mapping[str, ImpactSystem], after: Mapping[str, Mapping[str, StatesAfter]],
-    store: Store | None,
-) -> dict[str, FidelityEstimate]:  # fmt: skip
-    """Errors of all fidelities against the full models of their scenes, estimated, which the file keeps."""
-
-    def made() -> dict[str, FidelityEstimate]:
-        from vibeam.runs.estimate.of_case import estimates
-
-        return estimates(result.case, systems, result, after)
-
-    return kept_or_made(store, ESTIMATED, estimates_key(result.case, result) if store else "", made)
 
 
 def _warm_up(case: Case, job: Job) -> None:

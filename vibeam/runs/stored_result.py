@@ -14,18 +14,19 @@ from vibeam.runs.store.branches import branch_names, points_of, read_rows, respo
 from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.store.file import opened_to_read
 from vibeam.runs.store.records import (
+    COMPARED,
     COMPARISON,
     CURVES,
-    ESTIMATES,
     kept,
+    read_compared,
     read_comparisons,
     read_curves,
-    read_estimates,
     read_models,
 )
 from vibeam.store.blocks import Values
 from vibeam.store.errors import reading
 from vibeam.system.response import Branches
+from vibeam.system.state import StatesAfter
 
 if TYPE_CHECKING:
     import h5py
@@ -78,10 +79,19 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
         {name: sheets for name, sheets in shown.items() if sheets is not None},
         read_comparisons(stored[COMPARISON]) if COMPARISON in stored else (),
         models,
+        read_compared(stored[COMPARED.place]) if COMPARED.place in stored else (),
+        {name: _states(name, rows) for name in ordered},
     )
-    result.estimates = read_estimates(stored[ESTIMATES]) if ESTIMATES in stored else {}
     provenance = {name: str(value) for name, value in stored["provenance"].attrs.items()}
     return StoredResult(result, provenance, result.total - result.found, case_text(stored, "text"))
+
+
+def _states(name: str, rows: Mapping[tuple[str, str], Values]) -> dict[str, StatesAfter]:
+    """States after the points of the branches of a fidelity."""
+    return {
+        way: StatesAfter(values["state_displacement"], values["state_velocity"])
+        for (one, way), values in rows.items() if one == name
+    }  # fmt: skip
 
 
 def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Values]) -> Branches:

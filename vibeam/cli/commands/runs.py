@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -65,7 +66,7 @@ def run(
         raise UsageError(f"--accuracy {accuracy}: must lie between 0 and 100 %: write '5 %' or 0.05")
 
     def prepared(path: Path) -> Case:
-        case = of_fidelities(load(path, set_), fidelity)
+        case = asking(of_fidelities(load(path, set_), fidelity), within)
         require_readable(case)
         if len(cases) > 1:
             from vibeam.runs.systems import require_runnable
@@ -75,23 +76,31 @@ def run(
 
     if len(cases) > 1:
         place = _shared_folder(cases, out)
-        answers("runs", cases, prepared, lambda case: _swept(case, place / f"{case.path.stem}.h5", fresh, within))
+        answers("runs", cases, prepared, lambda case: _swept(case, place / f"{case.path.stem}.h5", fresh))
         return
     case = prepared(cases[0])
     path = results_path(case, out)
     if asked is None:
-        print_sheet(*_swept(case, path, fresh, within))
+        print_sheet(*_swept(case, path, fresh))
         return
     if case.record is None:
         raise UsageError("--price, --part, --gather: of a case with [record]; points of a [sweep] follow each other")
     with in_parts("run", path, asked) as shared:
         run_case(case, path if asked == "gather" else None, show=False)
-    sheet, files = _swept(case, path, fresh, within)
+    sheet, files = _swept(case, path, fresh)
     shared.discard()
     print_sheet(sheet, files)
 
 
-def _swept(case: Case, path: Path, fresh: bool, within: float | None) -> tuple[StudySheet, list[Path]]:
+def asking(case: Case, accuracy: float | None) -> Case:
+    """The case asking for another accuracy; None: as it does."""
+    if accuracy is None:
+        return case
+    plan = replace(case.asked["verdict"], accuracy=accuracy)
+    return replace(case, asked={**case.asked, "verdict": plan})
+
+
+def _swept(case: Case, path: Path, fresh: bool) -> tuple[StudySheet, list[Path]]:
     """Report of the run of a case, and the files written."""
     result = run_case(case, path, fresh=fresh, compare=True)
     from vibeam.report.figures import write_figures
@@ -100,7 +109,7 @@ def _swept(case: Case, path: Path, fresh: bool, within: float | None) -> tuple[S
         from vibeam.report.transient import transient_report as report
     else:
         from vibeam.report.run_report import run_report as report  # type: ignore[assignment]
-    return report(result, within), [path, *write_figures(result, path)]
+    return report(result), [path, *write_figures(result, path)]
 
 
 def _shared_folder(paths: Sequence[Path], out: str | None) -> Path:

@@ -19,7 +19,7 @@ from vibeam.runs.store.branches import (
     read_rows,
     write_rows,
 )
-from vibeam.runs.store.records import COMPARISON, CURVES, ESTIMATES, MODELS
+from vibeam.runs.store.records import COMPARED, COMPARISON, CURVES, MODELS
 from vibeam.store.hdf5 import fixed, in_memory, text_of
 from vibeam.store.provenance import write_provenance
 from vibeam.system.quantities import METRES, OutputUnits
@@ -86,7 +86,7 @@ def adapted(file: h5py.File, wanted: Requirements) -> str | None:
     others = [name for name in _groups_with_points(file) if name not in named]
     for reuse in reuses:
         _lay_out_anew(file, reuse, wanted.units)
-    for record in (MODELS, COMPARISON, ESTIMATES):  # of the case before
+    for record in (MODELS, COMPARISON, COMPARED.place):  # of the case before
         file.pop(record, None)
     write_case(file, wanted)
     return _reported(reuses, others)

@@ -1,8 +1,7 @@
-"""Records beside the branches, each replaced as a whole: curves, comparisons, estimates; properties of the models.
+"""Records beside the branches, each replaced as a whole: curves, comparisons; properties of the models.
 
-The attributes of ``/comparison/FIDELITY`` and the datasets of ``/estimates/FIDELITY/up`` and ``down`` are for other
-programs too; a dataset beside the first has all of a comparison as JSON. With ``/models/FIDELITY`` a finished run
-builds no system.
+The attributes of ``/comparison/FIDELITY`` and ``/compared/FIDELITY`` are for other programs too; a dataset beside them
+has all of the comparisons as JSON. With ``/models/FIDELITY`` a finished run builds no system.
 """
 
 from __future__ import annotations
@@ -15,19 +14,22 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from vibeam.case.held import Held
-from vibeam.runs.comparison.differences import BothChoices, HeldComparison, OwnLimit
-from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate, FidelityEstimate
+from vibeam.runs.comparison.differences import BothChoices, HeldComparison
+from vibeam.runs.comparison.ends import BranchEnd
+from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
+from vibeam.runs.comparison.kinds import MotionKind
+from vibeam.runs.comparison.of_run import ComparedFidelity
 from vibeam.runs.store.branches import write_quantity
 from vibeam.runs.systems import ModelProperties
-from vibeam.store.hdf5 import describe_codes, described, fixed, scale, text_of
-from vibeam.system.curves import BRANCHES, Difference, MotionCurves
+from vibeam.store.hdf5 import fixed, scale, text_of
+from vibeam.system.curves import BRANCHES, MotionCurves
 from vibeam.system.quantities import LAYOUT, DatasetQuantity, OutputUnits, unit_of
 
 if TYPE_CHECKING:
     import h5py
 
 Kept = TypeVar("Kept")
-MODELS, COMPARISON, ESTIMATES = "models", "comparison", "estimates"  # groups of the file, in each one for each fidelity
+MODELS, COMPARISON = "models", "comparison"  # groups of the file, in each one for each fidelity
 CURVES = "curves"  # group of all motions known to a solver, beside those of the directions
 
 
@@ -94,14 +96,11 @@ def comparison_attributes(found: Sequence[HeldComparison]) -> Attributes:
     groups: dict[str, dict[str, str | float]] = {}
     for each in found:
         other = "" if each.other is None else each.other.label
-        groups[each.finest] = _known(
-            held=each.held.label, other_choice=other, limit_peak=each.limit.held.peak, limit_rms=each.limit.held.rms,
-            limit_peak_other_choice=each.limit.other.peak, limit_unknown=each.limit.why,
-        )  # fmt: skip
+        groups[each.finest] = _known(held=each.held.label, other_choice=other)
         for row in each.rows:
             groups[row.fidelity] = _known(
-                held=each.held.label, other_choice=other, finest=each.finest, peak=row.held.peak,
-                peak_other_choice=row.other.peak, verdict_turns="yes" if row.turns else "no", unknown=row.why,
+                held=each.held.label, other_choice=other, finest=each.finest, peak=row.held,
+                peak_other_choice=row.other, verdict_turns="yes" if row.turns else "no", unknown=row.why,
             )  # fmt: skip
     return groups
 
@@ -123,62 +122,60 @@ def read_comparisons(home: h5py.Group) -> tuple[HeldComparison, ...]:
 
 def _comparison(values: dict[str, Any]) -> HeldComparison:
     other = None if values["other"] is None else Held(**values["other"])
-    each = (_with_differences(row) | {"uncertainty": tuple(row["uncertainty"])} for row in values["rows"])
-    rows, limit = tuple(BothChoices(**row) for row in each), OwnLimit(**_with_differences(values["limit"]))
-    return HeldComparison(**values | {"held": Held(**values["held"]), "other": other, "rows": rows, "limit": limit})
-
-
-def _with_differences(values: dict[str, Any]) -> dict[str, Any]:
-    return values | {name: Difference(**values[name]) for name in ("held", "other")}
+    rows = tuple(BothChoices(**row) for row in values["rows"])
+    return HeldComparison(**values | {"held": Held(**values["held"]), "other": other, "rows": rows})
 
 
 COMPARISONS = KeyedRecord[tuple[HeldComparison, ...]](COMPARISON, _write_comparisons, read_comparisons)
 
-ESTIMATE_ROWS = {
-    **{name: f"{name.replace('_', ' ')} over that of the full model, less 1, estimated" for name in QUANTITIES},
-    **{
-        f"{name}_bound": f"estimated size of the error in {name.replace('_', ' ')} against the full model"
-        for name in QUANTITIES
-    },
-    "correction": "first Newton correction of the impacts, rad and share of the impulse",
-    "basis": "what the estimate is of, or why there is none",
-}
-HEAD = ("modes", "whole", "cpu_seconds", "swept", "short")
+
+def _write_compared(home: h5py.Group, found: tuple[ComparedFidelity, ...]) -> None:
+    for each in found:
+        home.create_group(each.fidelity).attrs.update(_numbers(each))
+    home.create_dataset(WHOLE, data=fixed(json.dumps([asdict(each) for each in found])))
 
 
-def _write_estimates(home: h5py.Group, found: Mapping[str, FidelityEstimate]) -> None:
-    for name, each in found.items():
-        group = home.create_group(name)
-        group.attrs.update({field: getattr(each, field) for field in HEAD})
-        group.attrs["why"] = fixed(each.why)
-        for direction, branch in each.branches.items():
-            _write_estimate(group.create_group(direction), branch)
-    home.attrs["order"] = fixed(" ".join(found))
+def _numbers(each: ComparedFidelity) -> dict[str, str | float]:
+    """Numbers of a comparison for other programs."""
+    own = each.comparison or ResponseComparison()
+    errors = {"amplitude_error": own.amplitude_error, "frequency_error": own.frequency_error, "kinds": own.kind_width}
+    known = errors if each.comparison else {}
+    return _known(reference=each.reference, modes=each.modes, elements=each.elements, unknown=each.why, **known)
 
 
-def _write_estimate(group: h5py.Group, branch: ErrorEstimate) -> None:
-    frequency = scale(group, "frequency", branch.frequency, "drive frequency, Ω/2π", "Hz")
-    for name, meaning in ESTIMATE_ROWS.items():
-        described(group, name, getattr(branch, name), meaning, "1", frequency)
-    describe_codes(group["basis"], Basis)
+def read_compared(home: h5py.Group) -> tuple[ComparedFidelity, ...]:
+    """Read the stored comparisons with the finest fidelities and fuller models."""
+    return tuple(map(_compared, json.loads(home[WHOLE][()].decode())))
 
 
-def read_estimates(home: h5py.Group) -> dict[str, FidelityEstimate]:
-    """Read the stored error estimates."""
-    return {name: _estimate(home[name]) for name in text_of(home, "order").split()}
+def _compared(values: dict[str, Any]) -> ComparedFidelity:
+    own = values["comparison"]
+    return ComparedFidelity(**values | {"comparison": None if own is None else _response_comparison(own)})
 
 
-def _estimate(group: h5py.Group) -> FidelityEstimate:
-    head = {field: group.attrs[field].item() for field in HEAD if field in group.attrs}
-    branches = {
-        way: ErrorEstimate(group[way]["frequency"][()], **{name: group[way][name][()] for name in ESTIMATE_ROWS})
-        for way in ("up", "down")
-        if way in group
-    }
-    return FidelityEstimate(**head, branches=branches, why=text_of(group, "why"))
+def _response_comparison(values: dict[str, Any]) -> ResponseComparison:
+    amplitude, scattered = (_amplitude(values[name]) for name in ("amplitude", "scattered"))
+    kinds = (each | {way: MotionKind(*each[way]) for way in ("ours", "reference")} for each in values["kinds"])
+    ends = (each | {way: _end(each[way]) for way in ("ours", "reference")} for each in values["ends"])
+    return ResponseComparison(
+        amplitude,
+        scattered,
+        tuple(EndError(**each) for each in ends),
+        tuple(KindDifference(**each) for each in kinds),
+        values["places"],
+        tuple((way, low, high) for way, low, high in values["unknown"]),
+    )
 
 
-ESTIMATED = KeyedRecord[dict[str, FidelityEstimate]](ESTIMATES, _write_estimates, read_estimates)
+def _amplitude(values: dict[str, Any] | None) -> AmplitudeError | None:
+    return None if values is None else AmplitudeError(**values)
+
+
+def _end(values: dict[str, Any]) -> BranchEnd:
+    return BranchEnd(**values | {way: MotionKind(*values[way]) for way in ("before", "after")})
+
+
+COMPARED = KeyedRecord[tuple[ComparedFidelity, ...]]("compared", _write_compared, read_compared)
 
 Keyed = Mapping[str, tuple[str, ModelProperties]]  # by fidelity: the key of all that decides them, and the properties
 

@@ -1,0 +1,123 @@
+"""Fuller model of a fidelity, by which its own error is estimated: more modes, on a finer mesh where there is one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from vibeam.case.case import Case
+from vibeam.case.fidelity import Fidelity, gap_wear, system
+from vibeam.runs.comparison.flights import flights_of
+from vibeam.runs.comparison.places import Place, flown
+from vibeam.runs.comparison.responses import Response
+from vibeam.system.curves import evenly
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.beam import structure_of
+from vibeam_models.scene import RigScene, Scene, line_of
+
+LEAST, MOST = 16, 160  # modes of a fuller model
+RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
+MANY = 41  # coordinates, the contact's residual flexibility among them, that stand for all modes of a solid
+PLACES = 41  # frequencies of its sweep
+WORK = 1.5e7  # evaluations of the contact × modes that its sweep may cost: two or three seconds
+GROWTH = 0.7  # exponent by which evaluations grow with the number of modes, about
+
+GIVEN = "the case gives only these modes"
+WEARS = "each impact widens the gap, so that no motion repeats"
+DEAR = "the sweep of {} modes takes longer than a few seconds: vibeam verdict takes that"
+
+
+@dataclass(frozen=True)
+class FullerModel:
+    """Model of more ``modes`` of a rig, on so many ``elements``; 0: its mesh is as given."""
+
+    system: ImpactSystem
+    elements: int = 0
+
+    @property
+    def modes(self) -> int:
+        """Number of modes."""
+        return self.system.size
+
+
+def is_whole(case: Case, name: str, size: int) -> bool:
+    """Test whether a fidelity is all that the case gives of its rig: its one mode, or all modes of its matrices."""
+    scene: Any = case.scene_of(name)
+    if scene.given_mode is not None:
+        return True
+    if not isinstance(scene, RigScene) or not scene.all_modes or scene.in_three_dimensions:
+        return False
+    return line_of(scene) is None and size >= structure_of(scene).size
+
+
+def fuller_models(case: Case, name: str, size: int) -> Iterator[FullerModel]:
+    """Fuller models of a fidelity of ``size`` modes, the largest first; ValueError where the case has none."""
+    scene = case.scene_of(name)
+    if gap_wear(scene) is not None:
+        raise ValueError(WEARS)
+    if not isinstance(scene, RigScene) or not scene.all_modes:
+        raise ValueError(GIVEN)
+    line = line_of(scene)
+    if scene.in_three_dimensions:
+        if size >= MANY:
+            raise ValueError("more modes of a solid are not computed here")
+        yield FullerModel(system(scene, Fidelity("fuller", "residual_flexibility", modes=MANY)))
+    elif line is None:
+        most = structure_of(scene).size
+        for modes in dict.fromkeys(min(most, max(LEAST, by * size)) for by in (4, 2)):
+            yield FullerModel(system(scene, Fidelity("fuller", "modal", modes=modes)))
+    else:
+        for modes in dict.fromkeys(min(MOST, max(LEAST, by * size)) for by in (4, 2, 1)):
+            fine = resolving(line, modes)
+            made = system(fine, Fidelity("fuller", "modal", modes=min(modes, structure_of(fine).size)))
+            yield FullerModel(made, fine.beam.elements)
+
+
+def resolving(scene: Scene, modes: int) -> Scene:
+    """The scene on an even number of elements that resolve so many modes."""
+    elements = max(scene.beam.elements, RESOLVED * modes)
+    return replace(scene, beam=replace(scene.beam, elements=elements + elements % 2))
+
+
+def fuller_response(
+    case: Case, name: str, own: Response, size: int, work: float = WORK
+) -> tuple[FullerModel, Response]:
+    """Response of the largest fuller model of a fidelity whose sweep fits into the ``work``; ValueError without one.
+
+    ``own``: the response of the fidelity, of ``size`` modes, by which the work is foreseen.
+    """
+    modes = 0
+    for model in fuller_models(case, name, size):
+        modes = model.modes
+        foreseen = own.cost * (modes / size) ** GROWTH * modes * PLACES * len(own.places)
+        found = response_of(case, name, model.system, PLACES, work / modes) if foreseen <= work else None
+        if found is not None:
+            return model, found
+    raise ValueError(DEAR.format(modes))
+
+
+def response_of(case: Case, name: str, made: ImpactSystem, most: int, evaluations: float = np.inf) -> Response | None:
+    """Response of a system in place of that of a fidelity, at ``most`` of the sweep's frequencies.
+
+    None where it takes more than so many evaluations of the contact.
+    """
+    flights = flights_of(case, name, made)
+    if flights is None:
+        raise ValueError(WEARS)
+    grid = np.sort(case.sweep.frequency)
+    up = grid[evenly(0, len(grid) - 1, most)].tolist()
+    ways = {"up": {"up": up}, "down": {"down": up[::-1]}, "both": {"up": up, "down": up[::-1]}}[case.sweep.direction]
+    found, last = dict[str, list[Place]](), None
+    for way, frequencies in ways.items():
+        places: list[Place] = []
+        for frequency in frequencies:
+            last = flown(flights, frequency, last)
+            places.append(last)
+            evaluations -= last.cost
+            if evaluations < 0:
+                return None
+        found[way] = places
+    return Response(found, flights)

@@ -1,0 +1,137 @@
+"""Errors of a response against another one: of amplitudes, of ends of branches, differences in kind; what suffices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vibeam.runs.comparison.ends import BranchEnd
+from vibeam.runs.comparison.kinds import MotionKind
+from vibeam.runs.comparison.places import width
+
+FIFTH = 0.2  # frequency error allowed, as a share of the amplitude error, where it is not said
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is asked of a model: largest ``amplitude`` and ``frequency`` error, shares."""
+
+    amplitude: float = 0.05
+    frequency: float = 0.01
+
+    @classmethod
+    def of(cls, accuracy: float, frequency_accuracy: float | None = None) -> Asked:
+        """By an accuracy, and a fifth of it for frequencies where that is not said."""
+        return cls(accuracy, FIFTH * accuracy if frequency_accuracy is None else frequency_accuracy)
+
+
+@dataclass(frozen=True)
+class AmplitudeError:
+    """Relative error of the amplitude at ``frequency`` in Hz, signed; ``ours`` and the ``reference``'s amplitude.
+
+    ``scatter``: standard error of the error, of motions that do not repeat; else 0.
+    """
+
+    error: float
+    frequency: float
+    direction: str
+    ours: float
+    reference: float
+    scatter: float = 0.0
+
+    @property
+    def least(self) -> float:
+        """Size of the error less twice its scatter."""
+        return max(abs(self.error) - 2 * self.scatter, 0.0)
+
+    @property
+    def most(self) -> float:
+        """Size of the error and twice its scatter."""
+        return abs(self.error) + 2 * self.scatter
+
+
+@dataclass(frozen=True)
+class EndError:
+    """Relative error of an end of a branch, signed, known to ± ``open``: ``ours`` beside the ``reference``'s."""
+
+    error: float
+    open: float
+    ours: BranchEnd
+    reference: BranchEnd
+
+    @property
+    def late(self) -> bool:
+        """True where the sweep comes to our end after the reference's."""
+        return (self.error > 0) == (self.ours.direction == "up")
+
+
+@dataclass(frozen=True)
+class KindDifference:
+    """Difference in kind between ``low`` and ``high`` in Hz, whose ends are known to ± ``open``, a share."""
+
+    low: float
+    high: float
+    open: float
+    direction: str
+    ours: MotionKind
+    reference: MotionKind
+
+    @property
+    def width(self) -> float:
+        """Relative width in frequency."""
+        return width(self.low, self.high)
+
+
+@dataclass(frozen=True)
+class ResponseComparison:
+    """Comparison of a response with a ``reference``: see the module.
+
+    ``amplitude``: where it is surely most off, None without a place at which both make the same motion with contact;
+    ``scattered``: where it may be most off; ``ends`` that both have, the worst first; ``kinds``: differences in kind,
+    the widest first; ``places``: at how many the amplitudes were compared. ``unknown``: ranges in Hz, of which the
+    motion of one of the two is not known.
+    """
+
+    amplitude: AmplitudeError | None = None
+    scattered: AmplitudeError | None = None
+    ends: tuple[EndError, ...] = ()
+    kinds: tuple[KindDifference, ...] = ()
+    places: int = 0
+    unknown: tuple[tuple[str, float, float], ...] = ()
+
+    @property
+    def amplitude_error(self) -> float:
+        """Size of the amplitude error; NaN without a place to compare."""
+        return float("nan") if self.amplitude is None else abs(self.amplitude.error)
+
+    @property
+    def frequency_error(self) -> float:
+        """Size of the frequency error; 0 where neither has an end, NaN where they have none in common but differ."""
+        return abs(self.ends[0].error) if self.ends else 0.0
+
+    @property
+    def kind_width(self) -> float:
+        """Relative width of the widest difference in kind; 0 without any."""
+        return self.kinds[0].width if self.kinds else 0.0
+
+    def suffices(self, asked: Asked) -> bool | None:
+        """Test whether the response is within what is asked of the reference; None where that is not known."""
+        found = [self._amplitude_within(asked.amplitude)]
+        found += [_within(abs(each.error), each.open, asked.frequency) for each in self.ends]
+        found += [_within(each.width, each.open, asked.frequency) for each in self.kinds]
+        found += [None for _, low, high in self.unknown if width(low, high) > asked.frequency]
+        return False if False in found else None if None in found else True
+
+    def _amplitude_within(self, allowed: float) -> bool | None:
+        if self.amplitude is None or self.scattered is None:
+            return True
+        return False if self.amplitude.least > allowed else True if self.scattered.most <= allowed else None
+
+    def worst(self, asked: Asked) -> float:
+        """Largest of the errors in units of what is asked."""
+        amplitude = 0.0 if self.amplitude is None else self.amplitude.least / asked.amplitude
+        return max(amplitude, self.frequency_error / asked.frequency, self.kind_width / asked.frequency)
+
+
+def _within(size: float, open_: float, allowed: float) -> bool | None:
+    """Test whether a number known to ± ``open_`` is at most so large; None where that is open."""
+    return True if size + open_ <= allowed else False if size - open_ > allowed else None

@@ -1,0 +1,87 @@
+"""Comparisons of a run: every fidelity with the finest of its rig, and that with a fuller model of it.
+
+Only fidelities of the same physics are compared; a finest one that is all that the case gives has no fuller model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from time import thread_time
+from typing import TYPE_CHECKING
+
+from vibeam.case.case import Case
+from vibeam.runs.comparison.beyond import fuller_response, is_whole
+from vibeam.runs.comparison.errors import Asked, ResponseComparison
+from vibeam.runs.comparison.flights import flights_of
+from vibeam.runs.comparison.responses import Response, compared
+from vibeam.system.response import modes_of
+
+if TYPE_CHECKING:
+    from vibeam.runs.result import Result
+    from vibeam.system.state import StatesAfter
+
+
+@dataclass(frozen=True)
+class ComparedFidelity:
+    """Comparison of a fidelity with its ``reference``; of a finest one, whose reference is empty, with a fuller model.
+
+    ``modes`` of the reference, on so many ``elements`` where these are others than the case's. ``whole``: it is all
+    that the case gives, and so exact; ``why``: there is no comparison.
+    """
+
+    fidelity: str
+    reference: str
+    comparison: ResponseComparison | None
+    modes: int = 0
+    elements: int = 0
+    whole: bool = False
+    why: str = ""
+    cpu_seconds: float = 0.0
+
+    def suffices(self, asked: Asked) -> bool | None:
+        """Test whether it is within what is asked of its reference; None where that is not known."""
+        if self.whole:
+            return True
+        return None if self.comparison is None else self.comparison.suffices(asked)
+
+
+def asked_of(case: Case) -> Asked:
+    """What a case asks of its models."""
+    plan = case.asked["verdict"]
+    return Asked.of(plan.accuracy, plan.frequency_accuracy)
+
+
+def compared_fidelities(
+    result: Result, after: Mapping[str, Mapping[str, StatesAfter]], asked: Asked | None = None
+) -> tuple[ComparedFidelity, ...]:
+    """Comparisons of all fidelities of a result, with the states ``after`` the points of their branches."""
+    case, finest, found = result.case, result.finest, list[ComparedFidelity]()
+    allowed = asked or asked_of(case)
+    responses = {
+        name: Response.of(branches, after.get(name), flights_of(case, name) if name in after else None)
+        for name, branches in result.items()
+    }
+    for name, top in finest.items():
+        begun, modes = thread_time(), modes_of(result[top])
+        if name != top:
+            made = compared(responses[name], responses[top], allowed.frequency)
+            found.append(ComparedFidelity(name, top, made, modes, cpu_seconds=thread_time() - begun))
+        elif case.fidelities[name].solver == "flight" and is_whole(case, name, modes):
+            found.append(ComparedFidelity(name, "", None, modes, whole=True))
+        else:
+            found.append(_beyond(case, name, responses[name], modes, allowed))
+    return tuple(found)
+
+
+def _beyond(
+    case: Case, name: str, own: Response, size: int, asked: Asked
+) -> ComparedFidelity:  # fmt: skip
+    """Comparison of a finest fidelity with a fuller model, or the reason why there is none."""
+    begun = thread_time()
+    try:
+        model, reference = fuller_response(case, name, own, size)
+    except ValueError as refusal:
+        return ComparedFidelity(name, "", None, why=str(refusal), cpu_seconds=thread_time() - begun)
+    made = compared(own, reference, asked.frequency)
+    return ComparedFidelity(name, "", made, model.modes, model.elements, cpu_seconds=thread_time() - begun)

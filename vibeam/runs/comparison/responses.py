@@ -1,0 +1,283 @@
+"""Comparison of two responses: what a model gets wrong of another one's, by two numbers and the differences in kind.
+
+The *amplitude error* is the largest relative difference of the amplitudes over all places, in both directions of the
+sweep, at which both make a motion of the same kind; where the reference has less than a tenth of its largest amplitude,
+relative to that tenth; of motions that do not repeat, of means over neighbouring places. The *frequency error* is the
+largest relative distance of ends of branches that both have. Where the kinds differ, and no end that both have
+accounts for it, there is a *difference in kind*. A model suffices where both numbers are within what is asked, and no
+difference in kind is wider than the frequency error allowed. Motions without contact count by their ends alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from vibeam.runs.comparison.ends import BranchEnd, ends_of, matched
+from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
+from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN
+from vibeam.runs.comparison.places import (
+    TOLERANCE,
+    Flights,
+    Place,
+    Stretch,
+    bracketed,
+    flown,
+    is_open,
+    places_of,
+    stretches,
+)  # fmt: skip
+from vibeam.system.response import Branches
+from vibeam.system.state import StatesAfter
+from vibeam_models.arrays import Array
+
+LEAST = 0.1  # share of the largest amplitude, below which an error is relative to that
+GROUP = 8  # neighbouring places over which the amplitude of a motion that does not repeat is averaged, at most
+READINGS, SCATTER = 8, 0.01  # of such a motion, where single ones leave its mean more uncertain than that
+PART = 0.1  # of the frequency error allowed, to which ends are bracketed
+FAR = 3.0  # times the frequency error allowed, beyond which an end is off, wherever it is
+ROUNDS = 8  # of bracketing
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Response of a model as places (in the order swept) by direction, with its ``flights`` where there are any.
+
+    Comparisons put places between those that there are.
+    """
+
+    places: dict[str, list[Place]]
+    flights: Flights | None = None
+
+    @classmethod
+    def of(
+        cls, branches: Branches, after: Mapping[str, StatesAfter] | None = None, flights: Flights | None = None
+    ) -> Response:  # fmt: skip
+        """Response of branches, which ``flights`` go on with from the states ``after`` their points."""
+        known = after or {}
+        return cls({way: places_of(each, known.get(way)) for way, each in branches.items()}, flights)
+
+    @property
+    def largest(self) -> float:
+        """Largest amplitude of motions with contact."""
+        sizes = [abs(each.amplitude) for several in self.places.values() for each in several if each.kind.strikes]
+        return max(sizes, default=0.0)
+
+    @property
+    def cost(self) -> float:
+        """Mean number of evaluations of the contact that a place took."""
+        return float(np.mean([each.cost for several in self.places.values() for each in several] or [0]))
+
+    def sharpen(self, way: str, frequency: float, tolerance: float) -> bool:
+        """Bracket the end of a branch near a frequency; test whether there was one to bracket."""
+        places = self.places[way]
+        ends = (sorted((one.frequency, other.frequency)) for one, other in pairwise(places))
+        found = [i for i, (low, high) in enumerate(ends) if low <= frequency <= high]
+        open_ = [i for i in found if is_open(places[i], places[i + 1], tolerance)]
+        if self.flights is None or not open_:
+            return False
+        self.places[way] = bracketed(places, open_[0], self.flights, tolerance)
+        return True
+
+
+def compared(ours: Response, reference: Response, narrowest: float = 0.01) -> ResponseComparison:
+    """Compare a response with a reference; branches narrower than ``narrowest``, a share, are not told apart.
+
+    Ends of branches that count are bracketed to a tenth of that, or to ``TOLERANCE`` where that is less.
+    """
+    ways, tolerance = [way for way in ours.places if way in reference.places], min(TOLERANCE, PART * narrowest)
+    found = [_Direction(way, ours, reference, narrowest) for way in ways]
+    for _ in range(ROUNDS):
+        edges = {(one.way, edge) for one in found for edge in one.edges(tolerance)}
+        made = [each.sharpen(*edge, tolerance) for edge in sorted(edges) for each in (ours, reference)]
+        if True not in made:
+            break
+        found = [_Direction(way, ours, reference, narrowest) for way in ways]
+    return _comparison(found, LEAST * reference.largest)
+
+
+def _comparison(found: Sequence[_Direction], least: float) -> ResponseComparison:
+    amplitudes = [each for one in found for each in one.amplitudes(least)]
+    ends = [each for one in found for each in one.end_errors]
+    kinds = [each for one in found for each in one.kind_differences()]
+    return ResponseComparison(
+        max(amplitudes, key=lambda each: (each.least, abs(each.error)), default=None),
+        max(amplitudes, key=lambda each: each.most, default=None),
+        tuple(sorted(ends, key=lambda each: -abs(each.error))),
+        tuple(sorted(kinds, key=lambda each: -each.width)),
+        len(amplitudes),
+        tuple(each for one in found for each in one.unknown()),
+    )
+
+
+class _Pair(NamedTuple):
+    """Range between neighbouring ends of either response, low to high in Hz, and the branches there."""
+
+    low: float
+    high: float
+    ours: Stretch
+    reference: Stretch
+
+
+class _Direction:
+    """Both responses in one direction of the sweep."""
+
+    def __init__(self, way: str, ours: Response, reference: Response, narrowest: float) -> None:
+        self.way, self.both, self.narrowest = way, (ours, reference), narrowest
+        self.ours, self.theirs = (stretches(each.places[way]) for each in self.both)
+        wide = (stretches(each.places[way], narrowest) for each in self.both)
+        self.matched = matched(*(ends_of(each, way) for each in wide))
+        every = [each for several in (self.ours, self.theirs) for each in several]
+        self.opens = {each.start: each.open_start for each in every} | {each.end: each.open_end for each in every}
+        self.end_errors = [_end_error(one, other) for one, other in self.matched]
+
+    def edges(self, tolerance: float) -> Iterator[float]:
+        """Frequencies of ends that are to be bracketed: all but those that are far off, and the worst of these."""
+        worst = max((abs(each.error) for each in self.end_errors), default=0.0)
+        for each in self.end_errors:
+            least = abs(each.error) - each.open
+            if each.open > tolerance and (least <= FAR * self.narrowest or abs(each.error) == worst):
+                yield from (each.ours.frequency, each.reference.frequency)
+        groups = [(self._united(each), each) for each in self.different()]
+        widest = max((one.width for one, _ in groups), default=0.0)
+        for one, parts in groups:
+            open_ = any(each.open > tolerance for each in parts) and one.width + one.open > self.narrowest
+            if open_ and (one.width <= FAR * self.narrowest or one.width == widest):
+                yield from (at for each in parts for at in (each.low, each.high))
+
+    def pairs(self) -> Iterator[_Pair]:
+        """Ranges over which neither response changes its branch, from low to high."""
+        cuts = sorted(
+            {each for several in (self.ours, self.theirs) for one in several for each in (one.start, one.end)}
+        )
+        for low, high in pairwise(cuts):
+            middle = 0.5 * (low + high)
+            ours, theirs = (_at(several, middle) for several in (self.ours, self.theirs))
+            if ours is not None and theirs is not None:
+                yield _Pair(low, high, ours, theirs)
+
+    def kind_differences(self) -> list[KindDifference]:
+        """Differences in kind wider than the narrowest branch, each named by the widest of its parts."""
+        found = [self._united(each) for each in self.different()]
+        return [each for each in found if each.width + each.open > self.narrowest]
+
+    def different(self) -> list[list[KindDifference]]:
+        """Ranges of different kinds that no matched end accounts for, each as its parts with two kinds."""
+        found: list[list[KindDifference]] = []
+        spans = [sorted((one.frequency, other.frequency)) for one, other in self.matched]
+        for each in self.pairs():
+            kinds, middle = (each.ours.kind, each.reference.kind), 0.5 * (each.low + each.high)
+            moved = any(low <= middle <= high for low, high in spans)
+            if kinds[0] == kinds[1] or moved or UNKNOWN in (kinds[0].periods, kinds[1].periods):
+                continue
+            if not found or found[-1][-1].high != each.low:
+                found.append([])
+            open_ = self.opens[each.low] + self.opens[each.high]
+            found[-1].append(KindDifference(each.low, each.high, open_ / middle, self.way, *kinds))
+        return found
+
+    def _united(self, parts: Sequence[KindDifference]) -> KindDifference:
+        """Neighbouring differences as one."""
+        low, high, widest = parts[0].low, parts[-1].high, max(parts, key=lambda each: each.width)
+        return replace(widest, low=low, high=high, open=(self.opens[low] + self.opens[high]) / (0.5 * (low + high)))
+
+    def unknown(self) -> Iterator[tuple[str, float, float]]:
+        """Ranges in which the motion of one of the two is not known."""
+        for each in self.pairs():
+            if UNKNOWN in (each.ours.kind.periods, each.reference.kind.periods):
+                yield self.way, each.low, each.high
+
+    def amplitudes(self, least: float) -> Iterator[AmplitudeError]:
+        """Errors of the amplitude at the places that both have, and at the ends of their common ranges."""
+        alike = [each for each in self.pairs() if each.ours.kind == each.reference.kind]
+        for each in alike:
+            if each.ours.kind.repeats:
+                yield from self._of_motion(each, least)
+        yield from self._of_means([each for each in alike if each.ours.kind.periods == IRREGULAR], least)
+
+    def _of_motion(self, pair: _Pair, least: float) -> Iterator[AmplitudeError]:
+        ours, theirs = (_inside(each, pair) for each in (pair.ours, pair.reference))
+        shared = sorted({*ours} & {*theirs})
+        for frequency in shared:
+            yield self._error(frequency, ours[frequency], theirs[frequency], least)
+        for frequency in self._outermost(pair, ours, theirs, shared):
+            places = [_reached(one, frequency, response.flights)
+                      for one, response in zip((pair.ours, pair.reference), self.both, strict=True)]  # fmt: skip
+            if places[0] is not None and places[1] is not None and places[0].kind == places[1].kind:
+                yield self._error(frequency, places[0], places[1], least)
+
+    def _outermost(
+        self, pair: _Pair, ours: Mapping[float, Place], theirs: Mapping[float, Place], shared: Sequence[float]
+    ) -> list[float]:
+        """Frequencies next to the ends of a common range, beyond the places that both have."""
+        every = sorted({*ours, *theirs})
+        beyond = {every[0], every[-1]} if every else set()
+        return sorted(beyond - {*shared})
+
+    def _error(self, frequency: float, ours: Place, theirs: Place, least: float) -> AmplitudeError:
+        size = max(abs(theirs.amplitude), least)
+        error = (ours.amplitude - theirs.amplitude) / size if size > 0 else 0.0
+        return AmplitudeError(error, frequency, self.way, ours.amplitude, theirs.amplitude)
+
+    def _of_means(self, pairs: Sequence[_Pair], least: float) -> Iterator[AmplitudeError]:
+        """Errors of means over neighbouring places of motions that do not repeat."""
+        ours = {at: place for each in pairs for at, place in _inside(each.ours, each).items()}
+        theirs = {at: place for each in pairs for at, place in _inside(each.reference, each).items()}
+        shared = sorted({*ours} & {*theirs})
+        for group in np.array_split(np.array(shared), max(1, len(shared) // GROUP)) if shared else []:
+            pairs_ = [(ours[at], theirs[at]) for at in group.tolist()]
+            error = self._mean_error(pairs_, least, 1)
+            if error.scatter > SCATTER and None not in (self.both[0].flights, self.both[1].flights):
+                error = self._mean_error(pairs_, least, READINGS)
+            if np.isfinite(error.scatter):
+                yield error
+
+    def _mean_error(self, places: Sequence[tuple[Place, Place]], least: float, readings: int) -> AmplitudeError:
+        """Error of the mean amplitude over places, each read so many times."""
+        sides = zip(zip(*places, strict=True), self.both, strict=True)
+        mine, other = (np.array([_readings(each, side.flights, readings) for each in own]) for own, side in sides)
+        size, at = max(float(other.mean()), least), places[len(places) // 2][0].frequency
+        off = (mine.mean(axis=1) - other.mean(axis=1)) / size
+        scatter = float(off.std(ddof=1) / np.sqrt(len(off))) if len(off) > 1 else _scatter(mine - other) / size
+        return AmplitudeError(float(off.mean()), at, self.way, float(mine.mean()), float(other.mean()), scatter)
+
+
+def _scatter(values: Array) -> float:
+    """Standard error of the mean of readings at one place; ∞ of a single one."""
+    return float(values.std(ddof=1) / np.sqrt(values.size)) if values.size > 1 else float("inf")
+
+
+def _readings(place: Place, flights: Flights | None, count: int) -> list[float]:
+    """Amplitudes of a motion that does not repeat, read so many times; the last again where it cannot go on."""
+    found = [place.amplitude]
+    while len(found) < count and flights is not None and place.state() is not None:
+        place = flown(flights, place.frequency, place, settle=False)
+        found.append(place.amplitude)
+    return found + found[-1:] * (count - len(found))
+
+
+def _end_error(ours: BranchEnd, reference: BranchEnd) -> EndError:
+    at = reference.frequency
+    return EndError(ours.frequency / at - 1, (ours.open + reference.open) / at, ours, reference)
+
+
+def _at(found: Sequence[Stretch], frequency: float) -> Stretch | None:
+    """Branch at a frequency."""
+    return next((each for each in found if min(each.start, each.end) <= frequency <= max(each.start, each.end)), None)
+
+
+def _inside(stretch: Stretch, pair: _Pair) -> dict[float, Place]:
+    """Places of a branch in a range, by frequency."""
+    return {each.frequency: each for each in stretch.places if pair.low <= each.frequency <= pair.high}
+
+
+def _reached(stretch: Stretch, frequency: float, flights: Flights | None) -> Place | None:
+    """Place of a branch at a frequency, from the nearest one of its places; None where it cannot be had."""
+    nearest = min(stretch.places, key=lambda each: abs(each.frequency - frequency))
+    if nearest.frequency == frequency:
+        return nearest
+    return flown(flights, frequency, nearest) if flights is not None and nearest.state() is not None else None
