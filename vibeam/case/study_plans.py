@@ -49,35 +49,15 @@ class CostPlan:
 
 @dataclass(frozen=True)
 class ModesNeededPlan:
-    """Plan of ``vibeam verdict --only modes``: ``band``, ``frequency`` in Hz, ``contact_time`` in s; None: no choice.
-
-    The limit of infinitely many modes is looked for with 1, 2, 4 … ``modes``.
-    """
+    """Plan of ``vibeam verdict --only modes``: errors allowed against all modes, largest number of modes tried."""
 
     accuracy: float = declare.quantity(
         "", "share by which the amplitude may be off that of all modes", "5 %", 0.05, above=0, most=1
     )
-    bases: tuple[str, ...] | None = declare.text(
-        "those compared, by name; absent = all that the case can have", ["modal", "krylov"], None, several=True,
-        alone=True,
-    )  # fmt: skip
-    most: int = declare.count(1, MOST_POINTS, "largest number of coordinates of a basis", 12, 12)
-    band: tuple[float, ...] | None = declare.quantity(
-        "Hz", "band of transfer functions and natural frequencies; absent = 0 to ten times the highest drive",
-        ["0 Hz", "500 Hz"], None, least=0, several=True, ascending=True,
-    )  # fmt: skip
-    contact_time: float | None = declare.quantity(
-        "s", "how long an impact lasts; absent = that of a linear stop", "0.5 ms", None, above=0
+    frequency_accuracy: float | None = declare.quantity(
+        "", "of frequencies at which branches end; absent = a fifth of accuracy", "1 %", None, above=0, most=1
     )
-    modes: int = declare.count(
-        8, 2 * MOST_ELEMENTS, "largest number of modes of the limit, a power of two from 8 on", 64, 64
-    )
-    frequency: float | None = declare.quantity(
-        "Hz", "drive of the motion whose limit is looked for; absent = the sweep's middle", "15.3 Hz", None, above=0
-    )
-    speed: float = declare.quantity(
-        "m/s", "of the contact in the collision whose limit is looked for", "50 mm/s", 0.05, above=0
-    )
+    most: int = declare.count(1, 2 * MOST_ELEMENTS, "largest number of modes tried", 64, 128)
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,7 @@ STUDIES: Registry[StudyDeclaration] = Registry(
         "vibeam study influence mine.toml",
     ),
     _own(
-        "modes_needed", "modes_needed.study", "modes_needed", "number of modes that is enough",
+        "modes_needed", "modes_needed", "modes_needed", "number of modes that is enough",
         "vibeam study modes_needed mine.toml", "vibeam study modes_needed mine.toml --accuracy '1 %'",
         first="vibeam.report.modes_needed:first_answer",
     ),

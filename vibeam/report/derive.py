@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from vibeam.case.held import held_of
 from vibeam.report.output import StudySheet, plain
-from vibeam.report.reductions import shown
-from vibeam.report.tables import ReportTable, blank, coefficient
+from vibeam.report.tables import ReportTable, blank, coefficient, shown
 from vibeam.system.number_text import percent, ratio, signed, with_unit, without_round_off
 
 if TYPE_CHECKING:

@@ -1,211 +1,207 @@
-"""Number of modes that a case needs, as a sheet: the answer, known before any flight, its table, notes and data."""
+"""Number of modes that a case needs, as a sheet: the answer, its table, the figure of errors over modes."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from math import inf, isfinite
+from typing import TYPE_CHECKING
 
 from vibeam.case.case import Case
+from vibeam.case.held import held_of
 from vibeam.case.study_plans import ModesNeededPlan
-from vibeam.report import reductions
+from vibeam.figures.units import DisplayUnits, units_of
+from vibeam.report.comparison_words import Subject, both_numbers, cells, gravest, open_points
 from vibeam.report.output import StudySheet
-from vibeam.report.reductions import DUST, LARGEST, enough, limits, off, shown
+from vibeam.report.run_answer import beyond
 from vibeam.report.tables import ReportTable, blank
-from vibeam.studies.modes_needed.limit import TOO_FEW
-from vibeam.studies.modes_needed.losses import ResponseError
-from vibeam.studies.modes_needed.reduction import ReductionProblem, plan_asked
-from vibeam.studies.modes_needed.response import Claim
-from vibeam.studies.modes_needed.study import MODAL, BeforeFlight, ModesNeeded, before_flight
-from vibeam.system.curves import evenly
-from vibeam.system.number_text import begun, modes_in_words, percent, ratio, signed
+from vibeam.runs.comparison.beyond import GIVEN
+from vibeam.runs.comparison.errors import FIFTH
+from vibeam.studies.modes_needed import ModesNeeded, ModesRow, modes_needed
+from vibeam.system.number_text import begun, modes_in_words, percent
 
-HELD = {"contact": "R at the contact", "first mode": "R as mode 1 sees it"}
-SINGLE = "one degree of freedom"
-MOST = 5  # notes
-HINT = (
-    "R is held at the contact: what mode 1 keeps of its speed falls with each mode that is added, and what is left "
-    'goes like 1/n: hold what all modes leave it (R₁ of vibeam modes, stop.restitution_of = "first mode"), or let the '
-    "stop yield."
-)
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SINGLE = Subject("one degree of freedom")
+QUICK, SECONDS = 7, 0.4  # frequencies and CPU seconds of the first answer
+REFINE = "refine the mesh (beam.elements)"
 
 
-def first_answer(case: Case, plan: ModesNeededPlan | None = None, final: bool = True) -> str:
-    """Answer before anything is flown: numbers, what will be flown, or why none can be told; ValueError of a plan.
-
-    ``final``: empty unless nothing will be flown and a number is told.
-    """
-    _, asked = case.sweep, plan_asked(case, plan, {})
+def first_answer(case: Case, plan: ModesNeededPlan | None = None) -> str:
+    """Answer of a quick look at a few frequencies; empty where that tells nothing."""
     try:
-        problem = ReductionProblem.of(case, asked)
-    except ValueError as refusal:
-        return "" if final else f"{begun(str(refusal))}."
-    found = before_flight(problem)
-    known = found.choices and found.claim.closed == found.claim.frequencies
-    return before(found, problem.plan) if known or not final else ""
-
-
-def before(found: BeforeFlight, plan: ModesNeededPlan) -> str:
-    """Answer by the closed forms alone, with either restitution held."""
-    within, claim = percent(plan.accuracy), found.claim
-    if not found.choices:
-        told = f"no number of modes can be told for {within}: {claim.refused}"
-        flown = f"{found.why}: all {claim.modes} modes are flown over the sweep to tell how many suffice for {within}"
-        return f"{begun(told if claim.refused else flown)}{_losses(found.by_losses, plan)}."
-    here, several = found.choices[0], claim.closed < claim.frequencies
-    number = len(here.rows) if here.enough is None else here.enough
-    said = _suffice(number, here.enough is not None, here.rows[number - 1], plan, claim)
-    if several:
-        said += f" at the {claim.closed} of {claim.frequencies} frequencies whose motion has a closed form"
-    alone = f"; {SINGLE} is {_size(here.single)}" if number > 1 and isfinite(here.single.peak) else ""
-    return f"{said}{alone}.{_held(found, plan)}" + (" The sweep is flown for the others." if several else "")
-
-
-def _suffice(number: int, enough: bool, error: ResponseError, plan: ModesNeededPlan, claim: Claim) -> str:
-    """Clause on a number of modes, with its error at the peak."""
-    if claim.modes == 1:
-        return "The case has one mode, and nothing that could be left out"
-    if number == claim.modes:
-        every = "Both modes" if number == 2 else f"All {modes_in_words(number)}"
-        return f"{every} of the case are needed for {percent(plan.accuracy)}"
-    verb = ("suffices" if number == 1 else "suffice") if enough else "do not suffice"
-    of = f"{percent(plan.accuracy)} of the amplitude of all {claim.modes} modes"
-    return f"{begun(modes_in_words(number))} {verb} for {of} ({_size(error, ' at the peak')})"
-
-
-def _held(found: BeforeFlight, plan: ModesNeededPlan) -> str:
-    """Sentence on what is held, and on the other choice; empty where it makes no difference."""
-    if found.claim.modes == 1 or not found.choices:
+        found = modes_needed(case, plan, budget=SECONDS, frequencies=QUICK, own=False)
+    except ValueError:
         return ""
-    here, *others = found.choices
-    said = f" {begun(HELD[here.held.restitution_of])} is held at {ratio(here.held.coefficient or 0.0, 'g')}"
-    for there in others:
-        if there.enough == here.enough and abs(there.single.peak - here.single.peak) < DUST:
-            said += ", which makes no difference"
-            continue
-        needed = f"more than {plan.most} modes" if there.enough is None else modes_in_words(there.enough)
-        of = HELD[there.held.restitution_of].replace("R ", "R held ", 1)
-        alone = f"{SINGLE} would be {_size(there.single)}, and " if isfinite(there.single.peak) else ""
-        said += f"; with {of} {alone}{needed} would be needed"
-    return f"{said}."
-
-
-def _size(error: ResponseError, where: str = "") -> str:
-    """Error at the peak in words; the largest one where that is not known."""
-    if isfinite(error.peak):
-        way, worst = "low" if error.peak < 0 else "high", abs(error.worst)
-        peak = f"{percent(abs(error.peak))} too {way}{where}" if abs(error.peak) >= DUST else f"exact{where}"
-        return f"{peak} and {percent(worst)} off at most" if worst > max(2 * abs(error.peak), DUST) else peak
-    return f"{'more than ' * error.given_up}{percent(min(abs(error.worst), LARGEST))} off"
-
-
-def _losses(by_losses: int | None, plan: ModesNeededPlan) -> str:
-    needed = f"more than {plan.most} modes" if by_losses is None else modes_in_words(by_losses)
-    return f"; by what one impact loses, which claims nothing of the amplitude, {needed} would be needed"
+    row = found.enough
+    if row is None or row.comparison is None or row.comparison.amplitude is None:
+        return ""
+    said = f"{modes_in_words(row.modes)} {_subject(row).does('suffice')} for {percent(found.asked.amplitude)}"
+    return f"At {found.frequencies} frequencies {said}: {both_numbers(row.comparison, _units(found))}."
 
 
 def answer(found: ModesNeeded) -> str:
-    """Answer by all that is known, flown where motions have no closed form."""
-    claim, best, within = found.reduction.claim, found.recommended, percent(found.plan.accuracy)
-    if claim.refused or best is None:
-        why = claim.refused or "no basis can be had"
-        modal = next((each.by_losses for each in found.reduction.recommended if each.basis == MODAL.name), None)
-        return f"No number of modes can be told for {within}: {why}{_losses(modal, found.plan)}."
-    if best.basis == MODAL.name and found.before.choices and claim.closed == claim.frequencies:
-        return before(found.before, found.plan) + _fewer(found)
-    known = [row for row in found.reduction.of(best.basis) if row.response.total]
-    if not known:
-        return f"No number of modes can be told for {within}: nothing is known of basis {best.basis}."
-    shown = best.losses or known[-1]
-    said = _suffice(shown.modes, best.modes is not None, shown.response, found.plan, claim)
-    if best.basis != MODAL.name:
-        said = said.replace("mode", "coordinate", 1) + f" in basis {best.basis}"
-    first = known[0].response
-    alone = "would make other motions" if first.strays(found.plan.accuracy) else f"would be {_size(first)}"
-    least = f"; {modes_in_words(known[0].modes)} {alone}" if known[0] is not shown else ""
-    return f"{said}{least}: known at {_known(claim)}.{_held(found.before, found.plan)}{_fewer(found)}"
+    """Answer in one or a few sentences."""
+    within, own, units = percent(found.asked.amplitude), found.own.suffices(found.asked), _units(found)
+    row, every = found.enough, Subject(_every(found), found.modes > 1)
+    if own is False and found.own.comparison is not None:
+        clause = gravest(every, beyond(found.own), found.own.comparison, found.asked, units)
+        beside = "" if beyond(found.own).name in clause else f" beside {beyond(found.own).name}"
+        cure = f"; {REFINE}" if found.own.elements and found.modes == found.size else ""
+        said = f"No number of modes suffices for {within}: {clause}{beside}{cure}."
+    elif row is not None and row.comparison is not None:
+        who, numbers = _subject(row), both_numbers(row.comparison, units)
+        known = own or found.own.why == GIVEN
+        verb = who.does("suffice") + f" for {within}" if known else f"{who.is_} within {within} of {every.name}"
+        said = f"{begun(who.name)} {verb}: {numbers}" + (f", beside {every.name}." if known else ".")
+    else:
+        said = f"{begun(_more(found))}{_missing(found, units)}."
+    return " ".join(filter(None, [said, _single(found, units), _reference(found, units), f"{_held(found)} is held."]))
 
 
-def _known(claim: Claim) -> str:
-    """Points at which a motion of all modes is known."""
-    closed = f"{claim.closed} of {claim.frequencies} frequencies in closed form ({claim.struck} of them with impacts)"
-    flown = f"{claim.repeating} of {claim.flown} points of the sweep that were flown"
-    return " and at ".join([closed] * bool(claim.closed) + [flown] * bool(claim.flown))
+def _held(found: ModesNeeded) -> str:
+    held = held_of(found.case.scene)
+    return held.label if held.coefficient is not None else f"The {held.label}"
 
 
-def _fewer(found: ModesNeeded) -> str:
-    """Sentence on the bases that need fewer coordinates than modes."""
-    modal = next((each for each in found.reduction.recommended if each.basis == MODAL.name), None)
-    if modal is None:
+def _units(found: ModesNeeded) -> DisplayUnits:
+    return units_of(found.case)
+
+
+def _subject(row: ModesRow) -> Subject:
+    return Subject(modes_in_words(row.modes), row.modes > 1)
+
+
+def _every(found: ModesNeeded) -> str:
+    """All modes, or those that stand for them."""
+    return f"{'all ' * (found.modes == found.size > 1)}{modes_in_words(found.modes)}"
+
+
+def _more(found: ModesNeeded) -> str:
+    tried = [row.modes for row in found.rows if not row.why]
+    if not tried:
+        return f"{_every(found)}: there are no fewer to compare"
+    within = percent(found.asked.amplitude)
+    if len(tried) > 1:
+        return f"none of {tried[0]} to {tried[-1]} modes is known to suffice for {within}"
+    return f"{modes_in_words(tried[0])} {'do' if tried[0] > 1 else 'does'} not suffice for {within}"
+
+
+def _missing(found: ModesNeeded, units: DisplayUnits) -> str:
+    """Clause on what the largest number of modes misses."""
+    rows = [row for row in found.rows if row.comparison is not None]
+    if not rows or rows[-1].comparison is None:
         return ""
-    enough = [each for each in found.reduction.recommended if each.modes and each.modes < (modal.modes or inf)]
-    fewer = ", ".join(f"{each.basis} {each.modes}" for each in enough)
-    return f" Fewer coordinates do in another basis: {fewer}." if fewer else ""
+    last, every = rows[-1], Subject(_every(found), True)
+    assert last.comparison is not None
+    if last.suffices(found.asked) is None:
+        return f"; {modes_in_words(last.modes)} may ({open_points(last.comparison, found.asked, units)})"
+    if last.suffices(found.asked):
+        return ""
+    return f": {gravest(_subject(last), every, last.comparison, found.asked, units)}"
+
+
+def _single(found: ModesNeeded, units: DisplayUnits) -> str:
+    """Sentence on one degree of freedom; empty where it suffices as one mode does, or is not known."""
+    row = found.single
+    if row is None or row.comparison is None or row.suffices(found.asked) is not False:
+        return ""
+    return f"{begun(gravest(SINGLE, Subject(_every(found), True), row.comparison, found.asked, units))}."
+
+
+def _reference(found: ModesNeeded, units: DisplayUnits) -> str:
+    """Sentence on the error of the reference where it counts, or is not known."""
+    own, every = found.own, _every(found)
+    are = "is" if found.modes == 1 else "are"
+    if own.why == GIVEN:
+        return f"What further modes would change is not known: {GIVEN}."
+    if own.why:
+        return f"How far {every} {are} off is not known ({own.why})."
+    if own.comparison is None or own.suffices(found.asked) is False:
+        return ""
+    if own.suffices(found.asked) is None:
+        return f"Whether {every} suffice is open: {open_points(own.comparison, found.asked, units)}."
+    if own.comparison.worst(found.asked) <= FIFTH:
+        return ""
+    return f"{begun(every)} {are} off as well: {both_numbers(own.comparison, units)}, beside {beyond(own).name}."
 
 
 def sheet(found: ModesNeeded) -> StudySheet:
-    """Sheet of a study; as CSV the losses, a row for each basis and number of coordinates."""
-    reduced, doubts = reductions.sheet(found.reduction), list(uncertain(found))
-    first, *further = [*reduced.tables] if found.reduction.claim.refused else [errors(found), *reduced.tables]
-    return replace(
-        reduced,
-        answer=answer(found),
-        tables=[first],
-        notes=doubts[:MOST],
-        details=[*doubts[MOST:], *details(found)],
-        more=[*further, *([limits(found.limits)] if found.limits else [])],
-        data={name: getattr(found, name) for name in ("plan", "before", "limits", "no_limits")} | dict(reduced.data),
+    """Sheet of a study; as CSV a row for each number of modes."""
+    return StudySheet(
+        answer(found),
+        [_table(found)],
+        list(_notes(found)),
+        data={name: getattr(found, name) for name in ("plan", "modes", "size", "rows", "single", "own")}
+        | {"enough": None if found.enough is None else found.enough.modes},
+        rows=[_numbers(row) for row in _all_rows(found)],
+        draw=lambda: errors_over_modes(found),
     )
 
 
-def errors(found: ModesNeeded) -> ReportTable:
-    """Error of the amplitude with n coordinates: of modes at the peak with either restitution held, of all bases."""
-    study, counts = found.reduction, sorted({row.modes for row in found.reduction.rows})
-    shown = {*counts[:3], *evenly(min(4, len(counts)), len(counts), 3).tolist()}
-    table = blank(f"Error of the amplitude against all {study.claim.modes} modes, with n coordinates", "basis")
-    table.add("enough|", "sdof|")
-    for n in counts:
-        table.add(f"{n}|", detail=n not in shown)
-    for each in found.before.choices:
-        cells = (signed(row.peak) if abs(row.peak) >= DUST else "0" for row in (each.single, *each.rows))
-        table.add_row(f"modal, peak, {each.held.symbol} held", str(each.enough or f"> {len(counts)}"), *cells)
-    for row in study.recommended:
-        if not row.why:
-            table.add_row(row.basis, enough(study, row), "", *(off(each, study.within) for each in study.of(row.basis)))
+def _all_rows(found: ModesNeeded) -> list[ModesRow]:
+    return [*filter(None, [found.single]), *found.rows]
+
+
+def _numbers(row: ModesRow) -> dict[str, object]:
+    own = row.comparison or None
+    return {
+        "modes": row.modes, "reduction": row.reduction,
+        "amplitude_error": None if own is None else own.amplitude_error,
+        "frequency_error": None if own is None else own.frequency_error,
+        "kind_width": None if own is None else own.kind_width, "why": row.why,
+    }  # fmt: skip
+
+
+def _table(found: ModesNeeded) -> ReportTable:
+    table = blank(f"Errors against {_every(found)}", "model", "amplitudes|", "ends|", "kinds|", "suffices|")
+    words = {True: "yes", False: "no", None: "may"}
+    for row in _all_rows(found):
+        name = "sdof" if row.reduction == "static_mode" else f"modes {row.modes}"
+        table.add_row(name, *cells(row.comparison), "–" if row.why else words[row.suffices(found.asked)])
+    if found.own.comparison is not None:
+        own = tuple(f"[{each}]" for each in cells(found.own.comparison))
+        table.add_row(f"modes {found.modes}", *own, words[found.own.suffices(found.asked)])
     table.caption = (
-        f"enough: n for {percent(found.plan.accuracy)}; sdof: along the static deflection; peak: signed, else the "
-        "largest error at any frequency; >: flown up to there; other: it makes other motions; –: not known"
-    )
+        f"sdof: along the static deflection at the contact; {found.frequencies} frequencies, ends of branches between\n"
+        "kinds: width in which the motion is another"
+    ) + f"; [ ]: against {beyond(found.own).name}" * (found.own.comparison is not None)
     return table
 
 
-def uncertain(found: ModesNeeded) -> Iterator[str]:
-    """Remarks on what is uncertain, each with what to do about it."""
-    study, claim = found.reduction, found.reduction.claim
-    if not claim.refused and claim.closed < claim.frequencies and claim.repeating < claim.flown:
-        yield f"Known of all modes at {_known(claim)}; of the others nothing is claimed: sweep where motions repeat."
-    yield from study.notes
-    if found.before.choices and found.before.choices[0].held.restitution_of == "contact" and claim.modes > 1:
-        yield HINT
-    reasons = dict.fromkeys(row.why for row in found.limits if row.why not in ("", TOO_FEW) and claim.modes > 1)
-    for why in reasons:
-        if not any(why != each and why.startswith(each) for each in reasons):
-            yield f"No limit of infinitely many modes: {why}."
+def _notes(found: ModesNeeded) -> Iterator[str]:
+    if found.modes < found.size:
+        yield f"{found.modes} of {found.size} modes stand for all, whose sweep does not fit into the budget: --budget"
+    reasons: dict[str, list[str]] = {}
+    for row in found.rows:
+        if row.why:
+            reasons.setdefault(row.why, []).append(str(row.modes))
+    for why, names in reasons.items():
+        yield f"{', '.join(names)} modes: {why}"
 
 
-def details(found: ModesNeeded) -> Iterator[str]:
-    """Sentences on the settings, and on how the numbers are known."""
-    study = found.reduction
-    if not study.claim.refused:
-        why = study.claim.why_flown or ("models whose damping couples their modes" if study.claim.flown else "")
-        yield f"compared where both make the same motion: known at {_known(study.claim)}{f': {why}' if why else ''}"
-    low, high = (shown(end, "Hz") for end in study.band)
-    time = shown(study.contact_time, "s") if isfinite(study.contact_time) else "not known: an impulse stands for it"
-    yield f"{study.size} coordinates; band {low} … {high}, with {study.in_band} of its modes; contact time {time}"
-    for each in study.recommended:
-        if each.why:
-            yield f"{each.basis}: {each.why}"
-        elif each.frequency is not None:
-            yield f'{each.basis}: about frequency = "{each.frequency:.6g} Hz"'
-    if found.no_limits:
-        yield f"limits of infinitely many modes: {found.no_limits}"
+def errors_over_modes(found: ModesNeeded) -> Figure:
+    """Both errors over the number of modes, with what is asked."""
+    from vibeam.figures.page import blank_page, titled
+    from vibeam.figures.style import COLOURS
+
+    figure = blank_page((6.4, 3.8), found.case.figure)
+    axes = figure.subplots()
+    rows = [row for row in found.rows if row.comparison is not None]
+    counts, known = [row.modes for row in rows], [row.comparison for row in rows if row.comparison is not None]
+    lines = {
+        "amplitudes": ([each.amplitude_error for each in known], found.asked.amplitude),
+        "ends of branches, kinds": (
+            [max(each.frequency_error, each.kind_width) for each in known],
+            found.asked.frequency,
+        ),
+    }
+    for colour, (name, (values, allowed)) in zip(COLOURS, lines.items(), strict=False):
+        shown = [max(100 * value, 1e-3) for value in values]
+        axes.plot(counts, shown, "o-", color=colour, label=name, gid=f"errors-{name.split()[0]}")
+        axes.axhline(100 * allowed, color=colour, linewidth=0.8, linestyle=":")
+    axes.set(xscale="log", yscale="log", xlabel="modes", ylabel="error (%)")
+    axes.set_xticks(counts, map(str, counts), minor=False)
+    axes.minorticks_off()
+    axes.legend()
+    titled(figure, found.case.figure, found.case.title, f"errors against {_every(found)}; dotted: what is asked")
+    return figure

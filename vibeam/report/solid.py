@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibeam.case.fidelity import Fidelity
 from vibeam.report.output import StudySheet
-from vibeam.report.reductions import shown
-from vibeam.report.tables import ReportTable, blank, coefficient
+from vibeam.report.tables import ReportTable, blank, coefficient, shown
 from vibeam.runs.comparison.differences import listed
 from vibeam.studies.solid.model import FIRST, LadderModel
 from vibeam.studies.solid.steps import LESS_TORSION, beam_of, solid_of

@@ -22,7 +22,7 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from vibeam.exchange.whole_files import naming_stdout
-from vibeam.system.number_text import ratio
+from vibeam.system.number_text import ratio, shown_in
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
@@ -260,3 +260,9 @@ def rows_of(title: str, rows: Sequence[object]) -> ReportTable:
 def coefficient(value: float) -> str:
     """Coefficient of restitution as text; a dash where there is none."""
     return ratio(value, ".4f") if isfinite(value) else "–"
+
+
+def shown(value: float, unit: str) -> str:
+    """A value of an SI unit to four digits, with the prefix that suits it; a dash for NaN."""
+    name, factor = shown_in(unit, value)
+    return f"{value * factor:.4g} {name.removeprefix('1')}".rstrip() if isfinite(value) else "–"

@@ -189,7 +189,7 @@ SHEETS: dict[str, Callable[[Any], StudySheet] | str] = {
     "DerivedTable": _derived, "Orbit": _orbit, "MapResult": _map, "GridResponse": _grid,
     "TransientResult": _transient,
     **{f"{name}Study": f"vibeam.report.{name.lower()}:sheet" for name in ("Fit", "Uncertainty")},
-    "ReductionStudy": "vibeam.report.reductions:sheet", "ModesNeeded": "vibeam.report.modes_needed:sheet",
+    "ModesNeeded": "vibeam.report.modes_needed:sheet",
     "Stability": _map, "FidelityMap": _map, "Verdict": "vibeam.report.verdict:sheet",
     "SolidVerdict": "vibeam.report.solid:sheet",
 }  # fmt: skip

@@ -12,9 +12,7 @@ from vibeam.studies.identification.response import identify_spectrum as identify
 from vibeam.studies.influence.study import influence as influence
 from vibeam.studies.modes import export_matrices as export_matrices
 from vibeam.studies.modes import modes as modes
-from vibeam.studies.modes_needed.limit import limit as limit
-from vibeam.studies.modes_needed.reduction import reduce as reduce
-from vibeam.studies.modes_needed.study import modes_needed as modes_needed
+from vibeam.studies.modes_needed import modes_needed as modes_needed
 from vibeam.studies.record.plane import record_map as record_map
 from vibeam.studies.regression.check import check as check
 from vibeam.studies.regression.check import compare_measured as compare_measured

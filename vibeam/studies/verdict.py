@@ -21,7 +21,7 @@ from vibeam.maps.axes import axes_over
 from vibeam.studies.cost.study import cost
 from vibeam.studies.fidelity_map.study import fidelity_map
 from vibeam.studies.influence.study import influence
-from vibeam.studies.modes_needed.study import modes_needed
+from vibeam.studies.modes_needed import modes_needed
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 
@@ -136,7 +136,8 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
     if case.record is not None:
         return _under_record(name, case, plan, progress)
     if name == "modes":
-        return modes_needed(case, plan_of_modes(case, plan))
+        with telling(progress, name) as told:
+            return modes_needed(case, plan_of_modes(case, plan), budget=plan.budget, told=told)
     if name == "effects":
         return influence(case, tell, progress, budget=plan.budget)
     if name == "solvers":
@@ -166,4 +167,4 @@ def _under_record(name: str, case: Case, plan: VerdictPlan, progress: Progress |
 def plan_of_modes(case: Case, plan: VerdictPlan) -> ModesNeededPlan:
     """Plan of the stage ``modes``: that of the case, with the accuracy of the verdict."""
     own: ModesNeededPlan = case.asked["modes_needed"]
-    return replace(own, accuracy=plan.accuracy)
+    return replace(own, accuracy=plan.accuracy, frequency_accuracy=plan.frequency_accuracy or own.frequency_accuracy)

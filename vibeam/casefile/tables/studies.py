@@ -12,7 +12,6 @@ from vibeam.casefile.fields import Each, Word
 from vibeam.casefile.tables.table import named_fidelity, not_there, plan_keys, table
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS
-from vibeam_reductions.declaration import REDUCTIONS
 
 
 def study_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -21,28 +20,12 @@ def study_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     if getattr(case, "influence", None) is not None:
         yield from named_fidelity(case, ("influence", "fidelity"), case.influence.fidelity)
     yield from _numbers(case)
-    yield from _bases(case)
-
-
-def _bases(case: SimpleNamespace) -> Iterator[Complaint]:
-    """Complaints about bases that are no reduction that counts, nor a fidelity that says the keys of one."""
-    known = [name for name, declared in REDUCTIONS.items() if declared.counts and not declared.needs]
-    for name in getattr(case.modes_needed, "bases", None) or ():
-        if name not in (*known, *case.fidelity):
-            yield ("modes_needed", "bases"), f"no basis {not_there(name, known)}"
-
-
-POWERS_OF_TWO = (("uncertainty", "samples"), ("modes_needed", "modes"))
 
 
 def _numbers(case: SimpleNamespace) -> Iterator[Complaint]:
-    for path in POWERS_OF_TWO:
-        number = getattr(getattr(case, path[0]), path[1], None)
-        if number is not None and number.bit_count() != 1:
-            yield path, f"{number} is no power of two: write {1 << (number.bit_length() - 1)}"
-    band = getattr(case.modes_needed, "band", None)
-    if band is not None and len(band) != 2:
-        yield ("modes_needed", "band"), 'must be two frequencies: write band = ["0 Hz", "500 Hz"]'
+    number = getattr(case.uncertainty, "samples", None)
+    if number is not None and number.bit_count() != 1:
+        yield ("uncertainty", "samples"), f"{number} is no power of two: write {1 << (number.bit_length() - 1)}"
 
 
 def _cost(case: SimpleNamespace) -> Iterator[Complaint]:

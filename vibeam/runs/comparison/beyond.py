@@ -10,7 +10,7 @@ import numpy as np
 
 from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, gap_wear, system
-from vibeam.runs.comparison.flights import flights_of
+from vibeam.runs.comparison.flights import Work, flights_of
 from vibeam.runs.comparison.places import Place, flown
 from vibeam.runs.comparison.responses import Response
 from vibeam.system.curves import evenly
@@ -19,15 +19,16 @@ from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene, Scene, line_of
 
 LEAST, MOST = 16, 160  # modes of a fuller model
+FEW = 8  # modes of a model, up to which a fuller one has four times as many, else twice
 RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
 MANY = 41  # coordinates, the contact's residual flexibility among them, that stand for all modes of a solid
-PLACES = 41  # frequencies of its sweep
-WORK = 1.5e7  # evaluations of the contact × modes that its sweep may cost: two or three seconds
-GROWTH = 0.7  # exponent by which evaluations grow with the number of modes, about
+PLACES = 31  # frequencies of its sweep
+WORK = 1.5  # CPU seconds that its sweep may take
+GROWTH = 1.7  # exponent by which the time of a point grows with the number of modes, about
 
 GIVEN = "the case gives only these modes"
 WEARS = "each impact widens the gap, so that no motion repeats"
-DEAR = "the sweep of {} modes takes longer than a few seconds: vibeam verdict takes that"
+DEAR = "a sweep of {} modes takes longer than {:g} s"
 
 
 @dataclass(frozen=True)
@@ -60,17 +61,17 @@ def fuller_models(case: Case, name: str, size: int) -> Iterator[FullerModel]:
         raise ValueError(WEARS)
     if not isinstance(scene, RigScene) or not scene.all_modes:
         raise ValueError(GIVEN)
-    line = line_of(scene)
+    line, most_first = line_of(scene), (4, 2) if size <= FEW else (2,)
     if scene.in_three_dimensions:
         if size >= MANY:
             raise ValueError("more modes of a solid are not computed here")
         yield FullerModel(system(scene, Fidelity("fuller", "residual_flexibility", modes=MANY)))
     elif line is None:
         most = structure_of(scene).size
-        for modes in dict.fromkeys(min(most, max(LEAST, by * size)) for by in (4, 2)):
+        for modes in dict.fromkeys(min(most, max(LEAST, by * size)) for by in most_first):
             yield FullerModel(system(scene, Fidelity("fuller", "modal", modes=modes)))
     else:
-        for modes in dict.fromkeys(min(MOST, max(LEAST, by * size)) for by in (4, 2, 1)):
+        for modes in dict.fromkeys(min(MOST, max(LEAST, by * size)) for by in (*most_first, 1)):
             fine = resolving(line, modes)
             made = system(fine, Fidelity("fuller", "modal", modes=min(modes, structure_of(fine).size)))
             yield FullerModel(made, fine.beam.elements)
@@ -84,7 +85,7 @@ def resolving(scene: Scene, modes: int) -> Scene:
 
 def fuller_response(
     case: Case, name: str, own: Response, size: int, work: float = WORK
-) -> tuple[FullerModel, Response]:
+) -> tuple[FullerModel, Response]:  # fmt: skip
     """Response of the largest fuller model of a fidelity whose sweep fits into the ``work``; ValueError without one.
 
     ``own``: the response of the fidelity, of ``size`` modes, by which the work is foreseen.
@@ -92,19 +93,19 @@ def fuller_response(
     modes = 0
     for model in fuller_models(case, name, size):
         modes = model.modes
-        foreseen = own.cost * (modes / size) ** GROWTH * modes * PLACES * len(own.places)
-        found = response_of(case, name, model.system, PLACES, work / modes) if foreseen <= work else None
+        foreseen = own.cost * (modes / size) ** GROWTH * PLACES * len(own.places)
+        found = response_of(case, name, model.system, PLACES, Work(work)) if foreseen <= work else None
         if found is not None:
             return model, found
-    raise ValueError(DEAR.format(modes))
+    raise ValueError(DEAR.format(modes, work))
 
 
-def response_of(case: Case, name: str, made: ImpactSystem, most: int, evaluations: float = np.inf) -> Response | None:
+def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work) -> Response | None:
     """Response of a system in place of that of a fidelity, at ``most`` of the sweep's frequencies.
 
-    None where it takes more than so many evaluations of the contact.
+    None where its sweep takes more than the ``work``; what is left of it is for the ends of branches.
     """
-    flights = flights_of(case, name, made)
+    flights = flights_of(case, name, made, work)
     if flights is None:
         raise ValueError(WEARS)
     grid = np.sort(case.sweep.frequency)
@@ -112,12 +113,10 @@ def response_of(case: Case, name: str, made: ImpactSystem, most: int, evaluation
     ways = {"up": {"up": up}, "down": {"down": up[::-1]}, "both": {"up": up, "down": up[::-1]}}[case.sweep.direction]
     found, last = dict[str, list[Place]](), None
     for way, frequencies in ways.items():
-        places: list[Place] = []
+        found[way] = []
         for frequency in frequencies:
-            last = flown(flights, frequency, last)
-            places.append(last)
-            evaluations -= last.cost
-            if evaluations < 0:
+            if work.done:
                 return None
-        found[way] = places
+            last = flown(flights, frequency, last)
+            found[way].append(last)
     return Response(found, flights)

@@ -10,16 +10,21 @@ from dataclasses import dataclass
 from time import thread_time
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from vibeam.case.case import Case
 from vibeam.runs.comparison.beyond import fuller_response, is_whole
 from vibeam.runs.comparison.errors import Asked, ResponseComparison
-from vibeam.runs.comparison.flights import flights_of
+from vibeam.runs.comparison.flights import Work, flights_of
 from vibeam.runs.comparison.responses import Response, compared
-from vibeam.system.response import modes_of
+from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
     from vibeam.runs.result import Result
     from vibeam.system.state import StatesAfter
+
+
+LEAST, SHARE = 0.5, 0.5  # CPU seconds, and share of those of its sweep, that a fidelity's ends may take
 
 
 @dataclass(frozen=True)
@@ -58,10 +63,7 @@ def compared_fidelities(
     """Comparisons of all fidelities of a result, with the states ``after`` the points of their branches."""
     case, finest, found = result.case, result.finest, list[ComparedFidelity]()
     allowed = asked or asked_of(case)
-    responses = {
-        name: Response.of(branches, after.get(name), flights_of(case, name) if name in after else None)
-        for name, branches in result.items()
-    }
+    responses = {name: _response(case, name, branches, after.get(name)) for name, branches in result.items()}
     for name, top in finest.items():
         begun, modes = thread_time(), modes_of(result[top])
         if name != top:
@@ -72,6 +74,13 @@ def compared_fidelities(
         else:
             found.append(_beyond(case, name, responses[name], modes, allowed))
     return tuple(found)
+
+
+def _response(case: Case, name: str, branches: Branches, after: Mapping[str, StatesAfter] | None) -> Response:
+    """Response of a fidelity, which goes on from its states where they are known, for half as long as it took."""
+    swept = sum(float(np.nansum(each.cpu_seconds)) for _, each in branches.items())
+    flights = None if after is None else flights_of(case, name, work=Work(max(LEAST, SHARE * swept)))
+    return Response.of(branches, after, flights)
 
 
 def _beyond(

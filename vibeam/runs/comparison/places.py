@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from vibeam.runs.comparison.kinds import UNKNOWN, MotionKind, kinds_of
+from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN, MotionKind, kinds_of
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State, StatesAfter
 
@@ -27,18 +27,22 @@ MOST = 30  # points put between two neighbours
 class Place:
     """Motion at one frequency in Hz: its kind, amplitude in the unit of the output, and a way to its ``state``.
 
-    ``cost``: evaluations of the contact that it took.
+    ``cost``: CPU seconds that it took.
     """
 
     frequency: float
     kind: MotionKind
     amplitude: float
-    cost: int
+    cost: float
     state: Callable[[], State | None] = field(default=lambda: None)
 
 
 class Flights(Protocol):
     """Steady points of a model, one at a time."""
+
+    @property
+    def done(self) -> bool:
+        """True where no more of them may be computed."""
 
     def at(self, frequency: float, state: State | None, settle: bool = True) -> tuple[FrequencyResponse, State]:
         """The point at a frequency in Hz from a state; without ``settle`` read at once."""
@@ -46,13 +50,11 @@ class Flights(Protocol):
 
 def places_of(response: FrequencyResponse, after: StatesAfter | None = None) -> list[Place]:
     """Places of the points of a response in the order swept, with the states ``after`` them where known."""
-    values = (
-        response.frequency.tolist(),
-        kinds_of(response),
-        response.amplitude.tolist(),
-        response.evaluations.tolist(),
-    )
-    return [Place(*row, _State(after, i)) for i, row in enumerate(zip(*values, strict=True))]
+    columns = zip(
+        response.frequency.tolist(), kinds_of(response), response.amplitude.tolist(),
+        np.nan_to_num(response.cpu_seconds).tolist(), strict=True,
+    )  # fmt: skip
+    return [Place(*row, _State(after, i)) for i, row in enumerate(columns)]
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def _halved(here: Place, there: Place, flights: Flights, tolerance: float) -> li
     """Places between two neighbours, which bracket all ends of branches that halving comes upon."""
     pending, found, count = [there], list[Place](), 0
     while True:
-        if is_open(here, pending[-1], tolerance) and count < MOST:
+        if is_open(here, pending[-1], tolerance) and count < MOST and not flights.done:
             pending.append(flown(flights, 0.5 * (here.frequency + pending[-1].frequency), here))
             count += 1
         elif len(pending) == 1:
@@ -126,7 +128,7 @@ def _halved(here: Place, there: Place, flights: Flights, tolerance: float) -> li
 
 def _reached(last: Place, first: Place, there: Place, flights: Flights) -> Place | None:
     """The next place of the grid from the ``last`` before it, where that is on the branch of the ``first`` still."""
-    if not apart(last, there) or last.kind != first.kind or last.state() is None:
+    if flights.done or not apart(last, there) or last.kind != first.kind or last.kind.periods == IRREGULAR:
         return None
     again = flown(flights, there.frequency, last)
     return None if apart(last, again) else again

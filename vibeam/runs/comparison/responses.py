@@ -69,7 +69,7 @@ class Response:
 
     @property
     def cost(self) -> float:
-        """Mean number of evaluations of the contact that a place took."""
+        """Mean CPU time that a place took, s."""
         return float(np.mean([each.cost for several in self.places.values() for each in several] or [0]))
 
     def sharpen(self, way: str, frequency: float, tolerance: float) -> bool:
@@ -78,7 +78,7 @@ class Response:
         ends = (sorted((one.frequency, other.frequency)) for one, other in pairwise(places))
         found = [i for i, (low, high) in enumerate(ends) if low <= frequency <= high]
         open_ = [i for i in found if is_open(places[i], places[i + 1], tolerance)]
-        if self.flights is None or not open_:
+        if self.flights is None or self.flights.done or not open_:
             return False
         self.places[way] = bracketed(places, open_[0], self.flights, tolerance)
         return True
@@ -254,7 +254,7 @@ def _scatter(values: Array) -> float:
 def _readings(place: Place, flights: Flights | None, count: int) -> list[float]:
     """Amplitudes of a motion that does not repeat, read so many times; the last again where it cannot go on."""
     found = [place.amplitude]
-    while len(found) < count and flights is not None and place.state() is not None:
+    while len(found) < count and flights is not None and not flights.done and place.state() is not None:
         place = flown(flights, place.frequency, place, settle=False)
         found.append(place.amplitude)
     return found + found[-1:] * (count - len(found))

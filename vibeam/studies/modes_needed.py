@@ -1,0 +1,209 @@
+"""Number of modes that a case needs: sweeps of 1, 2, 3 … modes beside one of all modes, compared as a run compares.
+
+All modes are those of the case's own beam, solid or matrices; where their sweep does not fit into the budget, as many
+of them as do. Their own error, of the mesh and of the modes left out, is estimated by a finer model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+from vibeam.case.case import Case
+from vibeam.case.fidelity import Fidelity, system
+from vibeam.case.fineness import plain
+from vibeam.case.source import of_source
+from vibeam.case.study_plans import ModesNeededPlan
+from vibeam.casefile.tables.table import plan_with
+from vibeam.runs.comparison.beyond import GIVEN, GROWTH, MANY, fuller_response, is_whole, response_of
+from vibeam.runs.comparison.errors import Asked, ResponseComparison
+from vibeam.runs.comparison.flights import Work
+from vibeam.runs.comparison.of_run import ComparedFidelity
+from vibeam.runs.comparison.responses import Response, compared
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.labelled import ViewedTable
+from vibeam_models.arrays import ValueRecord
+from vibeam_models.beam import structure_of
+from vibeam_models.scene import RigScene
+
+STEPS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
+PLACES = 61  # frequencies of a sweep, at most
+REFERENCE, OWN, ROW = 0.4, 0.15, 0.04  # shares of the budget: all modes, their own error, fewer modes each
+FIRST = 8  # modes of the sweep by which the work of all is foreseen
+COSTLY = "the sweep of {} modes does not fit into the budget of {:g} s"
+
+
+@dataclass(frozen=True)
+class ModesRow:
+    """Model of ``modes`` beside the reference, by ``reduction``; ``why`` it was not swept, else empty.
+
+    ``seconds``: CPU time of a point, about.
+    """
+
+    modes: int
+    reduction: str = "modal"
+    comparison: ResponseComparison | None = None
+    seconds: float = 0.0
+    why: str = ""
+
+    def suffices(self, asked: Asked) -> bool | None:
+        """Test whether it is within what is asked; None where that is not known."""
+        return None if self.comparison is None else self.comparison.suffices(asked)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ModesNeeded(ValueRecord, ViewedTable):
+    """``rows`` of more and more modes beside ``modes`` of them, of ``size`` that the case has; ``single``: one along
+    the static deflection at the contact, None of a rig without one.
+
+    ``own``: the reference beside a finer model. ``frequencies``: number of those swept, in every direction.
+    """
+
+    case: Case
+    plan: ModesNeededPlan
+    asked: Asked
+    rows: tuple[ModesRow, ...]
+    single: ModesRow | None
+    own: ComparedFidelity
+    modes: int
+    size: int
+    frequencies: int
+
+    @property
+    def enough(self) -> ModesRow | None:
+        """Least number of modes from which on all that were swept suffice; None where there is none."""
+        found = None
+        for row in reversed([row for row in self.rows if not row.why]):
+            if not row.suffices(self.asked):
+                break
+            found = row
+        return found
+
+
+@of_source
+def modes_needed(
+    case: Case, /, plan: ModesNeededPlan | None = None, *, budget: float = 20.0, frequencies: int = PLACES,
+    own: bool = True, told: Callable[[int, int], None] | None = None, **settings: Any,
+) -> ModesNeeded:  # fmt: skip
+    """Number of modes that a case needs: ``vibeam.modes_needed(case, accuracy="1 %")``.
+
+    ``settings``: of the ``plan``, in SI or with units. ``budget``: CPU seconds, about; ``frequencies`` of the sweep, at
+    most; ``own``: estimate the error of all modes too. ``told`` the models swept and their total. ValueError for a case
+    without modes to count.
+
+    >>> import vibeam
+    >>> found = vibeam.modes_needed("cases/dtu_neutral.toml", frequencies=9)
+    >>> found.enough.modes, found.modes
+    (2, 64)
+    """
+    asked = plan_with(plan or case.asked.get("modes_needed") or ModesNeededPlan(), settings)
+    return _Sweeps(case, asked, budget, frequencies, told or (lambda done, total: None)).study(own)
+
+
+class _Sweeps:
+    """State of a study in progress: the work that is left, and the models swept."""
+
+    def __init__(
+        self, case: Case, plan: ModesNeededPlan, budget: float, frequencies: int, told: Callable[[int, int], None]
+    ) -> None:
+        self.case, self.plan, self.budget, self.frequencies, self.told = case, plan, budget, frequencies, told
+        self.asked = Asked.of(plan.accuracy, plan.frequency_accuracy)
+        names = plain(case) or list(case.fidelities)
+        self.name = max(names, key=lambda name: case.fidelities[name].modes or 0)
+        scene: Any = case.scene_of(self.name)
+        if scene.given_mode is not None:
+            raise ValueError(f"no modes to count: {scene.no_beam}")
+        self.scene: RigScene = scene
+        self.size = structure_of(scene).size if not scene.in_three_dimensions else MANY
+        self.swept = dict[int, Response]()
+
+    def study(self, with_own: bool) -> ModesNeeded:
+        """The whole study."""
+        counts = [n for n in STEPS if n < self.size and n <= self.plan.most]
+        total = len(counts) + 3
+        reference = self._reference([n for n in counts if n <= FIRST][-1:])
+        self.told(1, total)
+        single = self._single(reference)
+        rows: list[ModesRow] = []
+        for n in (n for n in counts if n < self.modes):
+            rows.append(self._row(n, reference))
+            self.told(len(rows) + 2, total)
+            if len(rows) > 1 and all(row.suffices(self.asked) for row in rows[-2:]):
+                break
+        own = self._own(reference) if with_own else ComparedFidelity("", "", None, self.modes, why="not asked for")
+        self.told(total, total)
+        return ModesNeeded(
+            self.case, self.plan, self.asked, tuple(rows), single, own, self.modes, self.size,
+            min(self.frequencies, len(self.case.sweep.frequency)),
+        )  # fmt: skip
+
+    def _system(self, modes: int) -> ImpactSystem:
+        if self.scene.in_three_dimensions:
+            return system(self.scene, Fidelity("modes", "residual_flexibility", modes=modes))
+        return system(self.scene, Fidelity("modes", "modal", modes=modes))
+
+    def _response(self, made: ImpactSystem, share: float = ROW) -> Response | None:
+        """Response of a system; None where it takes more than a share of the budget."""
+        return response_of(self.case, self.name, made, self.frequencies, Work(share * self.budget))
+
+    def _reference(self, first: list[int]) -> Response:
+        """Response of all modes, or of as many as fit into half of the budget."""
+        foreseen, places = 0.0, 2 * min(self.frequencies, len(self.case.sweep.frequency))
+        for n in first:
+            self.swept[n] = self._required(self._system(n))
+            foreseen = places * self.swept[n].cost / n**GROWTH
+        for modes in self._most():
+            if foreseen * modes**GROWTH <= REFERENCE * self.budget / 2:
+                found = self._response(self._system(modes), REFERENCE)
+                if found is not None:
+                    self.modes = modes
+                    return found
+        self.modes = first[0] if first else self.size
+        return self.swept[first[0]] if first else self._required(self._system(self.size))
+
+    def _required(self, made: ImpactSystem) -> Response:
+        found = self._response(made, REFERENCE)
+        if found is None:
+            raise ValueError(COSTLY.format(made.size, self.budget))
+        return found
+
+    def _most(self) -> Iterator[int]:
+        """Numbers of modes of the reference, the most first."""
+        modes = self.size
+        while modes > 2 * FIRST or modes == self.size:
+            yield modes
+            modes //= 2
+
+    def _row(self, modes: int, reference: Response) -> ModesRow:
+        try:
+            found = self.swept.get(modes) or self._response(self._system(modes))
+        except ValueError as refusal:  # a restitution of mode 1 that no contact gives
+            return ModesRow(modes, why=str(refusal))
+        if found is None:
+            return ModesRow(modes, why=COSTLY.format(modes, self.budget))
+        return ModesRow(modes, "modal", compared(found, reference, self.asked.frequency), found.cost)
+
+    def _single(self, reference: Response) -> ModesRow | None:
+        """One degree of freedom along the static deflection at the contact; None of a rig that has none."""
+        try:
+            found = self._response(system(self.scene, Fidelity("single", "static_mode")))
+        except ValueError:
+            return None
+        if found is None:
+            return None
+        return ModesRow(1, "static_mode", compared(found, reference, self.asked.frequency), found.cost)
+
+    def _own(self, reference: Response) -> ComparedFidelity:
+        """The reference beside a finer model."""
+        given = ComparedFidelity("", "", None, self.modes)
+        if not self.scene.all_modes:
+            return replace(given, why=GIVEN)
+        if is_whole(self.case, self.name, self.modes):
+            return replace(given, whole=True)
+        try:
+            model, finer = fuller_response(self.case, self.name, reference, self.modes, OWN * self.budget)
+        except ValueError as refusal:
+            return replace(given, why=str(refusal))
+        found = compared(reference, finer, self.asked.frequency)
+        return replace(given, comparison=found, modes=model.modes, elements=model.elements)
