@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.flight.disturbance.maps import tangent_fault
+from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.readout import rests, struck
 from vibeam.periodic.orbit import Orbit
@@ -35,6 +36,7 @@ from vibeam_models.arrays import Array, ValueRecord
 BATCHES = 20  # of which the standard error of a mean is taken
 ALIGNED = 50  # drive periods over which disturbances turn into their directions before the mean begins
 PIECE = 50  # drive periods flown at a time
+TOGETHER = 32  # segments over which one disturbance is carried between two looks at its size
 SURE = 2.0  # standard errors by which an exponent must differ from 0 to have a sign
 
 
@@ -187,31 +189,46 @@ class _Disturbances:
 
     def __init__(self, section: StroboscopicMap, wanted: int) -> None:
         system = section.system
-        self.ratio = section.units[:, None] / section.units
+        self.units = section.units[:, None]
+        self.ratio = self.units / section.units
         start = np.random.default_rng(0).standard_normal((2 * system.size, wanted))
         self.frame, self.logs = np.linalg.qr(start)[0], np.zeros(wanted)
 
     def along(self, flown: Flown) -> None:
         """Carry the disturbances along; directions that are lost have −∞ from then on."""
         maps = flown.maps()
-        rate = maps.fastest if self.frame.shape[1] > 1 else 0.0
+        if self.frame.shape[1] <= 1:
+            for first in range(0, len(maps), TOGETHER):
+                self._one(maps, first, min(first + TOGETHER, len(maps)))
+            return
+        rate = maps.fastest
         for i in range(len(maps)):
             pause()
             steps = maps.steps(i, rate, DECAY)
             for k, matrix in enumerate(steps, 1):
                 self._step(matrix, maps.lost(i) if k == len(steps) else 0)
 
+    def _one(self, maps: TangentMaps, first: int, last: int) -> None:
+        """Carry one disturbance over some segments at once, over fewer where its size would not be a number."""
+        whole = len(self.units)
+        if not self.frame.size or (maps.most >= whole and any(maps.lost(i) >= whole for i in range(first, last))):
+            self.logs[:], self.frame = -np.inf, self.frame[:, :0]
+            return
+        grown = self.units * maps.carried(self.frame / self.units, first, last)
+        size = float(np.linalg.norm(grown))
+        if last - first > 1 and not 0 < size < np.inf:
+            self._one(maps, first, (first + last) // 2)
+            self._one(maps, (first + last) // 2, last)
+            return
+        self.frame = grown / (size or 1.0)
+        with np.errstate(divide="ignore"):
+            self.logs += np.log(size)
+
     def _step(self, matrix: Array, lost: int) -> None:
         left = min(self.frame.shape[1], len(self.ratio) - lost)
         self.logs[left:] = -np.inf
-        grown = (matrix * self.ratio) @ self.frame
-        if grown.shape[1] == 1:
-            sizes = np.array([np.sqrt(np.vdot(grown, grown))])
-            self.frame = grown / (sizes if sizes[0] else 1.0)
-        else:
-            self.frame, upper = np.linalg.qr(grown)
-            sizes = np.abs(np.diag(upper))
-        self.frame = self.frame[:, :left]
+        self.frame, upper = np.linalg.qr((matrix * self.ratio) @ self.frame)
+        sizes, self.frame = np.abs(np.diag(upper)), self.frame[:, :left]
         with np.errstate(divide="ignore"):
             self.logs[:left] += np.log(sizes[:left])
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from vibeam.flight.contacts.readout import keys_of
 from vibeam.flight.contacts.sets import ConstrainedSystem, ContactSet
-from vibeam.flight.disturbance.tangent import TangentMaps, state_matrix
+from vibeam.flight.disturbance.tangent import LOST_AT_REST, TangentMaps, state_matrix
 from vibeam.flight.equilibrium import Contacts, multipliers, one_sided
 from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
@@ -48,10 +48,10 @@ class ContactMaps(TangentMaps):
         self.struck = sides(self.trace)
         self._keys, self._made = keys_of(self.trace, len(self.contacts.gaps)), dict[int, _Set]()
 
-    def carried(self, columns: Array, first: int = 0) -> Array:
-        """Disturbances (2n, c) at the begin of segment ``first``, carried to the end of the motion."""
+    def carried(self, columns: Array, first: int = 0, last: int | None = None) -> Array:
+        """Disturbances (2n, c) from the begin of segment ``first`` carried to that of ``last``; None: to the end."""
         frame = np.array(columns, dtype=float)
-        for i in range(first, len(self)):
+        for i in range(first, len(self) if last is None else last):
             frame = self.over(i) @ frame
         return frame
 
@@ -97,6 +97,11 @@ class ContactMaps(TangentMaps):
         change = turn @ self._set(i).acceleration(self.drive, first, clock)
         matrix[n:, :n] = np.outer(change - after.acceleration(self.drive, then, clock), late)
         return matrix
+
+    @property
+    def most(self) -> int:
+        """Largest number of directions that may be lost at once."""
+        return LOST_AT_REST * len(self.contacts.gaps)
 
     def lost(self, i: int) -> int:
         """Number of directions that are lost, at least, in segment i and at its end."""

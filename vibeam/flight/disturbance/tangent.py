@@ -70,13 +70,13 @@ class TangentMaps:
         """Map over the whole motion."""
         return self.carried(np.eye(2 * self.system.size))
 
-    def carried(self, columns: Array, first: int = 0) -> Array:
-        """Disturbances (2n, c ≤ 2n) at the begin of segment ``first``, carried to the end of the motion."""
-        frame = np.array(columns, dtype=float, order="C")
+    def carried(self, columns: Array, first: int = 0, last: int | None = None) -> Array:
+        """Disturbances (2n, c ≤ 2n) from the begin of segment ``first`` carried to that of ``last``, None: the end."""
+        frame, end = np.array(columns, dtype=float, order="C"), len(self) if last is None else last
         piece = 1 + PIECE // (self.system.size + 8) ** 2
-        for begin in range(first, len(self), piece):
+        for begin in range(first, end, piece):
             pause()
-            carry_frame(self._plan, self._motion, Extent(begin, min(begin + piece, len(self)), 1, WHOLE), frame, NONE)
+            carry_frame(self._plan, self._motion, Extent(begin, min(begin + piece, end), 1, WHOLE), frame, NONE)
         return frame
 
     def flow(self, i: int) -> Array:
@@ -111,6 +111,11 @@ class TangentMaps:
         """Fastest decay of the free modes, 1/s."""
         blocks = self._plan.free.blocks
         return float(np.max(blocks[SIGMA] + np.sqrt(np.maximum(blocks[DISC], 0.0))))
+
+    @property
+    def most(self) -> int:
+        """Largest number of directions that may be lost at once."""
+        return LOST_AT_REST
 
     def lost(self, i: int) -> int:
         """Number of directions that are lost, at least, in segment i and at its end."""
