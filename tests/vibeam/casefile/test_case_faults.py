@@ -144,7 +144,6 @@ WRONG = [
     ("[sweep]", "[uncertainty]\nsamples = 48\n[sweep]", "22: uncertainty.samples: 48 is no power of two: write 32"),
     ("[sweep]", "[modes_needed]\nmodes = 12\n[sweep]", "22: modes_needed.modes: 12 is no power of two: write 8"),
     ("[sweep]", "[modes_needed]\nbases = [\"modal\", \"kryloff\"]\n[sweep]", "22: modes_needed.bases: no basis 'kryloff'; did you mean 'krylov'?"),
-    ("[sweep]", "[cost]\nreference = \"x\"\n[sweep]", "22: cost.reference: no reference 'x'; known here: none"),
     ("[sweep]", "[modes_needed]\nband = [1, 2, 3]\n[sweep]", "22: modes_needed.band: must be two frequencies: write band = [\"0 Hz\", \"500 Hz\"]"),
 ]  # fmt: skip
 
