@@ -98,9 +98,9 @@ Outcome = tuple[CostModel, Measurement] | LeftOut
 def run_in_turn(series: Sequence[SettingSeries], end: float, clock: Clock) -> Iterator[Outcome]:
     """Run point by point, always the run that has used least, until ``end`` on the ``clock``.
 
-    The first point of a run may take an equal share of the time that is left, at most half of it. A run whose point does not end in time is
-    given up with what it has, and the settings of its method that are behind it are left out; all settings where it was
-    the first of them. A setting counts as dear as the one before it.
+    The first point of a run may take an equal share of the time that is left, at most half of it. A run whose point
+    does not end in time is given up with what it has, and the settings of its method that are behind it are left out;
+    all settings where it was the first of them. A setting counts as dear as the one before it.
     """
     heap = [(0.0, order, each.settings[1:], each.begun(each.settings[0], clock)) for order, each in enumerate(series)]
     while heap:
