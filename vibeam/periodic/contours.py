@@ -7,9 +7,8 @@ which may turn back in either parameter, close or end.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize.elementwise import find_root
@@ -29,7 +28,7 @@ from vibeam_models.arrays import Array, Flags, ValueRecord
 
 Edge = tuple[int, int, int]  # row and column of the first end, and the direction 0: along the row, 1: along the column
 NUDGE = 1e-9  # share of a step from a fold at which both of its motions are real
-LOOKS = 24  # at an edge: a root takes about five, a jump would be halved fifty times
+LOOKS = 24  # at an edge: a root takes about five, a jump is halved each time
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,18 +141,11 @@ def _roots(plane: Plane, kind: Kind, branch: int, edges: list[Edge]) -> Array:
         return map_function(plane.system, kind, branch, points).reshape(np.shape(share))
 
     which = np.arange(len(edges), dtype=float)
-    ends = [np.abs(test(np.full(len(edges), end), which)) for end in (0.0, 1.0)]
-    found, share = _located(test, which, LOOKS), np.full(len(edges), np.nan)
+    span = np.zeros(len(edges)), np.ones(len(edges))
+    ends = [np.abs(test(end, which)) for end in span]
+    found = find_root(test, span, args=(which,), tolerances={"xatol": 1e-15}, maxiter=LOOKS)
     sound = np.abs(found.f_x) <= JUMP * np.maximum(*ends)
-    share[sound] = found.x[sound]
-    if (late := sound & ~found.success).any():
-        share[late] = _located(test, which[late]).x
-    return share
-
-
-def _located(test: Callable[[Array, Array], Array], which: Array, most: int | None = None) -> Any:
-    ends = np.zeros(len(which)), np.ones(len(which))
-    return find_root(test, ends, args=(which,), tolerances={"xatol": 1e-15}, maxiter=most)
+    return np.where(sound, found.x, np.nan)
 
 
 def _chains(known: dict[Edge, float], shape: tuple[int, ...]) -> Iterator[list[Edge]]:

@@ -193,7 +193,7 @@ def uncertain(study: CostStudy, case: Case) -> Iterator[str]:
 
 
 def _without_time(study: CostStudy, case: Case) -> Iterator[str]:
-    """What was given up or left out for the budget, by solver, with what it had used."""
+    """Note on the runs given up or left out for the budget, by solver, with the time that they had used."""
     short = [row for row in study.rows if row.computed < len(study.frequency)]
     count = len(short) + len(study.left_out)
     if count:

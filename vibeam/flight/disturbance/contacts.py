@@ -22,7 +22,7 @@ import numpy as np
 
 from vibeam.flight.contacts.readout import keys_of
 from vibeam.flight.contacts.sets import ConstrainedSystem, ContactSet
-from vibeam.flight.disturbance.tangent import LOST_AT_REST, TangentMaps, state_matrix
+from vibeam.flight.disturbance.tangent import TangentMaps, state_matrix
 from vibeam.flight.equilibrium import Contacts, multipliers, one_sided
 from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
@@ -97,11 +97,6 @@ class ContactMaps(TangentMaps):
         change = turn @ self._set(i).acceleration(self.drive, first, clock)
         matrix[n:, :n] = np.outer(change - after.acceleration(self.drive, then, clock), late)
         return matrix
-
-    @property
-    def most(self) -> int:
-        """Largest number of directions that may be lost at once."""
-        return LOST_AT_REST * len(self.contacts.gaps)
 
     def lost(self, i: int) -> int:
         """Number of directions that are lost, at least, in segment i and at its end."""

@@ -112,11 +112,6 @@ class TangentMaps:
         blocks = self._plan.free.blocks
         return float(np.max(blocks[SIGMA] + np.sqrt(np.maximum(blocks[DISC], 0.0))))
 
-    @property
-    def most(self) -> int:
-        """Largest number of directions that may be lost at once."""
-        return LOST_AT_REST
-
     def lost(self, i: int) -> int:
         """Number of directions that are lost, at least, in segment i and at its end."""
         if self.trace[i, layout.WHAT] == layout.RESTING or self.trace[i, layout.END] in (layout.CHATTER, layout.STUCK):

@@ -75,8 +75,8 @@ def _notes(found: FidelityMap) -> Iterator[str]:
         yield f"{kept}, for the budget: a larger --budget refines the map."
     if found.doubtful > 0:
         yield (
-            f"On {percent(found.doubtful)} of the places with impacts the choice hangs on the scatter of motions that do "
-            "not repeat: a longer sweep.hold decides more."
+            f"On {percent(found.doubtful)} of the places with impacts the choice hangs on the scatter of motions that "
+            "do not repeat: a longer sweep.hold decides more."
         )
     checked = found.verification
     if checked is not None:

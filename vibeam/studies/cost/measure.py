@@ -76,7 +76,7 @@ class Measurement:
 
     @property
     def done(self) -> bool:
-        """Whether all points are there."""
+        """True where all points are there."""
         return len(self) == len(self.plan.omega)
 
     @property
