@@ -117,7 +117,7 @@ def _other_solvers(study: CostStudy, exact: float) -> str:
 
 
 def _best(rows: Iterable[RunRow]) -> list[RunRow]:
-    """Row of least error of each solver, of those at most frequencies; where all were given up, the longest."""
+    """Row of the least error by each solver, of those at most frequencies; where all were given up, the longest."""
     best: dict[str, RunRow] = {}
     for row in sorted(rows, key=_rank):
         best.setdefault(row.solver, row)
@@ -125,7 +125,8 @@ def _best(rows: Iterable[RunRow]) -> list[RunRow]:
 
 
 def _rank(row: RunRow) -> tuple[bool, int, float, float, float]:
-    return not isfinite(_worst(row)), -row.computed, _worst(row), _seconds(row), -row.used
+    own = abs(row.numerical.worst) if isfinite(row.numerical.worst) else inf
+    return not isfinite(own), -row.computed, own, _seconds(row), -row.used
 
 
 def chosen(study: CostStudy) -> ReportTable:
