@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from vibeam.case.held import held_of
+from vibeam.case.study_plans import VerdictPlan
 from vibeam.exchange.files import dotted
 from vibeam.report.output import StudySheet, plain
-from vibeam.report.run_answer import USUAL
 from vibeam.report.tables import ReportTable, blank
 from vibeam.report.work_precision import work_precision
 from vibeam.runs.comparison.differences import listed
@@ -29,7 +29,7 @@ UNSETTLED = 1e-3  # error of flight from which on it has not settled
 ROUND_OFF, EXACT = 1e-12, 1e-5  # errors that are no larger are none, or nearly none
 
 
-def sheet(study: CostStudy, case: Case, within: float = USUAL) -> StudySheet:
+def sheet(study: CostStudy, case: Case, within: float = VerdictPlan.accuracy) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a run, nested values by names with a dot: ``total.rms``."""
     return StudySheet(
         answer=answer(study, case, within),
@@ -44,7 +44,7 @@ def sheet(study: CostStudy, case: Case, within: float = USUAL) -> StudySheet:
     )
 
 
-def answer(study: CostStudy, case: Case, within: float = USUAL) -> str:
+def answer(study: CostStudy, case: Case, within: float = VerdictPlan.accuracy) -> str:
     """Sentence on the finest fidelity's time, the cheapest run ``within`` an error, and the finest's other solvers."""
     exact = _exact(study)
     if not isfinite(exact):

@@ -138,7 +138,7 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
         return _under_record(name, case, plan, progress)
     if name == "modes":
         with telling(progress, name) as told:
-            return modes_needed(case, plan_of_modes(case, plan), budget=plan.budget, told=told)
+            return modes_needed(case, plan_of_modes(case, plan), budget=plan.allowed, told=told)
     if name == "effects":
         return influence(case, tell, progress, budget=plan.allowed)
     if name == "solvers":

@@ -140,9 +140,9 @@ class _Direction:
     def _has_moved(self, one: BranchEnd, other: BranchEnd) -> bool:
         """Test whether two ends are one that has moved: between them the motions differ, most of the way.
 
-        Beginnings and ends of contact are the same wherever they are.
+        Beginnings and ends of contact, and jumps of one kind of motion, are the same wherever they are.
         """
-        if one.before.strikes != one.after.strikes:
+        if one.before.strikes != one.after.strikes or one.before == one.after:
             return True
         low, high = sorted((one.frequency, other.frequency))
         parts = [
