@@ -119,4 +119,4 @@ def test_the_sheet_has_a_row_for_each_model_and_a_figure() -> None:
     assert [row["modes"] for row in made.rows][:3] == [1, 1, 2]
     assert made.data["enough"] == 2
     assert made.draw is not None
-    assert len(made.draw().axes) == 1
+    assert len(made.draw().axes) == 2
