@@ -9,6 +9,7 @@ from vibeam_models import keys as declare
 from vibeam_models.registry import Home, Registry
 
 EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
+ERRORS = ("amplitude_error", "frequency_error", "kind_width")  # of a fidelity against the finest of its rig
 OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
 MOST_ELEMENTS = 2000
 MOST_POINTS = 1_000_000

@@ -78,6 +78,8 @@ def _mark(axes: Any, ends: tuple[list[float], list[float]], error: float, colour
 
 
 def _errors(axes: Any, found: ModesNeeded) -> None:
+    from matplotlib.ticker import LogLocator
+
     from vibeam.figures.style import COLOURS
 
     rows = [row for row in found.rows if row.comparison is not None]
@@ -93,6 +95,7 @@ def _errors(axes: Any, found: ModesNeeded) -> None:
     axes.set(xscale="log", yscale="log", xlabel="CPU time of a point (ms)", ylabel="error (%)")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter("{x:g}")
+        axis.set_minor_locator(LogLocator(subs=(2, 5)))
         axis.set_minor_formatter("{x:g}")
     axes.legend(fontsize="small", title="dotted: what is asked; numbers: modes", title_fontsize="small")
 
