@@ -12,13 +12,13 @@ from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import blank
 from vibeam.runs.comparison.differences import listed
-from vibeam.studies.record.ensembles import OF_IMPACTS, NumberChange
-from vibeam.studies.record.readings import AskedNumber
+from vibeam.studies.changes import NumberChange
+from vibeam.studies.recorded_numbers import AskedNumber
+from vibeam.studies.variants import OF_IMPACTS
 from vibeam.system.number_text import begun, modes_in_words, percent, signed, with_unit
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
-    from vibeam.studies.influence.recorded_effects import RecordEffects
     from vibeam.studies.record.fidelities import RecordFidelities
     from vibeam.studies.record.modes import RecordModes
     from vibeam.studies.uncertainty.recorded_inputs import RecordUncertainty
@@ -134,28 +134,6 @@ def of_modes(study: RecordModes) -> StudySheet:
 
 def _left_out(seeds: int) -> str:
     return f"; {counted(seeds, 'realisation')} left out over the budget" if seeds else ""
-
-
-def of_effects(study: RecordEffects) -> StudySheet:
-    """Sheet of what each effect changes."""
-    numbers = list(study.reference.numbers)
-    table = blank("What each effect changes", "effect", "needed", *(f"without: {each}|" for each in numbers))
-    table.add("alone: peaks|", detail=True)
-    table.caption = CAPTION.format(f"all effects of {study.fidelity}")
-    for row in study.rows:
-        blanks = [""] * (len(numbers) - 1)
-        cells = [row.without.why, *blanks] if row.without.why else list(map(change_text, row.without.changes))
-        table.add_row(row.effect, "yes" if row.needed else "no", *cells, percent(row.alone.worst))
-    kept, first = study.enough.kept, study.rows[0]
-    some = f"{listed(kept)} suffice{'s' * (len(kept) == 1)}" if kept else "none of the effects is needed"
-    lost = "there is no model" if first.without.why else f"they change by up to {percent(first.without.worst)}"
-    answer = f"For {percent(study.tolerance)} of the peaks {some}; without {first.effect} {lost}"
-    tried = "all sets were tried" if study.exact else "sets were tried one effect at a time"
-    notes = [f"{tried}, {study.models} models", FEW if study.reference.seconds.size > 1 else ONE]
-    rows = [_row(each, effect=row.effect, needed=row.needed) for row in study.rows for each in row.without.changes]
-    data = {"rows": study.rows, "enough": kept}
-    answer += f"{_left_out(study.left_out)}."
-    return StudySheet(answer, [table], notes, data=data, rows=rows, study="effects")
 
 
 def of_uncertainty(study: RecordUncertainty) -> StudySheet:

@@ -18,15 +18,7 @@ import pytest
 from scipy.optimize import brentq
 from stand_in import HELD_AT_CONTACT, RIG, SDOF, point, same
 from typer.testing import CliRunner
-
-import vibeam
-from vibeam.casefile.documentation import reference_table
-from vibeam.casefile.read import parse
-from vibeam.casefile.tables.table import key, table
-from vibeam.cli.main import app
-from vibeam.exchange.faults import CaseError
 from vibeam.report.influence import answer, bars, details, left_alone, lines, sheet, taken_away
-from vibeam.report.tables import print_table
 from vibeam.studies.influence.curve import (
     Curve,
     Interest,
@@ -41,6 +33,14 @@ from vibeam.studies.influence.curve import (
 from vibeam.studies.influence.model import observed_ringing
 from vibeam.studies.influence.study import InfluenceStudy, influence
 from vibeam.studies.influence.subsets import effects_of, is_effect, smallest, subsets
+
+import vibeam
+from vibeam.casefile.documentation import reference_table
+from vibeam.casefile.read import parse
+from vibeam.casefile.tables.table import key, table
+from vibeam.cli.main import app
+from vibeam.exchange.faults import CaseError
+from vibeam.report.tables import print_table
 from vibeam.system.impact_system import Drive
 from vibeam.system.state import State
 from vibeam_models.beam import assemble

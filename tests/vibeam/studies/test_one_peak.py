@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from vibeam.studies.influence.curve import refined_peak, swept
 
 import vibeam
 from vibeam.case.case import Case
@@ -12,7 +13,6 @@ from vibeam.casefile.read import parse
 from vibeam.report.run_report import fidelities
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
-from vibeam.studies.influence.curve import refined_peak, swept
 from vibeam.studies.regression.check import check
 from vibeam.studies.uncertainty.samples import Sampler
 

@@ -11,20 +11,21 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 from typer.testing import CliRunner
+from vibeam.studies.influence.recorded_effects import record_effects
 
 import vibeam
 from vibeam.cli.main import app
 from vibeam.report.record_studies import of_effects, of_modes
 from vibeam.runs.transient.run import run_record
-from vibeam.studies.influence.recorded_effects import record_effects
-from vibeam.studies.record.ensembles import KNOWN, asked_number, changes, ensembles, usual_numbers
+from vibeam.studies.changes import changes
 from vibeam.studies.record.fidelities import judged
 from vibeam.studies.record.modes import RecordModes, record_modes
 from vibeam.studies.record.plane import axes_asked, record_map
-from vibeam.studies.record.readings import AskedNumber, suits
+from vibeam.studies.recorded_numbers import AskedNumber, suits
 from vibeam.studies.uncertainty.recorded_inputs import cheaper_mean
 from vibeam.studies.uncertainty.samples import inputs_of
 from vibeam.studies.uncertainty.statistics import saltelli
+from vibeam.studies.variants import KNOWN, asked_number, ensembles, usual_numbers
 
 SHOCK, LENGTH = 40.0, 11e-3  # m/s², s: a half-sine
 FAR = "50 mm"

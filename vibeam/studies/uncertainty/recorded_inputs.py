@@ -13,17 +13,17 @@ import numpy as np
 
 from vibeam.case.case import plan_of_record
 from vibeam.case.fineness import alike
-from vibeam.studies.record.ensembles import (
+from vibeam.studies.recorded_numbers import AskedNumber
+from vibeam.studies.uncertainty.mean_of_peak import PILOT, Allocation, MeanPeak, Pilot, allocation, estimate
+from vibeam.studies.uncertainty.samples import inputs_of
+from vibeam.studies.uncertainty.statistics import Distribution, Indices, indices, saltelli
+from vibeam.studies.variants import (
     Ensemble,
     Told,
     ensembles,
     plain_finest,
     usual_numbers,
 )
-from vibeam.studies.record.readings import AskedNumber
-from vibeam.studies.uncertainty.mean_of_peak import PILOT, Allocation, MeanPeak, Pilot, allocation, estimate
-from vibeam.studies.uncertainty.samples import inputs_of
-from vibeam.studies.uncertainty.statistics import Distribution, Indices, indices, saltelli
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
