@@ -6,7 +6,7 @@ Peak and ends are refined between the points of the sweep. What is read off a mo
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,6 +22,7 @@ NAN = float("nan")
 FINER, ROUNDS = 8, 2  # parts of the range around a peak, and how often they are refined
 SMOOTH = 0.05  # tolerance, as a share of the parabola's height, between the motion at its top and that height
 TOLERANCE = 1e-4  # relative width to which the ends of period 1 are bracketed
+SAME = 0.01  # relative difference of the amplitudes of two motions that are one
 UNSEEN = 1e-9  # share of the output's row below which a mode is not observable
 EDGE = "at the end of the sweep: it may lie beyond"
 CHANCE = "the motion at the peak does not repeat"
@@ -131,29 +132,44 @@ def numbers_of(
 ) -> dict[str, ReadNumber]:
     """Numbers of the sweep of a fidelity; those of a motion at ``frequency`` (Hz), None: at its peak."""
     top = refined_peak(response)
-    at = top.frequency if frequency is None else frequency
     known: dict[str, Callable[[], ReadNumber]] = {
         "peak": lambda: ReadNumber(top.amplitude, top.why),
         "peak_frequency": lambda: ReadNumber(top.frequency, top.why),
         "period_one_from": lambda: period_one_end(response, upper=False),
         "period_one_to": lambda: period_one_end(response, upper=True),
     }
-    return {each: known[each]() if each in known else _of_motion(case, name, system, each, at) for each in wanted}
+    at, why = (top.frequency, _elsewhere(response, top)) if frequency is None else (frequency, "")
+
+    def read(quantity: str) -> ReadNumber:
+        if quantity in known:
+            return known[quantity]()
+        return ReadNumber(NAN, why) if why else _of_motion(case, name, system, quantity, at)
+
+    return {each: read(each) for each in wanted}
+
+
+def _elsewhere(response: Response, top: RefinedPeak) -> str:
+    """Why no motion is read at a peak: from rest, as it would be settled, another motion is reached; else empty."""
+    if response.flights is None or not np.isfinite(top.frequency):
+        return "there is no motion to settle at the peak"
+    reached = flown(response.flights, top.frequency, None)
+    same = abs(reached.amplitude - top.amplitude) <= SAME * top.amplitude
+    return "" if same else "from rest another motion than that of the peak is reached: set influence.frequency"
 
 
 def _of_motion(case: Case, name: str, system: ImpactSystem, quantity: str, frequency: float) -> ReadNumber:
     """Number of the settled motion at a frequency (Hz): mean over its impacts, or over the intervals between them."""
-    kind, column = OF_MOTION[quantity]
-    near = next(_ringing_modes(system, case.sweep.output, frequency), None)
-    if not np.isfinite(frequency) or (kind == "ringing" and near is None):
-        return ReadNumber(NAN, "no faster mode that the output sees: nothing rings")
-    plan = ShowPlan(
-        name="", kind=kind, key="", fidelities=(name,), settle=case.sweep.settle,
-        output=case.sweep.output, near=None if near is None else near / (2 * np.pi),
-    )  # fmt: skip
     if case.scene_of(name).harmonics:
         return ReadNumber(NAN, "the fit knows one harmonic of the drive")
-    sheet = sheet_at(case, replace(plan, frequency=(frequency,)), name, frequency, ())
+    kind, column = OF_MOTION[quantity]
+    near = next(_ringing_modes(system, case.sweep.output, frequency), None)
+    if kind == "ringing" and near is None:
+        return ReadNumber(NAN, "no faster mode that the output sees: nothing rings")
+    plan = ShowPlan(
+        name="", kind=kind, key="", fidelities=(name,), frequency=(frequency,), settle=case.sweep.settle,
+        output=case.sweep.output, near=None if near is None else near / (2 * np.pi),
+    )  # fmt: skip
+    sheet = sheet_at(case, plan, name, frequency, ())
     values = sheet.of(column)[np.isfinite(sheet.of(column))]
     return ReadNumber(float(values.mean())) if len(values) else ReadNumber(NAN, sheet.fault or "there is none")
 

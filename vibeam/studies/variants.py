@@ -7,10 +7,10 @@ realisations scatter in all of them alike falls out. A sweep is an ensemble of o
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite
-from time import thread_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from vibeam.runs.transient.motions import MotionMaker, Realisation, motions_of
 from vibeam.runs.transient.statistics import SampleMean, mean_of
 from vibeam.runs.transient.transient import assembled
 from vibeam.solvers import SOLVERS
+from vibeam.solvers.steady import warm_up_once
 from vibeam.store.blocks import Values
 from vibeam.store.shares import are_shared, evaluate_each
 from vibeam.studies.recorded_numbers import AskedNumber, few_numbers, suits
@@ -126,29 +127,32 @@ def ensembles(
 
 def _swept(case: Case, name: str, asked: Sequence[AskedNumber], limit: float) -> Ensemble:
     """The sweep of a fidelity by exact motions, as an ensemble of one; one whose gap grows by impacts as it is run."""
-    begun, system = thread_time(), case.system(name)
-    flights = flights_of(case, name, system)
+    system = case.system(name)
+    flights, omega = flights_of(case, name, system), 2 * np.pi * case.sweep.frequency[:1]
+    warm_up_once("flight", system, float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]), "contact", {})
+    begun = time.thread_time()
     if flights is None:
         worn: Any = run(case, show=False, fidelities=[name])
         response = Response.of(worn[name])
     else:
         response = Response(_marched(case, flights, limit), flights)
+    seconds = np.array([[time.thread_time() - begun]])
     read = numbers_of(case, name, system, response, [each.quantity for each in asked], case.influence.frequency)
     values = {each: np.array([[read[each.quantity].number]]) for each in asked}
     why = {each: read[each.quantity].why for each in asked if read[each.quantity].why}
-    return Ensemble(name, system.size, values, np.array([[thread_time() - begun]]), response, why)
+    return Ensemble(name, system.size, values, seconds, response, why)
 
 
 def _marched(case: Case, flights: Flights, limit: float) -> dict[str, list[Place]]:
     """Places of a sweep by direction, each reached from the one before; ValueError where it takes too long."""
-    up, begun, last = np.sort(case.sweep.frequency).tolist(), thread_time(), None
+    up, begun, last = np.sort(case.sweep.frequency).tolist(), time.thread_time(), None
     ways = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
     found: dict[str, list[Place]] = {way: [] for way in ways}
     for way in ways:
         for frequency in up if way == "up" else up[::-1]:
             last = flown(flights, frequency, last)
             found[way].append(last)
-            if thread_time() - begun > limit:
+            if time.thread_time() - begun > limit:
                 raise ValueError(f"its sweep takes longer than {limit:.2g} s of CPU time")
     return found
 
@@ -165,9 +169,9 @@ def _numbers(maker: MotionMaker, motion: Realisation, asked: Sequence[AskedNumbe
     """Numbers of one motion, behind them its CPU time and the number of its modes."""
     duration, system = float(plan_of_record(maker.case).duration), maker.system(motion.value)[0]
     if SOLVERS[maker.case.fidelities[maker.name].solver].motion == "exact" and suits(asked):
-        begun, record = thread_time(), maker.load(motion.value, motion.seed)
+        begun, record = time.thread_time(), maker.load(motion.value, motion.seed)
         path, _ = maker.path(motion.value, record)
-        return [*few_numbers(path, record, asked, duration), thread_time() - begun, system.size]
+        return [*few_numbers(path, record, asked, duration), time.thread_time() - begun, system.size]
     reading = maker.made(replace(motion, shown=False))
     one = assembled(maker.name, duration, maker.system(motion.value)[1], [[reading]])
     found = [float(one.of(each.quantity, each.signal or None)[0, 0]) for each in asked]
