@@ -93,7 +93,7 @@ def _top(flights: Flights, three: Sequence[Place]) -> Place:
     if not (np.all(np.isfinite(y)) and y[0] - 2 * y[1] + y[2] < 0):
         return three[1]
     aside = (y[0] - y[2]) / (2 * (y[0] - 2 * y[1] + y[2]))
-    frequency = three[1].frequency + aside * (three[2].frequency - three[0].frequency) / 2
+    frequency = three[1].frequency + float(aside) * (three[2].frequency - three[0].frequency) / 2
     found, height = flown(flights, frequency, three[0]), y[1] - (y[0] - y[2]) * aside / 4
     return found if abs(_height(found) - height) <= SMOOTH * (height - y.min()) else three[1]
 

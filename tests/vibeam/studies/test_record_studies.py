@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 from scipy.signal import lsim
 from typer.testing import CliRunner
-from vibeam.studies.influence.recorded_effects import record_effects
 
 import vibeam
 from vibeam.cli.main import app
-from vibeam.report.record_studies import of_effects, of_modes
+from vibeam.report.effects import sheet
+from vibeam.report.record_studies import of_modes
 from vibeam.runs.transient.run import run_record
 from vibeam.studies.changes import changes
+from vibeam.studies.effects import influence
 from vibeam.studies.record.fidelities import judged
 from vibeam.studies.record.modes import RecordModes, record_modes
 from vibeam.studies.record.plane import axes_asked, record_map
@@ -116,9 +117,9 @@ def test_a_budget_leaves_realisations_out() -> None:
         row[:1] for row in whole.reference.of(AskedNumber("peak", "sensor")).tolist()
     ]
     assert of_modes(less).answer.endswith("; 2 realisations left out over the budget.")
-    effects = record_effects(case, 0.1, budget=1e-6)
-    assert effects.left_out == 2
-    assert of_effects(effects).answer.endswith("; 2 realisations left out over the budget.")
+    effects = influence(case, budget=1e-6)
+    assert (effects.realisations, effects.left_out) == (2, 0)
+    assert "; 2 realisations left out over the budget. " in sheet(effects).answer
 
 
 def replace_accuracy(found: RecordModes, accuracy: float) -> RecordModes:
@@ -185,7 +186,7 @@ def test_the_cheapest_within_is_named_at_each_value() -> None:
 
 def test_what_an_effect_changes_is_what_the_case_without_it_does() -> None:
     case = noisy()
-    found = record_effects(case, 0.02)
+    found = influence(case.with_keys({"influence.tolerance": 0.02}))
     assert {row.effect for row in found.rows} == {"gravity", "mass.rotary_inertia"}
     whole, without = (
         run_record(each, None, lambda *each: None, False, lambda line: None)["two"].of("peak")
@@ -269,8 +270,8 @@ def test_what_cannot_be_asked_is_said() -> None:
         vibeam.verdict(case, only=["solvers"])
     with pytest.raises(ValueError, match=r"verdict.over, verdict.points: of a \[sweep\]"):
         vibeam.verdict(case, only=["map"], over="drive", points=5)
-    with pytest.raises(ValueError, match=r"influence.repeats: of a \[sweep\]"):
-        vibeam.influence(noisy(**{"influence.repeats": 1}))
+    with pytest.raises(ValueError, match=r"influence.points: of a \[sweep\]"):
+        vibeam.influence(noisy(**{"influence.points": 3}))
     with pytest.raises(ValueError, match=r"modes_needed.frequency: of a \[sweep\]"):
         vibeam.limit(case, frequency=15.0)
     with pytest.raises(ValueError, match="has no effects"):
