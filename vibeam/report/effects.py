@@ -74,7 +74,7 @@ def _needed(names: Sequence[str], count: int) -> str:
 
 
 def _loss(study: Effects, row: EffectRow) -> str:
-    """What the model without an effect gets most wrong."""
+    """Largest error of the model without an effect, in words."""
     if row.without.why:
         return f"there is no model ({row.without.why})"
     if row.without.worst <= 1:
@@ -93,7 +93,7 @@ def _gravest(study: Effects, variant: EffectsVariant) -> str:
 
 
 def _rest(study: Effects) -> str:
-    """How near the model is that has the needed effects alone."""
+    """Errors of the model that has the needed effects alone, in words."""
     if study.enough.worst <= DUST:
         return "nothing changes"
     found = study.enough.comparison
@@ -167,7 +167,7 @@ def share(value: float) -> str:
 
 
 def notes(study: Effects) -> Iterator[str]:
-    """What is uncertain, each with what to do about it."""
+    """Notes on what is uncertain, each with what to do about it."""
     if study.left_out:
         yield f"{counted(study.left_out, 'set')} of effects left out over the budget: --budget makes them."
     elif not study.exact:

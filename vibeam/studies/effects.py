@@ -132,7 +132,7 @@ def influence(case: Case, progress: Progress | bool | None = None, budget: float
 
 
 def limits_of(case: Case, asked: Asked, whole: Ensemble) -> Mapping[AskedNumber, float]:
-    """What is allowed of the numbers that decide: of a sweep those of its comparison, and those that the case names.
+    """Limits of the numbers that decide: of a sweep those of its comparison, and those that the case names.
 
     Of a sweep without contact the peak decides.
     """

@@ -149,7 +149,7 @@ def numbers_of(
 
 
 def _elsewhere(response: Response, top: RefinedPeak) -> str:
-    """Why no motion is read at a peak: from rest, as it would be settled, another motion is reached; else empty."""
+    """Reason why no motion is read at a peak: settled from rest, another one is reached; else empty."""
     if response.flights is None or not np.isfinite(top.frequency):
         return "there is no motion to settle at the peak"
     reached = flown(response.flights, top.frequency, None)
