@@ -18,6 +18,7 @@ from vibeam.report.record_studies import CAPTION, FEW, ONE, change_text, value_t
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import listed
 from vibeam.studies.changes import AMPLITUDES, COMPARED, ENDS, KINDS, NumberChange, worst
+from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.system.number_text import percent
 from vibeam.system.number_text import signed as by_percent
 from vibeam_models.arguments import counted
@@ -26,9 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.studies.effects import EffectRow, Effects, EffectsVariant
-    from vibeam.studies.recorded_numbers import AskedNumber
 
-SHORT = {ENDS: "ends", KINDS: "other motion"}
+SHORT = {ENDS: "ends", KINDS: "other motion", AskedNumber("peak_frequency"): "at"}
 SWEPT = "changes from all effects of {}, ends in frequency; worst: the largest over what is allowed of it"
 NAMED = 2  # largest number of effects whose loss is told in the answer
 DUST = 1e-6  # share of what is allowed that is round-off

@@ -134,17 +134,17 @@ def influence(case: Case, progress: Progress | bool | None = None, budget: float
 def limits_of(case: Case, asked: Asked, whole: Ensemble) -> Mapping[AskedNumber, float]:
     """Limits of the numbers that decide: of a sweep those of its comparison, and those that the case names.
 
-    Of a sweep without contact the peak decides.
+    Of a sweep without contact the peak and its frequency decide.
     """
-    peaks = {each: asked.amplitude for each in whole.numbers if each.quantity == PEAK}
     if whole.response is None:
-        return peaks
-    named = {
-        each: asked.frequency if each in FREQUENCIES else asked.amplitude for each in case.influence.quantities or ()
+        return {each: asked.amplitude for each in whole.numbers if each.quantity == PEAK}
+    named, clear = case.influence.quantities or (), not whole.response.largest
+    limits = {AMPLITUDES: asked.amplitude, ENDS: asked.frequency, KINDS: asked.frequency}
+    return limits | {
+        each: asked.frequency if each.quantity in FREQUENCIES else asked.amplitude
+        for each in whole.numbers
+        if clear or each.quantity in named
     }
-    decide = {AMPLITUDES: asked.amplitude, ENDS: asked.frequency, KINDS: asked.frequency}
-    clear = not whole.response.largest
-    return decide | {AskedNumber(each): limit for each, limit in named.items()} | (peaks if clear else {})
 
 
 class _EffectModels:

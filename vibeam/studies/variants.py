@@ -68,9 +68,9 @@ class Ensemble(ValueRecord):
 
 
 def usual_numbers(case: Case) -> tuple[AskedNumber, ...]:
-    """Of a record peaks of all outputs kept, impacts, the hardest of them, energy lost at them; of a sweep its peak."""
+    """Peaks of all outputs kept, number of impacts, the hardest, energy lost at them; of a sweep its peak and where."""
     if case.record is None:
-        return (AskedNumber(PEAK),)
+        return AskedNumber(PEAK), AskedNumber("peak_frequency")
     outputs = plan_of_record(case).outputs
     return (*(AskedNumber(PEAK, name) for name in outputs), *map(AskedNumber, OF_IMPACTS))
 

@@ -13,6 +13,7 @@ import pytest
 
 import vibeam
 from vibeam.figures.units import amplitude_of, motion_of, units_for
+from vibeam.studies.recorded_numbers import AskedNumber
 
 CASES = Path(__file__).parents[3] / "cases"
 
@@ -226,7 +227,7 @@ def test_effects_are_judged_by_any_output():
         vibeam.run(each, show=False)[name].peak.amplitude
         for each in (case.with_keys({"mass.rotary_inertia": None}), case)
     )
-    assert row.without.changes[-1].change == pytest.approx(ours / whole - 1, rel=1e-6)
+    assert row.without.change(AskedNumber("peak")) == pytest.approx(ours / whole - 1, rel=1e-6)
 
 
 def test_a_fidelity_has_its_gauge_elsewhere():

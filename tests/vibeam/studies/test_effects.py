@@ -364,7 +364,7 @@ def test_a_quantity_that_the_case_names_decides_too() -> None:
 
 
 def test_of_a_sweep_without_contact_the_peak_decides() -> None:
-    """A linear resonance: without an added mass it lies higher, and the peak at one frequency is another."""
+    """A linear motion at one frequency: without an added mass the resonance is elsewhere."""
     case = case_of(ADDED, stop__gap="50 mm", sweep__frequency=["8 Hz"], influence__tolerance=0.001)
     study = influence(case)
     row = by_name(study)["added_mass"]
@@ -466,7 +466,7 @@ def test_the_command_prints_and_writes(tmp_path: Path) -> None:
     assert "the scene needs " in found["answer"]
     stem = tmp_path / "rig_influence.csv"
     rows = list(csv.DictReader(stem.read_text(encoding="utf-8").splitlines()))
-    assert len(rows) == 4 * (2 * 2 + 1)
+    assert len(rows) == 5 * (2 * 2 + 1)
     assert all(stem.with_suffix(ending).stat().st_size > 1000 for ending in (".png", ".svg"))
     bare = runner.invoke(app, ["study", "influence", str(file), "--set=mass.rotary_inertia=0.1 kg"])
     assert bare.exit_code == 2
