@@ -84,12 +84,14 @@ def _loss(study: Effects, row: EffectRow) -> str:
 
 def _gravest(study: Effects, variant: EffectsVariant) -> str:
     known = [each for each in variant.changes if isfinite(each.allowed) and not isnan(each.share)]
+    if not known:
+        return "no motion runs to its end"
     top, found = max(known, key=lambda each: each.share), variant.comparison
+    if abs(top.change) <= top.allowed:  # what it is uncertain by alone is beyond that
+        return f"the {top.number} may be {percent(top.size)} off"
     if found is not None and top.number in COMPARED:
         return gravest(Subject("the model"), Subject("the whole model"), found, study.asked, _units(study))
-    if isinf(top.change):
-        return f"the {top.number} is not there to compare"
-    return f"the {top.number} is {signed(top.change)}"
+    return f"the {top.number} is {'not there to compare' if isinf(top.change) else signed(top.change)}"
 
 
 def _rest(study: Effects) -> str:

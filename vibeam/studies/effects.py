@@ -158,6 +158,7 @@ class _EffectModels:
         told(0, 2 * len(sets.effects) + 1)
         [self.whole] = ensembles([(sets.case(sets.effects), sets.fidelity)], self.numbers)
         self.limits = limits_of(case, self.asked, self.whole)
+        self.limit = min(max(DEAREST * float(self.whole.seconds.sum()), SHORT), budget)
         same = None if self.whole.response is None else ResponseComparison()
         self.known = {frozenset(sets.effects): self._variant(sets.effects, self.whole, same)}
 
@@ -178,9 +179,8 @@ class _EffectModels:
         spent = [each.seconds for each in self.known.values() if not each.why]
         if sum(spent) * (1 + 1 / len(spent)) > self.budget:
             return EffectsVariant(kept, why=LEFT_OUT)
-        limit = min(max(DEAREST * spent[0], SHORT), self.budget)
         try:
-            [found] = ensembles([(self.sets.case(kept), self.sets.fidelity)], self.numbers, limit=limit)
+            [found] = ensembles([(self.sets.case(kept), self.sets.fidelity)], self.numbers, limit=self.limit)
         except ValueError as refusal:
             return EffectsVariant(kept, why=reason_of(refusal))
         return self._variant(kept, found, self._compared(found, fine=len(kept) == len(self.sets.effects) - 1))
@@ -216,7 +216,7 @@ class _EffectModels:
         for name, kept in sets.items():
             with suppress(ValueError):
                 case = self.sets.case(kept).with_keys({"stop.restitution_of": restitution_of})
-                [made] = ensembles([(case, self.sets.fidelity)], [peak])
+                [made] = ensembles([(case, self.sets.fidelity)], [peak], limit=self.limit)
                 found[name] = float(made.of(peak)[0, 0])
         whole = found.pop("", nan)
         return {name: value / whole - 1 for name, value in found.items()}

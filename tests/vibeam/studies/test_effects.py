@@ -428,6 +428,26 @@ def test_a_record_has_no_numbers_of_a_sweep() -> None:
     assert {row["effect"] for row in lines(study)} == {"", "mass.rotary_inertia", "mass.rigid_half_width"}
 
 
+def test_a_change_that_its_error_alone_makes_too_large_is_said_to_be_uncertain() -> None:
+    study = study_of(influence__tolerance=0.05, sweep__frequency=["15 Hz"])
+    row = study.rows[0]
+    lost = [
+        replace(each, change=0.01, error=0.03) if each.number == AMPLITUDES else each for each in row.without.changes
+    ]
+    shown = replace(study, rows=(replace(row, without=replace(row.without, changes=tuple(lost)), needed=True),))
+    assert f"without {row.effect} the amplitudes may be 7 % off" in answer(shown)
+
+
+def test_a_record_whose_motions_end_early_without_an_effect_needs_it() -> None:
+    """Numbers that a variant has not are no change that could be known: the effect stays, and the sentence says why."""
+    study = study_of(sweep__frequency=["15 Hz"])
+    row = study.rows[0]
+    lost = tuple(replace(each, change=nan, error=nan) for each in row.without.changes)
+    gone = replace(row, without=replace(row.without, changes=lost, comparison=None), needed=True)
+    assert isinf(gone.without.worst)
+    assert f"without {row.effect} no motion runs to its end" in answer(replace(study, rows=(gone,)))
+
+
 # --- the case's table and the command ---------------------------------------------------------------------------------
 
 
