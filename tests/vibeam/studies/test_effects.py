@@ -374,6 +374,14 @@ def test_of_a_sweep_without_contact_the_peak_decides() -> None:
     assert row.without.worst == pytest.approx(abs(peaks[0] / peaks[1] - 1) / 0.001, rel=1e-9)
 
 
+def test_a_gap_that_grows_by_impacts_is_swept_as_a_run_does() -> None:
+    case = case_of(stop__wear="1e-8 m", sweep__settle=40)
+    study = influence(case)
+    worn, fresh = (vibeam.run(each, show=False)["beam"].up.amplitude for each in (case, case_of(sweep__settle=40)))
+    off = fresh / worn - 1
+    assert by_name(study)["stop.wear"].without.change(AMPLITUDES) == pytest.approx(off[np.argmax(abs(off))], rel=1e-6)
+
+
 def test_one_frequency_is_compared_as_well() -> None:
     study = study_of(sweep__frequency=["15 Hz"])
     for row in study.rows:
