@@ -75,6 +75,8 @@ def _needed(names: Sequence[str], count: int) -> str:
 
 def _loss(study: Effects, row: EffectRow) -> str:
     """Largest error of the model without an effect, in words."""
+    if row.without.left_out:
+        return f"what changes is not known ({row.without.why})"
     if row.without.why:
         return f"there is no model ({row.without.why})"
     if row.without.worst <= 1:
@@ -171,7 +173,8 @@ def share(value: float) -> str:
 def notes(study: Effects) -> Iterator[str]:
     """Notes on what is uncertain, each with what to do about it."""
     if study.left_out:
-        yield f"{counted(study.left_out, 'set')} of effects left out over the budget: --budget makes them."
+        cure = "allow more (--budget), or sweep less (influence.points, influence.settle)"
+        yield f"{counted(study.left_out, 'set')} of effects left out for the time that they take: {cure}."
     elif not study.exact:
         yield "Effects were left out one after another: try a smaller set by [fidelity.NAME] without = […]."
     if study.case.record is not None:
@@ -188,7 +191,7 @@ def notes(study: Effects) -> Iterator[str]:
 def details(study: Effects) -> Iterator[str]:
     """Reasons of what is not known, and how the needed set was found."""
     for row in study.rows:
-        if row.without.why:
+        if row.without.why and not row.without.left_out:
             yield f"{row.effect} cannot be left out of the case as it is ({row.without.why}): needed."
         elif not row.needed and row.without.worst > 1:
             others = [other.effect for other in study.rows if not other.needed and other is not row]

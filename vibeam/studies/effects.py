@@ -21,13 +21,13 @@ from vibeam.runs.comparison.responses import Response, compared
 from vibeam.studies.changes import AMPLITUDES, ENDS, KINDS, NumberChange, changes
 from vibeam.studies.effect_sets import Subsets, smallest, subsets
 from vibeam.studies.recorded_numbers import AskedNumber
-from vibeam.studies.variants import PEAK, Ensemble, ensembles, require_usual, usual_numbers, within
+from vibeam.studies.variants import PEAK, DearSweep, Ensemble, ensembles, require_usual, usual_numbers, within
 from vibeam.system.progress import telling
 from vibeam_models.arrays import ValueRecord
 
 OF_SWEEPS = ("quantities", "frequency", "frequency_accuracy", "points", "settle", "hold")  # keys of [influence]
 FREQUENCIES = ("peak_frequency", "period_one_from", "period_one_to")
-LEFT_OUT = "left out, over the budget"
+LEFT_OUT = "left out: "  # begin of the reasons that are not of the model
 SURE = 1e-4  # changes smaller than this share have no sign
 DEAREST, SHORT = 20.0, 1.0  # times the CPU time of the whole, and seconds, that a sweep may take
 Progress = Callable[[int, int], None]
@@ -55,6 +55,11 @@ class EffectsVariant:
         return max(
             (each.share for each in self.changes if each.share == each.share and each.allowed < inf), default=inf
         )
+
+    @property
+    def left_out(self) -> bool:
+        """True where it was left out, and may exist."""
+        return self.why.startswith(LEFT_OUT)
 
     def change(self, number: AskedNumber) -> float:
         """Change of a number; NaN where it is not known."""
@@ -86,8 +91,8 @@ class Effects(ValueRecord):
     """``rows`` of the effects of a ``fidelity``, the most influential first; ``enough``: the smallest sufficient set.
 
     ``asked``: what is allowed; ``whole``: the model with all effects; ``exact``: all sets were tried; ``models``: how
-    many were computed, ``left_out`` were not, over the budget. ``held``: the restitution that is prescribed; ``other``:
-    the other choice, None where there is none or it was not compared.
+    many were computed, ``left_out`` were not, over the budget or too dear. ``held``: the restitution that is prescribed;
+    ``other``: the other choice, None where there is none or it was not compared.
     """
 
     case: Case
@@ -178,9 +183,11 @@ class _EffectModels:
     def _made(self, kept: tuple[str, ...]) -> EffectsVariant:
         spent = [each.seconds for each in self.known.values() if not each.why]
         if sum(spent) * (1 + 1 / len(spent)) > self.budget:
-            return EffectsVariant(kept, why=LEFT_OUT)
+            return EffectsVariant(kept, why=f"{LEFT_OUT}over the budget")
         try:
             [found] = ensembles([(self.sets.case(kept), self.sets.fidelity)], self.numbers, limit=self.limit)
+        except DearSweep as dear:
+            return EffectsVariant(kept, why=f"{LEFT_OUT}{dear}")
         except ValueError as refusal:
             return EffectsVariant(kept, why=reason_of(refusal))
         return self._variant(kept, found, self._compared(found, fine=len(kept) == len(self.sets.effects) - 1))
@@ -199,7 +206,7 @@ class _EffectModels:
         names, held = self.sets.effects, held_of(self.sets.whole.scene)
         pairs = {name: (self.variant({*names} - {name}), self.variant({name})) for name in names}
         kept, exact = smallest(names, lambda chosen: self.variant(chosen).worst)
-        left_out = sum(each.why == LEFT_OUT for each in self.known.values())
+        left_out = sum(each.left_out for each in self.known.values())
         other = None if left_out or self.case.record else other_choice(held)
         peaks = {} if other is None else self._other_peaks(other.restitution_of)
         rows = [EffectRow(name, *pairs[name], name in kept, peaks.get(name, nan)) for name in names]

@@ -43,6 +43,10 @@ OF_IMPACTS = ("impacts", "hardest_impact", "lost_at_impacts")
 KNOWN = tuple(name for name, each in QUANTITIES.items() if each.of != "pair")
 
 
+class DearSweep(ValueError):
+    """Sweep that takes longer than it may."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Ensemble(ValueRecord):
     """Motions of one variant over v values of the factor and s seeds; ``of`` a number (v, s), SI.
@@ -94,8 +98,8 @@ def ensembles(
 ) -> list[Ensemble]:
     """Ensemble of every variant, several motions at once; ``told`` the motions done and their total, from any thread.
 
-    CaseError for a variant that cannot be built, ValueError for a signal that there is not, and for a sweep that takes
-    longer than ``limit`` CPU seconds.
+    CaseError for a variant that cannot be built, ValueError for a signal that there is not, DearSweep for a sweep
+    that takes longer than ``limit`` CPU seconds.
     """
     if variants[0][0].record is None:
         return [_swept(*each, asked, limit) for each in variants]
@@ -144,7 +148,7 @@ def _swept(case: Case, name: str, asked: Sequence[AskedNumber], limit: float) ->
 
 
 def _marched(case: Case, flights: Flights, limit: float) -> dict[str, list[Place]]:
-    """Places of a sweep by direction, each reached from the one before; ValueError where it takes too long."""
+    """Places of a sweep by direction, each reached from the one before; DearSweep where it takes too long."""
     up, begun, last = np.sort(case.sweep.frequency).tolist(), time.thread_time(), None
     ways = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
     found: dict[str, list[Place]] = {way: [] for way in ways}
@@ -153,7 +157,7 @@ def _marched(case: Case, flights: Flights, limit: float) -> dict[str, list[Place
             last = flown(flights, frequency, last)
             found[way].append(last)
             if time.thread_time() - begun > limit:
-                raise ValueError(f"its sweep takes longer than {limit:.2g} s of CPU time")
+                raise DearSweep(f"its sweep takes longer than {limit:.2g} s of CPU time")
     return found
 
 

@@ -30,7 +30,7 @@ from vibeam.report.tables import print_table
 from vibeam.runs.comparison.errors import Asked, ResponseComparison
 from vibeam.studies.changes import AMPLITUDES, ENDS, KINDS, changes
 from vibeam.studies.effect_sets import effects_of, is_effect, smallest, subsets
-from vibeam.studies.effects import LEFT_OUT, Effects, influence
+from vibeam.studies.effects import Effects, influence
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.variants import Ensemble, ensembles
 from vibeam_models.beam import assemble
@@ -394,17 +394,23 @@ def test_a_budget_leaves_sets_out_and_claims_no_smallest() -> None:
     case = case_of(ADDED, CLAMP, influence__tolerance=0.002)
     study = influence(case, progress=lambda *counts: done.append(counts), budget=0.0)
     assert (study.exact, study.left_out > 0, study.models) == (False, True, 1)
-    assert {row.without.why for row in study.rows} == {LEFT_OUT}
+    assert {row.without.why for row in study.rows} == {"left out: over the budget"}
     assert set(study.enough.kept) == {row.effect for row in study.rows}
     assert all(count <= total for count, total in done)
     assert "the scene may need all of its 4 effects" in answer(study)
-    assert any("--budget makes them" in note for note in sheet(study).notes)
+    assert any("allow more (--budget)" in note for note in sheet(study).notes)
+    assert "what changes is not known (left out: over the budget)" in answer(study)
     assert influence(case).left_out == 0
 
 
-def test_a_sweep_that_takes_too_long_is_left_out_with_its_reason() -> None:
+def test_a_sweep_that_takes_too_long_is_left_out_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match="its sweep takes longer than 0 s of CPU time"):
         ensembles([(case_of(), "beam")], [PEAK], limit=0.0)
+    monkeypatch.setattr("vibeam.studies.effects.DEAREST", 0.0)
+    monkeypatch.setattr("vibeam.studies.effects.SHORT", 0.0)
+    study = study_of()
+    assert study.left_out == 3
+    assert "may need all of its 2 effects" in answer(study)
 
 
 def test_a_fidelity_that_goes_without_an_effect_has_it_not() -> None:
