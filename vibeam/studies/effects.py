@@ -91,7 +91,7 @@ class Effects(ValueRecord):
     """``rows`` of the effects of a ``fidelity``, the most influential first; ``enough``: the smallest sufficient set.
 
     ``asked``: what is allowed; ``whole``: the model with all effects; ``exact``: all sets were tried; ``models``: how
-    many were computed, ``left_out`` were not, over the budget or too dear. ``held``: the restitution that is prescribed;
+    many were computed, ``left_out`` were not, for the time they take. ``held``: the restitution that is prescribed;
     ``other``: the other choice, None where there is none or it was not compared.
     """
 
