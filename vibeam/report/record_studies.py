@@ -158,13 +158,16 @@ def of_uncertainty(study: RecordUncertainty) -> StudySheet:
         table.add_row(str(row.number), *spread, ends, *parts)
     same = f"each on the same {counted(study.realisations, 'realisation')}"
     cost = f"{1e3 * study.seconds:.3g} ms of CPU time a sample"
-    notes = [f"{study.samples} samples of {study.fidelity}, {same}, {cost}", _cheaper(study)]
+    made = f"{study.replicates} independent scramblings of {study.samples // study.replicates} Sobol' points"
+    notes = [f"{study.motions} samples of {study.fidelity} ({made}), {same}, {cost}"]
+    mean = [value_text(case, first.number, each) for each in first.spread.mean_within]
+    notes.append(f"mean of the {first.number} between {' and '.join(mean)} (95 %)")
     if isfinite(shares[top]):
         within = " … ".join(percent(float(each[top, 0])) for each in (first.indices.low, first.indices.high))
         notes.append(f"the share of {keys[top]} lies in {within} (95 %): --samples narrows it")
     if study.failed:
         notes.append(f"{study.failed} samples did not run to the record's end, and are left out")
-    data = {"rows": study.rows, "samples": study.samples, "seed": study.seed, "cheaper": study.cheaper}
+    data = {"rows": study.rows, "samples": study.samples, "replicates": study.replicates, "seed": study.seed}
     return StudySheet(f"{answer}.", [table], notes, data=data, rows=list(_spread_rows(study, keys)))
 
 
@@ -174,20 +177,6 @@ def _spread_rows(study: RecordUncertainty, keys: Sequence[str]) -> Iterator[Mapp
         head = {"number": str(row.number), "nominal": found.nominal, "mean": found.mean, "deviation": found.deviation}
         totals = {f"total {key}": float(row.indices.total[at, 0]) for at, key in enumerate(keys)}
         yield head | {"low": ends[0], "high": ends[-1]} | totals
-
-
-def _cheaper(study: RecordUncertainty) -> str:
-    found, number = study.cheaper, study.rows[0].number
-    if found is None:
-        return f"no other fidelity makes the mean of the {number} cheaper"
-    used = listed([f"{count} × {name}" for name, count in zip(found.chosen.names, found.counts, strict=True)])
-    mean, error, alone = (
-        value_text(study.case, number, each) for each in (found.several.mean, found.several.error, found.alone.error)
-    )
-    return (
-        f"mean of the {number} by {used}: {mean} ± {error} in {found.several.seconds:.2g} s of CPU time, by "
-        f"{study.fidelity} alone ± {alone} in {found.alone.seconds:.2g} s: {found.saving:.2g} times cheaper"
-    )
 
 
 def _row(change: NumberChange, **head: Any) -> Mapping[str, Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -23,9 +22,6 @@ from vibeam.studies.record.fidelities import judged
 from vibeam.studies.record.modes import RecordModes, record_modes
 from vibeam.studies.record.plane import axes_asked, record_map
 from vibeam.studies.recorded_numbers import AskedNumber, suits
-from vibeam.studies.uncertainty.recorded_inputs import cheaper_mean
-from vibeam.studies.uncertainty.samples import inputs_of
-from vibeam.studies.uncertainty.statistics import saltelli
 from vibeam.studies.variants import KNOWN, asked_number, ensembles, usual_numbers
 
 SHOCK, LENGTH = 40.0, 11e-3  # m/s², s: a half-sine
@@ -208,46 +204,9 @@ def test_a_peak_that_follows_its_input_has_its_quantiles_and_all_its_variance() 
     assert peak.spread.nominal == pytest.approx(linear_peak(2), rel=2e-5)
     assert np.array(peak.spread.quantiles) / peak.spread.nominal == pytest.approx([0.82, 0.9, 1.0, 1.1, 1.18], abs=0.01)
     assert peak.indices.total[:, 0] == pytest.approx([1.0, 0.0], abs=0.05)
-    assert found.failed == 0
-
-
-def test_a_cheaper_fidelity_takes_the_mean_nearer() -> None:
-    """y = x₁ + x₂²/10 of standard normal inputs has the mean 0.1; x₁ alone follows it and costs a hundredth."""
-    costs = {"many": 1.0, "few": 0.01}
-
-    def at(name: str, inputs: np.ndarray) -> tuple[np.ndarray, float]:
-        values = inputs[:, 0] + (name == "many") * inputs[:, 1] ** 2 / 10
-        return values[None], costs[name]
-
-    case = modal_case(uncertain={"drive.acceleration": "± 1 m/s^2", "stop.gap": "± 1 mm"})
-    unit = [dataclasses.replace(each, first=0.0, second=1.0) for each in case.uncertain]
-    case = dataclasses.replace(case, uncertain=tuple(unit))
-    inputs = inputs_of(case.uncertain, saltelli(2, 128, 3))[:256]
-    known = at("many", inputs)[0][0]
-    found = cheaper_mean(case, SimpleNamespace(at=at), "many", inputs, known, 1.0, 7)
-    assert found.chosen.names == ("many", "few")
-    assert found.correlations["few"] == pytest.approx(1 / np.sqrt(1.02), abs=0.005)  # var(x₂²/10) = 0.02
-    assert found.several.seconds < found.alone.seconds
-    assert found.several.error < 0.7 * found.alone.error
-    assert abs(found.several.mean - 0.1) < 4 * found.several.error
-    assert found.saving > 3
-
-
-def test_intervals_of_the_cheaper_mean_hold() -> None:
-    """At least 88 of 100: 95 % less three standard deviations of a count."""
-    case = modal_case(uncertain={"drive.acceleration": "± 1 m/s^2", "stop.gap": "± 1 mm"})
-    unit = tuple(dataclasses.replace(each, first=0.0, second=1.0) for each in case.uncertain)
-    case = dataclasses.replace(case, uncertain=unit)
-
-    def at(name: str, inputs: np.ndarray) -> tuple[np.ndarray, float]:
-        return (inputs[:, 0] + (name == "many") * inputs[:, 1] ** 2 / 10)[None], 0.1 ** (name == "few")
-
-    held = 0
-    for seed in range(100):
-        inputs = np.random.default_rng([seed, 9]).standard_normal((128, 2))
-        found = cheaper_mean(case, SimpleNamespace(at=at), "many", inputs, at("many", inputs)[0][0], 1.0, seed)
-        held += found.several.low <= 0.1 <= found.several.high
-    assert held >= 88
+    low, high = peak.spread.mean_within
+    assert low <= peak.spread.nominal <= high < 1.05 * low
+    assert (found.samples, found.replicates, found.motions, found.failed) == (32, 8, 128, 0)
 
 
 def test_what_cannot_be_asked_is_said() -> None:
