@@ -42,10 +42,11 @@ def test_sweeps_in_step_are_those_of_one_after_another() -> None:
     for own, found in zip(asked, sweep_side_by_side(asked), strict=True):
         alone = own.alone()
         np.testing.assert_array_equal(found.period, alone.period)
-        assert (alone.period > 0).all()
+        repeats = alone.period > 0
+        assert repeats.sum() >= 6
         for name in COLUMNS:
-            one, other = getattr(found, name), getattr(alone, name)
-            np.testing.assert_allclose(one, other, rtol=1e-10, atol=1e-12 * np.nanmax(np.abs(other)))
+            one, other = getattr(found, name)[repeats], getattr(alone, name)[repeats]
+            np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-13)  # amplitudes are about 0.1
 
 
 def test_a_sweep_is_the_same_to_the_bit_whatever_stands_beside_it() -> None:

@@ -240,13 +240,15 @@ def test_indices_beyond_1_lie_in_their_panel(study):
 
 def test_a_linear_rig_spreads_as_its_drive(study):
     for row in study.rows:
-        assert row.peak.deviation / row.peak.nominal == pytest.approx(0.01, rel=0.03)
+        assert row.peak.deviation / row.peak.nominal == pytest.approx(0.01, rel=0.08)
         assert row.peak.mean == pytest.approx(row.peak.nominal, rel=1e-3)
-        np.testing.assert_allclose(row.bands[-1] / row.nominal, 1.01645, rtol=1.5e-3)
-        np.testing.assert_allclose(row.bands[0] / row.nominal, 0.98355, rtol=1.5e-3)
+        np.testing.assert_allclose(row.bands[-1] / row.nominal, 1.01645, rtol=3e-3)
+        np.testing.assert_allclose(row.bands[0] / row.nominal, 0.98355, rtol=3e-3)
         assert row.peak_frequency.deviation == 0
         assert np.isnan(row.jump.nominal)
-    np.testing.assert_allclose(study.over_frequency.total[0], 1, atol=0.1)
+    assert (study.over_frequency.low[0] < 1).all()
+    assert (study.over_frequency.high[0] > 1).all()
+    np.testing.assert_allclose(study.over_frequency.total[0], 1, atol=0.2)
     np.testing.assert_allclose(study.over_frequency.total[1], 0, atol=1e-12)
 
 
