@@ -23,6 +23,7 @@ REPETITIONS = 100
 HALF = 128  # samples of the study where --samples is not said: 256 motions of the finest model
 CHECKED = 200  # plain samples that are flown too
 ENOUGH, FEW = 93, 20  # intervals of a hundred that hold the truth at least, and one moved by three half widths at most
+LEAST = 88  # of a hundred that hold a quantile: 95 less three standard deviations of such a count
 WIDE = 1.3  # half widths at most, over what the scatter of the estimates asks for
 
 
