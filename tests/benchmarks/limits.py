@@ -24,11 +24,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from vibeam.runs.comparison.limit import limit
 
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.periodic.motions import closed_amplitudes
-from vibeam.runs.comparison.limit import limit
 from vibeam.system.impact_system import ImpactSystem
 
 CASES = Path(__file__).parents[2] / "cases"

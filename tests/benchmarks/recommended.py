@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from vibeam.studies.modes_needed.reduction import ReductionStudy
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.studies.modes_needed.reduction import ReductionStudy
 from vibeam.system.response import FrequencyResponse
 
 CASES = Path(__file__).parents[2] / "cases"

@@ -18,12 +18,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from vibeam.studies.modes_needed.reduction import ReductionStudy
 
 import vibeam
 from tests.benchmarks.recommended import alone, fidelities
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
-from vibeam.studies.modes_needed.reduction import ReductionStudy
 from vibeam.system.response import join, periodic
 
 TARGET = Path(__file__).with_name("results") / "recommended_beams.json"

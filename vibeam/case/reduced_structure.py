@@ -77,19 +77,6 @@ def static_at_contact(structure: Structure) -> float:
         return nan
 
 
-def mobility_at_contact(scene: RigScene) -> float:
-    """Mobility w M⁻¹ wᵀ of all modes at the contact, 1/kg; that of a solid is kept on disk."""
-    own = scene.structural()
-    if not scene.in_three_dimensions:
-        return _mobility(own)
-    from vibeam.case.kept_structures import note, noted
-
-    known = noted(float, own, "mobility")
-    if known is None:
-        note(known := _mobility(own), own, "mobility")
-    return known
-
-
 def _mobility(scene: RigScene) -> float:
     structure = _kept_structure(scene)[0]
     return float(structure.mobility(structure.contact))

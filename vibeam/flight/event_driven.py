@@ -38,14 +38,6 @@ class Segments:
     size: float  # about the largest modal displacement, see ``equilibrium.size_of_motion``
 
 
-def impact_limit(limit: object) -> int:
-    """``limit`` as an int; ValueError where it is no whole number of impacts."""
-    faults: list[str] = []
-    found = count("limit", limit, faults, least=1, most=MOST_IMPACTS)
-    refuse("solver", faults)
-    return found
-
-
 def modal_values(system: ImpactSystem, state: State) -> Array:
     """Displacement and velocity (2, n) of a state. ValueError where its shape is wrong."""
     both = np.array([state.displacement, state.velocity], dtype=float)
@@ -75,7 +67,9 @@ class EventDrivenSolver(ABC):
 
     def __init__(self, system: ImpactSystem, limit: int) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
-        self.system, self.limit = system, impact_limit(limit)
+        faults: list[str] = []
+        self.system, self.limit = system, count("limit", limit, faults, least=1, most=MOST_IMPACTS)
+        refuse("solver", faults)
 
     @abstractmethod
     def _engine_for(self, size: float) -> Any:

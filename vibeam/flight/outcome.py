@@ -57,11 +57,6 @@ def _undriven(path: Any) -> bool:
     return drive.amplitude == 0 if isinstance(drive, Drive) else drive.end <= path.t_end
 
 
-def _pressed(path: Any) -> bool:
-    """True where it stands within the range of a stop that yields."""
-    return bool(np.any(Contacts.of(path.system).clearances(path.state.displacement) < 0))
-
-
 def _still(path: Any) -> bool:
     """True where no energy is left above equilibrium, against the most that any segment began with."""
     system, last = path.system, np.stack([path.state.displacement, path.state.velocity])
@@ -79,5 +74,6 @@ def outcome_of(path: Any) -> Outcome:
     if path.ended is not Ended.COMPLETE:
         return Outcome[path.ended.name]
     if _undriven(path) and _still(path):
-        return Outcome.SETTLED_ON_STOP if path.state.resting or _pressed(path) else Outcome.SETTLED
+        pressed = np.any(Contacts.of(path.system).clearances(path.state.displacement) < 0)  # on a stop that yields
+        return Outcome.SETTLED_ON_STOP if path.state.resting or pressed else Outcome.SETTLED
     return Outcome.RESTING if path.state.resting else Outcome.MOVING

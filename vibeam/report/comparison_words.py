@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from math import ceil, floor, log10
 
 from vibeam.figures.units import DisplayUnits
-from vibeam.runs.comparison.ends import BranchEnd
+from vibeam.runs.comparison.ends import SweptEnd
 from vibeam.runs.comparison.errors import AmplitudeError, Asked, EndError, KindDifference, ResponseComparison
-from vibeam.runs.comparison.kinds import IRREGULAR, MotionKind
+from vibeam.runs.comparison.kinds import IRREGULAR, SweptKind
 
 LEAST, MOST = 1e-4, 10.0  # differences that are not written as numbers: below, above
 NOUNS = {
@@ -101,7 +101,7 @@ def gravest(who: Subject, other: Subject, found: ResponseComparison, asked: Aske
 
 
 def open_points(found: ResponseComparison, asked: Asked, units: DisplayUnits) -> str:
-    """What is not known of a comparison that does not say whether a model suffices."""
+    """Clause on a comparison that leaves open whether a model suffices."""
     return "; ".join(_open(found, asked, units))
 
 
@@ -124,11 +124,11 @@ def _is_known(end: EndError) -> bool:
     return abs(end.error) > max(end.open, LEAST)
 
 
-def _noun(end: BranchEnd) -> str:
+def _noun(end: SweptEnd) -> str:
     return f"jump {_way(end)}" if end.jumps else NOUNS[end.event]
 
 
-def _way(end: BranchEnd) -> str:
+def _way(end: SweptEnd) -> str:
     return "up" if end.step > 0 else "down"
 
 
@@ -150,7 +150,7 @@ def _difference(who: Subject, other: Subject, found: KindDifference, units: Disp
     return f"{who.name} {ours} from {_range(found.low, found.high, units)}{way}, where {other.name} {theirs}"
 
 
-def _makes(who: Subject, kind: MotionKind) -> str:
+def _makes(who: Subject, kind: SweptKind) -> str:
     if kind.repeats:
         return f"{who.has} {kind}"
     return f"{'do' if who.plural else 'does'} not repeat" if kind.periods == IRREGULAR else f"{who.has} no contact"

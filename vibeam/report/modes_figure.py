@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.runs.comparison.errors import ResponseComparison
-    from vibeam.studies.modes_needed import ModesNeeded, ModesRow
+    from vibeam.studies.modes_needed import ModesNeeded, ModesTried
 
 LEAST = 1e-5  # error that is drawn, at least
 
@@ -100,9 +100,9 @@ def _errors(axes: Any, found: ModesNeeded) -> None:
     axes.legend(fontsize="small", title="dotted: what is asked; numbers: modes", title_fontsize="small")
 
 
-def _amplitude(row: ModesRow) -> float:
+def _amplitude(row: ModesTried) -> float:
     return 0.0 if row.comparison is None or row.comparison.amplitude is None else row.comparison.amplitude_error
 
 
-def _frequency(row: ModesRow) -> float:
+def _frequency(row: ModesTried) -> float:
     return 0.0 if row.comparison is None else max(row.comparison.frequency_error, row.comparison.kind_width)

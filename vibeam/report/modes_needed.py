@@ -15,7 +15,7 @@ from vibeam.report.run_answer import beyond
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.beyond import GIVEN
 from vibeam.runs.comparison.errors import FIFTH
-from vibeam.studies.modes_needed import ModesNeeded, ModesRow, modes_needed
+from vibeam.studies.modes_needed import ModesNeeded, ModesTried, modes_needed
 from vibeam.system.number_text import begun, modes_in_words, percent
 
 SINGLE = Subject("one degree of freedom")
@@ -64,7 +64,7 @@ def _units(found: ModesNeeded) -> DisplayUnits:
     return units_of(found.case)
 
 
-def _subject(row: ModesRow) -> Subject:
+def _subject(row: ModesTried) -> Subject:
     return Subject(modes_in_words(row.modes), row.modes > 1)
 
 
@@ -130,11 +130,11 @@ def sheet(found: ModesNeeded) -> StudySheet:
     )
 
 
-def _all_rows(found: ModesNeeded) -> list[ModesRow]:
+def _all_rows(found: ModesNeeded) -> list[ModesTried]:
     return [*filter(None, [found.single]), *found.rows]
 
 
-def _numbers(row: ModesRow) -> dict[str, object]:
+def _numbers(row: ModesTried) -> dict[str, object]:
     own = row.comparison or None
     return {
         "modes": row.modes, "reduction": row.reduction,

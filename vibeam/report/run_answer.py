@@ -179,7 +179,7 @@ def _own_miss(group: PhysicsGroup, asked: Asked, units: DisplayUnits) -> str:
 
 
 def _own_numbers(group: PhysicsGroup, units: DisplayUnits) -> str:
-    """What is known of the error of the finest, in brackets."""
+    """Error of the finest in brackets, as far as it is known."""
     found = group.own.comparison
     if found is None:
         return " (all that the case gives)"

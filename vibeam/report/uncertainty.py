@@ -135,7 +135,7 @@ def errors(study: UncertaintyStudy) -> ReportTable:
     )
     table.add("to the finest|", "measured|", "to the measured|", "u_val|")
     table.caption = (
-        "standard uncertainties; numerical: distance from its own limit; by the inputs: standard deviation;\n"
+        "standard uncertainties; numerical: beside a fuller model; by the inputs: standard deviation;\n"
         "data: of the measurement; u_val: the root of the sum of their squares (ASME V&V 20). –: not known here"
     )
     for row in study.errors:

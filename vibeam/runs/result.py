@@ -144,7 +144,7 @@ class Result(FidelityResults[Branches]):
         if not self.compared:
             from vibeam.runs.comparison.of_run import compared_fidelities
 
-            self.compared = compared_fidelities(self, self._after)
+            self.compared = compared_fidelities(self.case, self, self.finest, self._after)
         return self.compared
 
     @property

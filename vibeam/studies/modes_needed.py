@@ -37,7 +37,7 @@ COSTLY = "the sweep of {} modes does not fit into the budget of {:g} s"
 
 
 @dataclass(frozen=True)
-class ModesRow:
+class ModesTried:
     """Model of ``modes`` beside the reference, by ``reduction``; ``why`` it was not swept, else empty.
 
     ``seconds``: CPU time of a point, about.
@@ -81,8 +81,8 @@ class ModesNeeded(ValueRecord, ViewedTable):
     case: Case
     plan: ModesNeededPlan
     asked: Asked
-    rows: tuple[ModesRow, ...]
-    single: ModesRow | None
+    rows: tuple[ModesTried, ...]
+    single: ModesTried | None
     own: ComparedFidelity
     modes: int
     size: int
@@ -91,7 +91,7 @@ class ModesNeeded(ValueRecord, ViewedTable):
     seconds: float = 0.0
 
     @property
-    def enough(self) -> ModesRow | None:
+    def enough(self) -> ModesTried | None:
         """Least number of modes from which on all that were swept suffice; None where there is none."""
         found = None
         for row in reversed([row for row in self.rows if not row.why]):
@@ -145,7 +145,7 @@ class _Sweeps:
         reference = self._reference([n for n in counts if n <= FIRST][-1:])
         self.told(1, total)
         single = self._single(reference)
-        rows: list[ModesRow] = []
+        rows: list[ModesTried] = []
         for n in (n for n in counts if n < self.modes):
             rows.append(self._row(n, reference))
             self.told(len(rows) + 2, total)
@@ -206,17 +206,17 @@ class _Sweeps:
             yield modes
             modes //= 2
 
-    def _row(self, modes: int, reference: Response) -> ModesRow:
+    def _row(self, modes: int, reference: Response) -> ModesTried:
         try:
             found = self.swept.get(modes) or self._response(self._system(modes))
         except ValueError as refusal:  # a restitution of mode 1 that no contact gives
-            return ModesRow(modes, why=str(refusal))
+            return ModesTried(modes, why=str(refusal))
         if found is None:
-            return ModesRow(modes, why=COSTLY.format(modes, self.budget))
+            return ModesTried(modes, why=COSTLY.format(modes, self.budget))
         self.swept[modes] = found
-        return ModesRow(modes, "modal", compared(found, reference, self.asked.frequency), found.cost)
+        return ModesTried(modes, "modal", compared(found, reference, self.asked.frequency), found.cost)
 
-    def _single(self, reference: Response) -> ModesRow | None:
+    def _single(self, reference: Response) -> ModesTried | None:
         """One degree of freedom along the static deflection at the contact; None of a rig that has none."""
         try:
             found = self._response(system(self.scene, Fidelity("single", "static_mode")))
@@ -224,7 +224,7 @@ class _Sweeps:
             return None
         if found is None:
             return None
-        return ModesRow(1, "static_mode", compared(found, reference, self.asked.frequency), found.cost)
+        return ModesTried(1, "static_mode", compared(found, reference, self.asked.frequency), found.cost)
 
     def _own(self, reference: Response) -> ComparedFidelity:
         """The reference beside a finer model."""

@@ -14,7 +14,7 @@ from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.sheet import sheet_at
 from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN
-from vibeam.runs.comparison.places import Flights, Place, flown
+from vibeam.runs.comparison.places import Flights, SweptPlace, flown
 from vibeam.runs.comparison.responses import Response
 from vibeam.system.impact_system import ImpactSystem
 
@@ -68,7 +68,7 @@ def refined_peak(response: Response) -> RefinedPeak:
     return RefinedPeak(top.amplitude, top.frequency)
 
 
-def _narrowed(flights: Flights, three: Sequence[Place]) -> Sequence[Place]:
+def _narrowed(flights: Flights, three: Sequence[SweptPlace]) -> Sequence[SweptPlace]:
     """Three neighbours around the top; each finer place is reached from the one before it, as in the sweep."""
     for _ in range(ROUNDS):
         found = [three[0]]
@@ -79,13 +79,13 @@ def _narrowed(flights: Flights, three: Sequence[Place]) -> Sequence[Place]:
     return three
 
 
-def _height(place: Place) -> float:
+def _height(place: SweptPlace) -> float:
     """Amplitude; −∞ of a motion that does not repeat, between which nothing is refined."""
     return -np.inf if place.kind.periods in (IRREGULAR, UNKNOWN) else place.amplitude
 
 
-def _top(flights: Flights, three: Sequence[Place]) -> Place:
-    """Place at the top of the parabola through three; the middle one where they are not on one smooth curve.
+def _top(flights: Flights, three: Sequence[SweptPlace]) -> SweptPlace:
+    """SweptPlace at the top of the parabola through three; the middle one where they are not on one smooth curve.
 
     At a jump a parabola has a top as well, but the motion there differs from it.
     """
@@ -116,7 +116,7 @@ def period_one_end(response: Response, upper: bool) -> ReadNumber:
     return ReadNumber(middle)
 
 
-def _edge(places: Sequence[Place], upper: bool) -> tuple[Place | None, Place | None]:
+def _edge(places: Sequence[SweptPlace], upper: bool) -> tuple[SweptPlace | None, SweptPlace | None]:
     """Outermost place of period 1 and the one beyond it, None where there is none."""
     ordered = sorted(places, key=lambda each: each.frequency if upper else -each.frequency)
     inside = [each.kind.periods == 1 and each.kind.impacts != 0 for each in ordered]

@@ -20,7 +20,7 @@ from vibeam.case.fineness import finest, plain
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.exchange.faults import suggest
 from vibeam.runs.comparison.flights import flights_of
-from vibeam.runs.comparison.places import Flights, Place, flown
+from vibeam.runs.comparison.places import Flights, SweptPlace, flown
 from vibeam.runs.comparison.responses import Response
 from vibeam.runs.run import run
 from vibeam.runs.transient.motions import MotionMaker, Realisation, motions_of
@@ -147,11 +147,11 @@ def _swept(case: Case, name: str, asked: Sequence[AskedNumber], limit: float) ->
     return Ensemble(name, system.size, values, seconds, response, why)
 
 
-def _marched(case: Case, flights: Flights, limit: float) -> dict[str, list[Place]]:
+def _marched(case: Case, flights: Flights, limit: float) -> dict[str, list[SweptPlace]]:
     """Places of a sweep by direction, each reached from the one before; DearSweep where it takes too long."""
     up, begun, last = np.sort(case.sweep.frequency).tolist(), time.thread_time(), None
     ways = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
-    found: dict[str, list[Place]] = {way: [] for way in ways}
+    found: dict[str, list[SweptPlace]] = {way: [] for way in ways}
     for way in ways:
         for frequency in up if way == "up" else up[::-1]:
             last = flown(flights, frequency, last)

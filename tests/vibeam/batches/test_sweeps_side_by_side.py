@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.batches.side_by_side import SystemSweep, sweep_side_by_side
+from vibeam.runs.side_by_side import SystemSweep, sweep_side_by_side
 from vibeam.runs.sweep import SweepPoints, SweepSettings
 
 OMEGA = np.linspace(1.7, 2.3, 7)

@@ -11,12 +11,12 @@ from scipy.integrate import solve_ivp
 from scipy.io import mmread, mmwrite
 from scipy.linalg import sqrtm
 from scipy.sparse import csc_array, diags_array, eye_array, kron, save_npz
+from vibeam.runs.comparison.limit import limit
 
 import vibeam
 from vibeam.casefile.examples import texts
 from vibeam.casefile.read import parse
 from vibeam.periodic.motions import closed_curve
-from vibeam.runs.comparison.limit import limit
 from vibeam.studies.modes import export_matrices
 from vibeam_models.beam import structure_of
 

@@ -15,13 +15,13 @@ import h5py
 import numpy as np
 import pytest
 from stand_in import RIG, SDOF
+from vibeam.runs.comparison.limit import limit
 
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.casefile.read import load, parse
 from vibeam.runs.comparison import held_comparison
 from vibeam.runs.comparison.differences import HeldComparison, doubts, headline, settled
-from vibeam.runs.comparison.limit import limit
 from vibeam.runs.run import run
 from vibeam.runs.summary import compare
 

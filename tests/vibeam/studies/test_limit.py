@@ -10,9 +10,6 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
-
-import vibeam
-from vibeam.case.fidelity import Fidelity, system
 from vibeam.studies.modes_needed.limit import (
     BARE,
     DIVERGES,
@@ -24,6 +21,9 @@ from vibeam.studies.modes_needed.limit import (
     models,
     observed_limit,
 )
+
+import vibeam
+from vibeam.case.fidelity import Fidelity, system
 
 CASES = Path(__file__).parents[3] / "cases"
 NEUTRAL = CASES / "dtu_neutral.toml"

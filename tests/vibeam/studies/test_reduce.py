@@ -10,17 +10,17 @@ import numpy as np
 import pytest
 from observed import NEUTRAL
 from scipy.integrate import quad
+from vibeam.studies.modes_needed.bases import ReductionBasis
+from vibeam.studies.modes_needed.losses import Question, ResponseError, assurance
+from vibeam.studies.modes_needed.reduction import Losses, ReducedStructures, ReductionStudy, _reference
+from vibeam.studies.modes_needed.response import Claim
+from vibeam.studies.modes_needed.transfer import INSTANTS, ContactPulse, ModalForm, TransferStudy, contact_time
 
 import vibeam
 from tests.benchmarks.recommended import flown
 from tests.models.bench import RIG, STEEL
 from tests.models.test_sparse import net, squared_frequencies
 from vibeam.observe.restitution import first_mode_restitution
-from vibeam.studies.modes_needed.bases import ReductionBasis
-from vibeam.studies.modes_needed.losses import Question, ResponseError, assurance
-from vibeam.studies.modes_needed.reduction import Losses, ReducedStructures, ReductionStudy, _reference
-from vibeam.studies.modes_needed.response import Claim
-from vibeam.studies.modes_needed.transfer import INSTANTS, ContactPulse, ModalForm, TransferStudy, contact_time
 from vibeam_models.beam import assemble
 from vibeam_models.beams.beam import Damping
 from vibeam_models.laws.compliant import LinearStop

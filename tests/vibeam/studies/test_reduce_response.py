@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 from observed import NEUTRAL
+from vibeam.studies.modes_needed.losses import Amplitudes, ResponseError, response_error
 
 import vibeam
 from tests.benchmarks.recommended_beams import drawn, misses
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
-from vibeam.studies.modes_needed.losses import Amplitudes, ResponseError, response_error
 
 CASES = NEUTRAL.parent
 RIG = NEUTRAL.read_text(encoding="utf-8").partition("[reference")[0]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -58,6 +57,7 @@ def run(
       vibeam run *.toml --accuracy "2 %" --out results/
     """
     from vibeam.casefile.quantities import RATIO
+    from vibeam.runs.comparison.of_run import asking
     from vibeam.studies.regression.references import require_readable
 
     asked = part_asked(price, part, gather, {"--fresh": fresh, "several cases": len(cases) > 1})
@@ -90,14 +90,6 @@ def run(
     sheet, files = _swept(case, path, fresh)
     shared.discard()
     print_sheet(sheet, files)
-
-
-def asking(case: Case, accuracy: float | None) -> Case:
-    """The case asking for another accuracy; None: as it does."""
-    if accuracy is None:
-        return case
-    plan = replace(case.asked["verdict"], accuracy=accuracy)
-    return replace(case, asked={**case.asked, "verdict": plan})
 
 
 def _swept(case: Case, path: Path, fresh: bool) -> tuple[StudySheet, list[Path]]:

@@ -12,7 +12,7 @@ import numpy as np
 from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, gap_wear, system
 from vibeam.runs.comparison.flights import Work, flights_of
-from vibeam.runs.comparison.places import Place, flown
+from vibeam.runs.comparison.places import SweptPlace, flown
 from vibeam.runs.comparison.responses import Response
 from vibeam.system.curves import evenly
 from vibeam.system.impact_system import ImpactSystem
@@ -109,7 +109,7 @@ def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work
     grid = np.sort(case.sweep.frequency)
     up = grid[evenly(0, len(grid) - 1, most)].tolist()
     ways = {"up": {"up": up}, "down": {"down": up[::-1]}, "both": {"up": up, "down": up[::-1]}}[case.sweep.direction]
-    found, last = dict[str, list[Place]](), None
+    found, last = dict[str, list[SweptPlace]](), None
     for way, frequencies in ways.items():
         found[way] = []
         for frequency in frequencies:

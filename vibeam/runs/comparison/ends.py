@@ -12,15 +12,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from vibeam.runs.comparison.kinds import MotionKind
-from vibeam.runs.comparison.places import JUMP, Stretch, width
+from vibeam.runs.comparison.kinds import SweptKind
+from vibeam.runs.comparison.places import JUMP, SweptBranch, width
 
 ALIKE = 0.6  # worth of a match whose contact begins or is lost alike, beside other motions
 FARTHEST = 0.5  # relative distance of two ends that are matched, at most
 
 
 @dataclass(frozen=True)
-class BranchEnd:
+class SweptEnd:
     """End of a branch at a ``frequency`` in Hz, known to ± ``open``: the motion ``before`` it and the one ``after``.
 
     Before and after in the order swept, of a sweep in one ``direction``; ``step``: relative change of the amplitude.
@@ -28,8 +28,8 @@ class BranchEnd:
 
     frequency: float
     open: float
-    before: MotionKind
-    after: MotionKind
+    before: SweptKind
+    after: SweptKind
     direction: str
     step: float = 0.0
 
@@ -53,10 +53,10 @@ class BranchEnd:
         return "impacts a period change" if after.periods == before.periods else "period changes"
 
 
-def ends_of(found: Sequence[Stretch], direction: str) -> list[BranchEnd]:
+def ends_of(found: Sequence[SweptBranch], direction: str) -> list[SweptEnd]:
     """Ends of all branches of a response but those at the ends of the sweep, in the order swept."""
     return [
-        BranchEnd(
+        SweptEnd(
             0.5 * (one.end + other.start), max(one.open_end, other.open_start), one.kind, other.kind, direction,
             _step(one.places[-1].amplitude, other.places[0].amplitude),
         )
@@ -69,7 +69,7 @@ def _step(before: float, after: float) -> float:
     return (after - before) / larger if larger > 0 else 0.0
 
 
-def matched(ours: Sequence[BranchEnd], theirs: Sequence[BranchEnd]) -> list[tuple[BranchEnd, BranchEnd]]:
+def matched(ours: Sequence[SweptEnd], theirs: Sequence[SweptEnd]) -> list[tuple[SweptEnd, SweptEnd]]:
     """Pairs of ends that are the same in two responses, in the order swept."""
     worth = np.zeros((len(ours) + 1, len(theirs) + 1))
     for i in reversed(range(len(ours))):
@@ -89,7 +89,7 @@ def matched(ours: Sequence[BranchEnd], theirs: Sequence[BranchEnd]) -> list[tupl
     return pairs
 
 
-def _worth(one: BranchEnd, other: BranchEnd) -> float:
+def _worth(one: SweptEnd, other: SweptEnd) -> float:
     """Worth of a match, 0 where two ends are not of a kind: nearly 1, less by their distance."""
     distance = width(one.frequency, other.frequency)
     if distance > FARTHEST:

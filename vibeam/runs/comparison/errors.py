@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from vibeam.runs.comparison.ends import BranchEnd
-from vibeam.runs.comparison.kinds import MotionKind
+from vibeam.runs.comparison.ends import SweptEnd
+from vibeam.runs.comparison.kinds import SweptKind
 from vibeam.runs.comparison.places import width
 
 FIFTH = 0.2  # frequency error allowed, as a share of the amplitude error, where it is not said
@@ -14,7 +14,7 @@ FIFTH = 0.2  # frequency error allowed, as a share of the amplitude error, where
 
 @dataclass(frozen=True)
 class Asked:
-    """What is asked of a model: largest ``amplitude`` and ``frequency`` error, shares."""
+    """Errors allowed of a model: largest ``amplitude`` and ``frequency`` error, shares."""
 
     amplitude: float = 0.05
     frequency: float = 0.01
@@ -56,8 +56,8 @@ class EndError:
 
     error: float
     open: float
-    ours: BranchEnd
-    reference: BranchEnd
+    ours: SweptEnd
+    reference: SweptEnd
 
     @property
     def late(self) -> bool:
@@ -73,8 +73,8 @@ class KindDifference:
     high: float
     open: float
     direction: str
-    ours: MotionKind
-    reference: MotionKind
+    ours: SweptKind
+    reference: SweptKind
 
     @property
     def width(self) -> float:

@@ -14,7 +14,7 @@ MANY = 8  # impacts a drive period, above which their number is no mark of a mot
 FREE, IRREGULAR, UNKNOWN = -1, 0, -2  #: in place of the periods
 
 
-class MotionKind(NamedTuple):
+class SweptKind(NamedTuple):
     """Kind of a motion: ``periods`` until it repeats, ``impacts`` in these, −1: so many that it chatters.
 
     In place of the periods: ``FREE`` no contact, ``IRREGULAR`` no repetition within ``LONGEST``, ``UNKNOWN``.
@@ -40,19 +40,19 @@ class MotionKind(NamedTuple):
         return f"period {self.periods} with {often}"
 
 
-def kinds_of(response: FrequencyResponse) -> list[MotionKind]:
+def kinds_of(response: FrequencyResponse) -> list[SweptKind]:
     """Kind of each point of a response."""
     done = complete(response).tolist()
     rates = np.nan_to_num(response.impacts_per_period).tolist()
     return [
-        _kind(periods, rate) if known else MotionKind(UNKNOWN)
+        _kind(periods, rate) if known else SweptKind(UNKNOWN)
         for known, periods, rate in zip(done, response.period.tolist(), rates, strict=True)
     ]
 
 
-def _kind(periods: int, rate: float) -> MotionKind:
+def _kind(periods: int, rate: float) -> SweptKind:
     if periods < 0:
-        return MotionKind(FREE)
+        return SweptKind(FREE)
     if not 0 < periods <= LONGEST:
-        return MotionKind(IRREGULAR)
-    return MotionKind(periods, -1 if rate > MANY else round(rate * periods))
+        return SweptKind(IRREGULAR)
+    return SweptKind(periods, -1 if rate > MANY else round(rate * periods))

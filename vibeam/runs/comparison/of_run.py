@@ -6,9 +6,8 @@ Only fidelities of the same physics are compared; a finest one that is all that 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import thread_time
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,11 +17,7 @@ from vibeam.runs.comparison.errors import Asked, ResponseComparison
 from vibeam.runs.comparison.flights import Work, flights_of
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.system.response import Branches, modes_of
-
-if TYPE_CHECKING:
-    from vibeam.runs.result import Result
-    from vibeam.system.state import StatesAfter
-
+from vibeam.system.state import StatesAfter
 
 INEXACT = 'solver "{}" is not exact'
 LEAST, SHARE = 0.5, 0.5  # CPU seconds, and share of those of its sweep, that a fidelity's ends may take
@@ -53,20 +48,31 @@ class ComparedFidelity:
 
 
 def asked_of(case: Case) -> Asked:
-    """What a case asks of its models."""
+    """Errors that a case allows its models."""
     plan = case.asked["verdict"]
     return Asked.of(plan.accuracy, plan.frequency_accuracy)
 
 
+def asking(case: Case, accuracy: float | None) -> Case:
+    """The case asking for another accuracy; None: as it does."""
+    if accuracy is None:
+        return case
+    plan = replace(case.asked["verdict"], accuracy=accuracy)
+    return replace(case, asked={**case.asked, "verdict": plan})
+
+
 def compared_fidelities(
-    result: Result, after: Mapping[str, Mapping[str, StatesAfter]], asked: Asked | None = None
-) -> tuple[ComparedFidelity, ...]:
-    """Comparisons of all fidelities of a result, with the states ``after`` the points of their branches."""
-    case, finest, found = result.case, result.finest, list[ComparedFidelity]()
-    allowed = asked or asked_of(case)
-    responses = {name: _response(case, name, branches, after.get(name)) for name, branches in result.items()}
+    case: Case, branches: Mapping[str, Branches], finest: Mapping[str, str],
+    after: Mapping[str, Mapping[str, StatesAfter]],
+) -> tuple[ComparedFidelity, ...]:  # fmt: skip
+    """Comparisons of all fidelities by their ``branches``, with the states ``after`` their points.
+
+    ``finest``: the reference of each, itself of a finest one.
+    """
+    found, allowed = list[ComparedFidelity](), asked_of(case)
+    responses = {name: _response(case, name, each, after.get(name)) for name, each in branches.items()}
     for name, top in finest.items():
-        begun, modes = thread_time(), modes_of(result[top])
+        begun, modes = thread_time(), modes_of(branches[top])
         if name != top:
             made = compared(responses[name], responses[top], allowed.frequency)
             found.append(ComparedFidelity(name, top, made, modes, cpu_seconds=thread_time() - begun))

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN, MotionKind, kinds_of
+from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN, SweptKind, kinds_of
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State, StatesAfter
 
@@ -24,14 +24,14 @@ MOST = 30  # points put between two neighbours
 
 
 @dataclass(frozen=True, eq=False)
-class Place:
+class SweptPlace:
     """Motion at one frequency in Hz: its kind, amplitude in the unit of the output, and a way to its ``state``.
 
     ``cost``: CPU seconds that it took.
     """
 
     frequency: float
-    kind: MotionKind
+    kind: SweptKind
     amplitude: float
     cost: float
     state: Callable[[], State | None] = field(default=lambda: None)
@@ -48,13 +48,13 @@ class Flights(Protocol):
         """The point at a frequency in Hz from a state; without ``settle`` read at once."""
 
 
-def places_of(response: FrequencyResponse, after: StatesAfter | None = None) -> list[Place]:
+def places_of(response: FrequencyResponse, after: StatesAfter | None = None) -> list[SweptPlace]:
     """Places of the points of a response in the order swept, with the states ``after`` them where known."""
     columns = zip(
         response.frequency.tolist(), kinds_of(response), response.amplitude.tolist(),
         np.nan_to_num(response.cpu_seconds).tolist(), strict=True,
     )  # fmt: skip
-    return [Place(*row, _State(after, i)) for i, row in enumerate(columns)]
+    return [SweptPlace(*row, _State(after, i)) for i, row in enumerate(columns)]
 
 
 @dataclass(frozen=True)
@@ -68,14 +68,14 @@ class _State:
         return None if self.after is None else self.after.at(self.point)
 
 
-def flown(flights: Flights, frequency: float, before: Place | None, settle: bool = True) -> Place:
-    """Place at a frequency, reached from the one ``before``, or from rest."""
+def flown(flights: Flights, frequency: float, before: SweptPlace | None, settle: bool = True) -> SweptPlace:
+    """SweptPlace at a frequency, reached from the one ``before``, or from rest."""
     response, state = flights.at(frequency, None if before is None else before.state(), settle)
     [found] = places_of(response)
     return replace(found, frequency=frequency, state=lambda: state)
 
 
-def apart(one: Place, other: Place) -> bool:
+def apart(one: SweptPlace, other: SweptPlace) -> bool:
     """Test whether two neighbours are on different branches, as far as they tell."""
     if one.kind != other.kind:
         return True
@@ -88,7 +88,7 @@ def width(one: float, other: float) -> float:
     return abs(other - one) / (0.5 * (one + other))
 
 
-def bracketed(places: Sequence[Place], i: int, flights: Flights, tolerance: float) -> list[Place]:
+def bracketed(places: Sequence[SweptPlace], i: int, flights: Flights, tolerance: float) -> list[SweptPlace]:
     """The places, with further ones after the one at ``i`` that bracket the ends of branches there.
 
     Where the grid's step alone threw the motion off its branch, that is followed on to its own end.
@@ -105,16 +105,16 @@ def bracketed(places: Sequence[Place], i: int, flights: Flights, tolerance: floa
     return found
 
 
-def is_open(one: Place, other: Place, tolerance: float) -> bool:
+def is_open(one: SweptPlace, other: SweptPlace, tolerance: float) -> bool:
     """Test whether an end of a branch lies between two neighbours, and is not bracketed yet."""
     if UNKNOWN in (one.kind.periods, other.kind.periods) or one.state() is None:
         return False
     return apart(one, other) and width(one.frequency, other.frequency) > tolerance
 
 
-def _halved(here: Place, there: Place, flights: Flights, tolerance: float) -> list[Place]:
+def _halved(here: SweptPlace, there: SweptPlace, flights: Flights, tolerance: float) -> list[SweptPlace]:
     """Places between two neighbours, which bracket all ends of branches that halving comes upon."""
-    pending, found, count = [there], list[Place](), 0
+    pending, found, count = [there], list[SweptPlace](), 0
     while True:
         if is_open(here, pending[-1], tolerance) and count < MOST and not flights.done:
             pending.append(flown(flights, 0.5 * (here.frequency + pending[-1].frequency), here))
@@ -126,7 +126,7 @@ def _halved(here: Place, there: Place, flights: Flights, tolerance: float) -> li
             found.append(here)
 
 
-def _reached(last: Place, first: Place, there: Place, flights: Flights) -> Place | None:
+def _reached(last: SweptPlace, first: SweptPlace, there: SweptPlace, flights: Flights) -> SweptPlace | None:
     """The next place of the grid from the ``last`` before it, where that is on the branch of the ``first`` still."""
     if flights.done or not apart(last, there) or last.kind != first.kind or last.kind.periods == IRREGULAR:
         return None
@@ -135,14 +135,14 @@ def _reached(last: Place, first: Place, there: Place, flights: Flights) -> Place
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class SweptBranch:
     """Branch of a response from ``start`` to ``end`` in Hz, in the order swept, and its own ``places``.
 
     ``open_start``, ``open_end``: half the width between the places beside the ends, Hz; 0 at the ends of the sweep.
     """
 
-    kind: MotionKind
-    places: tuple[Place, ...]
+    kind: SweptKind
+    places: tuple[SweptPlace, ...]
     start: float
     end: float
     open_start: float = 0.0
@@ -154,7 +154,7 @@ class Stretch:
         return width(self.start, self.end)
 
 
-def stretches(places: Sequence[Place], narrowest: float = 0.0) -> list[Stretch]:
+def stretches(places: Sequence[SweptPlace], narrowest: float = 0.0) -> list[SweptBranch]:
     """Branches of a response in the order swept; one narrower than ``narrowest`` goes to its wider neighbour.
 
     To one that has contact as it has, or has none as it: a narrow range with contact stays.
@@ -165,29 +165,29 @@ def stretches(places: Sequence[Place], narrowest: float = 0.0) -> list[Stretch]:
     return found
 
 
-def _stretches(places: Sequence[Place]) -> Iterator[Stretch]:
+def _stretches(places: Sequence[SweptPlace]) -> Iterator[SweptBranch]:
     first = 0
     for i, place in enumerate(places):
         if i + 1 == len(places) or apart(place, places[i + 1]):
             start, open_start = _end(places, first - 1) if first else (places[0].frequency, 0.0)
             end, open_end = _end(places, i) if i + 1 < len(places) else (place.frequency, 0.0)
-            yield Stretch(place.kind, tuple(places[first : i + 1]), start, end, open_start, open_end)
+            yield SweptBranch(place.kind, tuple(places[first : i + 1]), start, end, open_start, open_end)
             first = i + 1
 
 
-def _end(places: Sequence[Place], i: int) -> tuple[float, float]:
+def _end(places: Sequence[SweptPlace], i: int) -> tuple[float, float]:
     """End between a place and the next one, and half the width between them."""
     one, other = places[i].frequency, places[i + 1].frequency
     return 0.5 * (one + other), 0.5 * abs(other - one)
 
 
-def _hosts(found: Sequence[Stretch], i: int) -> list[int]:
+def _hosts(found: Sequence[SweptBranch], i: int) -> list[int]:
     """Neighbours that a narrow branch may join."""
     own = found[i].kind.strikes
     return [at for at in (i - 1, i + 1) if 0 <= at < len(found) and found[at].kind.strikes == own]
 
 
-def _absorbed(found: list[Stretch], i: int) -> list[Stretch]:
+def _absorbed(found: list[SweptBranch], i: int) -> list[SweptBranch]:
     """Branches without a narrow one, which joins its wider neighbour."""
     to = max(_hosts(found, i), key=lambda at: found[at].width)
     first, second = sorted((i, to))
@@ -195,11 +195,11 @@ def _absorbed(found: list[Stretch], i: int) -> list[Stretch]:
     return _united([*found[:first], joined, *found[second + 1 :]], first)
 
 
-def _joined(first: Stretch, second: Stretch, places: tuple[Place, ...]) -> Stretch:
+def _joined(first: SweptBranch, second: SweptBranch, places: tuple[SweptPlace, ...]) -> SweptBranch:
     return replace(second, places=places, start=first.start, open_start=first.open_start)
 
 
-def _united(found: list[Stretch], i: int) -> list[Stretch]:
+def _united(found: list[SweptBranch], i: int) -> list[SweptBranch]:
     """Branches of which the one at ``i`` is united with neighbours that go on as it does."""
     for at in (i, i - 1):
         if 0 <= at < len(found) - 1 and _goes_on(found[at], found[at + 1]):
@@ -208,7 +208,7 @@ def _united(found: list[Stretch], i: int) -> list[Stretch]:
     return found
 
 
-def _goes_on(one: Stretch, other: Stretch) -> bool:
+def _goes_on(one: SweptBranch, other: SweptBranch) -> bool:
     """Test whether a branch is the same on the other side of what lay between the two."""
     if one.kind != other.kind or not one.kind.repeats:
         return one.kind == other.kind

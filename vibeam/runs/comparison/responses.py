@@ -17,14 +17,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.runs.comparison.ends import BranchEnd, ends_of, matched
+from vibeam.runs.comparison.ends import SweptEnd, ends_of, matched
 from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
 from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN
 from vibeam.runs.comparison.places import (
     TOLERANCE,
     Flights,
-    Place,
-    Stretch,
+    SweptBranch,
+    SweptPlace,
     bracketed,
     flown,
     is_open,
@@ -51,7 +51,7 @@ class Response:
     Comparisons put places between those that there are.
     """
 
-    places: dict[str, list[Place]]
+    places: dict[str, list[SweptPlace]]
     flights: Flights | None = None
 
     @classmethod
@@ -120,8 +120,8 @@ class _Pair(NamedTuple):
 
     low: float
     high: float
-    ours: Stretch
-    reference: Stretch
+    ours: SweptBranch
+    reference: SweptBranch
 
 
 class _Direction:
@@ -137,7 +137,7 @@ class _Direction:
         self.matched = [each for each in pairs if self._has_moved(*each)]
         self.end_errors = [_end_error(one, other) for one, other in self.matched]
 
-    def _has_moved(self, one: BranchEnd, other: BranchEnd) -> bool:
+    def _has_moved(self, one: SweptEnd, other: SweptEnd) -> bool:
         """Test whether two ends are one that has moved: between them the motions differ, most of the way.
 
         Beginnings and ends of contact, and jumps of one kind of motion, are the same wherever they are.
@@ -232,14 +232,14 @@ class _Direction:
                 yield self._error(frequency, places[0], places[1], least)
 
     def _outermost(
-        self, pair: _Pair, ours: Mapping[float, Place], theirs: Mapping[float, Place], shared: Sequence[float]
+        self, pair: _Pair, ours: Mapping[float, SweptPlace], theirs: Mapping[float, SweptPlace], shared: Sequence[float]
     ) -> list[float]:
         """Frequencies next to the ends of a common range, beyond the places that both have."""
         every = sorted({*ours, *theirs})
         beyond = {every[0], every[-1]} if every else set()
         return sorted(beyond - {*shared})
 
-    def _error(self, frequency: float, ours: Place, theirs: Place, least: float) -> AmplitudeError:
+    def _error(self, frequency: float, ours: SweptPlace, theirs: SweptPlace, least: float) -> AmplitudeError:
         size = max(abs(theirs.amplitude), least)
         error = (ours.amplitude - theirs.amplitude) / size if size > 0 else 0.0
         return AmplitudeError(error, frequency, self.way, ours.amplitude, theirs.amplitude)
@@ -257,7 +257,9 @@ class _Direction:
             if np.isfinite(error.scatter):
                 yield error
 
-    def _mean_error(self, places: Sequence[tuple[Place, Place]], least: float, readings: int) -> AmplitudeError:
+    def _mean_error(
+        self, places: Sequence[tuple[SweptPlace, SweptPlace]], least: float, readings: int
+    ) -> AmplitudeError:
         """Error of the mean amplitude over places, each read so many times."""
         sides = zip(zip(*places, strict=True), self.both, strict=True)
         mine, other = (np.array([_readings(each, side.flights, readings) for each in own]) for own, side in sides)
@@ -272,7 +274,7 @@ def _scatter(values: Array) -> float:
     return float(values.std(ddof=1) / np.sqrt(values.size)) if values.size > 1 else float("inf")
 
 
-def _readings(place: Place, flights: Flights | None, count: int) -> list[float]:
+def _readings(place: SweptPlace, flights: Flights | None, count: int) -> list[float]:
     """Amplitudes of a motion that does not repeat, read so many times; the last again where it cannot go on."""
     found = [place.amplitude]
     while len(found) < count and flights is not None and not flights.done and place.state() is not None:
@@ -281,23 +283,23 @@ def _readings(place: Place, flights: Flights | None, count: int) -> list[float]:
     return found + found[-1:] * (count - len(found))
 
 
-def _end_error(ours: BranchEnd, reference: BranchEnd) -> EndError:
+def _end_error(ours: SweptEnd, reference: SweptEnd) -> EndError:
     at = reference.frequency
     return EndError(ours.frequency / at - 1, (ours.open + reference.open) / at, ours, reference)
 
 
-def _at(found: Sequence[Stretch], frequency: float) -> Stretch | None:
+def _at(found: Sequence[SweptBranch], frequency: float) -> SweptBranch | None:
     """Branch at a frequency."""
     return next((each for each in found if min(each.start, each.end) <= frequency <= max(each.start, each.end)), None)
 
 
-def _inside(stretch: Stretch, pair: _Pair) -> dict[float, Place]:
+def _inside(stretch: SweptBranch, pair: _Pair) -> dict[float, SweptPlace]:
     """Places of a branch in a range, by frequency."""
     return {each.frequency: each for each in stretch.places if pair.low <= each.frequency <= pair.high}
 
 
-def _reached(stretch: Stretch, frequency: float, flights: Flights | None) -> Place | None:
-    """Place of a branch at a frequency, from the nearest one of its places; None where it cannot be had."""
+def _reached(stretch: SweptBranch, frequency: float, flights: Flights | None) -> SweptPlace | None:
+    """SweptPlace of a branch at a frequency, from the nearest one of its places; None where it cannot be had."""
     nearest = min(stretch.places, key=lambda each: abs(each.frequency - frequency))
     if nearest.frequency == frequency:
         return nearest

@@ -15,9 +15,9 @@ import numpy as np
 
 from vibeam.case.held import Held
 from vibeam.runs.comparison.differences import BothChoices, HeldComparison
-from vibeam.runs.comparison.ends import BranchEnd
+from vibeam.runs.comparison.ends import SweptEnd
 from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
-from vibeam.runs.comparison.kinds import MotionKind
+from vibeam.runs.comparison.kinds import SweptKind
 from vibeam.runs.comparison.of_run import ComparedFidelity
 from vibeam.runs.store.branches import write_quantity
 from vibeam.runs.systems import ModelProperties
@@ -155,7 +155,7 @@ def _compared(values: dict[str, Any]) -> ComparedFidelity:
 
 def _response_comparison(values: dict[str, Any]) -> ResponseComparison:
     amplitude, scattered = (_amplitude(values[name]) for name in ("amplitude", "scattered"))
-    kinds = (each | {way: MotionKind(*each[way]) for way in ("ours", "reference")} for each in values["kinds"])
+    kinds = (each | {way: SweptKind(*each[way]) for way in ("ours", "reference")} for each in values["kinds"])
     ends = (each | {way: _end(each[way]) for way in ("ours", "reference")} for each in values["ends"])
     return ResponseComparison(
         amplitude,
@@ -171,8 +171,8 @@ def _amplitude(values: dict[str, Any] | None) -> AmplitudeError | None:
     return None if values is None else AmplitudeError(**values)
 
 
-def _end(values: dict[str, Any]) -> BranchEnd:
-    return BranchEnd(**values | {way: MotionKind(*values[way]) for way in ("before", "after")})
+def _end(values: dict[str, Any]) -> SweptEnd:
+    return SweptEnd(**values | {way: SweptKind(*values[way]) for way in ("before", "after")})
 
 
 COMPARED = KeyedRecord[tuple[ComparedFidelity, ...]]("compared", _write_compared, read_compared)

@@ -13,7 +13,7 @@ from vibeam.case.fidelity import system_of
 from vibeam.case.reduced_structure import reduced_structure
 from vibeam.runs.comparison.beyond import response_of
 from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN
-from vibeam.runs.comparison.places import Place
+from vibeam.runs.comparison.places import SweptPlace
 from vibeam.runs.comparison.responses import Response
 from vibeam.studies.solid.pairing import bending, inertias_along, partners
 from vibeam.studies.solid.steps import LadderStep
@@ -200,5 +200,5 @@ def distance(ours: Response, other: Response) -> float:
     return float(np.sqrt(np.mean(np.square(off)))) if 2 * len(off) >= len(pairs) else nan
 
 
-def _repeats(place: Place) -> bool:
+def _repeats(place: SweptPlace) -> bool:
     return place.kind.periods not in (IRREGULAR, UNKNOWN)

@@ -29,7 +29,7 @@ def replicates(samples: int) -> int:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class Replicated:
     """``value`` of a number by all samples, or an array of them, and its 95 % interval, NaN where there is none."""
 
     value: Array
@@ -37,12 +37,12 @@ class Estimate:
     high: Array
 
 
-def estimated(estimate: Callable[[Array], Array], values: Array) -> Estimate:
-    """What ``estimate`` finds in values (k, …) of k replicates, any number of which it takes."""
+def estimated(estimate: Callable[[Array], Array], values: Array) -> Replicated:
+    """Result of ``estimate`` in values (k, …) of k replicates, any number of which it takes."""
     count, whole = len(values), np.asarray(estimate(values), dtype=float)
     others = np.stack([estimate(np.delete(values, j, axis=0)) for j in range(count)])
     half = half_width(count * whole - (count - 1) * others)
-    return Estimate(whole, whole - half, whole + half)
+    return Replicated(whole, whole - half, whole + half)
 
 
 def half_width(each: Array) -> Array:

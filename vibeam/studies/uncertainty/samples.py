@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.batches.side_by_side import SystemSweep, sweep_side_by_side
 from vibeam.case.fidelity import gap_drift, gap_wear, system
 from vibeam.runs.parallel import heartbeat
+from vibeam.runs.side_by_side import SystemSweep, sweep_side_by_side
 from vibeam.runs.sweep import SweepPoints, SweepSettings
 from vibeam.store.blocks import Values
 from vibeam.store.shares import are_shared, evaluate_each
@@ -146,7 +146,7 @@ def _sweep_of(model: Model, case: Case) -> SystemSweep:
 
 
 def _values(responses: Mapping[str, FrequencyResponse], making: float) -> Values:
-    """What is kept of the responses of one sample by fidelity, the finest last; ``making``: CPU time of a model.
+    """Numbers kept of the responses of one sample by fidelity, the finest last; ``making``: CPU time of a model.
 
     A number that sets a fidelity against the finest belongs here: both responses are at hand.
     """

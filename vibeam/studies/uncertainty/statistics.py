@@ -131,7 +131,7 @@ def _mean_ends(each: list[Array]) -> tuple[float, float]:
 class ErrorRow:
     """Peak of one fidelity, all in its unit; NaN where not known.
 
-    ``numerical``: distance of the fidelity from its own limit; ``given``: standard deviation by the inputs;
+    ``numerical``: error of a finest fidelity beside a fuller model; ``given``: standard deviation by the inputs;
     ``measured`` value and its ``uncertainty``, ``chose``: keys of the fidelity that it chose, so that it validates
     nothing; ``form``: difference to the finest, which is error of the reduction.
     """
@@ -159,7 +159,7 @@ class ErrorRow:
 
 def error_rows(result: Result, peaks: Mapping[str, Distribution]) -> tuple[ErrorRow, ...]:
     """A row for each fidelity; ``result``: of the case's own values, with its comparisons."""
-    limits = {each.finest: each.limit.held.peak for each in result.comparisons if not each.limit.why}
+    known = {each.fidelity: each.comparison for each in result.compare() if not each.reference}
     finest = list(peaks)[-1]
     rows = []
     for name, spread in peaks.items():
@@ -170,7 +170,7 @@ def error_rows(result: Result, peaks: Mapping[str, Distribution]) -> tuple[Error
             ErrorRow(
                 name,
                 spread.nominal,
-                abs(limits[name]) * spread.nominal if name in limits else nan,
+                nan if (own := known.get(name)) is None else own.amplitude_error * spread.nominal,
                 spread.deviation,
                 nan if measured is None else measured.value,
                 nan if measured is None or measured.uncertainty is None else measured.uncertainty,

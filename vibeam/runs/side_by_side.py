@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.flight.kernels.layout import ELASTIC
-from vibeam.flight.points.in_step import compute_in_step
 from vibeam.flight.points.points import SIDE_BY_SIDE, PlainPoints, PointSettings
+from vibeam.runs.in_step import compute_in_step
 from vibeam.runs.sweep import SweepPoints, SweepSettings, march_blocks
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, join
@@ -28,7 +28,7 @@ class SystemSweep:
 
     @property
     def in_lanes(self) -> bool:
-        """Whether it goes in step with others: a plain system of few modes, exact, under one drive, at a fixed gap."""
+        """True where it goes in step with others: plain, of few modes, exact, under one drive, at a fixed gap."""
         system, settings = self.system, self.settings
         exact = settings.solver == "flight" and not settings.options and settings.settle > 0
         fixed = self.points.drift is None and settings.wear is None and not settings.harmonics
@@ -42,7 +42,7 @@ class SystemSweep:
 
     @property
     def alike(self) -> tuple[object, ...]:
-        """What sweeps in step have in common."""
+        """Settings that sweeps in step have in common."""
         elastic, settings = 1.0 - self.system.restitution < ELASTIC, self.settings
         return self.system.size, elastic, self.points.omega.tobytes(), settings.settle, settings.hold, settings.output
 
