@@ -1,6 +1,6 @@
 """Peaks of the neutral case with either restitution held, for the table of the front page.
 
-    python tests/benchmarks/held.py  # writes results/held.json; then python tests/benchmarks/pages.py
+python tests/benchmarks/held.py  # writes results/held.json; then python tests/benchmarks/pages.py
 """
 
 from __future__ import annotations
