@@ -32,19 +32,7 @@ class CostPlan:
     )
     hold: int | None = declare.count(1, MOST_POINTS, "drive periods read; absent = the sweep's, 10 at most", 10, None)
     solvers: tuple[str, ...] | None = declare.text("those compared; absent = all", ["flight", "orbit", "direct"], None)
-    modes: tuple[int, ...] | None = declare.count(
-        1,
-        2 * MOST_ELEMENTS,
-        "the finest fidelity cut off after so many modes, each; absent = 1, 2, 4, 8 … below its own",
-        [1, 2, 4, 8],
-        None,
-        several=True,
-    )
-    reference: str | None = declare.text(
-        "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity", "exact", None
-    )
-    repeats: int = declare.count(1, 1000, "how often a run is timed, where that is short", 3, 3)
-    budget: float = declare.quantity("s", "CPU time of the runs compared", "60 s", 60.0, above=0)
+    budget: float = declare.quantity("s", "CPU time of all of it, where --budget says none", "3 s", 3.0, above=0)
 
 
 @dataclass(frozen=True)
@@ -151,12 +139,16 @@ class FitPlan:
 
 
 STAGES = ("modes", "effects", "solvers", "map", "solid")
+STAGE_BUDGET = 20.0  # s of CPU time that a stage may take where nothing is said
 USUAL_STAGES = STAGES[:-1]  # the last joins them where a fidelity is a solid
 
 
 @dataclass(frozen=True)
 class VerdictPlan:
-    """Plan of ``vibeam verdict``: the errors allowed, stages, plane, ``budget`` in CPU seconds."""
+    """Plan of ``vibeam verdict``: the errors allowed, stages, plane, ``budget`` in CPU seconds.
+
+    ``budget`` None: ``allowed``, and of the solvers what ``CostPlan`` says.
+    """
 
     accuracy: float = declare.quantity(
         "", "largest error of the amplitude that is allowed", "5 %", 0.05, above=0, most=1
@@ -174,10 +166,16 @@ class VerdictPlan:
         alone=True,
     )
     over: str = declare.text("second key of the plane beside the frequency", "gap", "gap")
-    points: int = declare.count(2, MOST_POINTS, "values of each key of the plane", 31, 31)
-    budget: float = declare.quantity(
-        "s", "CPU time of each stage: effects, solvers, the plane, the steps to a solid", "20 s", 20.0, above=0
-    )
+    points: int = declare.count(2, MOST_POINTS, "values of each key of the plane", 11, 11)
+    budget: float | None = declare.quantity(
+        "s", "CPU time of each stage: effects, solvers, the plane, the steps to a solid; absent = 20 s, of solvers 3 s",
+        "20 s", None, above=0,
+    )  # fmt: skip
+
+    @property
+    def allowed(self) -> float:
+        """CPU time of a stage, s."""
+        return STAGE_BUDGET if self.budget is None else self.budget
 
 
 @dataclass(frozen=True)

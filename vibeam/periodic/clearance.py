@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.periodic.gap import FlightGap
+from vibeam.periodic.gap import FlightGap, Gap
 from vibeam_models.arrays import Array, Flags, Index
 
 FIRST = 8  # initial intervals a drive period
@@ -30,14 +30,16 @@ class GapMinimum(NamedTuple):
 
 
 class _Pieces(NamedTuple):
-    """Intervals that may hold a minimum: motion, begin and width of each."""
+    """Intervals that may hold a minimum: motion, begin and end of each, the gap there (4, m)."""
 
     motion: Index
     left: Array
-    width: Array
+    right: Array
+    first: Array
+    last: Array
 
     def chosen(self, which: Flags) -> _Pieces:
-        return _Pieces(self.motion[which], self.left[which], self.width[which])
+        return _Pieces(self.motion[which], *(each[..., which] for each in self[1:]))
 
 
 def least_minimum(flights: FlightGap, ceiling: Array) -> GapMinimum:
@@ -50,10 +52,10 @@ def least_minimum(flights: FlightGap, ceiling: Array) -> GapMinimum:
             return best
         open_, single = _classified(flights, pieces, np.minimum(best.value, ceiling), floor)
         found = pieces.chosen(single)
-        _update_least(best, ceiling, found.motion, *_minima(flights, found))
-        pieces = _halved(pieces.chosen(open_))
-    flat = flights.gap(pieces.motion, pieces.left)
-    _update_least(best, ceiling, pieces.motion, flat.value, pieces.left)
+        if len(found.motion):
+            _update_least(best, ceiling, found.motion, *_minima(flights, found))
+        pieces = _halved(flights, pieces.chosen(open_))
+    _update_least(best, ceiling, pieces.motion, pieces.first[0], pieces.left)  # flat ones
     return best
 
 
@@ -62,22 +64,21 @@ def _initial(flights: FlightGap) -> _Pieces:
     counts = np.ceil(flights.omega * flights.span / (2 * np.pi) * FIRST - 1e-9).astype(int)
     motion = np.repeat(np.arange(len(flights)), counts)
     place = np.concatenate([np.arange(count) for count in counts]) if len(counts) else np.zeros(0)
-    width = np.repeat(flights.span / counts, counts)
-    return _Pieces(motion, place * width, width)
+    width, last = np.repeat(flights.span / counts, counts), np.repeat(counts, counts) - 1
+    left, right = place * width, np.where(place == last, flights.span[motion], (place + 1) * width)
+    return _Pieces(motion, left, right, np.stack(flights.gap(motion, left)), np.stack(flights.gap(motion, right)))
 
 
-def _halved(pieces: _Pieces) -> _Pieces:
-    half = pieces.width / 2
-    left = np.concatenate([pieces.left, pieces.left + half])
-    return _Pieces(np.tile(pieces.motion, 2), left, np.tile(half, 2))
+def _halved(flights: FlightGap, pieces: _Pieces) -> _Pieces:
+    middle = (pieces.left + pieces.right) / 2
+    at = np.stack(flights.gap(pieces.motion, middle))
+    left, right = np.concatenate([pieces.left, middle]), np.concatenate([middle, pieces.right])
+    return _Pieces(np.tile(pieces.motion, 2), left, right, np.hstack([pieces.first, at]), np.hstack([at, pieces.last]))
 
 
 def _classified(flights: FlightGap, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
     """Classify intervals: those that stay open, and those with exactly one minimum."""
-    motion, h = pieces.motion, pieces.width
-    a = flights.gap(motion, pieces.left)
-    right = np.minimum(pieces.left + h, flights.span[motion])
-    b = flights.gap(motion, right)
+    motion, h, a, b = pieces.motion, pieces.right - pieces.left, Gap(*pieces.first), Gap(*pieces.last)
     most = a.fourth
     inner = a.value + h * a.slope / 3, b.value - h * b.slope / 3  # Bézier ordinates of the interpolant
     low = np.minimum.reduce([a.value, *inner, b.value]) - most * h**4 / 384
@@ -89,14 +90,14 @@ def _classified(flights: FlightGap, pieces: _Pieces, ceiling: Array, floor: Arra
     steady = (slopes.min(axis=0) > miss) | (slopes.max(axis=0) < -miss) | (bends.max(axis=0) < -spread)
     tiny = floor[motion] * flights.omega[motion]  # tolerance inside the span
     falls = a.slope < np.where(pieces.left == 0, -tiny, tiny)
-    rises = b.slope > np.where(right == flights.span[motion], tiny, -tiny)
+    rises = b.slope > np.where(pieces.right == flights.span[motion], tiny, -tiny)
     single = convex & falls & rises & ~above
     return ~above & ~steady & ~convex, single
 
 
 def _minima(flights: FlightGap, pieces: _Pieces) -> tuple[Array, Array]:
     """Values and times of the one minimum in each interval: Newton's method on d', safeguarded by bisection."""
-    low, high = pieces.left.copy(), pieces.left + pieces.width
+    low, high = pieces.left.copy(), pieces.right.copy()
     time = (low + high) / 2
     at = flights.gap(pieces.motion, time)
     for _ in range(STEPS):

@@ -28,6 +28,7 @@ from vibeam_models.arrays import Array, Flags, ValueRecord
 
 Edge = tuple[int, int, int]  # row and column of the first end, and the direction 0: along the row, 1: along the column
 NUDGE = 1e-9  # share of a step from a fold at which both of its motions are real
+LOOKS = 24  # at an edge: a root takes about five, a jump is halved each time
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -140,8 +141,9 @@ def _roots(plane: Plane, kind: Kind, branch: int, edges: list[Edge]) -> Array:
         return map_function(plane.system, kind, branch, points).reshape(np.shape(share))
 
     which = np.arange(len(edges), dtype=float)
-    ends = [np.abs(test(np.full(len(edges), end), which)) for end in (0.0, 1.0)]
-    found = find_root(test, (np.zeros(len(edges)), np.ones(len(edges))), args=(which,), tolerances={"xatol": 1e-15})
+    span = np.zeros(len(edges)), np.ones(len(edges))
+    ends = [np.abs(test(end, which)) for end in span]
+    found = find_root(test, span, args=(which,), tolerances={"xatol": 1e-15}, maxiter=LOOKS)
     sound = np.abs(found.f_x) <= JUMP * np.maximum(*ends)
     return np.where(sound, found.x, np.nan)
 

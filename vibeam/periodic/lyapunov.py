@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.flight.disturbance.maps import tangent_fault
+from vibeam.flight.disturbance.tangent import LOST_AT_REST
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.readout import rests, struck
 from vibeam.periodic.orbit import Orbit
@@ -35,6 +36,7 @@ from vibeam_models.arrays import Array, ValueRecord
 BATCHES = 20  # of which the standard error of a mean is taken
 ALIGNED = 50  # drive periods over which disturbances turn into their directions before the mean begins
 PIECE = 50  # drive periods flown at a time
+TOGETHER = 16  # segments over which one disturbance is carried at once
 SURE = 2.0  # standard errors by which an exponent must differ from 0 to have a sign
 
 
@@ -156,29 +158,24 @@ def _of_orbit(orbit: Orbit, wanted: int) -> LyapunovSpectrum:
 
 def mean_exponents(section: StroboscopicMap, start: State, periods: int, wanted: int) -> LyapunovSpectrum:
     """The largest ``wanted`` exponents of a motion as means over ``periods``, whether it repeats or not."""
-    walk, events = _Disturbances(section, wanted), np.zeros(2, dtype=np.int64)
-    for step in _pieces(ALIGNED):
-        flown = section.flown(start, step)
-        walk.along(flown)
-        start = flown.state
-    batches, taken = [], np.diff(np.linspace(0, periods, BATCHES + 1).astype(int))
-    for size in taken:
+    walk, taken = _Disturbances(section, wanted), np.diff(np.linspace(0, periods, BATCHES + 1).astype(int))
+    growths, events = [], np.zeros((1 + BATCHES, 2), dtype=np.int64)
+    for batch, size in enumerate((ALIGNED, *taken.tolist())):  # the first is no part of the mean
         walk.logs = np.zeros(wanted)
-        for step in _pieces(int(size)):
+        for step in _pieces(size):
             flown = section.flown(start, step)
             walk.along(flown)
-            start = flown.state
-            events += _events(flown)
-        batches.append(walk.logs / (int(size) * section.period))
+            start, events[batch] = flown.state, events[batch] + _events(flown)
+        growths.append(walk.logs / (size * section.period))
     with np.errstate(invalid="ignore"):
-        rates, weights = np.array(batches), taken / taken.sum()
+        rates, weights = np.array(growths[1:]), taken / taken.sum()
         mean = weights @ rates
         error = np.std(rates, axis=0, ddof=1) / np.sqrt(BATCHES)
     lost = ~np.isfinite(mean)
     order = np.argsort(-np.where(lost, -np.inf, mean), kind="stable")
     return LyapunovSpectrum(
         np.where(lost, -np.inf, mean)[order], np.where(lost, 0.0, error)[order], 0, periods * section.period,
-        int(events[0]), int(events[1]), start, section.time,
+        int(events[1:, 0].sum()), int(events[1:, 1].sum()), start, section.time,
     )  # fmt: skip
 
 
@@ -187,33 +184,33 @@ class _Disturbances:
 
     def __init__(self, section: StroboscopicMap, wanted: int) -> None:
         system = section.system
-        self.ratio = section.units[:, None] / section.units
+        self.units = section.units[:, None]
+        self.ratio, self.most = self.units / section.units, LOST_AT_REST * (1 + len(system.further or ()))
         start = np.random.default_rng(0).standard_normal((2 * system.size, wanted))
         self.frame, self.logs = np.linalg.qr(start)[0], np.zeros(wanted)
 
     def along(self, flown: Flown) -> None:
         """Carry the disturbances along; directions that are lost have −∞ from then on."""
-        maps = flown.maps()
-        rate = maps.fastest if self.frame.shape[1] > 1 else 0.0
-        for i in range(len(maps)):
-            pause()
-            steps = maps.steps(i, rate, DECAY)
-            for k, matrix in enumerate(steps, 1):
-                self._step(matrix, maps.lost(i) if k == len(steps) else 0)
+        maps, whole = flown.maps(), len(self.units)
+        for first in range(0, len(maps), TOGETHER):
+            part = range(first, min(first + TOGETHER, len(maps)))
+            nothing_left = whole <= self.most and any(maps.lost(i) >= whole for i in part)
+            if self.frame.shape[1] == 1 and not nothing_left:
+                self._take(self.units * maps.carried(self.frame / self.units, part.start, part.stop), 0)
+                continue
+            for i in part:
+                pause()
+                steps = maps.steps(i, maps.fastest, DECAY)
+                for k, matrix in enumerate(steps, 1):
+                    self._take((matrix * self.ratio) @ self.frame, maps.lost(i) if k == len(steps) else 0)
 
-    def _step(self, matrix: Array, lost: int) -> None:
-        left = min(self.frame.shape[1], len(self.ratio) - lost)
+    def _take(self, grown: Array, lost: int) -> None:
+        left = min(grown.shape[1], len(self.ratio) - lost)
         self.logs[left:] = -np.inf
-        grown = (matrix * self.ratio) @ self.frame
-        if grown.shape[1] == 1:
-            sizes = np.array([np.sqrt(np.vdot(grown, grown))])
-            self.frame = grown / (sizes if sizes[0] else 1.0)
-        else:
-            self.frame, upper = np.linalg.qr(grown)
-            sizes = np.abs(np.diag(upper))
-        self.frame = self.frame[:, :left]
+        frame, upper = np.linalg.qr(grown)
+        self.frame, sizes = frame[:, :left], np.abs(np.diag(upper))[:left]
         with np.errstate(divide="ignore"):
-            self.logs[:left] += np.log(sizes[:left])
+            self.logs[:left] += np.log(sizes)
 
 
 def _events(flown: Flown) -> tuple[int, int]:

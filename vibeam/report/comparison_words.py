@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import ceil, floor, log10
 
 from vibeam.figures.units import DisplayUnits
 from vibeam.runs.comparison.ends import BranchEnd
@@ -31,6 +32,12 @@ def size(value: float) -> str:
         return f"less than {100 * LEAST:g} %"
     share = 100 * min(abs(value), MOST)
     return "more than " * (abs(value) > MOST) + (f"{round(share, 1):g} %" if share >= 1 else f"{share:.1g} %")
+
+
+def bound(value: float) -> str:
+    """Bound of a size to one digit, rounded up."""
+    step = 10.0 ** floor(log10(max(value, LEAST)))
+    return size(ceil(round(value / step, 6)) * step)
 
 
 def signed(value: float) -> str:
@@ -69,7 +76,7 @@ def both_numbers(found: ResponseComparison, units: DisplayUnits) -> str:
         first = found.ends[0]
         parts.append(
             f"the {_noun(first.ours)} {_moved(first, units)}" if _is_known(first)
-            else f"ends of branches within {size(abs(first.error) + first.open)}"
+            else f"ends of branches within {bound(abs(first.error) + first.open)}"
         )  # fmt: skip
     return ", ".join(parts) or "no contact in either"
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 from vibeam.case.case import Case
 from vibeam.case.held import held_of
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.report.comparison_words import Subject, both_numbers, cells, gravest, open_points
+from vibeam.report.modes_figure import every, modes_figure
 from vibeam.report.output import StudySheet
 from vibeam.report.run_answer import beyond
 from vibeam.report.tables import ReportTable, blank
@@ -17,9 +17,6 @@ from vibeam.runs.comparison.beyond import GIVEN
 from vibeam.runs.comparison.errors import FIFTH
 from vibeam.studies.modes_needed import ModesNeeded, ModesRow, modes_needed
 from vibeam.system.number_text import begun, modes_in_words, percent
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 SINGLE = Subject("one degree of freedom")
 QUICK, SECONDS = 7, 0.4  # frequencies and CPU seconds of the first answer
@@ -42,17 +39,17 @@ def first_answer(case: Case, plan: ModesNeededPlan | None = None) -> str:
 def answer(found: ModesNeeded) -> str:
     """Answer in one or a few sentences."""
     within, own, units = percent(found.asked.amplitude), found.own.suffices(found.asked), _units(found)
-    row, every = found.enough, Subject(_every(found), found.modes > 1)
+    row, whole = found.enough, Subject(every(found), found.modes > 1)
     if own is False and found.own.comparison is not None:
-        clause = gravest(every, beyond(found.own), found.own.comparison, found.asked, units)
+        clause = gravest(whole, beyond(found.own), found.own.comparison, found.asked, units)
         beside = "" if beyond(found.own).name in clause else f" beside {beyond(found.own).name}"
         cure = f"; {REFINE}" if found.own.elements and found.modes == found.size else ""
         said = f"No number of modes suffices for {within}: {clause}{beside}{cure}."
     elif row is not None and row.comparison is not None:
         who, numbers = _subject(row), both_numbers(row.comparison, units)
         known = own or found.own.why == GIVEN
-        verb = who.does("suffice") + f" for {within}" if known else f"{who.is_} within {within} of {every.name}"
-        said = f"{begun(who.name)} {verb}: {numbers}" + (f", beside {every.name}." if known else ".")
+        verb = who.does("suffice") + f" for {within}" if known else f"{who.is_} within {within} of {whole.name}"
+        said = f"{begun(who.name)} {verb}: {numbers}" + (f", beside {whole.name}." if known else ".")
     else:
         said = f"{begun(_more(found))}{_missing(found, units)}."
     return " ".join(filter(None, [said, _single(found, units), _reference(found, units), f"{_held(found)} is held."]))
@@ -71,15 +68,10 @@ def _subject(row: ModesRow) -> Subject:
     return Subject(modes_in_words(row.modes), row.modes > 1)
 
 
-def _every(found: ModesNeeded) -> str:
-    """All modes, or those that stand for them."""
-    return f"{'all ' * (found.modes == found.size > 1)}{modes_in_words(found.modes)}"
-
-
 def _more(found: ModesNeeded) -> str:
     tried = [row.modes for row in found.rows if not row.why]
     if not tried:
-        return f"{_every(found)}: there are no fewer to compare"
+        return f"{every(found)}: there are no fewer to compare"
     within = percent(found.asked.amplitude)
     if len(tried) > 1:
         return f"none of {tried[0]} to {tried[-1]} modes is known to suffice for {within}"
@@ -91,13 +83,13 @@ def _missing(found: ModesNeeded, units: DisplayUnits) -> str:
     rows = [row for row in found.rows if row.comparison is not None]
     if not rows or rows[-1].comparison is None:
         return ""
-    last, every = rows[-1], Subject(_every(found), True)
+    last, whole = rows[-1], Subject(every(found), True)
     assert last.comparison is not None
     if last.suffices(found.asked) is None:
         return f"; {modes_in_words(last.modes)} may ({open_points(last.comparison, found.asked, units)})"
     if last.suffices(found.asked):
         return ""
-    return f": {gravest(_subject(last), every, last.comparison, found.asked, units)}"
+    return f": {gravest(_subject(last), whole, last.comparison, found.asked, units)}"
 
 
 def _single(found: ModesNeeded, units: DisplayUnits) -> str:
@@ -105,24 +97,24 @@ def _single(found: ModesNeeded, units: DisplayUnits) -> str:
     row = found.single
     if row is None or row.comparison is None or row.suffices(found.asked) is not False:
         return ""
-    return f"{begun(gravest(SINGLE, Subject(_every(found), True), row.comparison, found.asked, units))}."
+    return f"{begun(gravest(SINGLE, Subject(every(found), True), row.comparison, found.asked, units))}."
 
 
 def _reference(found: ModesNeeded, units: DisplayUnits) -> str:
     """Sentence on the error of the reference where it counts, or is not known."""
-    own, every = found.own, _every(found)
+    own, whole = found.own, every(found)
     are = "is" if found.modes == 1 else "are"
     if own.why == GIVEN:
         return f"What further modes would change is not known: {GIVEN}."
     if own.why:
-        return f"How far {every} {are} off is not known ({own.why})."
+        return f"How far {whole} {are} off is not known ({own.why})."
     if own.comparison is None or own.suffices(found.asked) is False:
         return ""
     if own.suffices(found.asked) is None:
-        return f"Whether {every} suffice is open: {open_points(own.comparison, found.asked, units)}."
+        return f"Whether {whole} suffice is open: {open_points(own.comparison, found.asked, units)}."
     if own.comparison.worst(found.asked) <= FIFTH:
         return ""
-    return f"{begun(every)} {are} off as well: {both_numbers(own.comparison, units)}, beside {beyond(own).name}."
+    return f"{begun(whole)} {are} off as well: {both_numbers(own.comparison, units)}, beside {beyond(own).name}."
 
 
 def sheet(found: ModesNeeded) -> StudySheet:
@@ -134,7 +126,7 @@ def sheet(found: ModesNeeded) -> StudySheet:
         data={name: getattr(found, name) for name in ("plan", "modes", "size", "rows", "single", "own")}
         | {"enough": None if found.enough is None else found.enough.modes},
         rows=[_numbers(row) for row in _all_rows(found)],
-        draw=lambda: errors_over_modes(found),
+        draw=lambda: modes_figure(found),
     )
 
 
@@ -153,7 +145,7 @@ def _numbers(row: ModesRow) -> dict[str, object]:
 
 
 def _table(found: ModesNeeded) -> ReportTable:
-    table = blank(f"Errors against {_every(found)}", "model", "amplitudes|", "ends|", "kinds|", "suffices|")
+    table = blank(f"Errors against {every(found)}", "model", "amplitudes|", "ends|", "kinds|", "suffices|")
     words = {True: "yes", False: "no", None: "may"}
     for row in _all_rows(found):
         name = "sdof" if row.reduction == "static_mode" else f"modes {row.modes}"
@@ -177,31 +169,3 @@ def _notes(found: ModesNeeded) -> Iterator[str]:
             reasons.setdefault(row.why, []).append(str(row.modes))
     for why, names in reasons.items():
         yield f"{', '.join(names)} modes: {why}"
-
-
-def errors_over_modes(found: ModesNeeded) -> Figure:
-    """Both errors over the number of modes, with what is asked."""
-    from vibeam.figures.page import blank_page, titled
-    from vibeam.figures.style import COLOURS
-
-    figure = blank_page((6.4, 3.8), found.case.figure)
-    axes = figure.subplots()
-    rows = [row for row in found.rows if row.comparison is not None]
-    counts, known = [row.modes for row in rows], [row.comparison for row in rows if row.comparison is not None]
-    lines = {
-        "amplitudes": ([each.amplitude_error for each in known], found.asked.amplitude),
-        "ends of branches, kinds": (
-            [max(each.frequency_error, each.kind_width) for each in known],
-            found.asked.frequency,
-        ),
-    }
-    for colour, (name, (values, allowed)) in zip(COLOURS, lines.items(), strict=False):
-        shown = [max(100 * value, 1e-3) for value in values]
-        axes.plot(counts, shown, "o-", color=colour, label=name, gid=f"errors-{name.split()[0]}")
-        axes.axhline(100 * allowed, color=colour, linewidth=0.8, linestyle=":")
-    axes.set(xscale="log", yscale="log", xlabel="modes", ylabel="error (%)")
-    axes.set_xticks(counts, map(str, counts), minor=False)
-    axes.minorticks_off()
-    axes.legend()
-    titled(figure, found.case.figure, found.case.title, f"errors against {_every(found)}; dotted: what is asked")
-    return figure

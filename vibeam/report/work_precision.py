@@ -1,4 +1,4 @@
-"""Work–precision plot: error against CPU time, a colour a fidelity, a marker a solver, the Pareto front.
+"""Error against CPU time: a colour a fidelity, a marker a solver, the Pareto front.
 
 Left: error against the finest fidelity. Right: error of the solver alone, against the exact motion
 of its own fidelity. Where the left-hand points of a colour form a column, the model's error dominates.
@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
+from vibeam.case.held import held_of
 from vibeam.figures.lettering import power_of_ten
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import COLOURS, KEY, looks, name_of, shade
@@ -22,18 +23,17 @@ from vibeam.solvers import SOLVERS
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.studies.cost.reference import RunErrors
     from vibeam.studies.cost.row import RunRow
     from vibeam.studies.cost.study import CostStudy
+    from vibeam.system.curves import Difference
 
 
 JOINED: dict[str, Any] = {"RK23": "-", "RK45": "--", "DOP853": "-.", "LSODA": ":", "": "-"}
 FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5.0, "zorder": 1.0, "solid_capstyle": "round"}
-LIMIT: dict[str, Any] = {"color": "0.35", "linewidth": 1.0, "linestyle": (0, (1, 1)), "zorder": 1.5}
 FLOOR = 1e-16  # position of an error of zero
 WIDEST, EDGE = 6.0, 50.0  # position of larger errors and of failures
 NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that read better as plain numbers
-Pick = Callable[["RunRow"], "RunErrors"]
+Pick = Callable[["RunRow"], "Difference"]
 
 
 def work_precision(study: CostStudy, case: Case) -> Figure:
@@ -43,15 +43,14 @@ def work_precision(study: CostStudy, case: Case) -> Figure:
     colours = _colours(study, case)
     _panel(whole, study, colours, lambda row: row.total)
     _front(whole, study)
-    _own_limit(whole, study)
     _panel(own, study, colours, lambda row: row.numerical)
-    whole.set_title(f"model and solver: against {study.truth}", loc="left")
+    whole.set_title(f"model and solver: against {study.finest}, exact", loc="left")
     own.set_title("solver alone: against its own model, exact", loc="left")
-    whole.set_ylabel(f"CPU time of {len(study.frequency)} frequencies (s)")
+    whole.set_ylabel("CPU time of a frequency (s)")
     for axes in (whole, own):
         _scale(axes, study)
         axes.set_xlabel("root mean square error of amplitude")
-    titled(figure, case.figure, study.title, f"what accuracy costs, {study.comparison.held.label}")
+    titled(figure, case.figure, study.title, f"what accuracy costs, {held_of(case.scene).label}")
     legend(figure, _legend(study, case, colours))
     return figure
 
@@ -82,11 +81,9 @@ def _panel(axes: Axes, study: CostStudy, colours: dict[str, Any], pick: Pick) ->
 
 
 def _scale(axes: Axes, study: CostStudy) -> None:
-    """Scale both panels alike: from a decade below the least error to failures, the reference's bound in grey."""
-    errors = [row.total.amplitude.rms for row in study.rows] + [row.numerical.amplitude.rms for row in study.rows]
+    """Scale both panels alike: from a decade below the least error to failures."""
+    errors = [each.rms for row in study.rows for each in (row.total, row.numerical)]
     least = max(min([error for error in errors if error > 0], default=1e-3) / 10, FLOOR)
-    if np.isfinite(study.bound.value) and study.bound.value > 0:
-        axes.axvspan(least / 10, study.bound.value, color="0.94", linewidth=0, zorder=0)
     axes.axvline(WIDEST, color="0.5", linewidth=0.6, linestyle=(0, (2, 2)))
     powers = [power for power in range(-16, 1, 2) if 10.0**power > least]
     axes.xaxis.set_major_locator(FixedLocator([*(10.0**power for power in powers), EDGE]))
@@ -101,15 +98,13 @@ def _ladders(study: CostStudy) -> dict[tuple[str, str, str], list[RunRow]]:
     """Rows joined by one line: a solver's settings on one fidelity."""
     found: dict[tuple[str, str, str], list[RunRow]] = {}
     for row in study.rows:
-        if row.work is not None:
-            found.setdefault((row.fidelity, row.solver, row.method), []).append(row)
+        found.setdefault((row.fidelity, row.solver, row.method), []).append(row)
     return found
 
 
 def _point(row: RunRow, pick: Pick) -> tuple[float, float]:
-    """Error and time; failures, and values beyond the axis, at its right-hand edge."""
-    error = pick(row).amplitude.rms
-    seconds = row.work.cpu_min if row.work else np.nan
+    """Error and time; failures, and values beyond the axis, at its right-hand edge; what was given up: time used."""
+    error, seconds = pick(row).rms, row.seconds if row.computed else row.used
     return (float(max(error, FLOOR)) if np.isfinite(error) and error < WIDEST else EDGE), max(seconds, 1e-9)
 
 
@@ -120,13 +115,6 @@ def _marks(axes: Axes, points: Any, solver: str, colour: Any, full: bool) -> Non
     face = colour if full else "white"
     axes.plot(*points.T, linestyle="", marker=shape, markersize=size, markerfacecolor=face, markeredgecolor=colour,
               markeredgewidth=0.7, zorder=3)  # fmt: skip
-
-
-def _own_limit(axes: Axes, study: CostStudy) -> None:
-    """Mark the distance of the reference from its own limit: smaller errors are no nearer to that."""
-    distance = study.comparison.limit.held.rms
-    if np.isfinite(distance) and distance > 0:
-        axes.axvline(distance, **LIMIT)
 
 
 def _front(axes: Axes, study: CostStudy) -> None:
@@ -152,10 +140,7 @@ def _legend(study: CostStudy, case: Case, colours: dict[str, Any]) -> list[Line2
     handles.append(Line2D([], [], **FRONT, label="Pareto front"))
     if any(row.found < len(study.frequency) for row in study.rows):
         open_mark = grey | {"marker": "o", "markersize": 4.5, "markerfacecolor": "white"}
-        handles.append(Line2D([], [], label="open: no motion found at some points", **open_mark))
-    if np.isfinite(study.comparison.limit.held.rms):
-        handles.append(Line2D([], [], **LIMIT, label=f"{name_of(case, study.finest)} off its own limit"))
-    handles.append(Line2D([], [], color="0.9", linewidth=6, label="below the reference's solver error"))
+        handles.append(Line2D([], [], label="open: some frequencies without a motion, or given up", **open_mark))
     return handles
 
 

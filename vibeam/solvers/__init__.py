@@ -55,7 +55,7 @@ SOLVERS = Registry(
         harmonics=True,
         records=True,
         motion="samples",
-        settings=CostSettings(methods=("RK23", "RK45", "DOP853", "LSODA"), limit=200),
+        settings=CostSettings(methods=("LSODA", "RK23", "RK45", "DOP853"), limit=200),
         marker=("o", 4.0),
     ),
     SolverDeclaration(

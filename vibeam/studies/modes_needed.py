@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.case.fineness import plain
@@ -23,7 +25,7 @@ from vibeam.runs.comparison.of_run import ComparedFidelity
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.labelled import ViewedTable
-from vibeam_models.arrays import ValueRecord
+from vibeam_models.arrays import Array, Flags, ValueRecord
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene
 
@@ -52,12 +54,28 @@ class ModesRow:
         return None if self.comparison is None else self.comparison.suffices(asked)
 
 
+@dataclass(frozen=True, eq=False)
+class ModesCurve(ValueRecord):
+    """Response of a model of ``modes`` in one ``direction``: ``amplitude`` over ``frequency`` in Hz, as swept.
+
+    ``strikes`` (points,): the motion has contact.
+    """
+
+    modes: int
+    direction: str
+    frequency: Array
+    amplitude: Array
+    strikes: Flags
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class ModesNeeded(ValueRecord, ViewedTable):
     """``rows`` of more and more modes beside ``modes`` of them, of ``size`` that the case has; ``single``: one along
     the static deflection at the contact, None of a rig without one.
 
     ``own``: the reference beside a finer model. ``frequencies``: number of those swept, in every direction.
+    ``curves``: of the reference, the number that is enough and the next fewer. ``seconds``: CPU time of a point of the
+    reference.
     """
 
     case: Case
@@ -69,6 +87,8 @@ class ModesNeeded(ValueRecord, ViewedTable):
     modes: int
     size: int
     frequencies: int
+    curves: tuple[ModesCurve, ...] = ()
+    seconds: float = 0.0
 
     @property
     def enough(self) -> ModesRow | None:
@@ -133,10 +153,21 @@ class _Sweeps:
                 break
         own = self._own(reference) if with_own else ComparedFidelity("", "", None, self.modes, why="not asked for")
         self.told(total, total)
-        return ModesNeeded(
+        found = ModesNeeded(
             self.case, self.plan, self.asked, tuple(rows), single, own, self.modes, self.size,
-            min(self.frequencies, len(self.case.sweep.frequency)),
+            min(self.frequencies, len(self.case.sweep.frequency)), seconds=reference.cost,
         )  # fmt: skip
+        return replace(found, curves=tuple(self._curves(found, reference)))
+
+    def _curves(self, found: ModesNeeded, reference: Response) -> Iterator[ModesCurve]:
+        """Curves of the reference, of the number that is enough, else the most, and of the next fewer."""
+        tried = [row.modes for row in found.rows if row.modes in self.swept]
+        best = tried[-1:] if found.enough is None else [found.enough.modes]
+        fewer = [n for n in tried if best and n < best[0]][-1:]
+        for modes, response in [(self.modes, reference), *((n, self.swept[n]) for n in (*best, *fewer))]:
+            for way, places in response.places.items():
+                columns = zip(*((each.frequency, each.amplitude, each.kind.strikes) for each in places), strict=True)
+                yield ModesCurve(modes, way, *map(np.array, columns))
 
     def _system(self, modes: int) -> ImpactSystem:
         if self.scene.in_three_dimensions:
@@ -182,6 +213,7 @@ class _Sweeps:
             return ModesRow(modes, why=str(refusal))
         if found is None:
             return ModesRow(modes, why=COSTLY.format(modes, self.budget))
+        self.swept[modes] = found
         return ModesRow(modes, "modal", compared(found, reference, self.asked.frequency), found.cost)
 
     def _single(self, reference: Response) -> ModesRow | None:

@@ -25,6 +25,7 @@ from vibeam.studies.modes_needed import modes_needed
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 
+VERIFIED = 12  # places of the plane that are computed anew
 Tell = Callable[[str], None]
 Progress = Callable[[int, int], None]
 
@@ -132,19 +133,19 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
     if name == "solid":
         from vibeam.studies.solid.study import solid_verdict
 
-        return solid_verdict(case, accuracy=plan.accuracy, progress=progress, budget=plan.budget)
+        return solid_verdict(case, accuracy=plan.accuracy, progress=progress, budget=plan.allowed)
     if case.record is not None:
         return _under_record(name, case, plan, progress)
     if name == "modes":
         with telling(progress, name) as told:
-            return modes_needed(case, plan_of_modes(case, plan), budget=plan.budget, told=told)
+            return modes_needed(case, plan_of_modes(case, plan), budget=plan.allowed, told=told)
     if name == "effects":
-        return influence(case, tell, progress, budget=plan.budget)
+        return influence(case, tell, progress, budget=plan.allowed)
     if name == "solvers":
         return cost(case, tell, progress, budget=plan.budget)
     return fidelity_map(
-        case, plan.over, points=plan.points, frequencies=plan.points, accuracy=plan.accuracy, progress=progress,
-        budget=plan.budget,
+        case, plan.over, points=plan.points, frequencies=plan.points, accuracy=plan.accuracy, verify=VERIFIED,
+        progress=progress, budget=plan.allowed,
     )  # fmt: skip
 
 
@@ -161,7 +162,7 @@ def _under_record(name: str, case: Case, plan: VerdictPlan, progress: Progress |
     study: Any = {"modes": record_modes, "effects": record_effects, "map": record_fidelities}[name]
     allowed = case.influence.tolerance if name == "effects" else plan.accuracy
     with telling(progress, name) as told:
-        return study(case, allowed, told=told, **({} if name == "map" else {"budget": plan.budget}))
+        return study(case, allowed, told=told, **({} if name == "map" else {"budget": plan.allowed}))
 
 
 def plan_of_modes(case: Case, plan: VerdictPlan) -> ModesNeededPlan:

@@ -142,7 +142,6 @@ WRONG = [
     ("points = 4", "points = 1", "22: sweep.frequency.points: 1 point does not span from … to: make them equal, or take more points"),
     ('"17 Hz"', '"14 Hz"', "22: sweep.frequency.points: 4 points from a frequency to itself: points = 1, or another to"),
     ("[sweep]", "[uncertainty]\nsamples = 48\n[sweep]", "22: uncertainty.samples: 48 is no power of two: write 32"),
-    ("[sweep]", "[cost]\nreference = \"x\"\n[sweep]", "22: cost.reference: no reference 'x'; known here: none"),
 ]  # fmt: skip
 
 

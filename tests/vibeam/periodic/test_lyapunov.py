@@ -13,6 +13,7 @@ from settled_orbits import closed_multipliers, settled
 
 import vibeam
 from vibeam.flight.disturbance.tangent import TangentMaps
+from vibeam.periodic.lyapunov import mean_exponents
 from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.system.state import State
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
@@ -254,6 +255,22 @@ def test_fewer_exponents_are_the_same_ones() -> None:
     assert first.exponents.shape == (1,)
     assert first.largest == pytest.approx(whole.largest, abs=4 * (whole.errors[0] + first.errors[0]))
     assert 1 < whole.dimension < 2
+
+
+@pytest.mark.parametrize("further", [(), (vibeam.Contact([-0.8, 0.3, 0.5], 6.0, 0.85),)], ids=["one", "two contacts"])
+def test_one_disturbance_is_carried_through_impacts_and_rests(further: tuple[vibeam.Contact, ...]) -> None:
+    """A motion that repeats, as if it did not: the mean tends to the exponent of its multipliers, as 1/time."""
+    system, drive = replace(PRESSED, further=further), vibeam.Drive(1.3, 2.0)
+    known = vibeam.lyapunov(system, drive, settle=60)
+    mean = mean_exponents(StroboscopicMap(system, drive, known.phase_time), known.state, 100, 1)
+    assert mean.largest == pytest.approx(known.largest, rel=1e-3)
+    assert mean.rests == 100 * known.rests > 0
+
+
+def test_one_mode_that_rests_has_no_disturbance_left() -> None:
+    alone, drive = replace(ONE, restitution=0.3, static=np.array([1.5])), vibeam.Drive(1.3, 2.0)
+    known = vibeam.lyapunov(alone, drive, settle=20)
+    assert mean_exponents(StroboscopicMap(alone, drive, known.phase_time), known.state, 20, 1).largest == -np.inf
 
 
 class Unknown(StopLaw):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,91 +11,111 @@ import pytest
 from stand_in import curve, one_mode
 
 import vibeam
+from vibeam.case.study_plans import VerdictPlan
 from vibeam.casefile.read import parse
+from vibeam.figures.units import METRIC
+from vibeam.report.comparison_words import Subject, both_numbers, cells, gravest
 from vibeam.report.run_answer import run_answer
-from vibeam.runs.estimate.records import Basis, ErrorEstimate, FidelityEstimate
+from vibeam.report.run_report import run_report
+from vibeam.runs.comparison.ends import BranchEnd
+from vibeam.runs.comparison.errors import AmplitudeError, Asked, EndError, KindDifference, ResponseComparison
+from vibeam.runs.comparison.kinds import MotionKind
 from vibeam.runs.result import Result
 from vibeam.system.response import Branches
 
-GRID = np.linspace(14.0, 16.0, 5)
-TOP = np.array([1.0, 2.0, 4.0, 2.0, 1.0])
-IRREGULAR = np.array([0, 0, 1, 0, 0])
-UNKNOWN = ". How far theirs itself is off is not known"
+GRID = np.linspace(14.0, 16.0, 41)
+TOP = np.interp(GRID, [14.0, 15.0, 16.0], [1.0, 4.0, 1.0])
+ONE, TWO, FREE, IRREGULAR = MotionKind(1, 1), MotionKind(2, 2), MotionKind(-1), MotionKind(0)
+FIVE = Asked.of(0.05)
 
 
-def answer(ours: Any, theirs: Any = TOP, ours_has: str = "", theirs_has: str = "", **how: Any) -> str:
-    """Answer of two fidelities, of one mode and of two, the second flown: the rig gives its one mode."""
-    accuracy = how.pop("accuracy", 0.05)
+def result(ours: Any, theirs: Any = TOP, ours_has: str = "", theirs_has: str = "", **how: Any) -> Result:
+    """Result of two fidelities, of one mode and of two, the second exact: the rig gives its one mode."""
     case = parse(one_mode(str(GRID.tolist()), 1, 1, "[fidelity.ours]", ours_has, "[fidelity.theirs]", theirs_has))
     parts = {"ours": curve(GRID, ours, **how), "theirs": curve(GRID, theirs, modes=2, **how)}
-    return run_answer(Result(case, {name: Branches(up) for name, up in parts.items()}), accuracy)
+    return Result(case, {name: Branches(up) for name, up in parts.items()})
 
 
-@pytest.mark.parametrize(
-    ("ours", "said"),
-    [
-        (0.98 * TOP, "One mode suffices for 5 % (ours, 2 % too low at the peak)."),
-        (1.2 * TOP, "Two modes suffice for 5 % (theirs, computed exactly); ours is 20 % too high."),
-        (TOP * [1.06, 1, 1, 1, 1], "One mode suffices for 5 % (ours, off by less than 0.01 % at the peak, up to 6 %"),
-        (TOP * [1.5, 1, 1, 1, 1.5], "; ours is 31.6 % off (rms), off by less than 0.01 % at the peak."),
-        (TOP * [40, 1, 1, 1, 1], "; ours is 900 % too high."),
-        (TOP * [2, 1, 1.1, 1, 2], "; ours is 63.4 % off (rms), 10 % too high at the peak."),  # √(2.01/5)
-    ],
-)  # fmt: skip
-def test_what_suffices_is_named_with_what_it_misses(ours: Any, said: str) -> None:
-    assert said in answer(ours)
+def answer(*given: Any, **how: Any) -> str:
+    return run_answer(result(*given, **how))
 
 
-def test_a_model_as_large_as_the_finest_is_no_smaller_one() -> None:
-    case = parse(one_mode(str(GRID.tolist()), 1, 1, *(f"[fidelity.{name}]" for name in ("sdof", "beam", "noisy"))))
-    sizes = {"sdof": (1.2 * TOP, 1), "beam": (TOP, 2), "noisy": (TOP, 2)}
-    said = run_answer(Result(case, {name: Branches(curve(GRID, up, modes=n)) for name, (up, n) in sizes.items()}))
-    assert said.startswith("beam suffices for 5 % (computed exactly); sdof is 20 % too high.")
+def test_what_suffices_is_named_with_both_numbers() -> None:
+    assert answer(0.98 * TOP).startswith("One mode suffices for 5 %: amplitudes within 2 %.")
+    said = answer(1.2 * TOP)
+    assert said.startswith("Two modes suffice for 5 % (all that the case gives). One mode is 20 % too high at ")
 
 
-def test_of_many_that_miss_the_first_are_named() -> None:
-    """In the order of their sizes; those that are not named may be off by less."""
-    off = {"a": 1.6, "b": 1.5, "c": 1.4, "d": 1.3, "top": 1.0}
-    case = parse(one_mode(str(GRID.tolist()), 1, 1, *(f"[fidelity.{name}]" for name in off)))
-    parts = {name: Branches(curve(GRID, by * TOP, modes=1 + (name == "top"))) for name, by in off.items()}
-    said = run_answer(Result(case, parts))
-    assert "; a is 60 % too high, b is 50 % too high and 2 more are off as well." in said
+def test_an_error_at_one_frequency_decides() -> None:
+    """An rms over all points would call it 1 %."""
+    off = np.where(np.arange(41) == 7, 1.06, 1.0)
+    said = answer(off * TOP)
+    assert f"One mode is 6 % too high at {2 * np.pi * 14.35:.4g}." in said
 
 
-def test_the_accuracy_asked_for_decides() -> None:
-    assert answer(1.2 * TOP, accuracy=0.25).startswith("One mode suffices for 25 % (ours, 20 % too high at the peak).")
+def test_the_accuracy_of_the_case_decides() -> None:
+    found = result(1.2 * TOP)
+    asked = {**found.case.asked, "verdict": replace(VerdictPlan(), accuracy=0.25)}
+    wide = Result(replace(found.case, asked=asked), dict(found))
+    assert run_answer(wide).startswith("One mode suffices for 25 %: amplitudes within 20 %.")
 
 
 def test_nothing_is_enough_whose_measure_is_not_known() -> None:
     """The finest is no exact solution here: pointwise mapping."""
     said = answer(0.98 * TOP, theirs_has='solver = "mapping"')
-    assert said.startswith(f"One mode (ours, 2 % too low at the peak) is within 5 % of theirs{UNKNOWN}.")
+    assert said.startswith(
+        "One mode is within 5 % of two modes: amplitudes within 2 %. How far two modes are off is not known"
+    )
     said = answer(1.2 * TOP, theirs_has='solver = "mapping"')
-    first = "No other fidelity is known to be within 5 % of theirs: ours is 20 % too high"
-    assert said.startswith(f"{first}{UNKNOWN}.")
+    assert said.startswith("No other fidelity is known to be within 5 % of two modes. How far two modes are off is")
+    assert "One mode is 20 % too high" in said
     assert "suffice" not in said
 
 
-def test_motions_that_do_not_repeat_are_no_measure() -> None:
-    said = answer(0.98 * TOP, period=IRREGULAR)
-    assert said.startswith("Two modes suffice for 5 %")
-    assert "ours (2 % too low at the peak) repeats beside it at less than half of the points." in said
+def test_a_branch_that_ends_late_is_no_small_thing() -> None:
+    """Both at rest above their jump: 0.4 Hz late is 2.6 %, whatever the amplitudes before it."""
+    theirs = np.where(GRID < 15.02, 1, -1)
+    ours = np.where(GRID < 15.42, 1, -1)
+    case = parse(one_mode(str(GRID.tolist()), 1, 1, "[fidelity.ours]", "[fidelity.theirs]"))
+    parts = {"ours": curve(GRID, np.where(ours > 0, 1.0, 0.2), ours),
+             "theirs": curve(GRID, np.where(theirs > 0, 1.0, 0.2), theirs, modes=2)}  # fmt: skip
+    said = run_answer(Result(case, {name: Branches(up) for name, up in parts.items()}))
+    assert "One mode jumps down 2.7 % late (" in said
 
 
-def test_other_physics_points_that_failed_and_motions_without_impacts_are_said() -> None:
+def test_motions_without_impacts_points_that_failed_and_other_physics_are_said() -> None:
     apart = answer(2 * TOP, ours_has='set = { "stop.restitution" = 0.5 }')
     assert apart.startswith("No two of the 2 fidelities are of the same physics")
     assert "peaks are from 4 (theirs) to 8 (ours)." in apart
-    assert answer(TOP, period=-1).startswith("Nothing touches the stop. One mode suffices")
+    assert answer(TOP, period=-1).startswith(
+        "Nothing touches the stop. One mode suffices for 5 %: no contact in either."
+    )
     assert " is held" not in answer(TOP, period=-1)
     assert answer(TOP, ended=3) == "No point was completed."
-    assert "suffice" not in answer(TOP, TOP * np.nan)
+    failed = np.where(np.arange(41) > 20, 3, 0)
+    said = run_answer(Result(*_failed(failed)))
+    assert "may suffice (points failed from " in said
+
+
+def _failed(ended: Any) -> tuple[vibeam.Case, dict[str, Branches]]:
+    case = parse(one_mode(str(GRID.tolist()), 1, 1, "[fidelity.ours]", "[fidelity.theirs]"))
+    return case, {"ours": Branches(curve(GRID, TOP, ended=ended)), "theirs": Branches(curve(GRID, TOP, modes=2))}
+
+
+def test_of_many_that_miss_the_first_are_named() -> None:
+    off = {"a": 1.6, "b": 1.5, "c": 1.4, "d": 1.3, "top": 1.0}
+    case = parse(one_mode(str(GRID.tolist()), 1, 1, *(f"[fidelity.{name}]" for name in off)))
+    parts = {name: Branches(curve(GRID, by * TOP, modes=1 + (name == "top"))) for name, by in off.items()}
+    said = run_answer(Result(case, parts))
+    assert re.search(
+        r" a is 60 % too high at [\d.]+; b is 50 % too high at [\d.]+; 2 more are off as well\.", said
+    )
 
 
 @pytest.mark.parametrize(
     ("solver", "said"),
     [
-        ("flight", "the mode that the case gives, computed exactly"),
+        ("flight", "all that the case gives, computed exactly"),
         ("mapping", "alone, and how far it is off is not known"),
     ],
 )
@@ -106,65 +126,76 @@ def test_one_fidelity_alone_says_what_is_known_of_it(solver: str, said: str) -> 
     assert "; its peak is 4 at " in found
 
 
-def test_a_finest_without_limit_is_held_against_the_full_model_where_its_error_is_known() -> None:
-    """0.2 % at one of five points; an error that is known at fewer than half of them is not the curve's."""
-    case = parse(one_mode(str(GRID.tolist()), 1, 1, "[fidelity.ours]", "", "[fidelity.theirs]", 'solver = "mapping"'))
-    parts = {"ours": Branches(curve(GRID, 0.98 * TOP)), "theirs": Branches(curve(GRID, TOP, modes=2))}
-    whole = "The full model of 9 modes is up to 0.2 % off theirs (known at 5 of 5 points with impacts)."
-    for known, said in ((5, whole), (2, UNKNOWN[2:])):
-        basis = np.where(np.arange(5) < known, Basis.ORBIT.code, Basis.ANOTHER.code)
-        error = np.where(np.arange(5) < known, [0.002, 0, 0, 0, 0], np.nan)
-        result = Result(case, parts)
-        found = ErrorEstimate(GRID, *(error,) * 6, correction=np.zeros(5), basis=basis)
-        result.estimates["theirs"] = FidelityEstimate(9, {"up": found})
-        assert f"within 5 % of theirs. {said}" in run_answer(result)
+def compared(found: Result, **own: Any) -> Result:
+    """The result with its finest beside a fuller model of nine modes, as far off as is given."""
+    [ours, theirs] = found.compare()
+    found.compared = (ours, replace(theirs, whole=False, modes=9, comparison=ResponseComparison(**own)))
+    return found
 
 
-RIGS = Path(__file__).parents[3] / "cases"
-FEW = {"sweep.frequency.points": 9, "sweep.settle": 60, "sweep.hold": 10}
+def test_a_reference_that_is_itself_off_makes_nothing_suffice() -> None:
+    near = AmplitudeError(0.02, 15.0, "up", 1.02, 1.0)
+    said = run_answer(compared(result(0.98 * TOP), amplitude=near, scattered=near))
+    assert said.startswith(
+        "One mode suffices for 5 %: amplitudes within 2 %. Two modes, the reference, are off as well: "
+    )
+    far = replace(near, error=0.07)
+    said = run_answer(compared(result(0.98 * TOP), amplitude=far, scattered=far))
+    assert said.startswith("No fidelity suffices for 5 %: two modes, the finest, are 7 % too high at 94.25 beside nine")
+    open_ = replace(near, scatter=0.03)
+    said = run_answer(compared(result(0.98 * TOP), amplitude=open_, scattered=open_))
+    assert said.startswith(
+        "One mode is within 5 % of two modes: amplitudes within 2 %. Whether two modes suffice is open"
+    )
 
 
-def answer_of(place: str, **changes: Any) -> str:
-    case = vibeam.load(RIGS / place, set=FEW | {name.replace("__", "."): value for name, value in changes.items()})
-    return run_answer(vibeam.run(case, show=False, compare=True))
+def end(at: float, before: MotionKind, after: MotionKind, step: float = 0.0, direction: str = "up") -> BranchEnd:
+    return BranchEnd(at, 0.01, before, after, direction, step)
 
 
-def test_each_rig_has_an_answer_of_its_own_and_what_is_held_is_said_once() -> None:
-    said = answer_of("lodz/cantilever.toml")
-    first, second = "With beam.massless = true: two_masses suffices for 5 % (", " Of the case's own rig: "
-    assert said.startswith(first)
-    assert said.index("one_mass") < said.index(second) < said.index("static")
-    assert said.count("R = 0.7 at the contact is held") == 1
-    other = said.partition("with R₁ = 0.7 of mode 1 held ")[2]
-    assert [name in other for name in ("one_mass would be ", "static ")] == [True] * 2
-    alone = answer_of("lodz/cantilever.toml", fidelity__one_mass=None, fidelity__two_masses=None, expect=None)
-    assert "rig" not in alone
+@pytest.mark.parametrize(
+    ("before", "after", "step", "said"),
+    [
+        (ONE, FREE, -0.6, "two modes jump down 2 % late (102 for 100 Hz)"),
+        (ONE, FREE, 0.0, "two modes leave the stop 2 % late (102 for 100 Hz)"),
+        (FREE, ONE, 0.0, "two modes touch the stop 2 % late (102 for 100 Hz)"),
+        (ONE, TWO, 0.0, "two modes double the period 2 % late (102 for 100 Hz)"),
+        (ONE, IRREGULAR, 0.0, "two modes stop repeating 2 % late (102 for 100 Hz)"),
+        (IRREGULAR, TWO, 0.0, "two modes repeat again 2 % late (102 for 100 Hz)"),
+        (ONE, MotionKind(1, 2), 0.0, "two modes change the impacts a period 2 % late (102 for 100 Hz)"),
+        (ONE, ONE, 0.5, "two modes jump up 2 % late (102 for 100 Hz)"),
+    ],
+)  # fmt: skip
+def test_every_end_has_its_words(before: MotionKind, after: MotionKind, step: float, said: str) -> None:
+    found = ResponseComparison(
+        ends=(EndError(0.02, 1e-3, end(102, before, after, step), end(100, before, after, step)),)
+    )
+    who, other = Subject("two modes", plural=True), Subject("eight modes", plural=True)
+    assert gravest(who, other, found, FIVE, METRIC) == said
+    single = gravest(Subject("one mode"), other, found, FIVE, METRIC)
+    assert re.match(r"one mode (jumps|leaves|touches|doubles|stops|repeats|changes) ", single)
 
 
-@pytest.mark.parametrize("law", [{}, {"stop__law": "linear", "stop__stiffness": "2e5 N/m", "stop__restitution": 0.7}])
-def test_given_modes_have_no_reference_beyond_them(law: dict[str, Any]) -> None:
-    contact = {"stop__restitution_of": "contact"} if law else {}
-    said = answer_of("matrices/dtu_modes.toml", **law, **contact)
-    assert re.match(r"One mode is .* (at the peak|\(rms\).*)\. No reference beyond two modes: the case gives", said)
-    assert "these modes. " in said
-    assert "known" not in said.partition("these modes. ")[0]
-    near = answer_of("matrices/dtu_modes.toml", **law, **contact, modes__contact=[2.124, 1e-3])
-    assert near.startswith("One mode (one, ")
-    assert ") is within 5 % of two. No reference beyond two modes: the case gives only these modes. " in near
+def test_early_and_late_are_of_the_way_of_the_sweep() -> None:
+    down = EndError(0.02, 1e-3, end(102, ONE, FREE, -0.5, "down"), end(100, ONE, FREE, -0.5, "down"))
+    assert "the jump down 2 % early (102 for 100 Hz)" in both_numbers(ResponseComparison(ends=(down,)), METRIC)
+    near = replace(down, error=5e-4)
+    assert both_numbers(ResponseComparison(ends=(near,)), METRIC) == "ends of branches within 0.2 %"
 
 
-@pytest.mark.parametrize("reduction", ["full", "modal"])
-def test_the_full_model_alone_is_called_so(reduction: str) -> None:
-    one = {"fidelity.static": None, "fidelity.one": None, "fidelity.stiff": None, "expect": None}
-    modes = {"fidelity.whole": {"reduction": "modal", "modes": 2}} if reduction == "modal" else {}
-    case = vibeam.load(RIGS / "matrices" / "frame.toml", set=FEW | one | modes)
-    assert run_answer(vibeam.run(case, show=False, compare=True)).startswith("whole (2 modes) is the full model; its ")
+def test_a_difference_in_kind_is_named_where_it_is() -> None:
+    found = ResponseComparison(kinds=(KindDifference(100.0, 103.0, 1e-3, "down", IRREGULAR, TWO),))
+    said = gravest(Subject("two modes", plural=True), Subject("eight modes", plural=True), found, FIVE, METRIC)
+    assert said == (
+        "two modes do not repeat from 100 to 103 Hz swept down, where eight modes have period 2 with 2 impacts"
+    )
+    assert cells(found) == ("–", "–", "3 %")
 
 
-def test_a_full_model_on_a_mesh_is_off_by_that_mesh() -> None:
-    """A stop that yields has no limit in closed form: what 12 elements leave is not known."""
-    law = {"stop__law": "linear", "stop__stiffness": "2e4 N/m", "stop__restitution_of": "contact"}
-    whole = {"fidelity__beam": {"reduction": "full"}, "beam__elements": 12, "reference": None}
-    said = answer_of("dtu_neutral.toml", **law, **whole)
-    assert "beam, the full model, is off by its mesh is not known (" in said
-    assert "suffice" not in said
+def test_the_report_has_the_errors_of_all_and_marks_those_of_the_finest() -> None:
+    near = AmplitudeError(0.02, 15.0, "up", 1.02, 1.0)
+    found = compared(result(1.2 * TOP), amplitude=near, scattered=near)
+    table = run_report(found).tables[0]
+    columns = {str(column.header): [str(each) for each in column._cells] for column in table.columns}
+    assert columns["amplitudes"] == ["20 %", "[2 %]"]
+    assert "[ ]: theirs against nine modes" in str(table.caption)

@@ -11,7 +11,7 @@ from stand_in import SDOF, curve
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.solvers import SOLVERS
-from vibeam.studies.cost.measure import series_of
+from vibeam.studies.cost.measure import settings_of
 
 
 class Still:
@@ -40,7 +40,7 @@ def still() -> Iterator[None]:
 def test_a_registered_solver_runs_from_a_case_file() -> None:
     result = vibeam.run(parse(SDOF, set={"fidelity.sdof.solver": "still", "fidelity.sdof.options": {"amplitude": 3.0}}))
     assert set(result["sdof"].up.amplitude) == {3.0}
-    assert [setting.label for series in series_of("still", 1.0) for setting in series] == ["still low", "still high"]
+    assert [setting.label for setting in settings_of("still", 1.0)] == ["still low", "still high"]
 
 
 @pytest.mark.usefixtures("still")

@@ -29,6 +29,7 @@ from vibeam.report.maps.verdict import sheet
 from vibeam.studies.fidelity_map import between, judgement, study
 from vibeam.studies.fidelity_map.between import verified
 from vibeam.studies.fidelity_map.judgement import MappedMotions, control_variate_gain, correlation
+from vibeam.system.number_text import percent
 from vibeam_models.laws.compliant import HuntCrossley
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -86,13 +87,17 @@ def test_the_label_is_the_cheapest_within_the_accuracy(case: vibeam.Case, found:
 def test_shares_add_up_and_rows_say_where(found: vibeam.FidelityMap) -> None:
     assert [model.name for model in found.models] == ["sdof", "two_modes", "beam"]
     assert sum(found.shares.values()) == pytest.approx(1.0)
+    touched = np.any([model.kind != NO_CONTACT for model in found.models], axis=(0, 1))
+    assert 0 < touched.sum() < touched.size
     sdof, _, beam = found.rows
     assert (beam.use_it_for, beam.within, beam.wrong_frequency) == ("the reference", 1.0, None)
     wrong = ~judgement.within(found.models[0], found.finest, 0.02)
     columns = found.frequency[wrong.any(axis=0)]
     assert sdof.wrong_frequency == (columns.min(), columns.max())
-    assert sdof.within == pytest.approx(1 - wrong.mean())
-    alike = found.models[0].kind == found.finest.kind
+    assert sdof.within == pytest.approx(1 - wrong[touched].mean())
+    assert found.shares["beam"] == pytest.approx((found.label == 2)[touched].mean())
+    assert f"suffices on {percent(found.shares['two_modes'])} of the places with impacts (" in sheet(found).answer
+    alike = (found.models[0].kind == found.finest.kind) & touched
     shares = (found.models[0].value / found.finest.value)[alike] - 1
     assert sdof.bias == pytest.approx(shares.mean())
 
@@ -350,7 +355,8 @@ def test_a_budget_holds_leaves_places_out_and_says_so(monkeypatch: pytest.Monkey
         now[0], each = 0.0, chain(seconds, repeat(seconds[-1]))
         found = vibeam.fidelity_map(case, **asked, verify=verify, budget=budget)
         rows, columns = found.label.shape
-        assert (f"of the {rows} x {columns} places of the plane" in sheet(found).answer) is bool(found.thinned)
+        assert (f"the {rows} x {columns} places of the plane" in sheet(found).answer) is bool(found.thinned)
+        assert sheet(found).answer.startswith("No model touches the stop on the ")
         return found.label.shape, [note for note in sheet(found).notes if "budget" in note]
 
     assert made(100.0, 0.01) == ((40, 20), [])

@@ -34,10 +34,8 @@ from vibeam_models.registry import Home
 
 
 def sdof_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
-    """Complaints about the drive, and about [cost]: there is one mode."""
+    """Complaints about the drive."""
     yield from sdof_drive_checks(case)
-    if case.cost is not None and case.cost.modes:
-        yield ("cost", "modes"), "a single degree of freedom has one mode: leave this out"
 
 
 def sdof_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:

@@ -9,14 +9,13 @@ from typing import Any
 from vibeam.case.study_plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.casefile.field_tables import settings
 from vibeam.casefile.fields import Each, Word
-from vibeam.casefile.tables.table import named_fidelity, not_there, plan_keys, table
-from vibeam.exchange.faults import Complaint, as_shown_in_message
+from vibeam.casefile.tables.table import named_fidelity, plan_keys, table
+from vibeam.exchange.faults import Complaint
 from vibeam.solvers import SOLVERS
 
 
 def study_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the studies that a case asks for."""
-    yield from _cost(case)
     if getattr(case, "influence", None) is not None:
         yield from named_fidelity(case, ("influence", "fidelity"), case.influence.fidelity)
     yield from _numbers(case)
@@ -26,17 +25,6 @@ def _numbers(case: SimpleNamespace) -> Iterator[Complaint]:
     number = getattr(case.uncertainty, "samples", None)
     if number is not None and number.bit_count() != 1:
         yield ("uncertainty", "samples"), f"{number} is no power of two: write {1 << (number.bit_length() - 1)}"
-
-
-def _cost(case: SimpleNamespace) -> Iterator[Complaint]:
-    name, path = getattr(case.cost, "reference", None), ("cost", "reference")
-    if name is None:
-        return
-    if name not in case.reference:
-        yield path, f"no reference {not_there(name, case.reference)}"
-    elif case.reference[name].quantity not in ("amplitude", None):
-        said = f"{as_shown_in_message(name)} gives {case.reference[name].quantity}"
-        yield path, f"{said}: accuracy is that of the amplitude"
 
 
 CostTable: Any = table(

@@ -48,10 +48,10 @@ class ContactMaps(TangentMaps):
         self.struck = sides(self.trace)
         self._keys, self._made = keys_of(self.trace, len(self.contacts.gaps)), dict[int, _Set]()
 
-    def carried(self, columns: Array, first: int = 0) -> Array:
-        """Disturbances (2n, c) at the begin of segment ``first``, carried to the end of the motion."""
+    def carried(self, columns: Array, first: int = 0, last: int | None = None) -> Array:
+        """Disturbances (2n, c) from the begin of segment ``first`` carried to that of ``last``; None: to the end."""
         frame = np.array(columns, dtype=float)
-        for i in range(first, len(self)):
+        for i in range(first, len(self) if last is None else last):
             frame = self.over(i) @ frame
         return frame
 

@@ -70,13 +70,13 @@ class TangentMaps:
         """Map over the whole motion."""
         return self.carried(np.eye(2 * self.system.size))
 
-    def carried(self, columns: Array, first: int = 0) -> Array:
-        """Disturbances (2n, c ≤ 2n) at the begin of segment ``first``, carried to the end of the motion."""
-        frame = np.array(columns, dtype=float, order="C")
+    def carried(self, columns: Array, first: int = 0, last: int | None = None) -> Array:
+        """Disturbances (2n, c ≤ 2n) from the begin of segment ``first`` carried to that of ``last``, None: the end."""
+        frame, end = np.array(columns, dtype=float, order="C"), len(self) if last is None else last
         piece = 1 + PIECE // (self.system.size + 8) ** 2
-        for begin in range(first, len(self), piece):
+        for begin in range(first, end, piece):
             pause()
-            carry_frame(self._plan, self._motion, Extent(begin, min(begin + piece, len(self)), 1, WHOLE), frame, NONE)
+            carry_frame(self._plan, self._motion, Extent(begin, min(begin + piece, end), 1, WHOLE), frame, NONE)
         return frame
 
     def flow(self, i: int) -> Array:

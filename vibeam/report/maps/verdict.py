@@ -20,7 +20,7 @@ from vibeam.report.maps.plane import COLUMNS, Handles, PlanePanel, draw_planes, 
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import listed
-from vibeam.studies.fidelity_map.judgement import DIFFERENCES, IN_CHAOS, IN_NUMBER, IN_PERIOD, SAME, FidelityRow
+from vibeam.studies.fidelity_map.judgement import DIFFERENCES, IN_CHAOS, IN_NUMBER, IN_PERIOD, SAME, FidelityRow, share
 from vibeam.studies.fidelity_map.study import FidelityMap
 from vibeam.system.number_text import percent, signed
 from vibeam_models.arrays import Array
@@ -46,22 +46,25 @@ def sheet(found: FidelityMap) -> StudySheet:
 
 
 def _answer(found: FidelityMap) -> str:
-    """Shares of the map on which each model suffices, and what is held."""
+    """Shares of the places with impacts on which each model suffices, and what is held."""
     finest, upward = found.finest.name, shown_axis(found.case, found.plan.axes[-2])
     accuracy, what = f"{found.plan.accuracy * 100:.3g} %", quantity_of(found)
     rows, columns = found.label.shape
     few = f"{rows} x {columns} places of the " if found.thinned else ""
-    plane = f"of the {few}plane of frequency and {upward.name}"
+    plane = f"the {few}plane of frequency and {upward.name}"
     known = [(share, name) for name, share in found.shares.items() if name != finest and share > 0]
     choice = held_of(found.case.scene)
     held = f"; {'the ' * (choice.coefficient is None)}{choice.label} is held."
+    if not found.touched.any():
+        return f"No model touches the stop on {plane}{held}"
+    where = f"of the places with impacts ({percent(float(found.touched.mean()))} of {plane})"
     needed = found.shares[finest]
     if not known:
-        return f"To {accuracy} of the {what} {finest} is needed everywhere {plane}{held}"
+        return f"To {accuracy} of the {what} {finest} is needed on all {where}{held}"
     first, *others = [f"{name} suffices on {percent(share)}" for share, name in sorted(known, reverse=True)]
     rest = [each.replace(" suffices", "") for each in others]
     last = f"{finest} is needed on {percent(needed)}" if needed else f"{finest} is needed nowhere"
-    return f"To {accuracy} of the {what} {', '.join([f'{first} {plane}', *rest])}; {last}{held}"
+    return f"To {accuracy} of the {what} {', '.join([f'{first} {where}', *rest])}; {last}{held}"
 
 
 def _notes(found: FidelityMap) -> Iterator[str]:
@@ -70,10 +73,10 @@ def _notes(found: FidelityMap) -> Iterator[str]:
         (rows, columns), (few, fewer) = found.thinned
         kept = f"{few} x {fewer} places in place of {rows} x {columns}"
         yield f"{kept}, for the budget: a larger --budget refines the map."
-    if found.doubtful:
+    if found.doubtful > 0:
         yield (
-            f"On {percent(found.doubtful)} of the map the choice hangs on the scatter of motions that do not repeat: "
-            "a longer sweep.hold decides more."
+            f"On {percent(found.doubtful)} of the places with impacts the choice hangs on the scatter of motions that "
+            "do not repeat: a longer sweep.hold decides more."
         )
     checked = found.verification
     if checked is not None:
@@ -92,13 +95,13 @@ def _details(found: FidelityMap) -> Iterator[str]:
     finest = found.finest.name
     for row, apart in zip(found.rows[:-1], found.differences, strict=False):
         kinds = [
-            f"{words} on {percent(float(np.mean(apart == code)))}"
+            f"{words} on {percent(share(apart == code, found.touched))}"
             for code, words in DIFFERENCES.items()
             if (apart == code).any()
         ]
         if kinds:
-            share = percent(row.other_kind)
-            yield f"{row.fidelity} differs from {finest} in kind on {share} of the map: {listed(kinds)}."
+            part = f"{percent(row.other_kind)} of the places with impacts"
+            yield f"{row.fidelity} differs from {finest} in kind on {part}: {listed(kinds)}."
         else:
             yield f"{row.fidelity} has the same kind of motion as {finest} everywhere on the map."
 
@@ -108,13 +111,14 @@ def _table(found: FidelityMap) -> ReportTable:
     table = blank(f"Against {found.finest.name}", "fidelity", "modes|", "cost|", "suffices|", "bias|", "rms|")
     table.add("other kind|", "of what kind")
     table.caption = (
-        "cost: CPU time of a point over the finest's; suffices: share of the map; bias, rms: where of one kind\n"
-        "other kind: share of the map where it differs in kind, and what the finest does there"
+        "cost: CPU time of a point over the finest's; suffices: share of the places where a model touches the stop\n"
+        "bias, rms: where of one kind; other kind: share where it differs in kind, and what the finest does there"
     )
     for row in found.rows:
         rms = percent(row.rms) if isfinite(row.rms) else "–"
         ratio = f"1/{row.cost_ratio:.3g}" if row.cost_ratio >= 1 else f"{1 / row.cost_ratio:.3g}"
-        cells = (ratio, percent(row.within), signed(row.bias), rms, percent(row.other_kind), row.kinds or "–")
+        within, other = (percent(each) if isfinite(each) else "–" for each in (row.within, row.other_kind))
+        cells = (ratio, within, signed(row.bias), rms, other, row.kinds or "–")
         table.add_row(row.fidelity, str(row.modes), *cells)
     return table
 

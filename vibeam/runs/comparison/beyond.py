@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,15 +34,11 @@ DEAR = "a sweep of {} modes takes longer than {:g} s"
 
 @dataclass(frozen=True)
 class FullerModel:
-    """Model of more ``modes`` of a rig, on so many ``elements``; 0: its mesh is as given."""
+    """Model of more ``modes`` of a rig, on so many ``elements``; 0: its mesh is as given. ``make`` makes its system."""
 
-    system: ImpactSystem
-    elements: int = 0
-
-    @property
-    def modes(self) -> int:
-        """Number of modes."""
-        return self.system.size
+    modes: int
+    elements: int
+    make: Callable[[], ImpactSystem]
 
 
 def is_whole(case: Case, name: str, size: int) -> bool:
@@ -61,20 +58,20 @@ def fuller_models(case: Case, name: str, size: int) -> Iterator[FullerModel]:
         raise ValueError(WEARS)
     if not isinstance(scene, RigScene) or not scene.all_modes:
         raise ValueError(GIVEN)
-    line, most_first = line_of(scene), (4, 2) if size <= FEW else (2,)
+    line, more = line_of(scene), (4, 2) if size <= FEW else (2,)
     if scene.in_three_dimensions:
         if size >= MANY:
             raise ValueError("more modes of a solid are not computed here")
-        yield FullerModel(system(scene, Fidelity("fuller", "residual_flexibility", modes=MANY)))
+        yield FullerModel(MANY, 0, partial(system, scene, Fidelity("fuller", "residual_flexibility", modes=MANY)))
     elif line is None:
         most = structure_of(scene).size
-        for modes in dict.fromkeys(min(most, max(LEAST, by * size)) for by in most_first):
-            yield FullerModel(system(scene, Fidelity("fuller", "modal", modes=modes)))
+        for modes in dict.fromkeys(min(most, max(LEAST, by * size)) for by in more):
+            yield FullerModel(modes, 0, partial(system, scene, Fidelity("fuller", "modal", modes=modes)))
     else:
-        for modes in dict.fromkeys(min(MOST, max(LEAST, by * size)) for by in (*most_first, 1)):
+        for modes in dict.fromkeys(min(MOST, max(LEAST, by * size)) for by in (*more, 1)):
             fine = resolving(line, modes)
-            made = system(fine, Fidelity("fuller", "modal", modes=min(modes, structure_of(fine).size)))
-            yield FullerModel(made, fine.beam.elements)
+            made = partial(system, fine, Fidelity("fuller", "modal", modes=modes))
+            yield FullerModel(modes, fine.beam.elements, made)
 
 
 def resolving(scene: Scene, modes: int) -> Scene:
@@ -94,7 +91,7 @@ def fuller_response(
     for model in fuller_models(case, name, size):
         modes = model.modes
         foreseen = own.cost * (modes / size) ** GROWTH * PLACES * len(own.places)
-        found = response_of(case, name, model.system, PLACES, Work(work)) if foreseen <= work else None
+        found = response_of(case, name, model.make(), PLACES, Work(work)) if foreseen <= work else None
         if found is not None:
             return model, found
     raise ValueError(DEAR.format(modes, work))

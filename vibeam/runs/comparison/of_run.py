@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from vibeam.system.state import StatesAfter
 
 
+INEXACT = 'solver "{}" is not exact'
 LEAST, SHARE = 0.5, 0.5  # CPU seconds, and share of those of its sweep, that a fidelity's ends may take
 
 
@@ -69,8 +70,10 @@ def compared_fidelities(
         if name != top:
             made = compared(responses[name], responses[top], allowed.frequency)
             found.append(ComparedFidelity(name, top, made, modes, cpu_seconds=thread_time() - begun))
-        elif case.fidelities[name].solver == "flight" and is_whole(case, name, modes):
-            found.append(ComparedFidelity(name, "", None, modes, whole=True))
+        elif is_whole(case, name, modes):
+            solver = case.fidelities[name].solver
+            why = "" if solver == "flight" else INEXACT.format(solver)
+            found.append(ComparedFidelity(name, "", None, modes, whole=not why, why=why))
         else:
             found.append(_beyond(case, name, responses[name], modes, allowed))
     return tuple(found)

@@ -41,6 +41,7 @@ READINGS, SCATTER = 8, 0.01  # of such a motion, where single ones leave its mea
 PART = 0.1  # of the frequency error allowed, to which ends are bracketed
 FAR = 3.0  # times the frequency error allowed, beyond which an end is off, wherever it is
 ROUNDS = 8  # of bracketing
+MOVED = 0.7  # share of the range between two ends in which the motions differ, at least, where they are one end
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,11 +130,26 @@ class _Direction:
     def __init__(self, way: str, ours: Response, reference: Response, narrowest: float) -> None:
         self.way, self.both, self.narrowest = way, (ours, reference), narrowest
         self.ours, self.theirs = (stretches(each.places[way]) for each in self.both)
-        wide = (stretches(each.places[way], narrowest) for each in self.both)
-        self.matched = matched(*(ends_of(each, way) for each in wide))
+        self.wide = [stretches(each.places[way], narrowest) for each in self.both]
         every = [each for several in (self.ours, self.theirs) for each in several]
         self.opens = {each.start: each.open_start for each in every} | {each.end: each.open_end for each in every}
+        pairs = matched(*(ends_of(each, way) for each in self.wide))
+        self.matched = [each for each in pairs if self._has_moved(*each)]
         self.end_errors = [_end_error(one, other) for one, other in self.matched]
+
+    def _has_moved(self, one: BranchEnd, other: BranchEnd) -> bool:
+        """Test whether two ends are one that has moved: between them the motions differ, most of the way.
+
+        Beginnings and ends of contact, and jumps of one kind of motion, are the same wherever they are.
+        """
+        if one.before.strikes != one.after.strikes or one.before == one.after:
+            return True
+        low, high = sorted((one.frequency, other.frequency))
+        parts = [
+            min(each.high, high) - max(each.low, low)
+            for each in self.pairs() if each.ours.kind != each.reference.kind and each.low < high and each.high > low
+        ]  # fmt: skip
+        return high - low <= one.open + other.open or sum(parts) >= MOVED * (high - low)
 
     def edges(self, tolerance: float) -> Iterator[float]:
         """Frequencies of ends that are to be bracketed: all but those that are far off, and the worst of these."""
@@ -193,11 +209,16 @@ class _Direction:
 
     def amplitudes(self, least: float) -> Iterator[AmplitudeError]:
         """Errors of the amplitude at the places that both have, and at the ends of their common ranges."""
-        alike = [each for each in self.pairs() if each.ours.kind == each.reference.kind]
+        alike = [each for each in self.pairs() if each.ours.kind == each.reference.kind and self._is_branch(each)]
         for each in alike:
             if each.ours.kind.repeats:
                 yield from self._of_motion(each, least)
         yield from self._of_means([each for each in alike if each.ours.kind.periods == IRREGULAR], least)
+
+    def _is_branch(self, pair: _Pair) -> bool:
+        """Test whether a range is of branches that are told apart, not of narrow ones among others."""
+        found = [_at(each, 0.5 * (pair.low + pair.high)) for each in self.wide]
+        return all(each is not None and each.kind == pair.ours.kind for each in found)
 
     def _of_motion(self, pair: _Pair, least: float) -> Iterator[AmplitudeError]:
         ours, theirs = (_inside(each, pair) for each in (pair.ours, pair.reference))

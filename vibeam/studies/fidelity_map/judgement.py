@@ -79,6 +79,11 @@ class ComparedModels(StudyOfMap, ValueRecord):
         return self.models[-1]
 
     @property
+    def touched(self) -> Flags:
+        """Places (rows, columns) with impacts: where any of the models touches the stop, either way."""
+        return np.asarray(np.any([(model.kind != NO_CONTACT).any(axis=0) for model in self.models], axis=0))
+
+    @property
     def frequency(self) -> Array:
         """Hz (columns,)."""
         return np.array(self.plan.axes[-1].values)
@@ -87,6 +92,11 @@ class ComparedModels(StudyOfMap, ValueRecord):
     def values(self) -> Array:
         """SI values of the other key (rows,)."""
         return np.array(self.plan.axes[-2].values)
+
+
+def share(places: Flags, touched: Flags) -> float:
+    """Share of the places with impacts, NaN without any: elsewhere all models swing alike, whatever the stop does."""
+    return float(places[touched].mean()) if touched.any() else float("nan")
 
 
 def difference(model: MappedMotions, finest: MappedMotions) -> Codes:
@@ -145,7 +155,7 @@ def relative(model: MappedMotions, finest: MappedMotions) -> NDArray[np.float64]
     return np.asarray(np.take_along_axis(shares, worst[None], axis=0)[0])
 
 
-EVERYWHERE = 0.99  # share of the map that counts as all of it
+EVERYWHERE = 0.99  # share of the places with impacts that counts as all of them
 WORTH = 1.5  # gain as a control variate from which it pays
 
 KINDS = {
@@ -157,11 +167,12 @@ KINDS = {
 class FidelityRow:
     """One model beside the finest one. Shares and relative differences as plain numbers.
 
-    ``cost_ratio``: how many times cheaper a point is than of the finest (CPU time here); ``within``: share of the map
-    where it suffices; ``bias``, ``rms``: mean and root mean square of the relative difference where both are of one
-    kind; ``correlation`` over the whole map; ``gain``: factor by which it lowers the variance of a mean over the map at
-    equal cost, as a control variate; ``other_kind``: share of the map where it differs in kind, ``kinds``: of what the
-    finest has there; ``wrong_frequency`` (Hz) and ``wrong_key`` (SI): the ranges where it does not suffice.
+    ``cost_ratio``: how many times cheaper a point is than of the finest (CPU time here); ``within``: share of the
+    places with impacts where it suffices (NaN without any); ``bias``, ``rms``: mean and root mean square of the
+    relative difference there, where both are of one kind; ``correlation`` over the whole map; ``gain``: factor by which
+    it lowers the variance of a mean over the map at equal cost, as a control variate; ``other_kind``: share of the
+    places with impacts where it differs in kind, ``kinds``: of what the finest has there; ``wrong_frequency`` (Hz) and
+    ``wrong_key`` (SI): the ranges where it does not suffice.
     """
 
     fidelity: str
@@ -184,17 +195,18 @@ def fidelity_row(model: MappedMotions, found: ComparedModels) -> FidelityRow:
     """The row of one model."""
     finest, accuracy = found.finest, found.plan.accuracy
     apart, near = difference(model, finest), within(model, finest, accuracy)
-    alike = (model.kind == finest.kind) & (model.kind != FAILED) & (finest.value != 0)
+    touched = found.touched
+    alike = (model.kind == finest.kind) & (model.kind != FAILED) & (finest.value != 0) & touched
     shares = model.value[alike] / finest.value[alike] - 1
     bias = float(shares.mean()) if shares.size else float("nan")
     rms = float(np.sqrt(np.mean(shares**2))) if shares.size else float("nan")
     ratio, rho = finest.cpu / model.cpu, correlation(model.value, finest.value)
     gain = control_variate_gain(rho, ratio)
     wrong = ~near
-    share, other = float(near.mean()), float((apart != SAME).mean())
+    part, other = share(near, touched), share(apart != SAME, touched)
     return FidelityRow(
-        model.name, model.modes, model.cpu, ratio, share, bias, rms, rho, gain, other,
-        _kinds(finest, apart != SAME), *_ranges(wrong, found), _use(model is finest, share, other, rms, gain),
+        model.name, model.modes, model.cpu, ratio, part, bias, rms, rho, gain, other,
+        _kinds(finest, apart != SAME), *_ranges(wrong, found), _use(model is finest, part, other, rms, gain),
     )  # fmt: skip
 
 

@@ -23,7 +23,6 @@ from vibeam.maps.models import models_of
 from vibeam.maps.plan import plan_over
 from vibeam.maps.result import MapResult
 from vibeam.maps.run import Progress, run_map
-from vibeam.runs.parallel import run_parallel
 from vibeam.studies.fidelity_map.between import LONGER, Verification, verified
 from vibeam.studies.fidelity_map.judgement import (
     Codes,
@@ -35,6 +34,7 @@ from vibeam.studies.fidelity_map.judgement import (
     fidelity_row,
     motions,
     relative,
+    share,
 )
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array
@@ -85,13 +85,13 @@ class FidelityMap(ComparedModels, ViewedTable):
 
     @property
     def doubtful(self) -> float:
-        """Share of the map where the label hangs on the scatter of motions that do not repeat."""
-        return float(doubtful(self.models, self.plan.accuracy).mean())
+        """Share of the places with impacts where the label hangs on the scatter of motions that do not repeat."""
+        return share(doubtful(self.models, self.plan.accuracy), self.touched)
 
     @property
     def shares(self) -> dict[str, float]:
-        """Share of the map where each model is the cheapest that suffices."""
-        return {model.name: float((self.label == index).mean()) for index, model in enumerate(self.models)}
+        """Share of the places with impacts where each model is the cheapest that suffices; NaN without any."""
+        return {model.name: share(self.label == index, self.touched) for index, model in enumerate(self.models)}
 
     @property
     def points(self) -> list[PlacePoint]:
@@ -196,8 +196,10 @@ def _within(case: Case, plan: MapPlan, budget: float, progress: Progress | bool 
     return found
 
 
-def _larger(size: Sequence[int], full: Sequence[int], places: float) -> list[int]:
-    """Places a side of a map of about so many in all, at most ``GROWTH`` times as many a side as now."""
+def _larger(size: Sequence[int], full: list[int], places: float) -> list[int]:
+    """Places a side of a map of about so many in all: all, or at most ``GROWTH`` times as many a side as now."""
+    if places >= prod(full):
+        return full
     share = sqrt(places / prod(full))
     return [max(now, min(count, GROWTH * now, int(share * count))) for now, count in zip(size, full, strict=True)]
 
@@ -231,7 +233,7 @@ def compared_of(result: MapResult) -> FidelityMap:
     compared = ComparedModels(result, tuple(sorted(flown, key=lambda each: fineness(case, each.name, each.modes))))
     models, finest = compared.models, compared.finest
     drawn = flown if plan.boundaries else []
-    bounds = run_parallel(lambda model, _: boundaries_of(case, model.name, plan.axes)[0], drawn)
+    bounds = [boundaries_of(case, model.name, plan.axes)[0] for model in drawn]  # in turn: small arrays, one lock
     return FidelityMap(
         result, models, cheapest(models, plan.accuracy), tuple(difference(model, finest) for model in models),
         tuple(relative(model, finest) for model in models), tuple(fidelity_row(model, compared) for model in models),
