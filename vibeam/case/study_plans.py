@@ -45,7 +45,7 @@ class ModesNeededPlan:
     frequency_accuracy: float | None = declare.quantity(
         "", "of frequencies at which branches end; absent = a fifth of accuracy", "1 %", None, above=0, most=1
     )
-    most: int = declare.count(1, 2 * MOST_ELEMENTS, "largest number of modes tried", 64, 128)
+    most: int = declare.count(1, 2 * MOST_ELEMENTS, "largest number of modes tried", 128, 128)
 
 
 @dataclass(frozen=True)
