@@ -286,14 +286,6 @@ def units_of_output(case: Case, output: str) -> OutputUnits:
     return OutputUnits("m", found.unit, found.unit_of_rate)
 
 
-def require_displacement(case: Case, study: str) -> None:
-    """ValueError where the sweep's output is no displacement, which is all that a ``study`` takes."""
-    found = quantity_of(case, case.sweep.output)
-    if found is not DISPLACEMENT:
-        said = f"{study} reads displacements, sweep.output {case.sweep.output!r} is of the quantity {found.name}"
-        raise ValueError(f"{said}: --set sweep.output=sensor")
-
-
 def require_one_harmonic(case: Case, what: str, fidelities: Collection[str] = ()) -> None:
     """CaseError, at its line, where one of these fidelities (none: all) has several harmonics, unknown to ``what``."""
     several = [name for name in fidelities or case.fidelities if case.scene_of(name).harmonics]

@@ -9,6 +9,7 @@ from vibeam_models import keys as declare
 from vibeam_models.registry import Home, Registry
 
 EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
+ERRORS = ("amplitude_error", "frequency_error", "kind_width")  # of a fidelity against the finest of its rig
 OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
 MOST_ELEMENTS = 2000
 MOST_POINTS = 1_000_000
@@ -53,8 +54,12 @@ class InfluencePlan:
     """Plan of ``vibeam verdict --only effects``: frequencies in Hz; None: the defaults."""
 
     fidelity: str | None = declare.text("whose effects are taken away; absent = the one with most modes", "beam", None)
-    quantities: tuple[str, ...] = declare.word(
-        OF_INFLUENCE, "what must stay as it is", ["peak", "peak_frequency"], OF_INFLUENCE, several=True
+    quantities: tuple[str, ...] | None = declare.word(
+        OF_INFLUENCE,
+        "what must stay as it is beside the response; absent = nothing",
+        ["peak", "ringing"],
+        None,
+        several=True,
     )
     frequency: float | None = declare.quantity(
         "Hz",
@@ -64,22 +69,20 @@ class InfluencePlan:
         above=0,
     )
     tolerance: float = declare.quantity(
-        "", "relative, of the peak, the ringing and its frequency", "1 %", 0.01, above=0
+        "", "amplitude error that is allowed, under a record error of the peaks", "5 %", 0.01, above=0
     )
     frequency_accuracy: float | None = declare.quantity(
-        "", "of the peak's frequency and the ends of period 1; absent = a fifth of tolerance", "1 %", None, above=0
+        "", "frequency error of ends of branches that is allowed; absent = a fifth of tolerance", "1 %", None, above=0
     )
-    restitution_tolerance: float = declare.quantity("", "of the apparent restitution", 0.01, 0.01, above=0)
     points: int = declare.count(
         3,
         MOST_POINTS,
-        "drive frequencies, of the sweep's, at most; peaks and ends are then narrowed down between them",
+        "drive frequencies, of the sweep's, at most; ends of branches are bracketed between them",
         31,
         31,
     )
     settle: int | None = declare.count(0, MOST_POINTS, "drive periods left out; absent = the sweep's", 300, None)
     hold: int | None = declare.count(1, MOST_POINTS, "drive periods read; absent = the sweep's", 50, None)
-    repeats: int = declare.count(1, 1000, "how often a sweep is timed", 3, 3)
 
 
 @dataclass(frozen=True)

@@ -102,7 +102,7 @@ STUDIES: Registry[StudyDeclaration] = Registry(
     ),
     _own("cost", "cost.study", "cost", "error against CPU time of every solver", "vibeam study cost mine.toml"),
     _own(
-        "influence", "influence.study", "influence", "what each effect changes and costs",
+        "influence", "effects", "effects", "what each effect changes, and the effects that suffice",
         "vibeam study influence mine.toml",
     ),
     _own(

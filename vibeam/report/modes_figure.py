@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.figures.units import DisplayUnits, units_of
-from vibeam.system.number_text import modes_in_words, percent
+from vibeam.figures.units import DisplayUnits, units_of, with_unit
+from vibeam.report.comparison_words import size
+from vibeam.system.number_text import modes_in_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,10 +54,8 @@ def _responses(axes: Any, found: ModesNeeded) -> None:
     row = found.enough or next((each for each in reversed(found.rows) if each.comparison is not None), None)
     if row is not None and row.comparison is not None:
         _marks(axes, row.comparison, units)
-    axes.set(
-        xlabel=f"frequency ({units.frequency})".replace(" ()", ""),
-        ylabel=f"amplitude ({units.length})".replace(" ()", ""),
-    )
+    axes.set_xlabel(with_unit("frequency", units.frequency))
+    axes.set_ylabel(with_unit("amplitude", units.length))
     axes.legend(fontsize="small")
 
 
@@ -65,23 +64,22 @@ def _marks(axes: Any, found: ResponseComparison, units: DisplayUnits) -> None:
     if found.amplitude is not None:
         at = found.amplitude.frequency * units.frequency_factor
         levels = [each * units.length_factor for each in (found.amplitude.ours, found.amplitude.reference)]
-        axes.plot([at, at], levels, "|-", color="#D55E00", markersize=7, zorder=9, gid="amplitude-error")
-        axes.annotate(
-            percent(found.amplitude_error), (at, max(levels)), (4, 4), textcoords="offset points", fontsize="small"
-        )
+        _mark(axes, ([at, at], levels), found.amplitude_error, "#D55E00", "amplitude-error")
     if found.ends and abs(found.ends[0].error) > found.ends[0].open:
-        first = found.ends[0]
+        first, low = found.ends[0], axes.get_ylim()[0]
         places = [each.frequency * units.frequency_factor for each in (first.ours, first.reference)]
-        low = axes.get_ylim()[0]
-        axes.plot(
-            places, [low, low], "|-", color="#0072B2", markersize=9, zorder=9, clip_on=False, gid="frequency-error"
-        )
-        axes.annotate(
-            percent(abs(first.error)), (max(places), low), (4, 5), textcoords="offset points", fontsize="small"
-        )
+        _mark(axes, (places, [low, low]), abs(first.error), "#0072B2", "frequency-error")
+
+
+def _mark(axes: Any, ends: tuple[list[float], list[float]], error: float, colour: str, name: str) -> None:
+    axes.plot(*ends, "|-", color=colour, markersize=8, zorder=9, gid=name)
+    corner = max(ends[0]), max(ends[1])
+    axes.annotate(size(error), corner, (4, 4), textcoords="offset points", fontsize="small", color=colour)
 
 
 def _errors(axes: Any, found: ModesNeeded) -> None:
+    from matplotlib.ticker import LogLocator
+
     from vibeam.figures.style import COLOURS
 
     rows = [row for row in found.rows if row.comparison is not None]
@@ -95,6 +93,10 @@ def _errors(axes: Any, found: ModesNeeded) -> None:
         axes.annotate(str(row.modes), (1e3 * row.seconds, 100 * max(_amplitude(row), LEAST)), (3, 4),
                       textcoords="offset points", fontsize="small")  # fmt: skip
     axes.set(xscale="log", yscale="log", xlabel="CPU time of a point (ms)", ylabel="error (%)")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_locator(LogLocator(subs=(2, 5)))
+        axis.set_minor_formatter("{x:g}")
     axes.legend(fontsize="small", title="dotted: what is asked; numbers: modes", title_fontsize="small")
 
 

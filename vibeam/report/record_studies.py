@@ -12,13 +12,13 @@ from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import blank
 from vibeam.runs.comparison.differences import listed
-from vibeam.studies.record.ensembles import OF_IMPACTS, NumberChange
-from vibeam.studies.record.readings import AskedNumber
+from vibeam.studies.changes import NumberChange
+from vibeam.studies.recorded_numbers import AskedNumber
+from vibeam.studies.variants import OF_IMPACTS
 from vibeam.system.number_text import begun, modes_in_words, percent, signed, with_unit
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
-    from vibeam.studies.influence.recorded_effects import RecordEffects
     from vibeam.studies.record.fidelities import RecordFidelities
     from vibeam.studies.record.modes import RecordModes
     from vibeam.studies.uncertainty.recorded_inputs import RecordUncertainty
@@ -136,28 +136,6 @@ def _left_out(seeds: int) -> str:
     return f"; {counted(seeds, 'realisation')} left out over the budget" if seeds else ""
 
 
-def of_effects(study: RecordEffects) -> StudySheet:
-    """Sheet of what each effect changes."""
-    numbers = list(study.reference.numbers)
-    table = blank("What each effect changes", "effect", "needed", *(f"without: {each}|" for each in numbers))
-    table.add("alone: peaks|", detail=True)
-    table.caption = CAPTION.format(f"all effects of {study.fidelity}")
-    for row in study.rows:
-        blanks = [""] * (len(numbers) - 1)
-        cells = [row.without.why, *blanks] if row.without.why else list(map(change_text, row.without.changes))
-        table.add_row(row.effect, "yes" if row.needed else "no", *cells, percent(row.alone.worst))
-    kept, first = study.enough.kept, study.rows[0]
-    some = f"{listed(kept)} suffice{'s' * (len(kept) == 1)}" if kept else "none of the effects is needed"
-    lost = "there is no model" if first.without.why else f"they change by up to {percent(first.without.worst)}"
-    answer = f"For {percent(study.tolerance)} of the peaks {some}; without {first.effect} {lost}"
-    tried = "all sets were tried" if study.exact else "sets were tried one effect at a time"
-    notes = [f"{tried}, {study.models} models", FEW if study.reference.seconds.size > 1 else ONE]
-    rows = [_row(each, effect=row.effect, needed=row.needed) for row in study.rows for each in row.without.changes]
-    data = {"rows": study.rows, "enough": kept}
-    answer += f"{_left_out(study.left_out)}."
-    return StudySheet(answer, [table], notes, data=data, rows=rows, study="effects")
-
-
 def of_uncertainty(study: RecordUncertainty) -> StudySheet:
     """Sheet of uncertain inputs carried through a record."""
     case, first = study.case, study.rows[0]
@@ -180,13 +158,16 @@ def of_uncertainty(study: RecordUncertainty) -> StudySheet:
         table.add_row(str(row.number), *spread, ends, *parts)
     same = f"each on the same {counted(study.realisations, 'realisation')}"
     cost = f"{1e3 * study.seconds:.3g} ms of CPU time a sample"
-    notes = [f"{study.samples} samples of {study.fidelity}, {same}, {cost}", _cheaper(study)]
+    made = f"{study.replicates} independent scramblings of {study.samples // study.replicates} Sobol' points"
+    notes = [f"{study.motions} samples of {study.fidelity} ({made}), {same}, {cost}"]
+    mean = [value_text(case, first.number, each) for each in first.spread.mean_within]
+    notes.append(f"mean of the {first.number} between {' and '.join(mean)} (95 %)")
     if isfinite(shares[top]):
         within = " … ".join(percent(float(each[top, 0])) for each in (first.indices.low, first.indices.high))
         notes.append(f"the share of {keys[top]} lies in {within} (95 %): --samples narrows it")
     if study.failed:
         notes.append(f"{study.failed} samples did not run to the record's end, and are left out")
-    data = {"rows": study.rows, "samples": study.samples, "seed": study.seed, "cheaper": study.cheaper}
+    data = {"rows": study.rows, "samples": study.samples, "replicates": study.replicates, "seed": study.seed}
     return StudySheet(f"{answer}.", [table], notes, data=data, rows=list(_spread_rows(study, keys)))
 
 
@@ -196,20 +177,6 @@ def _spread_rows(study: RecordUncertainty, keys: Sequence[str]) -> Iterator[Mapp
         head = {"number": str(row.number), "nominal": found.nominal, "mean": found.mean, "deviation": found.deviation}
         totals = {f"total {key}": float(row.indices.total[at, 0]) for at, key in enumerate(keys)}
         yield head | {"low": ends[0], "high": ends[-1]} | totals
-
-
-def _cheaper(study: RecordUncertainty) -> str:
-    found, number = study.cheaper, study.rows[0].number
-    if found is None:
-        return f"no other fidelity makes the mean of the {number} cheaper"
-    used = listed([f"{count} × {name}" for name, count in zip(found.chosen.names, found.counts, strict=True)])
-    mean, error, alone = (
-        value_text(study.case, number, each) for each in (found.several.mean, found.several.error, found.alone.error)
-    )
-    return (
-        f"mean of the {number} by {used}: {mean} ± {error} in {found.several.seconds:.2g} s of CPU time, by "
-        f"{study.fidelity} alone ± {alone} in {found.alone.seconds:.2g} s: {found.saving:.2g} times cheaper"
-    )
 
 
 def _row(change: NumberChange, **head: Any) -> Mapping[str, Any]:

@@ -16,9 +16,9 @@ from vibeam.report.fit import restitution_meant
 from vibeam.report.output import StudySheet
 from vibeam.report.record_studies import of_uncertainty
 from vibeam.report.tables import ReportTable, blank, plain
-from vibeam.studies.uncertainty.mean_of_peak import PILOT
 from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, ErrorRow
 from vibeam.system.number_text import percent, shown_in
+from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,9 +42,10 @@ def sheet(study: Any, case: Case | None = None) -> StudySheet:
         return of_uncertainty(study)
     said, uncertain, further = answer(study), list(notes(study)), list(details(study))
     data = {
-        "inputs": study.uncertain, "samples": study.samples, "seed": study.seed, "frequency": study.frequency,
+        "inputs": study.uncertain, "samples": study.samples, "replicates": study.replicates, "seed": study.seed,
+        "frequency": study.frequency,
         "fidelities": study.rows, "sensitivity": study.over_frequency, "sensitivity_of_peak": study.of_peak,
-        "mean_peak": study.mean_peak, "errors": study.errors, "sentences": [said, *uncertain, *further],
+        "errors": study.errors, "sentences": [said, *uncertain, *further],
     }  # fmt: skip
     more = [each for each in (changes(study), errors(study)) if each is not None]
     return StudySheet(
@@ -167,7 +168,7 @@ def _main(study: UncertaintyStudy) -> tuple[int, float, bool] | None:
     if len(study.uncertain) < 2 or not np.isfinite(found.total[:, 0]).any():
         return None
     place = int(np.nanargmax(found.total[:, 0]))
-    return place, float(found.total[place, 0]), bool(found.high[place, 0] - found.low[place, 0] > ROUGH)
+    return place, float(found.total[place, 0]), not found.high[place, 0] - found.low[place, 0] <= ROUGH
 
 
 def _reductions(study: UncertaintyStudy) -> list[ErrorRow]:
@@ -190,7 +191,8 @@ def notes(study: UncertaintyStudy) -> Iterator[str]:
         )
     if (main := _main(study)) is not None and main[2]:
         low, high = (part[main[0], 0] for part in (study.of_peak.low, study.of_peak.high))
-        told = f"{study.uncertain[main[0]].key}'s share is between {low:.2f} and {high:.2f} by {study.samples} samples"
+        known = f"between {low:.2f} and {high:.2f}" if isfinite(low) else "known roughly"
+        told = f"{study.uncertain[main[0]].key}'s share is {known} by {study.samples} samples"
         yield f"{told}: --samples {2 * study.samples} says it better."
     for row in (each for each in study.errors if each.chose):
         yield f"The measured peak chose {', '.join(row.chose)} of {row.fidelity}: it validates nothing there."
@@ -200,33 +202,20 @@ def notes(study: UncertaintyStudy) -> Iterator[str]:
 
 
 def details(study: UncertaintyStudy) -> Iterator[str]:
-    """Intervals of the peak's bands; mean of the peak, and what a cheaper estimate of it costs."""
-    found, units, peak = study.mean_peak, units_in(study), study.finest.peak
-    known = [(level, ends) for level, ends in zip(LEVELS, peak.within, strict=False) if np.isfinite(ends).all()]
+    """Samples and replicates; intervals of the peak's mean and of its quantiles."""
+    units, peak = units_in(study), study.finest.peak
+    yield (
+        f"{study.samples} samples of {counted(len(study.uncertain), 'input')}: {study.replicates} independent "
+        f"scramblings of {study.samples // study.replicates} Sobol' points each; intervals are Student's t of these."
+    )
+    ends = {
+        "mean": peak.mean_within,
+        **{percent(level): each for level, each in zip(LEVELS, peak.within, strict=False)},
+    }
+    known = {name: each for name, each in ends.items() if np.isfinite(each).all()}
     if known:
-        told = (f"{percent(level)} between {' and '.join(map(units.lengths, ends))}" for level, ends in known)
-        which = f"Quantiles of {study.finest.fidelity}'s peak, 95 % intervals by the order of the samples"
-        yield f"{which}: {', '.join(told)}."
-    if found is None:
-        yield "No cheaper model is close enough to save runs of the finest in the mean of its peak."
-        return
-    runs = ", ".join(f"{number} of {name}" for name, number in zip(found.chosen.names, found.counts, strict=True))
-    correlation = ", ".join(f"{found.correlations[name]:.4f}" for name in found.chosen.names[1:])
-    alone, several = found.alone, found.several
-    yield (
-        f"Mean of the peak: {units.lengths(alone.mean)} ± {units.lengths(1.96 * alone.error)} by "
-        f"{study.finest.samples} runs of {study.finest.fidelity} alone ({alone.seconds:.3g} s of CPU time); "
-        f"{units.lengths(several.mean)} ± {units.lengths(1.96 * several.error)} by {runs} "
-        f"({several.seconds:.3g} s; multi-fidelity Monte Carlo, correlation {correlation})."
-    )
-    yield (
-        f"At equal variance that costs {_ratio(found.saving)} than independent runs (predicted from {PILOT} pilot "
-        f"runs: {_ratio(found.chosen.gain)}); the pilot's runs are not counted."
-    )
-
-
-def _ratio(saving: float) -> str:
-    return f"{saving:.3g} times less" if saving >= 1 else f"{1 / saving:.3g} times more"
+        told = (f"{name} between {' and '.join(map(units.lengths, each))}" for name, each in known.items())
+        yield f"Mean and quantiles of {study.finest.fidelity}'s peak, 95 % intervals: {', '.join(told)}."
 
 
 def rows(study: UncertaintyStudy) -> Iterator[dict[str, Any]]:

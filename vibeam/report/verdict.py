@@ -8,7 +8,7 @@ from typing import Any
 
 from vibeam.case.case import Case
 from vibeam.case.study_plans import VerdictPlan
-from vibeam.report import cost, influence, modes_needed, record_studies
+from vibeam.report import cost, effects, modes_needed, record_studies
 from vibeam.report.maps import verdict as fidelity_map
 from vibeam.report.maps.page import map_figure
 from vibeam.report.output import StudySheet
@@ -25,7 +25,7 @@ QUESTIONS = {
 
 
 UNDER_RECORD: Mapping[str, Callable[[Any], StudySheet]] = {
-    "modes": record_studies.of_modes, "effects": record_studies.of_effects, "map": record_studies.of_fidelities,
+    "modes": record_studies.of_modes, "map": record_studies.of_fidelities,
 }  # fmt: skip
 FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map", "solid": "solid"}
 
@@ -74,12 +74,12 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
         from vibeam.report import solid
 
         return solid.sheet(stage.record)
+    if stage.name == "effects":
+        return effects.sheet(stage.record)
     if case.record is not None:
         return UNDER_RECORD[stage.name](stage.record)
     if stage.name == "modes":
         return modes_needed.sheet(stage.record)
-    if stage.name == "effects":
-        return influence.sheet(stage.record, case)
     if stage.name == "solvers":
         return cost.sheet(stage.record, case, accuracy)
     return replace(fidelity_map.sheet(stage.record), draw=lambda: map_figure(stage.record))

@@ -19,9 +19,10 @@ from vibeam.casefile.tables.table import plan_with
 from vibeam.exchange.faults import CaseError, suggest
 from vibeam.maps.axes import axes_over
 from vibeam.studies.cost.study import cost
+from vibeam.studies.effects import influence
 from vibeam.studies.fidelity_map.study import fidelity_map
-from vibeam.studies.influence.study import influence
 from vibeam.studies.modes_needed import modes_needed
+from vibeam.studies.variants import require_usual
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 
@@ -135,12 +136,14 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
 
         return solid_verdict(case, accuracy=plan.accuracy, progress=progress, budget=plan.allowed)
     if case.record is not None:
+        require_usual("verdict", plan, "over", "points")
+    if name == "effects":
+        return influence(case, progress, budget=plan.allowed)
+    if case.record is not None:
         return _under_record(name, case, plan, progress)
     if name == "modes":
         with telling(progress, name) as told:
             return modes_needed(case, plan_of_modes(case, plan), budget=plan.allowed, told=told)
-    if name == "effects":
-        return influence(case, tell, progress, budget=plan.allowed)
     if name == "solvers":
         return cost(case, tell, progress, budget=plan.budget)
     return fidelity_map(
@@ -151,18 +154,14 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
 
 def _under_record(name: str, case: Case, plan: VerdictPlan, progress: Progress | bool | None) -> Any:
     """Record of a stage of a case under a record; ValueError for the stage that it has not."""
-    from vibeam.studies.influence.recorded_effects import record_effects
-    from vibeam.studies.record.ensembles import require_usual
     from vibeam.studies.record.fidelities import record_fidelities
     from vibeam.studies.record.modes import record_modes
 
-    require_usual("verdict", plan, "over", "points")
     if name == "solvers":
         raise ValueError("the solvers' errors are of steady motions; vibeam run says the CPU time of every fidelity")
-    study: Any = {"modes": record_modes, "effects": record_effects, "map": record_fidelities}[name]
-    allowed = case.influence.tolerance if name == "effects" else plan.accuracy
+    study: Any = {"modes": record_modes, "map": record_fidelities}[name]
     with telling(progress, name) as told:
-        return study(case, allowed, told=told, **({} if name == "map" else {"budget": plan.allowed}))
+        return study(case, plan.accuracy, told=told, **({} if name == "map" else {"budget": plan.allowed}))
 
 
 def plan_of_modes(case: Case, plan: VerdictPlan) -> ModesNeededPlan:

@@ -8,7 +8,7 @@ from tests.vibeam.casefile.test_beam_keys import PLAIN
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
 from vibeam.studies.derive import derive
-from vibeam.studies.influence.subsets import subsets
+from vibeam.studies.effect_sets import subsets
 from vibeam_models.beam import assemble
 
 PINNED = PLAIN.replace("damping_ratio", 'ends = "pinned-pinned"\ndamping_ratio')

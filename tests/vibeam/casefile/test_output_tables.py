@@ -13,6 +13,7 @@ import pytest
 
 import vibeam
 from vibeam.figures.units import amplitude_of, motion_of, units_for
+from vibeam.studies.recorded_numbers import AskedNumber
 
 CASES = Path(__file__).parents[3] / "cases"
 
@@ -217,11 +218,16 @@ def test_what_is_wrong_is_said_with_its_cure(changes, message):
     assert message in faults(OUTPUTS | changes)
 
 
-def test_studies_of_displacements_say_so():
-    with pytest.raises(
-        ValueError, match=r"influence reads displacements, sweep.output 'gauge' is of the quantity strain"
-    ):
-        vibeam.influence(loaded(sweep__output="gauge"))
+def test_effects_are_judged_by_any_output():
+    """Relative changes know no unit: those of a strain are those of a run's strains."""
+    case = loaded(sweep__output="gauge", sweep__frequency=["15 Hz"], mass__rotary_inertia="3e-5 kg m^2")
+    [row] = [each for each in vibeam.influence(case).rows if each.effect == "mass.rotary_inertia"]
+    name = vibeam.influence(case).fidelity
+    ours, whole = (
+        vibeam.run(each, show=False)[name].peak.amplitude
+        for each in (case.with_keys({"mass.rotary_inertia": None}), case)
+    )
+    assert row.without.change(AskedNumber("peak")) == pytest.approx(ours / whole - 1, rel=1e-6)
 
 
 def test_a_fidelity_has_its_gauge_elsewhere():

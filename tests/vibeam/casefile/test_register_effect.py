@@ -15,7 +15,7 @@ import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
-from vibeam.studies.influence.study import influence
+from vibeam.studies.effects import influence
 from vibeam_models.beam import assemble_with_space
 from vibeam_models.effects import EFFECTS
 from vibeam_models.keys import quantity
@@ -43,7 +43,7 @@ class Spring(Effect):
 
 
 CASE = RIG.replace("STOP", "restitution = 0.72") + '[spring]\nstiffness = "80 N/m"\nposition = "60 mm"\n'
-QUICK = {"beam.elements": 6, "influence.repeats": 1, "influence.points": 3, "influence.quantities": ["peak"]}
+QUICK = {"beam.elements": 6, "influence.points": 3}
 
 
 def test_an_effect_of_ones_own_runs_from_a_case_file(tmp_path: Path) -> None:

@@ -107,9 +107,7 @@ def test_of_many_that_miss_the_first_are_named() -> None:
     case = parse(one_mode(str(GRID.tolist()), 1, 1, *(f"[fidelity.{name}]" for name in off)))
     parts = {name: Branches(curve(GRID, by * TOP, modes=1 + (name == "top"))) for name, by in off.items()}
     said = run_answer(Result(case, parts))
-    assert re.search(
-        r" a is 60 % too high at [\d.]+; b is 50 % too high at [\d.]+; 2 more are off as well\.", said
-    )
+    assert re.search(r" a is 60 % too high at [\d.]+; b is 50 % too high at [\d.]+; 2 more are off as well\.", said)
 
 
 @pytest.mark.parametrize(

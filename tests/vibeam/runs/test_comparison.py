@@ -249,3 +249,10 @@ def test_the_finest_is_compared_with_a_fuller_model_and_kept_in_the_file(tmp_pat
     again = vibeam.run(case, tmp_path / "a.h5", compare=True)
     assert again.compared == result.compared
     assert vibeam.read(tmp_path / "a.h5").compare() == result.compared
+
+
+@pytest.mark.parametrize(("name", "value", "passed"), [("two_modes", "1.6 %", True), ("sdof", "5 %", False)])
+def test_a_case_can_expect_its_errors(name: str, value: str, passed: bool) -> None:
+    own = {"fidelity": name, "quantity": "amplitude_error", "value": value, "tolerance": "10 %", "source": "a run"}
+    [row] = vibeam.check(vibeam.load(RIG, {"expect.error": own, "reference": None}))
+    assert row.passed is passed

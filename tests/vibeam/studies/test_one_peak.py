@@ -10,10 +10,11 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.report.run_report import fidelities
+from vibeam.runs.comparison.beyond import response_of
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
-from vibeam.studies.influence.curve import refined_peak, swept
 from vibeam.studies.regression.check import check
+from vibeam.studies.swept_numbers import refined_peak
 from vibeam.studies.uncertainty.samples import Sampler
 
 NEUTRAL = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
@@ -48,9 +49,11 @@ def test_all_commands_have_one_peak_of_a_sweep_that_does_not_repeat_there(case: 
     assert not top.repeats
     (row,) = check(case, result, partial=True)
     assert (row.passed, row.notes[0]) == (True, "up: the motion at the peak does not repeat")
-    own = refined_peak(swept(case, "sdof", case.system("sdof")))
-    assert (own.amplitude.number, own.frequency.number) == (top.amplitude, top.frequency)
-    assert own.amplitude.why == "the motion at the peak does not repeat"
+    swept = response_of(case, "sdof", case.system("sdof"), len(case.sweep.frequency))
+    assert swept is not None
+    own = refined_peak(swept)
+    assert (own.amplitude, own.frequency) == (top.amplitude, top.frequency)
+    assert own.why == "the motion at the peak does not repeat"
     sampled = Sampler(case, ()).nominal("sdof")
     assert (sampled.peak[0], sampled.peak_frequency[0]) == pytest.approx((top.amplitude, top.frequency), rel=1e-12)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,17 +13,16 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.cli.main import app
-from vibeam.report.record_studies import of_effects, of_modes
+from vibeam.report.effects import sheet
+from vibeam.report.record_studies import of_modes
 from vibeam.runs.transient.run import run_record
-from vibeam.studies.influence.recorded_effects import record_effects
-from vibeam.studies.record.ensembles import KNOWN, asked_number, changes, ensembles, usual_numbers
+from vibeam.studies.changes import changes
+from vibeam.studies.effects import influence
 from vibeam.studies.record.fidelities import judged
 from vibeam.studies.record.modes import RecordModes, record_modes
 from vibeam.studies.record.plane import axes_asked, record_map
-from vibeam.studies.record.readings import AskedNumber, suits
-from vibeam.studies.uncertainty.recorded_inputs import cheaper_mean
-from vibeam.studies.uncertainty.samples import inputs_of
-from vibeam.studies.uncertainty.statistics import saltelli
+from vibeam.studies.recorded_numbers import AskedNumber, suits
+from vibeam.studies.variants import KNOWN, asked_number, ensembles, usual_numbers
 
 SHOCK, LENGTH = 40.0, 11e-3  # m/s², s: a half-sine
 FAR = "50 mm"
@@ -115,9 +113,9 @@ def test_a_budget_leaves_realisations_out() -> None:
         row[:1] for row in whole.reference.of(AskedNumber("peak", "sensor")).tolist()
     ]
     assert of_modes(less).answer.endswith("; 2 realisations left out over the budget.")
-    effects = record_effects(case, 0.1, budget=1e-6)
-    assert effects.left_out == 2
-    assert of_effects(effects).answer.endswith("; 2 realisations left out over the budget.")
+    effects = influence(case, budget=1e-6)
+    assert (effects.realisations, effects.left_out) == (2, 0)
+    assert "; 2 realisations left out over the budget. " in sheet(effects).answer
 
 
 def replace_accuracy(found: RecordModes, accuracy: float) -> RecordModes:
@@ -184,7 +182,7 @@ def test_the_cheapest_within_is_named_at_each_value() -> None:
 
 def test_what_an_effect_changes_is_what_the_case_without_it_does() -> None:
     case = noisy()
-    found = record_effects(case, 0.02)
+    found = influence(case.with_keys({"influence.tolerance": 0.02}))
     assert {row.effect for row in found.rows} == {"gravity", "mass.rotary_inertia"}
     whole, without = (
         run_record(each, None, lambda *each: None, False, lambda line: None)["two"].of("peak")
@@ -204,48 +202,11 @@ def test_a_peak_that_follows_its_input_has_its_quantiles_and_all_its_variance() 
     found = vibeam.uncertainty(case, samples=32)
     peak = found.rows[0]
     assert peak.spread.nominal == pytest.approx(linear_peak(2), rel=2e-5)
-    assert np.array(peak.spread.quantiles) / peak.spread.nominal == pytest.approx([0.82, 0.9, 1.0, 1.1, 1.18], abs=0.01)
-    assert peak.indices.total[:, 0] == pytest.approx([1.0, 0.0], abs=0.05)
-    assert found.failed == 0
-
-
-def test_a_cheaper_fidelity_takes_the_mean_nearer() -> None:
-    """y = x₁ + x₂²/10 of standard normal inputs has the mean 0.1; x₁ alone follows it and costs a hundredth."""
-    costs = {"many": 1.0, "few": 0.01}
-
-    def at(name: str, inputs: np.ndarray) -> tuple[np.ndarray, float]:
-        values = inputs[:, 0] + (name == "many") * inputs[:, 1] ** 2 / 10
-        return values[None], costs[name]
-
-    case = modal_case(uncertain={"drive.acceleration": "± 1 m/s^2", "stop.gap": "± 1 mm"})
-    unit = [dataclasses.replace(each, first=0.0, second=1.0) for each in case.uncertain]
-    case = dataclasses.replace(case, uncertain=tuple(unit))
-    inputs = inputs_of(case.uncertain, saltelli(2, 128, 3))[:256]
-    known = at("many", inputs)[0][0]
-    found = cheaper_mean(case, SimpleNamespace(at=at), "many", inputs, known, 1.0, 7)
-    assert found.chosen.names == ("many", "few")
-    assert found.correlations["few"] == pytest.approx(1 / np.sqrt(1.02), abs=0.005)  # var(x₂²/10) = 0.02
-    assert found.several.seconds < found.alone.seconds
-    assert found.several.error < 0.7 * found.alone.error
-    assert abs(found.several.mean - 0.1) < 4 * found.several.error
-    assert found.saving > 3
-
-
-def test_intervals_of_the_cheaper_mean_hold() -> None:
-    """At least 88 of 100: 95 % less three standard deviations of a count."""
-    case = modal_case(uncertain={"drive.acceleration": "± 1 m/s^2", "stop.gap": "± 1 mm"})
-    unit = tuple(dataclasses.replace(each, first=0.0, second=1.0) for each in case.uncertain)
-    case = dataclasses.replace(case, uncertain=unit)
-
-    def at(name: str, inputs: np.ndarray) -> tuple[np.ndarray, float]:
-        return (inputs[:, 0] + (name == "many") * inputs[:, 1] ** 2 / 10)[None], 0.1 ** (name == "few")
-
-    held = 0
-    for seed in range(100):
-        inputs = np.random.default_rng([seed, 9]).standard_normal((128, 2))
-        found = cheaper_mean(case, SimpleNamespace(at=at), "many", inputs, at("many", inputs)[0][0], 1.0, seed)
-        held += found.several.low <= 0.1 <= found.several.high
-    assert held >= 88
+    assert np.array(peak.spread.quantiles) / peak.spread.nominal == pytest.approx([0.82, 0.9, 1.0, 1.1, 1.18], abs=0.02)
+    assert peak.indices.total[:, 0] == pytest.approx([1.0, 0.0], abs=0.3)
+    low, high = peak.spread.mean_within
+    assert low <= peak.spread.nominal <= high < 1.05 * low
+    assert (found.samples, found.replicates, found.motions, found.failed) == (32, 8, 128, 0)
 
 
 def test_what_cannot_be_asked_is_said() -> None:
@@ -268,8 +229,8 @@ def test_what_cannot_be_asked_is_said() -> None:
         vibeam.verdict(case, only=["solvers"])
     with pytest.raises(ValueError, match=r"verdict.over, verdict.points: of a \[sweep\]"):
         vibeam.verdict(case, only=["map"], over="drive", points=5)
-    with pytest.raises(ValueError, match=r"influence.repeats: of a \[sweep\]"):
-        vibeam.influence(noisy(**{"influence.repeats": 1}))
+    with pytest.raises(ValueError, match=r"influence.points: of a \[sweep\]"):
+        vibeam.influence(noisy(**{"influence.points": 3}))
     with pytest.raises(ValueError, match="has no effects"):
         vibeam.influence(one_mode())
 

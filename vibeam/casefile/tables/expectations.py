@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from vibeam.case.plans import Direction, Expectation, MeasuredNumber, ResultNumber
-from vibeam.case.study_plans import EXTENTS
+from vibeam.case.study_plans import ERRORS, EXTENTS
 from vibeam.case.transient_quantities import QUANTITIES as OF_RECORDS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Entry, Word
@@ -179,8 +179,8 @@ def unit_of_reading(quantity: str, against: str | None) -> str:
         return "q" if quantity in OF_OUTPUT else "c"
     if quantity in EXTENTS:
         return "q" if quantity == "peak" else "Hz"
-    if quantity not in OF_SWEEPS:
-        return "1"  # of a record, which its own rule says
+    if quantity not in OF_SWEEPS or quantity in ERRORS:
+        return "1"  # of a record, which its own rule says, or a share
     return READ[quantity] if quantity in READ else LAYOUT[quantity].unit
 
 
@@ -206,7 +206,7 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
         yield from of_displacement(case, (*path, "quantity"), expect.quantity)
     if expect.show is not None or expect.number is not None or expect.quantity in READ:
         yield from _of_a_figure(case, path, expect)
-    elif expect.quantity in EXTENTS and expect.frequency is not None:
+    elif expect.quantity in EXTENTS + ERRORS and expect.frequency is not None:
         yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
     elif expect.quantity in QUANTITIES + OF_OUTPUT + LIMITS and expect.frequency is None:
         yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency'
@@ -259,7 +259,7 @@ def swept_checks(case: SimpleNamespace, path: KeyPath, way: str | None) -> Itera
         yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
 
 
-OF_SWEEPS = (*QUANTITIES, *OF_OUTPUT, *EXTENTS, *LIMITS, *READ)
+OF_SWEEPS = (*QUANTITIES, *OF_OUTPUT, *EXTENTS, *ERRORS, *LIMITS, *READ)
 
 
 def _reading_table(name: str, plan: type[ResultNumber], meaning: str, **entries: Entry) -> Any:

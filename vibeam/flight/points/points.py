@@ -104,8 +104,7 @@ def packed_alike(points: PlainPoints, settings: PointSettings) -> Iterator[tuple
     """Points that are packed alike, by their numbers, and their systems packed."""
     slowest = float(points.omega.min())
     made = [packed(system, slowest, settings.elastic, settings.output) for system in points.systems]
-    kinds = [(engine.cells.size, _output(packing, settings).tobytes()) for packing, engine in made]
-    kind = np.array([kinds.index(each) for each in kinds])[points.system]
+    kind = np.array([engine.cells.size for _, engine in made])[points.system]
     for each in np.unique(kind):
         which = np.flatnonzero(kind == each)
         yield which, [made[i] for i in np.unique(points.system[which])]
@@ -118,7 +117,7 @@ def _output(packing: PackedSystem, settings: PointSettings) -> Array:
 
 def _run(points: PlainPoints, made: list[Packed], settings: PointSettings) -> PlainResults:
     begun, task = time.thread_time(), task_of(points, made, settings)
-    lane, watch = _lane(task), room_of(made[0][0], settings)
+    lane, watch = lanes_of(task), room_of(made[0][0], settings)
     schedule = settings.settle, settings.hold, LIMIT, LONGEST_PERIOD, settings.most_modes
     resumed(lambda first: run_points(task, lane, watch, first, *schedule))
     return _results(points, made, task, settings.hold, time.thread_time() - begun)
@@ -127,14 +126,15 @@ def _run(points: PlainPoints, made: list[Packed], settings: PointSettings) -> Pl
 def task_of(points: PlainPoints, made: list[Packed], settings: PointSettings) -> row.Task:
     """The arrays of the points, as the kernels take them."""
     m, n, blocks = len(points.omega), points.systems[0].size, made[0][1].rest.blocks.shape[1]
-    at, constants, offsets = np.zeros((m, n)), np.zeros((m, 2, blocks)), np.zeros((m, 2))
+    at, constants, offsets = np.zeros((m, n)), np.zeros((m, 2, blocks)), np.zeros((m, 2 + n))
     poses, kinds = np.zeros((m, 2, n)), np.zeros(m)
     for i, (packing, engine) in enumerate(made):
-        which = np.flatnonzero(points.system == i)
+        which, output = np.flatnonzero(points.system == i), _output(packing, settings)
         gaps, places = np.unique(points.gap[which], return_inverse=True)
-        found = held(engine, _output(packing, settings), gaps)
-        for target, values in zip((at, constants, offsets), found, strict=True):
+        found = held(engine, output, gaps)
+        for target, values in zip((at, constants, offsets[:, :2]), found, strict=True):
             target[which] = values[places]
+        offsets[which, 2:] = output
         start, kinds[which] = points.start(which)
         poses[which] = packing.inward(start)
     return row.Task(
@@ -146,7 +146,7 @@ def task_of(points: PlainPoints, made: list[Packed], settings: PointSettings) ->
     )  # fmt: skip
 
 
-def _lane(task: row.Task) -> row.Lane:
+def lanes_of(task: row.Task) -> row.Lane:
     """Lanes without points: the calling thread's last ones where they fit, since to fill a call's slots costs more."""
     width, n = row.WIDTH, task.energy.shape[1]
     shapes = tuple(array.shape[1:] for array in items_of(task.packs))

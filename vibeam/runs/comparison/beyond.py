@@ -97,11 +97,12 @@ def fuller_response(
     raise ValueError(DEAR.format(modes, work))
 
 
-def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work) -> Response | None:
+def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work | None = None) -> Response | None:
     """Response of a system in place of that of a fidelity, at ``most`` of the sweep's frequencies.
 
     None where its sweep takes more than the ``work``; what is left of it is for the ends of branches.
     """
+    work = work or Work()
     flights = flights_of(case, name, made, work)
     if flights is None:
         raise ValueError(WEARS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 from vibeam.runs.comparison.ends import BranchEnd
 from vibeam.runs.comparison.kinds import MotionKind
@@ -77,8 +78,8 @@ class KindDifference:
 
     @property
     def width(self) -> float:
-        """Relative width in frequency."""
-        return width(self.low, self.high)
+        """Relative width in frequency; ∞ of a sweep at this frequency alone."""
+        return width(self.low, self.high) if self.high > self.low else inf
 
 
 @dataclass(frozen=True)

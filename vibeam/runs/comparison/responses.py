@@ -170,7 +170,7 @@ class _Direction:
         cuts = sorted(
             {each for several in (self.ours, self.theirs) for one in several for each in (one.start, one.end)}
         )
-        for low, high in pairwise(cuts):
+        for low, high in pairwise(cuts if len(cuts) > 1 else cuts * 2):  # a sweep may have one frequency
             middle = 0.5 * (low + high)
             ours, theirs = (_at(several, middle) for several in (self.ours, self.theirs))
             if ours is not None and theirs is not None:

@@ -13,7 +13,8 @@ import numpy as np
 
 from vibeam.case.case import plan_of_record
 from vibeam.runs.transient.run import run_record
-from vibeam.studies.record.ensembles import NumberChange, Told, change_of, usual_numbers, worst
+from vibeam.studies.changes import NumberChange, change_of, worst
+from vibeam.studies.variants import Told, usual_numbers
 from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:

@@ -7,18 +7,8 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from vibeam.case.case import plan_of_record
-from vibeam.studies.record.ensembles import (
-    PEAK,
-    Ensemble,
-    NumberChange,
-    Told,
-    changes,
-    ensembles,
-    plain_finest,
-    usual_numbers,
-    within,
-    worst,
-)
+from vibeam.studies.changes import NumberChange, changes, worst
+from vibeam.studies.variants import PEAK, Ensemble, Told, ensembles, plain_finest, usual_numbers, within
 from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:

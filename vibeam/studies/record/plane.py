@@ -12,8 +12,8 @@ import numpy as np
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
 from vibeam.exchange.faults import suggest
 from vibeam.runs.transient.motions import SCALED
-from vibeam.studies.record.ensembles import Told, asked_number, ensembles
-from vibeam.studies.record.readings import AskedNumber
+from vibeam.studies.recorded_numbers import AskedNumber
+from vibeam.studies.variants import Told, asked_number, ensembles
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ import numpy as np
 
 from vibeam.case.plans import MeasuredNumber, ResultNumber, ShowPlan
 from vibeam.case.response_quantities import values_of
+from vibeam.case.study_plans import ERRORS
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.figures import ALONE, FIGURES, LIMITS
 from vibeam.studies.regression.number_read import NAN, NumberRead
@@ -25,7 +26,7 @@ def directions(reading: ResultNumber, case: Case) -> tuple[str, ...]:
     """Directions of the branches that a reading is of; one that says nothing under a record."""
     if case.record is not None:
         return ("",)
-    if reading.quantity in LIMITS or of_figure(reading):
+    if reading.quantity in LIMITS + ERRORS or of_figure(reading):
         return ("up",)  # of the motions as such, whichever direction they are swept in
     return ("up", "down") if reading.direction == "both" else (reading.direction,)
 
@@ -53,6 +54,8 @@ def _number(reading: ResultNumber, result: Result, name: str, direction: str) ->
         return _read_off(reading, result, name)
     if reading.quantity in LIMITS:
         return _limit(reading, result, name)
+    if reading.quantity in ERRORS:
+        return _error(reading, result, name)
     response = dict(result[name].items())[direction]
     if reading.frequency is None:
         number = EXTENTS[reading.quantity](response)
@@ -74,6 +77,15 @@ def _limit(reading: ResultNumber, result: Result, name: str) -> NumberRead:
 
     number = float(limits(result.case, name, np.array([reading.frequency]), reading.quantity)[0])
     return NumberRead(number, "" if isfinite(number) else "there is none")
+
+
+def _error(reading: ResultNumber, result: Result, name: str) -> NumberRead:
+    """Error of a fidelity against the finest of its rig, of that against a fuller model."""
+    found = next(each for each in result.compare() if each.fidelity == name)
+    if found.comparison is None:
+        return NumberRead(0.0) if found.whole else NumberRead(NAN, found.why or "it is not compared")
+    number = float(getattr(found.comparison, reading.quantity))
+    return NumberRead(number, "" if isfinite(number) else "no motion to compare")
 
 
 def of_figure(reading: ResultNumber) -> bool:

@@ -11,9 +11,13 @@ import numpy as np
 from vibeam.case.case import Case
 from vibeam.case.fidelity import system_of
 from vibeam.case.reduced_structure import reduced_structure
-from vibeam.studies.influence.curve import Curve, refined_peak, swept
+from vibeam.runs.comparison.beyond import response_of
+from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN
+from vibeam.runs.comparison.places import Place
+from vibeam.runs.comparison.responses import Response
 from vibeam.studies.solid.pairing import bending, inertias_along, partners
 from vibeam.studies.solid.steps import LadderStep
+from vibeam.studies.swept_numbers import CHANCE, refined_peak
 from vibeam_models.arrays import Array
 from vibeam_models.effects.field_points import FieldPoints, output_names
 from vibeam_models.laws.restitution import first_mode_restitution, needed_restitution
@@ -23,7 +27,6 @@ from vibeam_models.structure import Structure, in_coordinates
 FIRST = 3  # natural frequencies that are judged and shown
 PLACES = 25  # along each beam, at which shapes are compared
 UNSEEN = 1e-6  # of the contact's row times √(moving mass): a mode that the contact does not see
-CHANCE = "the motion there does not repeat"
 TWIST = 0.02  # the same, from which a mode that does not bend the mean line is one of twist
 
 
@@ -149,9 +152,11 @@ class SteppedModel:
             unread=self.step.keys,
         )
 
-    def curve(self, case: Case, fidelity: str) -> Curve:
+    def response(self, case: Case, fidelity: str) -> Response:
         """Its sweep, as that of a fidelity; ValueError for a restitution that no contact has."""
-        return swept(case, fidelity, system_of(self.pointed, self.kept, self.found[1]))
+        made = response_of(case, fidelity, system_of(self.pointed, self.kept, self.found[1]), len(case.sweep.frequency))
+        assert made is not None  # its work is not bounded
+        return made
 
     def _twist(self, omega: Array) -> tuple[float, int]:
         """Frequency and number of the first mode that moves the contact and not the mean line; NaN and 0 of none."""
@@ -180,10 +185,20 @@ def _restitutions(scene: Scene, first: float, mobility: float) -> tuple[float, f
     return needed if 0 <= needed <= 1 else nan, given
 
 
-def with_peak(model: LadderModel, curve: Curve) -> LadderModel:
+def with_peak(model: LadderModel, response: Response) -> LadderModel:
     """The model with the peak of its sweep, refined between the points; none where its motion does not repeat."""
-    if not curve.swept.peak.repeats:
+    top = refined_peak(response)
+    if top.why == CHANCE:
         return replace(model, why_no_peak=CHANCE)
-    top = refined_peak(curve)
-    peak, at = top.amplitude, top.frequency.number
-    return replace(model, peak=peak.number, peak_frequency=at, why_no_peak=peak.why)
+    return replace(model, peak=top.amplitude, peak_frequency=top.frequency, why_no_peak=top.why)
+
+
+def distance(ours: Response, other: Response) -> float:
+    """Rms of the relative distances of amplitudes at the same frequencies, where both repeat; NaN of less than half."""
+    pairs = [pair for way, places in other.places.items() for pair in zip(ours.places[way], places, strict=True)]
+    off = [one.amplitude / two.amplitude - 1 for one, two in pairs if _repeats(one) and _repeats(two) and two.amplitude]
+    return float(np.sqrt(np.mean(np.square(off)))) if 2 * len(off) >= len(pairs) else nan
+
+
+def _repeats(place: Place) -> bool:
+    return place.kind.periods not in (IRREGULAR, UNKNOWN)

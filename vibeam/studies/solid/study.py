@@ -17,8 +17,8 @@ from time import process_time
 from vibeam.case.case import Case
 from vibeam.case.held import Held, held_of
 from vibeam.case.source import of_source
-from vibeam.studies.influence.curve import Curve
-from vibeam.studies.solid.model import FIRST, LadderModel, SteppedModel, with_peak
+from vibeam.runs.comparison.responses import Response
+from vibeam.studies.solid.model import FIRST, LadderModel, SteppedModel, distance, with_peak
 from vibeam.studies.solid.steps import LadderStep, coarser, ladder, solid_of
 from vibeam.system.curves import evenly
 from vibeam.system.labelled import ViewedTable
@@ -213,7 +213,7 @@ class _Ladder:
         self.case, self.fidelity, self.scene, self.budget, self.told = case, fidelity, scene, budget, told
         self.steps, self.begun, self.done = ladder(scene), begun, 0
         self.count = min(case.fidelities[fidelity].modes or USUAL, MOST)
-        self.curves: dict[str, Curve] = {}
+        self.responses: dict[str, Response] = {}
         self.longest, self.left_out = 0.0, 0
 
     def verdict(self, accuracy: float) -> SolidVerdict:
@@ -253,9 +253,8 @@ class _Ladder:
         try:
             if self.case.record is not None:
                 raise ValueError(OF_RECORD)
-            curve = model.curve(self.case, self.fidelity)
-            found = with_peak(found, curve)
-            self.curves[step.name] = curve
+            self.responses[step.name] = model.response(self.case, self.fidelity)
+            found = with_peak(found, self.responses[step.name])
         except ValueError as refusal:
             found = replace(found, why_no_peak=str(refusal))
         self.longest = max(self.longest, process_time() - begun)
@@ -271,11 +270,8 @@ class _Ladder:
 
     def _with_distance(self, model: LadderModel) -> LadderModel:
         """The model with its distance from the solid's amplitudes, where at least half of them can be compared."""
-        ours, solid = (self.curves.get(name) for name in (model.name, self.steps[-1].name))
-        if ours is None or solid is None:
-            return model
-        off = ours.swept.off(solid.swept)
-        return replace(model, rms=off.rms if 2 * off.points >= off.total else nan)
+        ours, solid = (self.responses.get(name) for name in (model.name, self.steps[-1].name))
+        return model if ours is None or solid is None else replace(model, rms=distance(ours, solid))
 
     def _told(self) -> None:
         self.told(min(self.done, len(self.steps) + 1), len(self.steps) + 1)

@@ -1,8 +1,8 @@
 """Statistics of the samples: distribution of a number, shares of the inputs in a variance, errors side by side.
 
 First-order and total indices after Sobol' and Saltelli (Comput. Phys. Commun. 181 (2010) 259, Table 2 (b) and (f)) from
-two independent sets of samples A, B and, for each input, the set in which only that input's values come from B. Their
-intervals are by scipy's bootstrap, with a generator of the study's seed, which that of ``sobol_indices`` takes not.
+two independent values of all inputs, A and B, and, for each input, A with only that input's value from B. All intervals
+are those of ``replicates``.
 
 The errors of a peak are those of ASME V&V 20: comparison error E = S − D of simulation S and measurement D; u_val² =
 u_num² + u_input² + u_D² of numerical, input and data uncertainty. |E| well above u_val is error of the model's form;
@@ -15,10 +15,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, nan
 from typing import TYPE_CHECKING
-from warnings import catch_warnings
 
 import numpy as np
 
+from vibeam.studies.uncertainty.replicates import (
+    LEAST,
+    estimated,
+    half_width,
+    quantile_ends,
+    quantiles,
+    replicates,
+    scrambled,
+)
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -29,7 +37,7 @@ if TYPE_CHECKING:
 class Indices:
     """``first`` and ``total`` (d, k): of each input in each of k quantities; ``low`` and ``high``: 95 % of the total.
 
-    NaN where a sample has no value, or all are the same.
+    NaN where a sample has no value, or all are the same; no interval by few samples.
     """
 
     first: Array
@@ -39,44 +47,43 @@ class Indices:
 
 
 def saltelli(inputs: int, samples: int, seed: int) -> Array:
-    """Shares ((2 + d)·n, d) of the distributions: A, B, then A with the values of B in one column each; n = 2^m."""
-    from scipy.stats.qmc import Sobol
+    """Shares (samples, 2 + d, d) of the distributions: A, B, and A with the value of B in one column each.
 
-    both = Sobol(2 * inputs, scramble=True, rng=np.random.default_rng(seed)).random(samples)
-    both = np.clip(both, 1e-12, 1 - 1e-12)
-    first, second = both[:, :inputs], both[:, inputs:]
+    Samples of one replicate follow each other.
+    """
+    both = scrambled(2 * inputs, samples, seed).reshape(samples, 2 * inputs)
+    first, second = both[:, ::2], both[:, 1::2]  # neighbours: few points of two columns far apart lie badly
     mixed = [np.where(np.arange(inputs) == column, second, first) for column in range(inputs)]
-    return np.concatenate([first, second, *mixed])
+    return np.stack([first, second, *mixed], axis=1)
 
 
-def indices(values: Array, inputs: int, seed: int) -> Indices:
-    """Indices of quantities (k, (2 + d)·n) at the shares of ``saltelli``."""
-    from scipy.stats import bootstrap
-
-    samples, found = values.shape[1] // (2 + inputs), np.full((4, inputs, len(values)), np.nan)
-    whole = np.isfinite(values).all(axis=1) & (np.ptp(values, axis=1) > 0)
+def indices(values: Array) -> Indices:
+    """Indices of quantities (samples, 2 + d, k) at the shares of ``saltelli``."""
+    samples, inputs, count = len(values), values.shape[1] - 2, values.shape[2]
+    found = np.full((4, inputs, count), np.nan)
+    whole = np.isfinite(values).all(axis=(0, 1)) & (np.ptp(values, axis=(0, 1)) > 0)
     if whole.any():
-        sets = np.moveaxis(values[whole].reshape(-1, 2 + inputs, samples), 1, 0)
-        sets = sets - np.mean(sets[:2], axis=(0, -1))[:, None]
-        found[0][:, whole], found[1][:, whole] = (
-            np.mean(sets[1] * (sets[2:] - sets[0]), axis=-1) / _variance(sets),
-            _total(sets),
-        )
-        with catch_warnings(action="ignore"), np.errstate(all="ignore"):  # an input without influence has no interval
-            spread = bootstrap(
-                [np.arange(samples)], lambda at: _total(sets[..., at]), n_resamples=200, rng=np.random.default_rng(seed)
-            ).confidence_interval
-        found[2][:, whole], found[3][:, whole] = spread
+        sets = values[:, :, whole].reshape(replicates(samples), -1, 2 + inputs, int(whole.sum()))
+        total = estimated(_total, sets)
+        ends = [total.low, total.high] if sets.shape[1] >= LEAST else [np.full_like(total.value, np.nan)] * 2
+        found[:, :, whole] = np.stack([_first(sets), total.value, *ends])
     return Indices(*found)
 
 
+def _first(sets: Array) -> Array:
+    """First-order indices (d, k) by A, B and A with one column of B each, (replicates, samples, 2 + d, k)."""
+    centred = sets - np.mean(sets[:, :, :2], axis=(0, 1, 2))
+    product = centred[:, :, 1:2] * (centred[:, :, 2:] - centred[:, :, :1])
+    return np.asarray(np.mean(product, axis=(0, 1)) / _variance(sets))
+
+
 def _variance(sets: Array) -> Array:
-    return np.asarray(np.var(sets[:2], axis=(0, -1)))
+    return np.asarray(np.var(sets[:, :, :2], axis=(0, 1, 2)))
 
 
 def _total(sets: Array) -> Array:
-    """Total indices (d, k) by the sets A, B, and A with one column of B each, (2 + d, k, n)."""
-    return np.asarray(0.5 * np.mean((sets[0] - sets[2:]) ** 2, axis=-1) / _variance(sets))
+    """Total indices (d, k) by the same."""
+    return np.asarray(0.5 * np.mean((sets[:, :, :1] - sets[:, :, 2:]) ** 2, axis=(0, 1)) / _variance(sets))
 
 
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)  # quantiles of the bands
@@ -86,8 +93,8 @@ LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)  # quantiles of the bands
 class Distribution:
     """Distribution of one number over the samples: ``nominal`` at the case's own values; NaN where there is none.
 
-    ``share``: of the samples that have the number. ``within``: 95 % interval of each quantile, infinite where there
-    are too few samples.
+    ``share``: of the samples that have the number. ``mean_within`` and ``within``: 95 % intervals of the mean and of
+    each quantile, infinite where there are too few samples.
     """
 
     nominal: float
@@ -95,26 +102,29 @@ class Distribution:
     deviation: float
     quantiles: tuple[float, ...]
     share: float = float("nan")
+    mean_within: tuple[float, float] = (-np.inf, np.inf)
     within: tuple[tuple[float, float], ...] = ()
 
     @classmethod
     def of(cls, nominal: float, values: Array) -> Distribution:
-        """Distribution of the finite values."""
+        """Distribution of the finite ones of values (k, m) of k replicates."""
         known = values[np.isfinite(values)]
-        share = len(known) / max(len(values), 1)
+        share = len(known) / max(values.size, 1)
         if len(known) < 2:
             return cls(nominal, float("nan"), float("nan"), (float("nan"),) * len(LEVELS), share)
-        found = tuple(map(float, np.quantile(known, LEVELS)))
-        return cls(nominal, float(known.mean()), float(known.std(ddof=1)), found, share, _within(known))
+        found = tuple(map(float, quantiles(known, LEVELS)))
+        each = [own[np.isfinite(own)] for own in values]
+        ends = tuple(quantile_ends(each, LEVELS))
+        return cls(nominal, float(known.mean()), float(known.std(ddof=1)), found, share, _mean_ends(each), ends)
 
 
-def _within(known: Array) -> tuple[tuple[float, float], ...]:
-    """Order statistics beside each quantile: how many of independent samples are below it is binomial."""
-    from scipy.stats import binom
-
-    ordered = np.concatenate([[-np.inf], np.sort(known), [np.inf]])
-    first, last = binom.ppf([[0.025], [0.975]], len(known), LEVELS).astype(int)
-    return tuple(zip(ordered[first].tolist(), ordered[last + 1].tolist(), strict=True))
+def _mean_ends(each: list[Array]) -> tuple[float, float]:
+    """Interval of the mean; infinite where a replicate has no number."""
+    if not min(map(len, each)):
+        return -np.inf, np.inf
+    means = np.array([own.mean() for own in each])
+    half = float(half_width(means))
+    return float(means.mean()) - half, float(means.mean()) + half
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,20 @@ import numpy as np
 from vibeam.case.fineness import alike, finest
 from vibeam.case.source import of_source
 from vibeam.runs.parallel import EVERY, heartbeat
-from vibeam.store.shares import sharing
-from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
+from vibeam.studies.uncertainty.replicates import quantiles, replicates
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
-from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, ErrorRow, Indices, error_rows, indices, saltelli
+from vibeam.studies.uncertainty.statistics import (
+    LEVELS,
+    Distribution,
+    ErrorRow,
+    Indices,
+    error_rows,
+    indices,
+    saltelli,
+)
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
-from vibeam_models.arrays import Array, ValueRecord
+from vibeam_models.arrays import Array, Flags, ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -25,6 +32,7 @@ if TYPE_CHECKING:
 
 
 Progress = Callable[[str], None]
+LEAST = 16  # samples
 MISSING = 'the case says nothing of what is uncertain: write [uncertain] with, say, "mass.mass" = "± 2 g"'
 
 
@@ -52,16 +60,19 @@ class FidelityUncertainty:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class UncertaintyStudy(ValueRecord, ViewedTable):
-    """``rows`` of the fidelities with the same physics, the finest last; indices of its amplitude and its peak."""
+    """``rows`` of the fidelities with the same physics, the finest last; indices of its amplitude and its peak.
+
+    ``samples`` of Sobol' points are made of so many independent ``replicates``.
+    """
 
     case: Case
     frequency: Array
     rows: tuple[FidelityUncertainty, ...]
     over_frequency: Indices
     of_peak: Indices
-    mean_peak: MeanPeak | None
     errors: tuple[ErrorRow, ...]
     samples: int
+    replicates: int
     seed: int
 
     @property
@@ -82,10 +93,10 @@ def uncertainty(
     """Carry the uncertain inputs of a case through its sweep: an ``UncertaintyStudy``; of one under a record a
     ``RecordUncertainty``, each sample through the same realisations.
 
-    The finest fidelity is run at (2 + d)·``samples`` values of d inputs (Sobol' sequence), each other one of the same
-    physics at 2·``samples`` of them; None: as the case asks. ``progress``: True shows it, a function is told in lines.
-    ValueError where nothing is uncertain or ``samples`` is no power of two ≥ 16, CaseError for values that the case may
-    not have.
+    The finest fidelity is run at (2 + d)·``samples`` values of d inputs (independent scramblings of Sobol' points),
+    each other one of the same physics at 2·``samples`` of them; None: as the case asks. ``progress``: True shows it, a
+    function is told in lines. ValueError where nothing is uncertain or ``samples`` is no power of two ≥ 16, CaseError
+    for values that the case may not have.
 
     >>> import vibeam
     >>> case = vibeam.load("cases/dtu_neutral.toml", {
@@ -100,8 +111,8 @@ def uncertainty(
         raise ValueError(MISSING)
     plan = case.asked["uncertainty"]
     samples, seed = plan.samples if samples is None else samples, plan.seed if seed is None else seed
-    if samples < PILOT // 2 or samples & (samples - 1):
-        raise ValueError(f"samples: {samples}, must be a power of two, {PILOT // 2} or more")
+    if samples < LEAST or samples & (samples - 1):
+        raise ValueError(f"samples: {samples}, must be a power of two, {LEAST} or more")
     with telling(progress, "uncertainty") as told:
         if case.record is not None:
             from vibeam.studies.uncertainty.recorded_inputs import record_uncertainty
@@ -122,42 +133,45 @@ def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintySt
     top = finest(case, {name: case.system(name).size for name in case.fidelities})
     names = [name for name in alike(case, case.fidelities, top) if name != top] + [top]
     sampler = Sampler(case, tuple(each.key for each in case.uncertain))
-    inputs = inputs_of(case.uncertain, saltelli(len(case.uncertain), samples, seed))
-    asked = {name: inputs if name == top else inputs[: 2 * samples] for name in names}
+    count, d = 2 + len(case.uncertain), len(case.uncertain)
+    inputs = inputs_of(case.uncertain, saltelli(d, samples, seed)).reshape(-1, d)
+    both = np.arange(len(inputs)) % count < 2  # A and B, which are distributed as the inputs are
+    asked = {name: both | (name == top) for name in names}
     own_row = {name: sampler.nominal(name) for name in names}
     for name in names:
-        seconds = len(asked[name]) * float(own_row[name].seconds[0])
-        tell(f"{name}: {len(asked[name])} sweeps" + (f", about {seconds:.0f} s of CPU time" if seconds > EVERY else ""))
-    found = sampler.each(asked, tell)
+        sweeps = int(asked[name].sum())
+        seconds = sweeps * float(own_row[name].seconds[0])
+        tell(f"{name}: {sweeps} sweeps" + (f", at most {seconds:.0f} s of CPU time" if seconds > EVERY else ""))
+    found = sampler.each(inputs, asked, tell)
     with heartbeat(tell, lambda: "the case as it is"):
         nominal: Any = run(case, show=False, compare=True)
-    rows = tuple(_row(own_row[name], found[name], 2 * samples) for name in names)
-    with sharing(None):  # of these the number follows from times
-        mean = mean_of_peak(sampler, found, top, 2 * samples, seed, tell)
+    rows = tuple(_row(own_row[name], found[name], both[asked[name]], replicates(samples)) for name in names)
+    finest_one = found[top]
     return UncertaintyStudy(
         case,
         np.sort(case.sweep.frequency),
         rows,
-        indices(found[top].amplitude.T, len(case.uncertain), seed),
-        indices(found[top].peak[None], len(case.uncertain), seed),
-        mean,
+        indices(finest_one.amplitude.reshape(samples, count, -1)),
+        indices(finest_one.peak.reshape(samples, count, 1)),
         error_rows(nominal, {row.fidelity: row.peak for row in rows}),
         samples,
+        replicates(samples),
         seed,
     )
 
 
-def _row(nominal: Responses, found: Responses, count: int) -> FidelityUncertainty:
-    amplitude = found.amplitude[:count]
+def _row(nominal: Responses, found: Responses, both: Flags, count: int) -> FidelityUncertainty:
+    """A fidelity's spreads over the samples ``both``, which are ``count`` replicates."""
+    amplitude = found.amplitude[both]
     bands = np.full((len(LEVELS), amplitude.shape[1]), np.nan)
-    known = np.isfinite(amplitude).sum(axis=0) > 1
-    bands[:, known] = np.nanquantile(amplitude[:, known], LEVELS, axis=0)
-
+    for place, column in enumerate(amplitude.T):
+        if np.isfinite(column).sum() > 1:
+            bands[:, place] = quantiles(column[np.isfinite(column)], LEVELS)
     spreads = {
-        of: Distribution.of(float(getattr(nominal, of)[0]), getattr(found, of)[:count])
+        of: Distribution.of(float(getattr(nominal, of)[0]), getattr(found, of)[both].reshape(count, -1))
         for of in ("peak", "peak_frequency", "jump", "begin", "doubling")
     }
-    seconds = float(np.mean(found.seconds))
     return FidelityUncertainty(
-        found.fidelity, nominal.amplitude[0], bands, **spreads, samples=count, failed=found.failed, seconds=seconds
-    )
+        found.fidelity, nominal.amplitude[0], bands, **spreads, samples=len(amplitude), failed=found.failed,
+        seconds=float(np.mean(found.seconds)),
+    )  # fmt: skip

@@ -10,7 +10,7 @@ from vibeam.flight.kernels.layout import PointSchedule, Watch
 from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.kernels.landing import find_roots, recur, strike
 from vibeam.flight.points.kernels.layout import Lane, LaneRows, Task
-from vibeam.flight.points.kernels.point import engine_of, go_alone, join, keep, leave, take_point
+from vibeam.flight.points.kernels.point import engine_of, go_alone, join, keep, leave, take_output, take_point
 from vibeam.flight.points.kernels.walk import launch, walk
 from vibeam.flight.points.kernels.watch import watched_point
 
@@ -51,6 +51,7 @@ def run(
                         join(lane, slot, engine, schedule)
                 else:
                     pose, status = lane.poses[slot], lane.status[slot]
+                    take_output(task, whole[row.POINT], watch)
                     if whole[row.ELIGIBLE] > 0:
                         outcome, period = watched_point(
                             engine, pose, status, schedule, watch, counts, lane.marks, lane.flights,

@@ -106,7 +106,7 @@ class Task(NamedTuple):
     drives: Array  # (m, 4): Ω, B, gap, restitution
     held: Array  # (m, n) least displacement with the contact on the stop
     constants: Array  # (m, 2, blocks) of the system held there
-    offsets: Array  # (m, 2) constants of its contact force and output
+    offsets: Array  # (m, 2) constants of its contact force and output; or (m, 2 + n), with the output's row
     poses: Array  # (m, 2, n) starts, in place of which the ends are put
     kinds: Array  # (m,) FREE or RESTING, the same
     results: Array  # (m, RESULT_ROWS)

@@ -130,6 +130,13 @@ def take_point(task: Task, lane: Lane, slot: int, point: int, schedule: PointSch
         join(lane, slot, engine, schedule)
 
 
+@joined
+def take_output(task: Task, point: int, watch: Watch) -> None:
+    """Watch the output of a point, where each has its own."""
+    for k in range(task.offsets.shape[1] - 2):
+        watch.row[k] = task.offsets[point, 2 + k]
+
+
 @kernel
 def is_eligible(engine: Engine, most_modes: int) -> bool:
     """True where a point's flights may go side by side with others: few modes, underdamped, with a steady response."""

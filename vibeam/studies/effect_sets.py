@@ -81,7 +81,7 @@ SAME = 1e-9  # relative tolerance for two models' modes to be the same
 
 @dataclass(frozen=True)
 class Subsets:
-    """Subsets of the effects of one fidelity: of the case ``whole`` over the frequencies of its ``[influence]``.
+    """Subsets of the effects of one fidelity: of the case ``whole``, a sweep over the frequencies of ``[influence]``.
 
     ``own_modes``: number of the fidelity's modes that an effect adds to the others (torsion does).
     ``companions``: keys beside an effect that are meaningless without it. ``modes``: the fidelity's number of modes,
@@ -120,42 +120,31 @@ class Subsets:
 
 
 def subsets(case: Case) -> Subsets:
-    """Subsets of a case's effects; ValueError where there is none."""
-    name = case.influence.fidelity or finest(case)
-    own = _with_effects(case, name)
-    return _subsets_of(case.alone(name).with_keys(_reduced(case)), name, own)
-
-
-def subsets_of_record(case: Case, name: str) -> Subsets:
-    """Subsets of the effects of a fidelity of a case under a record; ValueError where there is none."""
-    return _subsets_of(case, name, _with_effects(case, name))
-
-
-def _with_effects(case: Case, name: str) -> Any:
-    """The declared case of a fidelity; ValueError where it names no effect."""
+    """Subsets of the effects of the fidelity that [influence] names, else of the finest; ValueError without any."""
     if case.scene.given_mode is not None:
         raise ValueError("a single degree of freedom by itself has no effects: influence needs a beam")
+    name = case.influence.fidelity or finest(case)
     model: Any = case.model(name)
-    own = model.tables
-    if not effects_of(own):
-        raise ValueError(f"fidelity {name!r} names no effect: vibeam keys lists those there are, each marked 'effect'")
-    return own
-
-
-def _subsets_of(whole: Case, name: str, own: Any) -> Subsets:
+    own, whole = model.tables, case.alone(name)
     effects = effects_of(own)
+    if not effects:
+        raise ValueError(f"fidelity {name!r} names no effect: vibeam keys lists those there are, each marked 'effect'")
+    whole = whole if case.record is not None else whole.with_keys(_reduced(case))
     beside = {effect: companions(own, effect) for effect in effects}
     found = Subsets(whole, name, effects, {}, beside, own.fidelity[name].modes)
     return replace(found, own_modes=_own_modes(found))
 
 
 def _reduced(case: Case) -> dict[str, Any]:
-    """Sweep reduced to fewer of its frequencies, with the periods of [influence]."""
+    """Sweep reduced to fewer of its frequencies, with the periods and the frequency of [influence]."""
     plan, grid = case.influence, np.sort(case.sweep.frequency)
     chosen = evenly(0, len(grid) - 1, plan.points)
-    given = {"settle": plan.settle, "hold": plan.hold}
-    periods = {f"sweep.{name}": value for name, value in given.items() if value is not None}
-    return {"sweep.frequency": grid[chosen].tolist()} | periods
+    given = {
+        "sweep.settle": plan.settle, "sweep.hold": plan.hold, "influence.frequency": plan.frequency
+    }  # fmt: skip
+    return {"sweep.frequency": grid[chosen].tolist()} | {
+        name: value for name, value in given.items() if value is not None
+    }
 
 
 def finest(case: Case) -> str:

@@ -1,16 +1,16 @@
-"""Ensembles of motions under a record: numbers of a case and of its variants, their changes on the same realisations.
+"""Variants of one case with something changed, and their numbers: of sweeps, and of motions under a record.
 
-A variant is a case and one of its fidelities. All of its motions are flown: every value of the factor that the case
-varies, every seed. Variants of one case share the seeds, so that their differences are paired: what the realisations
-scatter in all of them alike falls out.
+A variant is a case and one of its fidelities. Under a record all of its motions are computed: every value of the factor
+that the case varies, every seed. Variants of one case share the seeds, so that their differences are paired: what the
+realisations scatter in all of them alike falls out. A sweep is an ensemble of one, with its response.
 """
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
-from math import isfinite
-from time import thread_time
+from dataclasses import dataclass, field, replace
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,13 +19,19 @@ from vibeam.case.case import plan_of_record
 from vibeam.case.fineness import finest, plain
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.exchange.faults import suggest
+from vibeam.runs.comparison.flights import flights_of
+from vibeam.runs.comparison.places import Flights, Place, flown
+from vibeam.runs.comparison.responses import Response
+from vibeam.runs.run import run
 from vibeam.runs.transient.motions import MotionMaker, Realisation, motions_of
-from vibeam.runs.transient.statistics import SampleMean, mean_of, paired
+from vibeam.runs.transient.statistics import SampleMean, mean_of
 from vibeam.runs.transient.transient import assembled
 from vibeam.solvers import SOLVERS
+from vibeam.solvers.steady import warm_up_once
 from vibeam.store.blocks import Values
 from vibeam.store.shares import are_shared, evaluate_each
-from vibeam.studies.record.readings import AskedNumber, few_numbers, suits
+from vibeam.studies.recorded_numbers import AskedNumber, few_numbers, suits
+from vibeam.studies.swept_numbers import numbers_of
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
@@ -37,18 +43,24 @@ OF_IMPACTS = ("impacts", "hardest_impact", "lost_at_impacts")
 KNOWN = tuple(name for name, each in QUANTITIES.items() if each.of != "pair")
 
 
+class DearSweep(ValueError):
+    """Sweep that takes longer than it may."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Ensemble(ValueRecord):
     """Motions of one variant over v values of the factor and s seeds; ``of`` a number (v, s), SI.
 
-    NaN where a motion did not run to the record's end, or has no such number. ``seconds`` (v, s): CPU time of the
-    motion and of what is read off it.
+    NaN where a motion did not run to the record's end, or has no such number, for the reasons in ``why``. ``seconds``
+    (v, s): CPU time of the motion and of what is read off it. A sweep is one motion, with its ``response``.
     """
 
     fidelity: str
     modes: int
     numbers: Mapping[AskedNumber, Array]
     seconds: Array
+    response: Response | None = field(default=None, compare=False)
+    why: Mapping[AskedNumber, str] = field(default_factory=dict)
 
     def of(self, number: AskedNumber) -> Array:
         """Values (v, s) of a number."""
@@ -59,26 +71,10 @@ class Ensemble(ValueRecord):
         return mean_of(self.of(number))
 
 
-@dataclass(frozen=True)
-class NumberChange:
-    """Change of a number in another model, as a share of the reference's ``mean``: the worst value of the factor.
-
-    ``error``: standard error of the paired ``change``, NaN of one realisation; NaN throughout where either has none.
-    """
-
-    number: AskedNumber
-    mean: float
-    change: float
-    error: float
-
-    @property
-    def size(self) -> float:
-        """Size of the change, its error counted twice; NaN where it is not known."""
-        return abs(self.change) + (2 * self.error if isfinite(self.error) else 0.0)
-
-
 def usual_numbers(case: Case) -> tuple[AskedNumber, ...]:
-    """Peak of every output that is kept, number of impacts, the hardest, energy lost at them."""
+    """Peaks of all outputs kept, number of impacts, the hardest, energy lost at them; of a sweep its peak and where."""
+    if case.record is None:
+        return AskedNumber(PEAK), AskedNumber("peak_frequency")
     outputs = plan_of_record(case).outputs
     return (*(AskedNumber(PEAK, name) for name in outputs), *map(AskedNumber, OF_IMPACTS))
 
@@ -98,12 +94,15 @@ def asked_number(case: Case, text: str) -> AskedNumber:
 
 
 def ensembles(
-    variants: Sequence[tuple[Case, str]], asked: Sequence[AskedNumber], told: Told | None = None
+    variants: Sequence[tuple[Case, str]], asked: Sequence[AskedNumber], told: Told | None = None, limit: float = inf
 ) -> list[Ensemble]:
     """Ensemble of every variant, several motions at once; ``told`` the motions done and their total, from any thread.
 
-    CaseError for a variant that cannot be built, ValueError for a signal that there is not.
+    CaseError for a variant that cannot be built, ValueError for a signal that there is not, DearSweep for a sweep
+    that takes longer than ``limit`` CPU seconds.
     """
+    if variants[0][0].record is None:
+        return [_swept(*each, asked, limit) for each in variants]
     makers = [MotionMaker(case, name) for case, name in variants]
     jobs = [(at, each) for at, (case, name) in enumerate(variants) for each in motions_of(case, name)]
     for maker in {each.name: each for each in makers}.values():
@@ -130,6 +129,38 @@ def ensembles(
     ]
 
 
+def _swept(case: Case, name: str, asked: Sequence[AskedNumber], limit: float) -> Ensemble:
+    """The sweep of a fidelity by exact motions, as an ensemble of one; one whose gap grows by impacts as it is run."""
+    system = case.system(name)
+    flights, omega = flights_of(case, name, system), 2 * np.pi * case.sweep.frequency[:1]
+    warm_up_once("flight", system, float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]), "contact", {})
+    begun = time.thread_time()
+    if flights is None:
+        worn: Any = run(case, show=False, fidelities=[name])
+        response = Response.of(worn[name])
+    else:
+        response = Response(_marched(case, flights, limit), flights)
+    seconds = np.array([[time.thread_time() - begun]])
+    read = numbers_of(case, name, system, response, [each.quantity for each in asked], case.influence.frequency)
+    values = {each: np.array([[read[each.quantity].number]]) for each in asked}
+    why = {each: read[each.quantity].why for each in asked if read[each.quantity].why}
+    return Ensemble(name, system.size, values, seconds, response, why)
+
+
+def _marched(case: Case, flights: Flights, limit: float) -> dict[str, list[Place]]:
+    """Places of a sweep by direction, each reached from the one before; DearSweep where it takes too long."""
+    up, begun, last = np.sort(case.sweep.frequency).tolist(), time.thread_time(), None
+    ways = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
+    found: dict[str, list[Place]] = {way: [] for way in ways}
+    for way in ways:
+        for frequency in up if way == "up" else up[::-1]:
+            last = flown(flights, frequency, last)
+            found[way].append(last)
+            if time.thread_time() - begun > limit:
+                raise DearSweep(f"its sweep takes longer than {limit:.2g} s of CPU time")
+    return found
+
+
 def _require_signals(maker: MotionMaker, asked: Sequence[AskedNumber]) -> None:
     known = [each.name for each in maker.signals]
     for each in asked:
@@ -142,40 +173,13 @@ def _numbers(maker: MotionMaker, motion: Realisation, asked: Sequence[AskedNumbe
     """Numbers of one motion, behind them its CPU time and the number of its modes."""
     duration, system = float(plan_of_record(maker.case).duration), maker.system(motion.value)[0]
     if SOLVERS[maker.case.fidelities[maker.name].solver].motion == "exact" and suits(asked):
-        begun, record = thread_time(), maker.load(motion.value, motion.seed)
+        begun, record = time.thread_time(), maker.load(motion.value, motion.seed)
         path, _ = maker.path(motion.value, record)
-        return [*few_numbers(path, record, asked, duration), thread_time() - begun, system.size]
+        return [*few_numbers(path, record, asked, duration), time.thread_time() - begun, system.size]
     reading = maker.made(replace(motion, shown=False))
     one = assembled(maker.name, duration, maker.system(motion.value)[1], [[reading]])
     found = [float(one.of(each.quantity, each.signal or None)[0, 0]) for each in asked]
     return [*found, float(one.cpu_seconds[0, 0] + one.reading_seconds[0, 0]), system.size]
-
-
-def changes(reference: Ensemble, other: Ensemble) -> tuple[NumberChange, ...]:
-    """Changes of all numbers, each at the value of the factor at which it is largest."""
-    return tuple(_largest(number, reference, other) for number in reference.numbers)
-
-
-def _largest(number: AskedNumber, reference: Ensemble, other: Ensemble) -> NumberChange:
-    rows = zip(reference.of(number), other.of(number), strict=True)
-    found = [change_of(number, theirs, ours) for theirs, ours in rows]
-    return max(found, key=lambda each: each.size if each.size == each.size else -1.0)
-
-
-def change_of(number: AskedNumber, theirs: Array, ours: Array) -> NumberChange:
-    """Change of a number from ``theirs`` to ``ours``, (s,) each, on the same realisations; ∞ of one that was 0."""
-    known = np.isfinite(theirs) & np.isfinite(ours)
-    mean = float(np.mean(theirs[known])) if known.any() else float("nan")
-    if mean == 0:
-        return NumberChange(number, mean, float("inf") if np.any(ours[known]) else 0.0, float("nan"))
-    found = paired(ours, theirs)
-    return NumberChange(number, mean, found.mean, found.error)
-
-
-def worst(found: Sequence[NumberChange], quantity: str = PEAK) -> float:
-    """Largest size of the changes of a quantity that are known; NaN without any."""
-    sizes = [each.size for each in found if each.number.quantity == quantity]
-    return max((each for each in sizes if each == each), default=float("nan"))
 
 
 def within(case: Case, fidelity: str, budget: float, weight: float) -> Case:

@@ -1,1 +1,0 @@
-"""Influence of each effect, and the smallest set that a scene needs."""
