@@ -5,9 +5,8 @@
 
 A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; everything outside these markers is kept.
 ``against_peers.py`` writes results/peers.json, ``modes.py`` writes results/modes.json, ``printed_stability.py`` writes
-results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json, ``limits.py`` writes
-results/limits.json, ``estimates.py`` writes results/estimates.json, ``recommended.py`` writes results/recommended.json,
-``recommended_beams.py`` writes results/recommended_beams.json, ``batches.py`` writes results/batches.json,
+results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json, ``held.py`` writes
+results/held.json, ``batches.py`` writes results/batches.json,
 ``cluster.py`` writes results/cluster.json, ``threads.py`` writes results/threads.json, ``webassembly.py`` writes
 results/webassembly.json, ``page_frames.py`` writes results/page_frames.json, ``parts.py`` writes
 results/parts.json.
@@ -166,64 +165,6 @@ def methods_table(found: dict[str, Any]) -> str:
 
 def _change(ratio: float) -> str:
     return f"{100 * (ratio - 1):+.0f} %".replace("-", "−") if ratio > 0.01 else f"1/{1 / ratio:.0f}"
-
-
-def limits_table(found: dict[str, Any]) -> str:
-    """Distance of each fidelity from its own limit: true and estimated, and what the estimate costs."""
-    columns = ("case", "held", "modes", "64 modes, rms", "128 modes, rms", "estimate, rms", "within a factor 2")
-    rows = (
-        [
-            row["case"].removeprefix("dtu_"), {"contact": "R", "first mode": "R₁"}[row["held"]], str(row["modes"]),
-            *(f"{100 * row[name]:.3g} %" for name in ("true_rms_64", "true_rms_128", "estimate_rms")),
-            f"{row['good']} of {row['points'] - row['below_floor']}",
-        ]
-        for row in found["rows"]
-    )  # fmt: skip
-    cost = found["cost"]
-    text = (
-        f"CPU time on the neutral case: comparison {cost['comparison']:.2f} s, sweeps {cost['sweeps']:.2f} s, the "
-        f"whole command {cost['command']:.1f} s, of which the comparison takes {100 * cost['share_of_command']:.1f} %."
-    )
-    return f"{markdown(columns, rows)}\n\n{fill(text, width=120)}"
-
-
-def estimates_table(found: dict[str, Any]) -> str:
-    """Estimated errors against the full model over the true ones, and what the estimates cost."""
-    held = {"contact": "R", "first mode": "R₁"}
-    columns = (
-        "case",
-        "held",
-        "fidelity",
-        "known",
-        "compared",
-        "not below",
-        "median",
-        "95 %",
-        "largest",
-        "of the CPU time",
-    )
-    rows = (
-        [
-            row["case"].removeprefix("dtu_"), held[row["held"]], row["fidelity"], f"{row['known']} of {row['points']}",
-            str(row["compared"]), f"{100 * row['not_below_true']:.3g} %",
-            *(f"{row[name]:.3g}" for name in ("median", "quantile_95", "largest")), f"{100 * row['share']:.2g} %",
-        ]
-        for row in found["dtu"]
-    )  # fmt: skip
-    random = found["random"]
-    unknown, other = random["beams"] - random["known"], random["unknown_and_other_motion"]
-    text = (
-        f"Of {random['beams']} random beams of period 1 the error is known of {random['known']}; of the {unknown} "
-        f"others {other} have another motion in the full model. {random['compared']} are compared: "
-        f"the estimate is not below the true error in {100 * random['not_below_true']:.3g} %, and over it "
-        f"{random['median']:.5g} times as large in the median, {random['quantile_95']:.3g} times at 95 % and "
-        f"{random['largest']:.3g} times at most (of the {random['compared'] - random['below_floor']} true errors above "
-        f"1e-5; the median of all is {100 * random['median_true']:.2g} %, the largest "
-        f"{100 * random['largest_true']:.3g} %). "
-        f"{len(random['other_motion'])} full models settle on another motion from equilibrium; "
-        f"{random['coexisting']} of them have that of the estimate beside it, stable and certified."
-    )
-    return f"{markdown(columns, rows)}\n\n{fill(text, width=120)}"
 
 
 def startup_table(found: dict[str, Any]) -> str:
@@ -422,43 +363,6 @@ def solid_table(found: dict[str, Any]) -> str:
     return f"{markdown(columns, rows)}\n\n{load}"
 
 
-def recommended_table(rows: list[Row]) -> str:
-    """Recommended n by case and basis, and the worst and rms error of the amplitude flown with it."""
-    flown = [row for row in rows if row["basis"]]
-    bases = list(dict.fromkeys(row["basis"] for row in flown))
-    cases = dict.fromkeys((row["case"], row["held"]) for row in rows)
-    cells = {(row["case"], row["held"], row["basis"]): _flown_cell(row) for row in flown}
-    names = {"contact": ", R", "first mode": ", R₁", None: ""}
-    return markdown(
-        ["case", *bases],
-        ([f"{case}{names[held]}", *(cells.get((case, held, basis), "–") for basis in bases)] for case, held in cases),
-    )
-
-
-def _flown_cell(row: Row) -> str:
-    few = "" if row["alike"] == row["points"] else f", {row['alike']} of {row['points']}"
-    return f"{row['modes']}: {100 * row['worst']:.2g} % ({100 * row['rms']:.2g} %){few}"
-
-
-def recommended_beams_table(rows: dict[str, Row]) -> str:
-    """Recommendations for random beams by kind of stop: how many were flown, missed, and could not be made."""
-    columns = (
-        "stop", "beams", "recommendations flown", "points alike", "off by more than 5 %", "worst", "above 12",
-        "beams without", "CPU a beam",
-    )  # fmt: skip
-    return markdown(columns, (_beams_row(kind, row) for kind, row in rows.items()))
-
-
-def _beams_row(kind: str, row: Row) -> list[str]:
-    names = {"first mode": "R₁ held", "contact": "R at the contact"}
-    without = sum(count for why, count in row["refused"].items() if "another beam" not in why)
-    return [
-        names.get(kind, kind), str(row["beams"]), str(row["recommendations"]), f"{row['points']:,}".replace(",", " "),
-        str(row["missed"]), f"{100 * row['worst'][0]['worst']:.4f} %", str(row["above_12"]), str(without),
-        f"{significant(row['seconds']['reduce'] / row['beams'])} s",
-    ]  # fmt: skip
-
-
 def scale_table(batches: dict[str, Any], cluster: dict[str, Any]) -> str:
     """Points a second that a core does, measured, and what 1, 16 and 256 cores need for 10⁹ points, predicted."""
     jobs = {
@@ -497,8 +401,7 @@ def front_table(found: dict[str, Any]) -> str:
         [name, *(cell for choice, (_, key) in choices.items() for cell in _front_cells(found[choice]["rows"][at], key))]
         for at, name in enumerate(names)
     ]
-    limits = [cell for choice in choices for cell in ("", "", _off(found[choice]["limit"]))]
-    return markdown(columns, [*rows, ["its limit, estimated", *limits]])
+    return markdown(columns, rows)
 
 
 def _front_cells(row: dict[str, Any], key: str) -> tuple[str, str, str]:
@@ -522,7 +425,6 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
     peers, modes = (_read(results, name) for name in ("peers", "modes"))
     tables = {name: table(peers, modes) for name, table in TABLES.items()}
     single = {
-        "limits": limits_table,
         "libraries": libraries_table,
         "startup": startup_table,
         "threads": threads_table,
@@ -530,9 +432,7 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
         "sparse": sparse_table,
         "solid": solid_table,
     }
-    single |= {"recommended": recommended_table, "estimates": estimates_table}
-    single |= {"recommended_beams": recommended_beams_table, "webassembly": webassembly_table}
-    single |= {"page_frames": flying_table}
+    single |= {"webassembly": webassembly_table, "page_frames": flying_table}
     return tables | {name: table(_read(results, name)) for name, table in single.items()}
 
 
@@ -553,7 +453,7 @@ def generated_for_maps(results: Path = RESULTS) -> dict[str, str]:
 
 def generated_for_front(results: Path = RESULTS) -> dict[str, str]:
     """The table of the front page by name, from the results files in a folder."""
-    return {"held": front_table(_read(results, "limits")["front"])}
+    return {"held": front_table(_read(results, "held"))}
 
 
 def _read(results: Path, name: str) -> Any:

@@ -46,7 +46,7 @@ class ModesNeededPlan:
     frequency_accuracy: float | None = declare.quantity(
         "", "of frequencies at which branches end; absent = a fifth of accuracy", "1 %", None, above=0, most=1
     )
-    most: int = declare.count(1, 2 * MOST_ELEMENTS, "largest number of modes tried", 64, 128)
+    most: int = declare.count(1, 2 * MOST_ELEMENTS, "largest number of modes tried", 128, 128)
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ class VerdictPlan:
     over: str = declare.text("second key of the plane beside the frequency", "gap", "gap")
     points: int = declare.count(2, MOST_POINTS, "values of each key of the plane", 11, 11)
     budget: float | None = declare.quantity(
-        "s", "CPU time of each stage: effects, solvers, the plane, the steps to a solid; absent = 20 s, of solvers 3 s",
+        "s", "CPU time of each stage: modes, effects, solvers, the plane, steps to a solid; absent = 20 s, of solvers 3 s",
         "20 s", None, above=0,
     )  # fmt: skip
 

@@ -27,11 +27,10 @@ def print_json(data: dict[str, Any]) -> None:
     put_json(to_json({"schema": f"vibeam.{verbosity().command}/1"} | data))
 
 
-def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), first: str = "", whole: bool = False) -> None:
+def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), whole: bool = False) -> None:
     """Print a study with the ``files`` written: its data as JSON, else what of it fits a screen, all with ``-v``.
 
-    ``first``: what stands on the screen already, which an answer that says the same does not repeat; ``whole``: all of
-    it in any case.
+    ``whole``: all of it in any case.
     """
     form = verbosity()
     if form.json:
@@ -39,11 +38,11 @@ def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), first: str = "", 
     elif form.quiet:
         put_lines([sheet.answer])
     elif form.verbose or whole:
-        put_lines(_answer(sheet, first))
+        put_lines([sheet.answer] if sheet.answer else [])
         _put_tables([*sheet.tables, *sheet.more])
         put_lines([*sheet.notes, *sheet.details, *map(str, files)])
     else:
-        _put_screen(sheet, files, first)
+        _put_screen(sheet, files)
 
 
 def as_object(sheet: StudySheet, files: Sequence[Path]) -> dict[str, Any]:
@@ -51,14 +50,10 @@ def as_object(sheet: StudySheet, files: Sequence[Path]) -> dict[str, Any]:
     return {"answer": sheet.answer, "notes": sheet.notes, **sheet.data} | ({"files": files} if files else {})
 
 
-def _answer(sheet: StudySheet, first: str) -> list[str]:
-    return list(filter(None, [sheet.answer.removeprefix(first).strip()]))
-
-
-def _put_screen(sheet: StudySheet, files: Sequence[Path], first: str) -> None:
-    above, notes = _answer(sheet, first), [note.partition("\n")[0] for note in sheet.notes[:NOTES]]
+def _put_screen(sheet: StudySheet, files: Sequence[Path]) -> None:
+    above, notes = [sheet.answer] if sheet.answer else [], [note.partition("\n")[0] for note in sheet.notes[:NOTES]]
     wrote = [f"wrote {', '.join(map(str, files))}"] if files else []
-    tables = _fitting(sheet.tables, LINES - 1 - len(_lines([first, *above, *notes, *wrote])))
+    tables = _fitting(sheet.tables, LINES - 1 - len(_lines([*above, *notes, *wrote])))
     rest = [sheet.tables[len(tables) :], notes != [*sheet.notes], sheet.more, sheet.details]
     put_lines(above)
     _put_tables(tables)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from vibeam.cli.arguments import CaseFile, Overrides, TableFile, load, option, table_path
 from vibeam.cli.completion import words
 from vibeam.cli.errors import of_case
-from vibeam.cli.output import print_sheet, put_lines
+from vibeam.cli.output import print_sheet
 from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
 from vibeam.cli.verbosity import parameter, taking, verbosity
 from vibeam.system.number_text import begun
@@ -98,7 +98,7 @@ def run_declared(study: StudyDeclaration, case: Case, out: str | None, asked: As
     from vibeam.cli.progress import Bar, stderr
 
     place = table_path(case, out, study.name, ENDINGS)  # before anything is computed
-    first = _first(study, case)
+    _look(study, case)
     with in_parts(study.name, place, asked) if study.parts else nullcontext() as shared, Bar(study.name) as bar:
         record = of_case(case.path, lambda: study.of(case, stderr().print, bar))
     sheet = study.shown(record, case)
@@ -107,7 +107,7 @@ def run_declared(study: StudyDeclaration, case: Case, out: str | None, asked: As
     files = files_of(sheet, path, case.title, study.meaning, case.figure) if wanted else []
     if shared is not None:
         shared.discard()
-    print_sheet(sheet, files, first)
+    print_sheet(sheet, files)
 
 
 def files_of(sheet: StudySheet, path: Path, title: str, meaning: str, plan: FigurePlan) -> list[Path]:
@@ -121,10 +121,12 @@ def files_of(sheet: StudySheet, path: Path, title: str, meaning: str, plan: Figu
     return [path]
 
 
-def _first(study: StudyDeclaration, case: Case) -> str:
-    """Sentence that is known at once, printed before the study is run; empty where there is none."""
+def _look(study: StudyDeclaration, case: Case) -> None:
+    """Print what a quick look tells beside the progress of a study that has one: the answer follows on stdout."""
+    from vibeam.cli.progress import stderr
+
     if study.first is None or verbosity().json or verbosity().quiet:
-        return ""
-    said: str = of_case(case.path, lambda: loaded(study.first)(case))
-    put_lines([said] if said else [])
-    return said
+        return
+    said = of_case(case.path, lambda: loaded(study.first)(case))
+    if said:
+        stderr().print(said)

@@ -29,8 +29,9 @@ class StudyDeclaration:
     them), ``sentences`` the answer, then what is uncertain, and whose ``figure`` is drawn. ``sheet``: in place of these
     three, the ``StudySheet`` of a record (and its case, where it takes that). ``asks``: frozen dataclass of declared
     keys (``vibeam_models.keys``), the table ``[name]`` of the case, ``case.asked[name]``, each key an option of the
-    command. ``first``: a sentence on a case that is known at once. ``examples``: lines of its help. ``parts``: what
-    takes long in it are ``vibeam.store.shares.evaluate_each``, so that its command has --price, --part and --gather.
+    command. ``first``: a sentence of a quick look, shown beside the progress. ``examples``: lines of its help.
+    ``parts``: what takes long in it are ``vibeam.store.shares.evaluate_each``, so that its command has --price, --part
+    and --gather.
 
     >>> import vibeam
     >>> study = vibeam.StudyDeclaration("peaks", lambda case: [vibeam.run(case)["sdof"].peak], "highest points")

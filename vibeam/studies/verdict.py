@@ -86,8 +86,8 @@ def verdict(
     and where the only stage asked for cannot be had; CaseError for values that the case may not have.
 
     >>> import vibeam
-    >>> case = vibeam.load("cases/dtu_neutral.toml", set={"modes_needed.most": 3, "modes_needed.bases": "modal"})
-    >>> vibeam.verdict(case, only="modes")["modes"].recommended.modes
+    >>> case = vibeam.load("cases/dtu_neutral.toml", set={"modes_needed.most": 3, "sweep.frequency.points": 9})
+    >>> vibeam.verdict(case, only="modes")["modes"].enough.modes
     2
     """
     asked = plan_with(plan or case.asked["verdict"], settings)

@@ -142,9 +142,6 @@ WRONG = [
     ("points = 4", "points = 1", "22: sweep.frequency.points: 1 point does not span from … to: make them equal, or take more points"),
     ('"17 Hz"', '"14 Hz"', "22: sweep.frequency.points: 4 points from a frequency to itself: points = 1, or another to"),
     ("[sweep]", "[uncertainty]\nsamples = 48\n[sweep]", "22: uncertainty.samples: 48 is no power of two: write 32"),
-    ("[sweep]", "[modes_needed]\nmodes = 12\n[sweep]", "22: modes_needed.modes: 12 is no power of two: write 8"),
-    ("[sweep]", "[modes_needed]\nbases = [\"modal\", \"kryloff\"]\n[sweep]", "22: modes_needed.bases: no basis 'kryloff'; did you mean 'krylov'?"),
-    ("[sweep]", "[modes_needed]\nband = [1, 2, 3]\n[sweep]", "22: modes_needed.band: must be two frequencies: write band = [\"0 Hz\", \"500 Hz\"]"),
 ]  # fmt: skip
 
 

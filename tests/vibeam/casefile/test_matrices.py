@@ -11,12 +11,10 @@ from scipy.integrate import solve_ivp
 from scipy.io import mmread, mmwrite
 from scipy.linalg import sqrtm
 from scipy.sparse import csc_array, diags_array, eye_array, kron, save_npz
-from vibeam.runs.comparison.limit import limit
 
 import vibeam
 from vibeam.casefile.examples import texts
 from vibeam.casefile.read import parse
-from vibeam.periodic.motions import closed_curve
 from vibeam.studies.modes import export_matrices
 from vibeam_models.beam import structure_of
 
@@ -500,19 +498,6 @@ def test_a_full_model_of_very_many_coordinates_is_refused(tmp_path: Path) -> Non
         vibeam.load(path)
 
 
-def test_many_modes_and_the_rest_of_the_flexibility_stand_for_the_full_model(tmp_path: Path) -> None:
-    """Of 2000 coordinates: what is off is measured against 40 modes, in closed form, and all of the flexibility."""
-    from vibeam.runs.estimate.of_case import full_model
-
-    case = vibeam.load(membrane(tmp_path, 40, 50))
-    full = full_model(case.scene)
-    assert full.size == 41
-    np.testing.assert_allclose(np.sort(full.omega)[:40] ** 2, squared_frequencies(40, 50)[:40], rtol=1e-9)
-    whole = structure_of(case.scene)
-    steady = np.sum((full.contact / full.omega) ** 2)
-    assert steady == pytest.approx(whole.flexibility(whole.contact), rel=1e-9)
-
-
 def test_faults_of_sparse_matrices(tmp_path: Path) -> None:
     path = membrane(tmp_path, 40, 50)
     K = csc_array(mmread(tmp_path / "K.mtx")).tolil()
@@ -530,20 +515,15 @@ def test_faults_of_sparse_matrices(tmp_path: Path) -> None:
         vibeam.load(path)
 
 
-def test_the_limit_of_matrices_is_all_of_their_modes(tmp_path: Path) -> None:
+def test_all_modes_of_matrices_are_exact_and_of_given_modes_there_are_no_more(tmp_path: Path) -> None:
     (tmp_path / "own.toml").write_text(
         rewritten(vibeam.load(RIG), export_matrices(vibeam.load(RIG), tmp_path / "r.npz"))
     )
     case = vibeam.load(tmp_path / "own.toml", set={"fidelity.whole": {"reduction": "full"}})
-    found, whole = limit(case.scene, 8), case.system("whole")
-    assert found.mobility == pytest.approx(whole.contact @ whole.contact, rel=1e-10)
-    omega, base = 2 * np.pi * case.sweep.frequency, np.full(3, case.base_amplitude)
-    held = found.holding(case.scene, "first mode")
-    one, other = (closed_curve(each, omega, base, "sensor").amplitude for each in (held, whole))
-    np.testing.assert_allclose(one, other, rtol=1e-4)
+    assert {each.fidelity: each.whole for each in vibeam.run(case).compare()}["whole"]
     measured = FRAME.partition("[stop]")
     modes = '[modes]\nfrequency = ["5 Hz"]\ndamping_ratio = 0.01\ncontact = [1.0]\nbase = [1.0]\n'
     text = modes + "[stop]" + measured[2].replace('reduction = "full"', 'reduction = "modal"\nmodes = 1')
     (tmp_path / "modes.toml").write_text(text)
-    with pytest.raises(ValueError, match="the case gives only these modes"):
-        limit(vibeam.load(tmp_path / "modes.toml").scene, 1)
+    [top] = [each for each in vibeam.run(vibeam.load(tmp_path / "modes.toml")).compare() if not each.reference]
+    assert (top.whole, top.why) == (False, "the case gives only these modes")

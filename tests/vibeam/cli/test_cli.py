@@ -62,7 +62,7 @@ def test_run_writes_results_and_figures_and_goes_on(command: Command, sdof: Path
     assert {path.name for path in tmp_path.iterdir()} == {"sdof.toml", "sdof.h5", "sdof.png", "sdof.svg"}
     assert first.stdout.endswith("\nwrote sdof.h5, sdof.png, sdof.svg\n")
     assert first.stdout.startswith(
-        "sdof (1 mode) is the mode that the case gives, computed exactly; its peak is 0.9512 at 2. "
+        "sdof (1 mode) is all that the case gives, computed exactly; its peak is 0.9512 at 2. "
     )
     again = command("run", sdof)
     assert again.stderr == "all 10 points are there already\n"
@@ -135,7 +135,7 @@ def test_several_cases_are_run_each_into_its_own_file(command: Command, sdof: Pa
     lines = done.stdout.splitlines()
     assert [line.partition(": ")[0] for line in lines] == [str(each) for each in (sdof, wrong, other, built)]
     assert lines[1].startswith(f"{wrong}: no answer: ")
-    assert " is the mode that the case gives" in lines[0]
+    assert " is all that the case gives" in lines[0]
     places = [done.stderr.index(said) for said in ("titl", "drag", f"{sdof}:\n", f"{other}:\n")]
     assert places == sorted(places), "all faults are told before anything is run"
     assert {each.name for each in (sdof.parent / "results").glob("*.h5")} == {"sdof.h5", "other.h5"}
@@ -354,22 +354,20 @@ def test_all_shares_make_one_in_the_whole_beam(command: Command) -> None:
     assert first[-1]["contact_restitution"] > first[0]["contact_restitution"]
 
 
-def test_modes_needed_answers_first_and_writes_its_losses(command: Command, tmp_path: Path) -> None:
-    plain = ("--set", "beam.elements=8", "--set", 'figure.format=["svg"]', "--most", 4, "--modes", 8)
-    words = ("study", "modes_needed", RIG, *plain, "--bases", "modal", "--bases", "krylov", "--out", "found/")
+def test_modes_needed_answers_first_and_writes_its_errors(command: Command, tmp_path: Path) -> None:
+    plain = ("--set", "beam.elements=8", "--set", 'figure.format=["svg"]', "--set", "sweep.frequency.points=9")
+    words = ("study", "modes_needed", RIG, *plain, "--most", 4, "--out", "found/")
     done = command(*words)
     names = {f"{RIG.stem}_modes_needed{ending}" for ending in (".csv", ".svg")}
     assert {path.name for path in (tmp_path / "found").iterdir()} == names
     lines = done.stdout.splitlines()
     assert len(lines) <= 40
-    assert lines[0].startswith("More than") or " suffice" in lines[0]
+    assert " suffice for 5 %" in lines[0]
     rows = (tmp_path / "found" / f"{RIG.stem}_modes_needed.csv").read_text("utf-8").splitlines()
-    assert rows[0].startswith("basis,modes,loss,decided_by,frequency,")
-    assert len(rows) == 1 + 2 * 4
-    data = json.loads(
-        command(*words, "--json", "--band", "0 Hz", "--band", "0.2 kHz", "--contact-time", "0.5 ms").stdout
-    )
-    assert (data["band"], data["contact_time"], data["limits"][0]["counts"]) == ([0.0, 200.0], 5e-4, [1, 2, 4, 8])
+    assert rows[0] == "modes,reduction,amplitude_error,frequency_error,kind_width,why"
+    assert [row.split(",")[:2] for row in rows[1:3]] == [["1", "static_mode"], ["1", "modal"]]
+    data = json.loads(command(*words, "--json", "--accuracy", "20 %", "--frequency-accuracy", "2 %").stdout)
+    assert (data["plan"]["accuracy"], data["plan"]["frequency_accuracy"], data["enough"]) == (0.2, 0.02, 1)
 
 
 @pytest.mark.parametrize(
@@ -377,10 +375,8 @@ def test_modes_needed_answers_first_and_writes_its_losses(command: Command, tmp_
     [
         (("--accuracy", "3 Hz"), "is a frequency, not a plain number"),
         (("--accuracy", ""), "--accuracy: '' is not a number"),
-        (("--band", "9 Hz", "--band", "8 Hz"), "the list must ascend"),
-        (("--bases", "modl"), "no basis 'modl'; did you mean 'modal'?"),
-        (("--modes", "12"), "modes: 12 is no power of two"),
-        (("--speed", "0 m/s"), "must be > 0"),
+        (("--frequency-accuracy", "200 %"), "is outside [0, 1]"),
+        (("--most", "0"), "is outside [1, "),
     ],
 )
 def test_modes_needed_refuses_what_it_cannot_answer(

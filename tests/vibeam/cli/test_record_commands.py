@@ -9,6 +9,7 @@ from typer.testing import CliRunner
 
 from vibeam.cli.main import app
 
+TRUCK = Path(__file__).parents[3] / "cases" / "inputs" / "truck.toml"
 CASE = """[sdof]
 natural_frequency = "1 rad/s"
 damping_ratio = 0.02
@@ -33,13 +34,19 @@ def shock(tmp_path: Path) -> Path:
     return file
 
 
-@pytest.mark.parametrize("said", [("explore",), ("study", "cost"), ("study", "modes_needed"), ("check", "--write")])
+@pytest.mark.parametrize("said", [("explore",), ("study", "cost"), ("check", "--write")])
 def test_whatever_goes_over_frequencies_says_so(shock: Path, said: tuple[str, ...]) -> None:
     done = CliRunner().invoke(app, [*said, str(shock)])
     assert done.exit_code == 2
     assert f"{shock}:11: {OF_A_SWEEP}" in done.stderr.replace("\n", " ")
     assert len(done.stderr.strip().splitlines()) == 1
     assert not done.stdout
+
+
+def test_modes_are_counted_over_frequencies_alone() -> None:
+    done = CliRunner().invoke(app, ["study", "modes_needed", str(TRUCK)])
+    assert done.exit_code == 2
+    assert OF_A_SWEEP in done.stderr.replace("\n", " ")
 
 
 def test_a_case_with_nothing_to_check_is_sound(shock: Path) -> None:

@@ -133,11 +133,11 @@ def test_a_result_is_read_from_its_file_to_the_bit_and_the_file_stays(results):
 
 
 def test_the_page_says_all_that_the_terminal_says(results, text, monkeypatch):
-    """Every cell and every sentence of ``vibeam run``, the estimated error and its coverage among them."""
+    """Every cell and every sentence of ``vibeam run``, the errors of each fidelity among them."""
     monkeypatch.setenv("COLUMNS", "240")
     done = CliRunner().invoke(app, ["run", str(results.with_name("case.toml")), "--out", str(results)])
     assert done.exit_code == 0, done.output
-    assert "est. off" in done.stdout
+    assert "amplitudes" in done.stdout
     shown = " ".join(" ".join(elements(text).words).split())
     lines = [line for line in done.stdout.splitlines() if line and not line.startswith(("─", "more: -v", "wrote "))]
     missing = [part for line in lines for part in re.split(r"\s{2,}", line.strip()) if part not in shown]
@@ -505,7 +505,7 @@ def test_words_of_the_terminal_and_lines_of_a_case_are_those_of_a_page():
     table.caption = "*: -v says why"
     table.add_row("a", "1")
     cure = 'In place of [stop] as it is:\n[stop]\ngap = "1 mm"  # <yours>\nlaw = "hertz"'
-    notes = ["rigs: est. off is not known, -v says why", cure, "Nothing [of a case] here."]
+    notes = ["rigs: no fuller model is known, -v says why", cure, "Nothing [of a case] here."]
     text = study_page("Title", "Answer.", [("One", StudySheet("", [table], notes, [cure, "one -v says why"]))])
     assert "-v" not in re.sub(r"<(script|style).*?</\1>", "", text, flags=re.DOTALL)
     assert text.count("“Further numbers and notes” says why") == 3

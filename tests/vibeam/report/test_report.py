@@ -24,6 +24,8 @@ from vibeam.report.derive import derivation
 from vibeam.report.modes import modal
 from vibeam.report.output import to_json, write_csv
 from vibeam.report.run_report import details, fidelities
+from vibeam.runs.comparison.errors import AmplitudeError, ResponseComparison
+from vibeam.runs.comparison.of_run import ComparedFidelity
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
 from vibeam.studies.derive import DerivedParameter
@@ -160,13 +162,26 @@ def test_a_figure_is_the_same_each_time(tmp_path: Path) -> None:
 
 def test_tables_show_what_they_are_given(capsys: pytest.CaptureFixture[str]) -> None:
     summaries = compare(result("one", "two"))
-    table.print_table(fidelities(summaries, finest=["one"]))
+    found = {"two": ComparedFidelity("two", "one", ResponseComparison(AmplitudeError(0.0321, 15.2, "up", 1.0, 1.0)))}
+    table.print_table(fidelities(summaries, found))
     table.print_table(details(summaries))
     row = CheckRow("exact", "one", "amplitude", 3, 4, 0.0123, 15.2, 0.01, False, ("one is off",))
     table.print_table(checks([row]))
     table.print_table(table.keys(reference_table()))
     text = capsys.readouterr().out
-    words = ("peak", "(mm)", "15.2 ↑", "14–17", "finest", "missed", "3 of 4", "1.23 %", "one is off", "youngs_modulus")
+    words = (
+        "peak",
+        "(mm)",
+        "15.2 ↑",
+        "14–17",
+        "3.2 %",
+        "finest",
+        "missed",
+        "3 of 4",
+        "1.23 %",
+        "one is off",
+        "youngs_modulus",
+    )
     for word in words:
         assert word in text
 
@@ -224,7 +239,18 @@ def test_seven_impacts_tell_no_cost_of_an_impact_and_a_family_has_no_finest() ->
     shared = compare(result("one", "two", modes=2))
     few = [replace(each, impacts=count, cpu_seconds=0.0157) for each, count in zip(shared, (7, 20000), strict=True)]
     assert cells(details(few), "ns each") == ["–", "785"]
-    assert cells(fidelities(few, finest=["one"]), "off at peak") == ["finest", "0"]
-    family = fidelities([replace(each, distance=None) for each in shared])
-    assert cells(family, "off at peak") == ["", ""]
-    assert "off: from the finest" not in str(family.caption)
+    assert cells(details(few), "off at peak") == ["", "0"]
+    assert cells(details([replace(each, distance=None) for each in shared]), "off at peak") == ["", ""]
+
+
+def test_the_finest_is_exact_or_compared_with_a_fuller_model() -> None:
+    """Its errors stand in brackets, and the caption says what they are of."""
+    rows = compare(result("one", "two", modes=2))
+    comparison = ResponseComparison(AmplitudeError(0.0321, 15.2, "up", 1.0, 1.0))
+    whole = ComparedFidelity("one", "", None, 2, whole=True)
+    beyond = ComparedFidelity("one", "", comparison, 16)
+    unknown = ComparedFidelity("one", "", None, why="the case gives only these modes")
+    for own, cell in ((whole, "exact"), (beyond, "[3.2 %]"), (unknown, "[–]")):
+        shown = fidelities(rows, {"one": own, "two": ComparedFidelity("two", "one", comparison)}, finest=["one"])
+        assert cells(shown, "amplitudes") == [cell, "3.2 %"]
+        assert ("[ ]: one against 16 modes" in str(shown.caption)) == (own is beyond)

@@ -15,6 +15,10 @@ from vibeam.report.checks import checks
 from vibeam.report.derive import derivation
 from vibeam.report.run_report import details, fidelities
 from vibeam.report.tables import ReportTable, fitted
+from vibeam.runs.comparison.ends import BranchEnd
+from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
+from vibeam.runs.comparison.kinds import FREE, MotionKind
+from vibeam.runs.comparison.of_run import ComparedFidelity
 from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare
 from vibeam.studies.derive import DerivedParameter
@@ -31,10 +35,21 @@ def summary(name: str, modes: int) -> Summary:
     )  # fmt: skip
 
 
+def compared_with(reference: str, name: str) -> ComparedFidelity:
+    """Errors as wide as the neutral rig's with R held at the contact."""
+    end = BranchEnd(15.3, 0.0, MotionKind(1, 1), MotionKind(FREE), "up", -0.9)
+    kind = KindDifference(14.1, 16.2, 0.0, "up", MotionKind(1, 1), MotionKind(2, 2))
+    found = ResponseComparison(
+        AmplitudeError(0.321, 15.3, "up", 1.0, 1.0), None, (EndError(0.096, 0.0, end, end),), (kind,)
+    )
+    return ComparedFidelity(name, reference, found, 8)
+
+
 SUMMARIES = [summary("sdof", 1), summary("two_modes", 2), summary("beam", 8)]
+COMPARED = {each.fidelity: compared_with("beam" if each.modes < 8 else "", each.fidelity) for each in SUMMARIES}
 MISSED = CheckRow("exact", "two_modes", "amplitude", 3, 4, 0.0123, 15.2, 0.01, False, ("one is off by much",))
 TABLES = {
-    "fidelities": lambda: fidelities(SUMMARIES),
+    "fidelities": lambda: fidelities(SUMMARIES, COMPARED, finest=["beam"]),
     "details": lambda: details(SUMMARIES),
     "checks": lambda: checks([MISSED]),
     "keys": lambda: table.keys(reference_table()),
@@ -131,4 +146,4 @@ def test_a_terminal_narrower_than_a_number_gets_the_number() -> None:
 def test_the_direction_of_the_peak_is_told_by_an_arrow() -> None:
     one = Branches(curve([14, 15], [1e-3, 2e-3]), curve([15, 14], [1e-3, 3e-3]))
     rows = compare(Result(case(), {"one": one}, None, 0, {}))
-    assert list(fidelities(rows).columns[3].cells) == ["14 ↓"]
+    assert list(fidelities(rows, {}).columns[3].cells) == ["14 ↓"]

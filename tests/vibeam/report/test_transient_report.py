@@ -56,10 +56,10 @@ def test_chaos_is_what_a_model_off_by_one_per_cent_would_show(horizon: float, ow
 def test_the_answer_tells_chaos_from_a_model_that_is_off(blade: Any) -> None:
     assert blade.comparison["one"].own_horizon.tolist() == [0.3]
     itself = "exact itself, under a load larger by 1e-6,"
-    assert f"{itself} agrees to the end: the models are off." in transient_answer(blade)
+    assert f"{itself} agrees to the end: the models are off." in transient_answer(blade, 0.05)
     off, chaos = parted(blade, 0.01, 0.2), parted(blade, 0.1, 0.2)
-    assert f"{itself} until 200 ms: one is off before that." in transient_answer(off)
-    assert f"one until 100 ms of 300 ms; {itself} until 200 ms: one parts by chaos." in transient_answer(chaos)
+    assert f"{itself} until 200 ms: one is off before that." in transient_answer(off, 0.05)
+    assert f"one until 100 ms of 300 ms; {itself} until 200 ms: one parts by chaos." in transient_answer(chaos, 0.05)
 
 
 def test_of_single_motions_that_part_the_peaks_until_then_count(blade: Any) -> None:
@@ -78,7 +78,7 @@ def test_with_nothing_to_lose_no_share_of_it_is_told() -> None:
     found: Any = vibeam.run(vibeam.Case.of(tables), fidelities=["exact", "one"])
     assert found["exact"].of("lost_at_impacts").tolist() == [[0.0]]
     assert "lost_at_impacts" not in {each.quantity for each in found.comparison["one"].differences}
-    assert transient_answer(found).startswith("Nothing touches the stop. ")
+    assert transient_answer(found, 0.05).startswith("Nothing touches the stop. ")
 
 
 def test_rates_have_errors_where_the_input_is_random(blade: Any) -> None:

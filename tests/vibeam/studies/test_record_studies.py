@@ -231,8 +231,6 @@ def test_what_cannot_be_asked_is_said() -> None:
         vibeam.verdict(case, only=["map"], over="drive", points=5)
     with pytest.raises(ValueError, match=r"influence.points: of a \[sweep\]"):
         vibeam.influence(noisy(**{"influence.points": 3}))
-    with pytest.raises(ValueError, match=r"modes_needed.frequency: of a \[sweep\]"):
-        vibeam.limit(case, frequency=15.0)
     with pytest.raises(ValueError, match="has no effects"):
         vibeam.influence(one_mode())
 

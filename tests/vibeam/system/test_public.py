@@ -94,7 +94,7 @@ MORE: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize(
     "name",
-    ["run", "modes", "cost", "fit", "limit", "stability", "uncertainty", "influence", "fidelity_map", "reduce",
+    ["run", "modes", "cost", "fit", "modes_needed", "stability", "uncertainty", "influence", "fidelity_map",
      "derive", "check", "compare_measured", "identify_keys", "evaluate", "run_map"],
 )  # fmt: skip
 def test_a_study_takes_the_file_of_a_case(name: str, tmp_path: Path) -> None:
