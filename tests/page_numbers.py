@@ -41,6 +41,7 @@ PAGES = (
     "cases/rigs/README.md",
     "cases/matrices/README.md",
     "cases/grazing/README.md",
+    "cases/suffices/README.md",
     "cases/reductions/README.md",
     "cases/inputs/README.md",
     "cases/solid/README.md",

@@ -163,7 +163,9 @@ def _missed(group: PhysicsGroup, rows: Sequence[Summary], asked: Asked, units: D
 
 
 def beyond(own: ComparedFidelity) -> Subject:
-    """A fuller model in a sentence."""
+    """A fuller model, or the limit that it leads to, in a sentence."""
+    if own.limit:
+        return Subject(f"infinitely many modes (by {modes_in_words(own.modes)})", plural=True)
     mesh = f" on {own.elements} elements" if own.elements else ""
     return Subject(f"{modes_in_words(own.modes)}{mesh}", own.modes > 1)
 

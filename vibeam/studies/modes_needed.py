@@ -18,7 +18,7 @@ from vibeam.case.fineness import plain
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.casefile.tables.table import plan_with
-from vibeam.runs.comparison.beyond import GIVEN, GROWTH, MANY, fuller_response, is_whole, response_of
+from vibeam.runs.comparison.beyond import GIVEN, GROWTH, MANY, fuller_response, further, is_whole, response_of
 from vibeam.runs.comparison.errors import Asked, ResponseComparison
 from vibeam.runs.comparison.flights import Work
 from vibeam.runs.comparison.of_run import ComparedFidelity
@@ -237,5 +237,10 @@ class _Sweeps:
             model, finer = fuller_response(self.case, self.name, reference, self.modes, OWN * self.budget)
         except ValueError as refusal:
             return replace(given, why=str(refusal))
-        found = compared(reference, finer, self.asked.frequency)
-        return replace(given, comparison=found, modes=model.modes, elements=model.elements)
+        found, more = (
+            compared(reference, finer, self.asked.frequency),
+            further(self.case, self.name, self.modes, model.modes),
+        )
+        return replace(
+            given, comparison=found.carried_on(more), modes=model.modes, elements=model.elements, limit=more > 1
+        )

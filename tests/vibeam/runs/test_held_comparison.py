@@ -11,7 +11,6 @@ import h5py
 import numpy as np
 import pytest
 from stand_in import RIG, SDOF
-from vibeam.runs.comparison.limit import limit
 
 from vibeam.casefile.read import load, parse
 from vibeam.runs.comparison import held_comparison

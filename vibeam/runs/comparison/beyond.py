@@ -74,6 +74,17 @@ def fuller_models(case: Case, name: str, size: int) -> Iterator[FullerModel]:
             yield FullerModel(modes, fine.beam.elements, made)
 
 
+def further(case: Case, name: str, size: int, modes: int) -> float:
+    """Distance of a fidelity from infinitely many modes, over that from a fuller model of so many.
+
+    With R held at a rigid contact what is left goes like one over the number of modes: each takes its share of the
+    impulse. With R₁ held, and where the stop yields, it decays much faster.
+    """
+    stop: Any = case.scene_of(name).stop
+    slow = stop is not None and stop.law is None and stop.restitution_of == "contact"
+    return modes / (modes - size) if slow and modes > size else 1.0
+
+
 def resolving(scene: Scene, modes: int) -> Scene:
     """The scene on an even number of elements that resolve so many modes."""
     elements = max(scene.beam.elements, RESOLVED * modes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from vibeam.runs.comparison.ends import SweptEnd
@@ -39,6 +39,11 @@ class AmplitudeError:
     reference: float
     scatter: float = 0.0
 
+    def carried_on(self, factor: float) -> AmplitudeError:
+        """The error so many times as large, the reference further off."""
+        reference = self.ours - factor * (self.ours - self.reference)
+        return replace(self, error=factor * self.error, reference=reference, scatter=factor * self.scatter)
+
     @property
     def least(self) -> float:
         """Size of the error less twice its scatter."""
@@ -58,6 +63,12 @@ class EndError:
     open: float
     ours: SweptEnd
     reference: SweptEnd
+
+    def carried_on(self, factor: float) -> EndError:
+        """The error so many times as large, the reference's end further off."""
+        at = self.ours.frequency - factor * (self.ours.frequency - self.reference.frequency)
+        moved = replace(self.reference, frequency=at)
+        return replace(self, error=factor * self.error, open=factor * self.open, reference=moved)
 
     @property
     def late(self) -> bool:
@@ -113,6 +124,13 @@ class ResponseComparison:
     def kind_width(self) -> float:
         """Relative width of the widest difference in kind; 0 without any."""
         return self.kinds[0].width if self.kinds else 0.0
+
+    def carried_on(self, factor: float) -> ResponseComparison:
+        """The comparison with a reference from which this one's differs by so many times the errors."""
+        amplitude, scattered = (each and each.carried_on(factor) for each in (self.amplitude, self.scattered))
+        return replace(
+            self, amplitude=amplitude, scattered=scattered, ends=tuple(each.carried_on(factor) for each in self.ends)
+        )
 
     def suffices(self, asked: Asked) -> bool | None:
         """Test whether the response is within what is asked of the reference; None where that is not known."""

@@ -12,7 +12,7 @@ from time import thread_time
 import numpy as np
 
 from vibeam.case.case import Case
-from vibeam.runs.comparison.beyond import fuller_response, is_whole
+from vibeam.runs.comparison.beyond import fuller_response, further, is_whole
 from vibeam.runs.comparison.errors import Asked, ResponseComparison
 from vibeam.runs.comparison.flights import Work, flights_of
 from vibeam.runs.comparison.responses import Response, compared
@@ -27,8 +27,9 @@ LEAST, SHARE = 0.5, 0.5  # CPU seconds, and share of those of its sweep, that a 
 class ComparedFidelity:
     """Comparison of a fidelity with its ``reference``; of a finest one, whose reference is empty, with a fuller model.
 
-    ``modes`` of the reference, on so many ``elements`` where these are others than the case's. ``whole``: it is all
-    that the case gives, and so exact; ``why``: there is no comparison.
+    ``modes`` of the reference, on so many ``elements`` where these are others than the case's; ``limit``: the errors
+    are carried on to infinitely many modes. ``whole``: it is all that the case gives, and so exact; ``why``: there is
+    no comparison.
     """
 
     fidelity: str
@@ -36,6 +37,7 @@ class ComparedFidelity:
     comparison: ResponseComparison | None
     modes: int = 0
     elements: int = 0
+    limit: bool = False
     whole: bool = False
     why: str = ""
     cpu_seconds: float = 0.0
@@ -102,4 +104,8 @@ def _beyond(
     except ValueError as refusal:
         return ComparedFidelity(name, "", None, why=str(refusal), cpu_seconds=thread_time() - begun)
     made = compared(own, reference, asked.frequency)
-    return ComparedFidelity(name, "", made, model.modes, model.elements, cpu_seconds=thread_time() - begun)
+    more = further(case, name, size, model.modes)
+    seconds = thread_time() - begun
+    return ComparedFidelity(
+        name, "", made.carried_on(more), model.modes, model.elements, limit=more > 1, cpu_seconds=seconds
+    )
