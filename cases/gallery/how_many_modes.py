@@ -10,8 +10,8 @@ one over the number of modes.
 A rigid stop strikes all modes alike, so what is asked of the fast ones (peak forces, accelerations) has no limit.
 
 `vibeam verdict CASE --only modes` names the number for a wanted accuracy
-([how many modes are enough](../../vibeam/studies/README.md#how-many-modes-are-enough)); other bases than modes are under
-[reductions](../../reductions/README.md). Asked in
+([how many modes are enough](../../vibeam/studies/README.md#how-many-modes-are-enough)); other bases than modes are
+under [reductions](../../reductions/README.md). Asked in
 [EXUDYN#100](https://github.com/jgerstmayr/EXUDYN/issues/100) and
 [openfast#2844](https://github.com/OpenFAST/openfast/issues/2844).
 """
