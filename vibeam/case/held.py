@@ -51,12 +51,6 @@ def held_of(scene: AnyScene) -> Held:
     return Held(*scene.held) if law is None else Held("", None, law.name)
 
 
-def holding(scene: RigScene, restitution_of: str) -> Any:
-    """The scene with its coefficient of restitution held of ``"contact"`` or ``"first mode"``."""
-    given: Any = scene
-    return replace(given, stop=replace(given.stop, restitution_of=restitution_of))
-
-
 def with_other_choice(scene: RigScene, system: ImpactSystem) -> ImpactSystem:
     """System of one fidelity where its scene's coefficient is that of the other choice; see ``other_choice``.
 

@@ -171,7 +171,7 @@ class VerdictPlan:
     over: str = declare.text("second key of the plane beside the frequency", "gap", "gap")
     points: int = declare.count(2, MOST_POINTS, "values of each key of the plane", 11, 11)
     budget: float | None = declare.quantity(
-        "s", "CPU time of each stage: modes, effects, solvers, the plane, steps to a solid; absent = 20 s, of solvers 3 s",
+        "s", "CPU time of each stage: modes, effects, solvers, plane, steps to a solid; absent = 20 s, of solvers 3 s",
         "20 s", None, above=0,
     )  # fmt: skip
 
