@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 from vibeam.case.fidelity import with_first_mode_restitution
 from vibeam.system.impact_system import ImpactSystem
