@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 from vibeam.case.fidelity import with_first_mode_restitution
 from vibeam.system.impact_system import ImpactSystem
@@ -49,12 +48,6 @@ def held_of(scene: AnyScene) -> Held:
     """Restitution that a scene holds, whatever the fidelity."""
     law = None if scene.stop is None else scene.stop.law
     return Held(*scene.held) if law is None else Held("", None, law.name)
-
-
-def holding(scene: RigScene, restitution_of: str) -> Any:
-    """The scene with its coefficient of restitution held of ``"contact"`` or ``"first mode"``."""
-    given: Any = scene
-    return replace(given, stop=replace(given.stop, restitution_of=restitution_of))
 
 
 def with_other_choice(scene: RigScene, system: ImpactSystem) -> ImpactSystem:
