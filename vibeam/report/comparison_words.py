@@ -160,6 +160,10 @@ def cells(found: ResponseComparison | None) -> tuple[str, str, str]:
     """Both errors and the width of the widest difference in kind, for a table."""
     if found is None:
         return "–", "–", "–"
-    amplitude = "–" if found.amplitude is None else size(found.amplitude_error)
-    ends = size(found.frequency_error) if found.ends else "–"
-    return amplitude, ends, size(found.kind_width) if found.kinds else "–"
+    amplitude = "–" if found.amplitude is None else _short(found.amplitude_error)
+    ends = _short(found.frequency_error) if found.ends else "–"
+    return amplitude, ends, _short(found.kind_width) if found.kinds else "–"
+
+
+def _short(value: float) -> str:
+    return size(value).replace("less than", "<").replace("more than", ">")

@@ -219,10 +219,10 @@ def _held(compared: Sequence[HeldComparison]) -> str:
     named = ([row for row in known if row.turns] or known)[:FEW]
     if not named:
         return f"{found.held.label} is held; what {found.other.label} would give is not known."
-    said = [f"{row.fidelity} {'would be ' * (row is named[0])}{signed(row.other)} at the peak" for row in named]
+    said = [f"{row.fidelity} {'would be ' * (row is named[0])}{signed(row.other)}" for row in named]
     symbol, place = found.other.label.partition(" at ")[::2]
     there = f"{symbol} held at {place}" if place else f"{symbol} held"
-    return f"{found.held.label} is held; with {there} {listed(said)}."
+    return f"{found.held.label} is held; with {there} {listed(said)} at the peak."
 
 
 def _fixed(held: Held) -> str:

@@ -10,7 +10,7 @@ from rich.text import Text
 from vibeam.figures.units import METRIC, DisplayUnits, units_for
 from vibeam.report.comparison_words import cells
 from vibeam.report.output import StudySheet
-from vibeam.report.run_answer import beyond, groups_of, run_answer
+from vibeam.report.run_answer import beyond, run_answer
 from vibeam.report.tables import ARROWS, ReportTable, blank, coefficient, plain
 from vibeam.runs.comparison.differences import HeldComparison, doubts, listed, settled
 from vibeam.runs.comparison.of_run import ComparedFidelity
@@ -33,7 +33,7 @@ def run_report(result: Result) -> StudySheet:
         uncertain += doubts(each)
         certain += settled(each)
     compared = {each.fidelity: each for each in result.compare()}
-    finest = [each.finest.fidelity for each in groups_of(result, rows)]
+    finest = list(dict.fromkeys(result.finest.values()))
     return StudySheet(
         run_answer(result),
         [fidelities(rows, compared, units, finest)],
