@@ -157,7 +157,8 @@ class VerdictPlan:
         "", "largest error of the amplitude that is allowed", "5 %", 0.05, above=0, most=1
     )
     frequency_accuracy: float | None = declare.quantity(
-        "", "largest error that is allowed of where branches end, jumps among them; absent = a fifth of accuracy", "1 %", None,
+        "", "largest error allowed of where branches end, by jumps or otherwise; absent = a fifth of accuracy", "1 %",
+        None,
         above=0, most=1,
     )  # fmt: skip
     only: tuple[str, ...] = declare.word(

@@ -7,7 +7,7 @@ of them as do. Their own error, of the mesh and of the modes left out, is estima
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -79,16 +79,16 @@ class ModesNeeded(ValueRecord, ViewedTable):
     """
 
     case: Case
-    plan: ModesNeededPlan
+    plan: ModesNeededPlan = field(repr=False)
     asked: Asked
     rows: tuple[ModesTried, ...]
     single: ModesTried | None
     own: ComparedFidelity
     modes: int
     size: int
-    frequencies: int
-    curves: tuple[ModesCurve, ...] = ()
-    seconds: float = 0.0
+    frequencies: int = field(repr=False)
+    curves: tuple[ModesCurve, ...] = field(default=(), repr=False)
+    seconds: float = field(default=0.0, repr=False)
 
     @property
     def enough(self) -> ModesTried | None:

@@ -59,7 +59,7 @@ def test_all_commands_have_one_peak_of_a_sweep_that_does_not_repeat_there(case: 
 
 
 def test_a_peak_that_does_not_repeat_is_marked(result: Result) -> None:
-    table = fidelities(compare(result))
+    table = fidelities(compare(result), {})
     cell = next(column for column in table.columns if "peak" in str(column.header))
     assert str(next(iter(cell.cells))).endswith("*")
     assert "*: the motion at the peak does not repeat" in str(table.caption)

@@ -32,6 +32,8 @@ FIDELITY = '[fidelity.beam]\nreduction = "modal"\nmodes = 4\n'
 class Drawn:
     """Motions that are a formula: amplitude and period over frequency."""
 
+    done = False
+
     def __init__(self, law: Law) -> None:
         self.law = law
 

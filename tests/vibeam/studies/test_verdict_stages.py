@@ -43,7 +43,7 @@ def test_the_first_sentence_is_known_before_any_stage(monkeypatch: pytest.Monkey
     )
     assert said
     two, beam = (orbit_amplitudes(case, name, 7) for name in ("two_modes", "beam"))
-    assert np.abs(two / beam - 1).max() == pytest.approx(float(said[1]) / 100, abs=1.2e-3)  # 6e-4 beam, rest rounding
+    assert np.abs(two / beam - 1).max() == pytest.approx(float(said[1]) / 100, abs=2e-3)  # 1e-3 beam, rest rounding
 
 
 def orbit_amplitudes(case: vibeam.Case, name: str, count: int) -> np.ndarray:
