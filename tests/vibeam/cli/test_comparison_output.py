@@ -22,7 +22,7 @@ SHORT = (
 )  # fmt: skip
 HELD = (
     "R = 0.72 at the contact is held; "
-    "with R₁ = 0.72 of mode 1 held sdof would be 10.5 % too low at the peak and two_modes 1.4 % too low at the peak."
+    "with R₁ = 0.72 of mode 1 held sdof would be 10.5 % too low and two_modes 1.4 % too low at the peak."
 )
 
 

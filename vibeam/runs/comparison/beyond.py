@@ -42,13 +42,17 @@ class FullerModel:
 
 
 def is_whole(case: Case, name: str, size: int) -> bool:
-    """Test whether a fidelity is all that the case gives of its rig: its one mode, or all modes of its matrices."""
+    """Test whether a fidelity is all that there is of its rig: its one mode, all modes of matrices or of few masses."""
     scene: Any = case.scene_of(name)
     if scene.given_mode is not None:
         return True
     if not isinstance(scene, RigScene) or not scene.all_modes or scene.in_three_dimensions:
         return False
-    return line_of(scene) is None and size >= structure_of(scene).size
+    line = line_of(scene)
+    if line is None:
+        return size >= structure_of(scene).size
+    most = case.model(name).most_modes or line.beam.elements
+    return size >= most and most < line.beam.elements  # a massless beam: its masses alone make modes
 
 
 def fuller_models(case: Case, name: str, size: int) -> Iterator[FullerModel]:
