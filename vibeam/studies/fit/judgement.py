@@ -99,6 +99,7 @@ def _changes(case: Case, problem: Problem) -> Iterator[tuple[str, dict[str, Any]
 
 WIDEST = 3.0  # factor on all uncertainties up to which intervals are given
 SHARE = 10  # one in so many points may be an outlier
+DECISIVE = 1e-3  # probability of a pattern below which it rejects the model
 DISTINCT = 1e-3  # part of an added variable that the keys cannot make up for, from which on it is tested
 NUDGE = 1e-5  # relative step of a frequency
 
@@ -142,6 +143,13 @@ class Judgement:
     unit: float = 1.0
     others: tuple[Alternative, ...] = ()
     scale: float = 1.0
+
+    @property
+    def decisive(self) -> Pattern | None:
+        """Pattern by which the F test rejects a model whose misfit alone does not; None without."""
+        first = next(iter(self.patterns), None)
+        sure = first is not None and first.significant and first.probability < DECISIVE
+        return first if self.described and sure else None
 
     @property
     def withheld(self) -> bool:

@@ -44,15 +44,15 @@ ENOUGH = 1e-4  # relative tolerance of a misfit whose rise is looked at
 
 @dataclass(frozen=True)
 class Profile:
-    """Interval of one key as shares of its bounds; ``open``: the lower, upper end is that of a bound, its own or
-    another key's, not the data's.
+    """Interval of one key as shares of its bounds; ``open``: number of the key whose bound ends it below, above; −1
+    where the data do.
 
     ``path`` (m, P + 1): shares of all keys along the profile, and the rise of the misfit, ascending in the key.
     """
 
     low: float
     high: float
-    open: tuple[bool, bool]
+    open: tuple[int, int]
     path: Array = field(repr=False)
 
 
@@ -60,8 +60,9 @@ class Profile:
 class FitRow:
     """Estimated key in SI: ``value``, 95 % interval, linearised ``standard_error``; ``start``: the case's own.
 
-    ``low_open``, ``high_open``: a bound of [fit], the key's or another's, ends the interval; where both are, the data
-    do not determine the key and ``value`` is NaN. An interval that is withheld is NaN (``FitStudy.judgement``).
+    ``low_open``, ``high_open``: a bound of [fit] ends the interval, that of ``low_bound``, ``high_bound``: key = value.
+    Where no end is the data's and the key's own bounds end it, or it spans most of them, the data do not determine the
+    key and ``value`` is NaN. An interval that is withheld is NaN (``FitStudy.judgement``).
     """
 
     key: str
@@ -73,6 +74,8 @@ class FitRow:
     start: float
     low_open: bool
     high_open: bool
+    low_bound: str = ""
+    high_bound: str = ""
 
     @property
     def determined(self) -> bool:
@@ -84,11 +87,11 @@ def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> P
     """Profile of key ``k``; ``scale``: factor on all uncertainties."""
     away = minimum.covariance[:, k] / np.sqrt(minimum.covariance[k, k])
     search = ProfileSearch(scale * float(np.sqrt(LEVEL)))
-    (low, low_open, before), (high, high_open, after) = (
+    (low, below, before), (high, above, after) = (
         search.along(problem, minimum, side * away, k) for side in (-1.0, 1.0)
     )
     path = np.array(sorted([np.append(minimum.x, 0.0), *before, *after], key=lambda row: float(row[k])))
-    return Profile(float(low[k]), float(high[k]), (low_open, high_open), path)
+    return Profile(float(low[k]), float(high[k]), (below, above), path)
 
 
 def profiled(problem: Problem, minimum: Minimum, scale: float) -> list[Profile]:
@@ -114,8 +117,10 @@ class ProfileSearch:
 
     target: float
 
-    def along(self, problem: Problem, minimum: Minimum, away: Array, k: int) -> tuple[Array, bool, list[Array]]:
-        """Shares (P,) at the crossing, whether a bound comes first, and rows of the path: shares, rise of the misfit.
+    def along(self, problem: Problem, minimum: Minimum, away: Array, k: int) -> tuple[Array, int, list[Array]]:
+        """Shares (P,) at the crossing, number of the key whose bound comes first or −1, and rows of the path.
+
+        Rows: shares, rise of the misfit.
 
         From the minimum on in the direction ``away`` (P,) that raises the linearised root as fast as the distance, key
         ``k`` on that line, the others at their best.
@@ -135,10 +140,11 @@ class ProfileSearch:
             if abs(height - self.target) < NEAR * self.target:
                 break
             if height < self.target and distance == most:
-                return x, True, rows
+                return x, k, rows
             inside, outside = ((distance, height, x), outside) if height < self.target else (inside, (distance, height))
             distance = self._next(inside[:2], outside, most, NEARLY / abs(ray))
-        return x, bool(np.any(np.delete(np.minimum(x, 1 - x), k) < BOUND)), rows
+        room = np.where(np.arange(len(x)) == k, np.inf, np.minimum(x, 1 - x))
+        return x, int(np.argmin(room)) if room.min() < BOUND else -1, rows
 
     def _next(
         self, inside: tuple[float, float], outside: tuple[float, float] | None, most: float, nearly: float

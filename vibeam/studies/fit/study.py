@@ -18,6 +18,7 @@ from vibeam.studies.fit.profile import FitRow, NextPoint, Profile, next_points, 
 from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges
 from vibeam.system.labelled import ViewedTable
+from vibeam.system.number_text import with_unit
 from vibeam.system.progress import telling
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, ValueRecord
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 Progress = Callable[[str], None]
+MOST = 0.5  # share of the bounds that an interval ended by those of another key may span
 
 
 @dataclass(frozen=True)
@@ -153,9 +155,23 @@ def _rows(problem: Problem, minimum: Minimum, profiles: list[Profile], judgement
     for k, (each, found) in enumerate(zip(problem.keys, profiles, strict=True)):
         ends = [each.low + share * (each.high - each.low) for share in (found.low, found.high)]
         low, high = (float("nan"), float("nan")) if judgement.withheld else ends
-        value = float("nan") if all(found.open) else float(values[k])
+        ended = [other >= 0 for other in found.open]
+        wide = k in found.open or found.high - found.low > MOST
+        value = float("nan") if all(ended) and wide else float(values[k])
         error = float("nan") if judgement.withheld else judgement.scale * float(errors[k])
-        yield FitRow(each.key, value, low, high, each.unit, error, each.start, *found.open)
+        yield FitRow(each.key, value, low, high, each.unit, error, each.start, *ended, *_bounds(problem, found))
+
+
+def _bounds(problem: Problem, found: Profile) -> Iterator[str]:
+    """Key and bound that end an interval below and above; empty where the data do."""
+    ends = (found.path[0], found.path[-1])
+    for end, number in zip(ends, found.open, strict=True):
+        if number < 0:
+            yield ""
+            continue
+        key = problem.keys[number]
+        bound = key.low if end[number] < 0.5 else key.high
+        yield f"{key.key} = {with_unit(bound, '' if key.unit == '1' else key.unit)}"
 
 
 def _points(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterator[FittedPoint]:
