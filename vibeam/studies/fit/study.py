@@ -159,7 +159,9 @@ def _rows(problem: Problem, minimum: Minimum, profiles: list[Profile], judgement
         wide = k in found.open or found.high - found.low > MOST
         value = float("nan") if all(ended) and wide else float(values[k])
         error = float("nan") if judgement.withheld else judgement.scale * float(errors[k])
-        yield FitRow(each.key, value, low, high, each.unit, error, each.start, *ended, *_bounds(problem, found))
+        yield FitRow(
+            each.key, value, low, high, each.unit, error, each.start, ended[0], ended[1], *_bounds(problem, found)
+        )
 
 
 def _bounds(problem: Problem, found: Profile) -> Iterator[str]:
