@@ -44,10 +44,8 @@ def sheet(study: FitStudy) -> StudySheet:
 
 def fit_answer(study: FitStudy) -> str:
     """Estimated keys in one sentence, with the coefficient that is meant; or that the model does not fit them."""
-    if not study.judgement.described:
+    if study.judgement.rejected or not study.judgement.described:
         return study.sentences[0]
-    if study.judgement.decisive:
-        return _rejected(study)
     open_keys = [row.key for row in study.rows if not row.determined]
     used = sum(not point.left_out for point in study.points)
     points = f"{used} of {len(study.points)} points" if used < len(study.points) else counted(used, "point")
@@ -59,18 +57,6 @@ def fit_answer(study: FitStudy) -> str:
     found = listed([f"{row.key} {_value(row)}" for row in study.rows])
     rms = f"rms residual {(study.misfit / used) ** 0.5:.2g} of their uncertainty"
     return f"{found} describe{'s' * (len(study.rows) == 1)} the {points} (± at 95 %; {rms}){_restitution(study)}."
-
-
-def _rejected(study: FitStudy) -> str:
-    """Sentence on a model that the F test rejects: what the misfit is, what its residuals suggest."""
-    names = listed([row.key for row in study.rows])
-    misfit = f"χ² = {study.misfit:.4g} for {study.minimum.freedom} degrees of freedom"
-    told = next(each for each in study.sentences if each.startswith("The residuals have a pattern"))
-    pattern = told.removeprefix("The residuals have a pattern (").removesuffix(".").replace("): ", "; ", 1)
-    return (
-        f"A model with constant {names} is rejected by the residuals ({misfit}; {pattern}); its values and intervals "
-        "are those of a model that is rejected."
-    )
 
 
 def _others(study: FitStudy) -> str:
@@ -96,19 +82,13 @@ def _value(row: FitRow | Estimate) -> str:
     """Value and half its interval, a share of it; a number near 0 or of a plain one; both ends where one is a bound."""
     size, half, unit = abs(row.value), (row.high - row.low) / 2, "" if row.unit == "1" else row.unit
     if isinstance(row, FitRow) and (row.low_open or row.high_open):
-        found = f"{with_unit(row.low, unit)}{_by(row, row.low_bound)} to "
-        found += f"{with_unit(row.high, unit)}{_by(row, row.high_bound)}"
+        found = row.ends(" to ")
     elif half > size / 2 or (not unit and 0.1 < size <= 1):
         found = f"± {with_unit(half, unit, 2)}"
     else:
         found = f"± {percent(float(f'{half / size:.2g}'))}"
     value = round(row.value, 1 - floor(log10(half))) + 0.0 if half > 2 * size else row.value
     return f"{with_unit(value, unit)} ({found})"
-
-
-def _by(row: FitRow, bound: str) -> str:
-    """Bound that ends an interval, in words; empty where the data do."""
-    return "" if not bound else " by its bound" if bound.startswith(f"{row.key} = ") else f" by the bound {bound}"
 
 
 def identification_sheet(found: Identification) -> StudySheet:
@@ -157,7 +137,7 @@ def _caption(judgement: Judgement) -> str:
     if judgement.withheld:
         return "no intervals: the model does not describe the points"
     told = "intervals by profile likelihood; (bound): a bound in [fit] ends it, not the data"
-    if judgement.decisive:
+    if judgement.rejected:
         told += "\nof a model that the residuals reject: they do not hold"
     if judgement.scale > 1:
         told += f"\nscaled by {judgement.scale:.3g}, as if all uncertainties were larger: the model misses the points"

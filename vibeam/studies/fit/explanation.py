@@ -129,6 +129,7 @@ def flown_losses(problem: Problem, every: Array) -> Array:
 
 ROOTS = (0, 1)  # of the quadratic
 FURTHEST = 1.0  # ln(B*/B) up to which the drive beyond the fold is taken
+FAR = 4.0  # residual from which on motions are looked for that no sweep makes, or that are not periodic
 LEGS = 2  # sweeps of the points, upward and downward
 HANDICAP = 9.0  # of a motion that does not exist, or that no sweep makes, against one that does, in squared residuals
 
@@ -179,9 +180,11 @@ def explained(problem: Problem, x: Array, dropped: tuple[int, ...] = ()) -> Expl
     at = np.arange(problem.count)
     found, real, others = cost[chosen, at], allowed[chosen, at], {}
     for j, motions in other_motions(problem, x, np.arange(problem.count)).items():
-        other = min(motions, key=lambda each: each.cost)
-        swept = sum(each.swept for each in motions) >= LEGS  # no sweep makes one of the family
-        if other.cost < asked[chosen[j], j] + HANDICAP * swept:
+        swept = [each for each in motions if each.swept and each.number is not None]
+        near = real[j] and found[j] <= FAR**2
+        other = min(swept if near else motions, key=lambda each: each.cost, default=None)
+        unswept = HANDICAP * (len(swept) >= LEGS)  # of one of the family, which no sweep makes
+        if other and other.cost < asked[chosen[j], j] + unswept:
             chosen[j] = LEFT if other.number is None else FOLLOWED + other.number
             found[j], real[j], others[j] = other.cost, True, other
     chosen[list(dropped)] = LEFT

@@ -145,11 +145,10 @@ class Judgement:
     scale: float = 1.0
 
     @property
-    def decisive(self) -> Pattern | None:
-        """Pattern by which the F test rejects a model whose misfit alone does not; None without."""
-        first = next(iter(self.patterns), None)
-        sure = first is not None and first.significant and first.probability < DECISIVE
-        return first if self.described and sure else None
+    def rejected(self) -> bool:
+        """Test whether a pattern of the residuals rejects the model that their size alone does not."""
+        sure = any(each.significant and each.probability < DECISIVE for each in self.patterns)
+        return self.described and sure
 
     @property
     def withheld(self) -> bool:

@@ -155,25 +155,24 @@ def _rows(problem: Problem, minimum: Minimum, profiles: list[Profile], judgement
     for k, (each, found) in enumerate(zip(problem.keys, profiles, strict=True)):
         ends = [each.low + share * (each.high - each.low) for share in (found.low, found.high)]
         low, high = (float("nan"), float("nan")) if judgement.withheld else ends
-        ended = [other >= 0 for other in found.open]
-        wide = k in found.open or found.high - found.low > MOST
-        value = float("nan") if all(ended) and wide else float(values[k])
+        value = float("nan") if _undetermined(k, found) else float(values[k])
         error = float("nan") if judgement.withheld else judgement.scale * float(errors[k])
-        yield FitRow(
-            each.key, value, low, high, each.unit, error, each.start, ended[0], ended[1], *_bounds(problem, found)
-        )
+        bounds = [_bound(problem, number) for number in found.open]
+        yield FitRow(each.key, value, low, high, each.unit, error, each.start, *bounds)
 
 
-def _bounds(problem: Problem, found: Profile) -> Iterator[str]:
-    """Key and bound that end an interval below and above; empty where the data do."""
-    ends = (found.path[0], found.path[-1])
-    for end, number in zip(ends, found.open, strict=True):
-        if number < 0:
-            yield ""
-            continue
-        key = problem.keys[number]
-        bound = key.low if end[number] < 0.5 else key.high
-        yield f"{key.key} = {with_unit(bound, '' if key.unit == '1' else key.unit)}"
+def _undetermined(k: int, found: Profile) -> bool:
+    """Test whether bounds make both ends of the interval of key ``k``: its own one of them, or far apart."""
+    own = any(number // 2 == k for number in found.open)
+    return min(found.open) >= 0 and (own or found.high - found.low > MOST)
+
+
+def _bound(problem: Problem, number: int) -> str:
+    """Bound in words, of which there are two a key; empty where the data end an interval."""
+    if number < 0:
+        return ""
+    key = problem.keys[number // 2]
+    return f"{key.key} = {with_unit(key.high if number % 2 else key.low, key.unit)}"
 
 
 def _points(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterator[FittedPoint]:
