@@ -81,7 +81,7 @@ def restitution_meant(case: Case) -> str:
 def _value(row: FitRow | Estimate) -> str:
     """Value and half its interval, a share of it; a number near 0 or of a plain one; both ends where one is a bound."""
     size, half, unit = abs(row.value), (row.high - row.low) / 2, "" if row.unit == "1" else row.unit
-    if isinstance(row, FitRow) and (row.low_open or row.high_open):
+    if isinstance(row, FitRow) and (row.low_bound or row.high_bound):
         found = row.ends(" to ")
     elif half > size / 2 or (not unit and 0.1 < size <= 1):
         found = f"± {with_unit(half, unit, 2)}"

@@ -3,12 +3,11 @@
 The closed-form family has, at each point, the two roots of the closed-form orbit and the motion without contact. One
 that passes through the stop between its impacts, or is not stable, is no motion. The model is also swept over the
 points, upward and downward: what it does may be outside the family (several impacts until it repeats, another period,
-rest on the stop, no repeat). A point goes to that where it lies nearer; where both sweeps leave the family it goes to
-one of the family only if that is nearer by ``HANDICAP``. A periodic one is followed from there (``orbits``). Of a model
-without closed forms (a stop that yields or is on both sides, R(v), damping that couples the modes) every motion is
-flown and followed. A point whose motion does not repeat is left out of the misfit, by name, since such a motion has no
-value of its own; what it is off still counts wherever two sets of keys are compared, so that no set is the better for
-leaving points out.
+rest on the stop, no repeat), and lie nearer. A periodic one is followed from there (``orbits``). Of a model without
+closed forms (a stop that yields or is on both sides, R(v), damping that couples the modes) every motion is simulated
+and followed. Where none of the family is near, a point whose motion does not repeat is left out of the misfit, by name,
+since such a motion has no value of its own; what it is off still counts wherever two sets of keys are compared, so that
+no set is the better for leaving points out.
 """
 
 from __future__ import annotations
@@ -86,7 +85,6 @@ def _outside(problem: Problem, x: Array, shooting: Shooting, flown: SettledPoint
         number = _number(problem.trails, shooting, x, after, seen) if seen.period else None
     if number is not None:
         seen = _followed(shooting.points, flown.place, problem.trails.every[number].at(x), number)
-    seen.swept = True
     yield seen
 
 
@@ -129,9 +127,8 @@ def flown_losses(problem: Problem, every: Array) -> Array:
 
 ROOTS = (0, 1)  # of the quadratic
 FURTHEST = 1.0  # ln(B*/B) up to which the drive beyond the fold is taken
-FAR = 4.0  # residual from which on motions are looked for that no sweep makes, or that are not periodic
-LEGS = 2  # sweeps of the points, upward and downward
-HANDICAP = 9.0  # of a motion that does not exist, or that no sweep makes, against one that does, in squared residuals
+FAR = 4.0  # residual from which on a point is also left out for a motion that is not followed
+HANDICAP = 9.0  # of a motion that does not exist at this drive against one that does, in squared residuals
 
 
 @dataclass(frozen=True)
@@ -180,11 +177,10 @@ def explained(problem: Problem, x: Array, dropped: tuple[int, ...] = ()) -> Expl
     at = np.arange(problem.count)
     found, real, others = cost[chosen, at], allowed[chosen, at], {}
     for j, motions in other_motions(problem, x, np.arange(problem.count)).items():
-        swept = [each for each in motions if each.swept and each.number is not None]
         near = real[j] and found[j] <= FAR**2
-        other = min(swept if near else motions, key=lambda each: each.cost, default=None)
-        unswept = HANDICAP * (len(swept) >= LEGS)  # of one of the family, which no sweep makes
-        if other and other.cost < asked[chosen[j], j] + unswept:
+        rivals = [each for each in motions if not near or each.number is not None]
+        other = min(rivals, key=lambda each: each.cost, default=None)
+        if other and other.cost < asked[chosen[j], j]:
             chosen[j] = LEFT if other.number is None else FOLLOWED + other.number
             found[j], real[j], others[j] = other.cost, True, other
     chosen[list(dropped)] = LEFT

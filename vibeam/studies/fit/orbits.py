@@ -66,12 +66,10 @@ class OtherMotion(MotionKind):
     """Motion that a flight settles on, outside the family.
 
     ``cost``: squared residual of the measured point; ``number``: of the motion as it is followed, where it can be.
-    ``swept``: a sweep of these keys makes it.
     """
 
     cost: float
     number: int | None = None
-    swept: bool = False
 
 
 @dataclass(frozen=True, eq=False)

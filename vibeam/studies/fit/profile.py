@@ -76,16 +76,6 @@ class FitRow:
     high_bound: str
 
     @property
-    def low_open(self) -> bool:
-        """Test whether a bound of [fit], the key's or another's, ends the interval below."""
-        return bool(self.low_bound)
-
-    @property
-    def high_open(self) -> bool:
-        """Test whether a bound of [fit], the key's or another's, ends the interval above."""
-        return bool(self.high_bound)
-
-    @property
     def determined(self) -> bool:
         """Test whether the data fix the key."""
         return bool(np.isfinite(self.value))
