@@ -53,16 +53,13 @@ def fit_answer(study: FitStudy) -> str:
         fault = "cannot separate" if study.shared else "does not determine" if used == 1 else "do not determine"
         shared = "".join(f": {each}" for each in study.shared[:1])
         cure = "" if study.next else "; --next says what to measure"
-        return f"The {points} {fault} {listed(open_keys)} within the bounds{shared}{cure}.{_others(study)}"
+        known = listed([f"{row.key} is {_value(row)}" for row in study.rows if row.determined])
+        return (
+            f"The {points} {fault} {listed(open_keys)} within the bounds{shared}{cure}.{f' {known}.' if known else ''}"
+        )
     found = listed([f"{row.key} {_value(row)}" for row in study.rows])
     rms = f"rms residual {(study.misfit / used) ** 0.5:.2g} of their uncertainty"
     return f"{found} describe{'s' * (len(study.rows) == 1)} the {points} (± at 95 %; {rms}){_restitution(study)}."
-
-
-def _others(study: FitStudy) -> str:
-    """Sentence on the keys that are determined beside those that are not."""
-    known = [f"{row.key} is {_value(row)}" for row in study.rows if row.determined]
-    return f" {listed(known)}." if known else ""
 
 
 def _restitution(study: FitStudy) -> str:
@@ -137,8 +134,6 @@ def _caption(judgement: Judgement) -> str:
     if judgement.withheld:
         return "no intervals: the model does not describe the points"
     told = "intervals by profile likelihood; (bound): a bound in [fit] ends it, not the data"
-    if judgement.rejected:
-        told += "\nof a model that the residuals reject: they do not hold"
     if judgement.scale > 1:
         told += f"\nscaled by {judgement.scale:.3g}, as if all uncertainties were larger: the model misses the points"
     return told

@@ -147,8 +147,7 @@ class Judgement:
     @property
     def rejected(self) -> bool:
         """Test whether a pattern of the residuals rejects the model that their size alone does not."""
-        sure = any(each.significant and each.probability < DECISIVE for each in self.patterns)
-        return self.described and sure
+        return self.described and any(each.significant and each.probability < DECISIVE for each in self.patterns)
 
     @property
     def withheld(self) -> bool:
