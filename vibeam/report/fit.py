@@ -53,10 +53,8 @@ def fit_answer(study: FitStudy) -> str:
         fault = "cannot separate" if study.shared else "does not determine" if used == 1 else "do not determine"
         shared = "".join(f": {each}" for each in study.shared[:1])
         cure = "" if study.next else "; --next says what to measure"
-        known = listed([f"{row.key} is {_value(row)}" for row in study.rows if row.determined])
-        return (
-            f"The {points} {fault} {listed(open_keys)} within the bounds{shared}{cure}.{f' {known}.' if known else ''}"
-        )
+        known = "".join(f" {row.key} is {_value(row)}." for row in study.rows if row.determined)
+        return f"The {points} {fault} {listed(open_keys)} within the bounds{shared}{cure}.{known}"
     found = listed([f"{row.key} {_value(row)}" for row in study.rows])
     rms = f"rms residual {(study.misfit / used) ** 0.5:.2g} of their uncertainty"
     return f"{found} describe{'s' * (len(study.rows) == 1)} the {points} (± at 95 %; {rms}){_restitution(study)}."
