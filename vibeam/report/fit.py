@@ -44,7 +44,7 @@ def sheet(study: FitStudy) -> StudySheet:
 
 def fit_answer(study: FitStudy) -> str:
     """Estimated keys in one sentence, with the coefficient that is meant; or that the model does not fit them."""
-    if not study.judgement.described:
+    if study.judgement.rejected or not study.judgement.described:
         return study.sentences[0]
     open_keys = [row.key for row in study.rows if not row.determined]
     used = sum(not point.left_out for point in study.points)
@@ -53,8 +53,9 @@ def fit_answer(study: FitStudy) -> str:
         fault = "cannot separate" if study.shared else "does not determine" if used == 1 else "do not determine"
         shared = "".join(f": {each}" for each in study.shared[:1])
         cure = "" if study.next else "; --next says what to measure"
-        return f"The {points} {fault} {listed(open_keys)} within the bounds{shared}{cure}."
-    found = listed([f"{row.key} {_value(row, row.low_open, row.high_open)}" for row in study.rows])
+        known = "".join(f" {row.key} is {_value(row)}." for row in study.rows if row.determined)
+        return f"The {points} {fault} {listed(open_keys)} within the bounds{shared}{cure}.{known}"
+    found = listed([f"{row.key} {_value(row)}" for row in study.rows])
     rms = f"rms residual {(study.misfit / used) ** 0.5:.2g} of their uncertainty"
     return f"{found} describe{'s' * (len(study.rows) == 1)} the {points} (± at 95 %; {rms}){_restitution(study)}."
 
@@ -72,12 +73,11 @@ def restitution_meant(case: Case) -> str:
     return "" if held.coefficient is None else f"{held.symbol} {PLACES.get(held.restitution_of, 'at the contact')}"
 
 
-def _value(row: FitRow | Estimate, low_open: bool = False, high_open: bool = False) -> str:
+def _value(row: FitRow | Estimate) -> str:
     """Value and half its interval, a share of it; a number near 0 or of a plain one; both ends where one is a bound."""
     size, half, unit = abs(row.value), (row.high - row.low) / 2, "" if row.unit == "1" else row.unit
-    if low_open or high_open:
-        ends = ((row.low, low_open), (row.high, high_open))
-        found = " to ".join(with_unit(end, unit) + " by its bound" * is_open for end, is_open in ends)
+    if isinstance(row, FitRow) and (row.low_bound or row.high_bound):
+        found = row.ends(" to ")
     elif half > size / 2 or (not unit and 0.1 < size <= 1):
         found = f"± {with_unit(half, unit, 2)}"
     else:
@@ -120,8 +120,8 @@ def _estimates(rows: Sequence[FitRow], judgement: Judgement) -> ReportTable:
         unit, factor = shown_in(row.unit, row.value, row.low, row.high, row.start)
         value = f"{row.value * factor:.5g}" if row.determined else "not determined"
         low, high = (
-            "withheld" if judgement.withheld else f"{end * factor:.5g}{' (bound)' if is_open else ''}"
-            for end, is_open in ((row.low, row.low_open), (row.high, row.high_open))
+            "withheld" if judgement.withheld else f"{end * factor:.5g}{' (bound)' * bool(bound)}"
+            for end, bound in ((row.low, row.low_bound), (row.high, row.high_bound))
         )
         table.add_row(row.key, value, low, high, unit, f"{row.start * factor:.5g}")
     table.caption = _caption(judgement)

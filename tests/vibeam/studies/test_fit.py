@@ -52,7 +52,7 @@ def test_the_truth_of_the_synthetic_curve_lies_in_the_intervals():
         low, high = (key.low + share * (key.high - key.low) for share in (interval.low, interval.high))
         assert low < LASER[key.key] < high
         assert high - low < 0.03 * LASER[key.key]
-        assert interval.open == (False, False)
+        assert interval.open == (-1, -1)  # the data end it
 
 
 def test_an_independent_integration_is_met_without_residual():
@@ -82,8 +82,11 @@ def test_a_peak_alone_fixes_the_ridge_and_no_point_on_it():
     assert shared is not None
     assert float(shared[1]) == pytest.approx(42.4e-4, rel=0.05)  # of the paper's refits
     one, other = study.rows
-    known = replace(one, value=6e-4, low=5e-4, high_open=True), replace(other, value=0.7, low=0.69, high=0.71)
-    rows = (replace(known[0], low_open=False), replace(known[1], low_open=False, high_open=False))
+    assert "drive.gain alone is free between 0.0003 1/V by its bound and " in told
+    rows = (
+        replace(one, value=6e-4, low=5e-4, low_bound="", high_bound="drive.gain = 0.0009 1/V"),
+        replace(other, value=0.7, low=0.69, high=0.71, low_bound="", high_bound=""),
+    )
     told = fit_answer(replace(study, rows=rows))
     assert told.startswith(
         "drive.gain 0.0006 1/V (0.0005 1/V to 0.0009 1/V by its bound) and stop.restitution 0.7 (± 0.01)"

@@ -1,13 +1,13 @@
 """Explanation of measured points at given keys: by a motion of the closed-form family, or one that the model flies.
 
 The closed-form family has, at each point, the two roots of the closed-form orbit and the motion without contact. One
-that passes through the stop between its impacts, or is not stable, is no motion. Where none of the family is near to a
-point the model is flown there, upward and downward: what it does may be outside the family (several impacts until it
-repeats, another period, rest on the stop, no repeat), and lie nearer. A periodic one is followed from there
-(``orbits``). Of a model without closed forms (a stop that yields or is on both sides, R(v), damping that couples the
-modes) every motion is flown and followed. A point whose motion does not repeat is left out of the misfit, by name,
-since such a motion has no value of its own; what it is off still counts wherever two sets of keys are compared, so that
-no set is the better for leaving points out.
+that passes through the stop between its impacts, or is not stable, is no motion. Where none of the family is within
+twice the uncertainty of a point the model is swept over it and its neighbours, upward and downward: what it does may be
+outside the family (several impacts until it repeats, another period, rest on the stop, no repeat), and lie nearer. A
+periodic one is followed from there (``orbits``). Of a model without closed forms (a stop that yields or is on both
+sides, R(v), damping that couples the modes) every motion is simulated and followed. A point far from the family whose
+motion does not repeat is left out of the misfit, by name, since such a motion has no value of its own; what it is off
+still counts wherever two sets of keys are compared, so that no set is the better for leaving points out.
 """
 
 from __future__ import annotations
@@ -127,7 +127,9 @@ def flown_losses(problem: Problem, every: Array) -> Array:
 
 ROOTS = (0, 1)  # of the quadratic
 FURTHEST = 1.0  # ln(B*/B) up to which the drive beyond the fold is taken
-FAR = 4.0  # residual from which on another motion is looked for
+DOUBTED = 2.0  # residual from which on another motion is looked for
+SAME = 0.1  # squared residual within which it may be the closed form's own, of twice its period
+FAR = 4.0  # residual from which on a point is also left out for a motion that is not followed
 HANDICAP = 9.0  # of a motion that does not exist at this drive against one that does, in squared residuals
 
 
@@ -176,9 +178,11 @@ def explained(problem: Problem, x: Array, dropped: tuple[int, ...] = ()) -> Expl
     chosen = _unfolded(problem, x, beyond, np.argmin(asked, axis=0))
     at = np.arange(problem.count)
     found, real, others = cost[chosen, at], allowed[chosen, at], {}
-    for j, motions in other_motions(problem, x, np.flatnonzero(~real | (found > FAR**2))).items():
-        other = min(motions, key=lambda each: each.cost)
-        if other.cost < asked[chosen[j], j]:
+    for j, motions in other_motions(problem, x, np.flatnonzero(~real | (found > DOUBTED**2))).items():
+        near = real[j] and found[j] <= FAR**2
+        rivals = [each for each in motions if not near or each.number is not None]
+        other = min(rivals, key=lambda each: each.cost, default=None)
+        if other and other.cost < asked[chosen[j], j] - SAME:
             chosen[j] = LEFT if other.number is None else FOLLOWED + other.number
             found[j], real[j], others[j] = other.cost, True, other
     chosen[list(dropped)] = LEFT

@@ -99,6 +99,7 @@ def _changes(case: Case, problem: Problem) -> Iterator[tuple[str, dict[str, Any]
 
 WIDEST = 3.0  # factor on all uncertainties up to which intervals are given
 SHARE = 10  # one in so many points may be an outlier
+DECISIVE = 1e-3  # probability of a pattern below which it rejects the model
 DISTINCT = 1e-3  # part of an added variable that the keys cannot make up for, from which on it is tested
 NUDGE = 1e-5  # relative step of a frequency
 
@@ -142,6 +143,11 @@ class Judgement:
     unit: float = 1.0
     others: tuple[Alternative, ...] = ()
     scale: float = 1.0
+
+    @property
+    def rejected(self) -> bool:
+        """Test whether a pattern of the residuals rejects the model that their size alone does not."""
+        return self.described and any(each.significant and each.probability < DECISIVE for each in self.patterns)
 
     @property
     def withheld(self) -> bool:

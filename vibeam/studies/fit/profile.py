@@ -28,7 +28,7 @@ from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.surface import Forward
 from vibeam.system.curves import evenly
 from vibeam.system.number_text import with_unit
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Index
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -44,15 +44,15 @@ ENOUGH = 1e-4  # relative tolerance of a misfit whose rise is looked at
 
 @dataclass(frozen=True)
 class Profile:
-    """Interval of one key as shares of its bounds; ``open``: the lower, upper end is that of a bound, its own or
-    another key's, not the data's.
+    """Interval of one key as shares of its bounds; ``open``: the bound that ends it below, above, −1 where the data do.
 
+    Bound 2k is the lower one of key k, 2k + 1 its upper one.
     ``path`` (m, P + 1): shares of all keys along the profile, and the rise of the misfit, ascending in the key.
     """
 
     low: float
     high: float
-    open: tuple[bool, bool]
+    open: tuple[int, int]
     path: Array = field(repr=False)
 
 
@@ -60,8 +60,9 @@ class Profile:
 class FitRow:
     """Estimated key in SI: ``value``, 95 % interval, linearised ``standard_error``; ``start``: the case's own.
 
-    ``low_open``, ``high_open``: a bound of [fit], the key's or another's, ends the interval; where both are, the data
-    do not determine the key and ``value`` is NaN. An interval that is withheld is NaN (``FitStudy.judgement``).
+    ``low_bound``, ``high_bound``: bound of [fit] that ends the interval, as key = value; empty where the data do. Where
+    no end is the data's and the key's own bounds make one, or the interval spans most of them, the data do not
+    determine the key and ``value`` is NaN. An interval that is withheld is NaN (``FitStudy.judgement``).
     """
 
     key: str
@@ -71,24 +72,34 @@ class FitRow:
     unit: str
     standard_error: float
     start: float
-    low_open: bool
-    high_open: bool
+    low_bound: str
+    high_bound: str
 
     @property
     def determined(self) -> bool:
         """Test whether the data fix the key."""
         return bool(np.isfinite(self.value))
 
+    def ends(self, between: str) -> str:
+        """Ends of the interval in words, each with the bound that makes it."""
+        low, high = (with_unit(end, self.unit) for end in (self.low, self.high))
+        if self.low_bound == self.high_bound != "":
+            return f"{low}{between}{high}, both{self._by(self.low_bound)}"
+        return f"{low}{self._by(self.low_bound)}{between}{high}{self._by(self.high_bound)}"
+
+    def _by(self, bound: str) -> str:
+        return "" if not bound else " by its bound" if bound.startswith(f"{self.key} = ") else f" by the bound {bound}"
+
 
 def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> Profile:
     """Profile of key ``k``; ``scale``: factor on all uncertainties."""
     away = minimum.covariance[:, k] / np.sqrt(minimum.covariance[k, k])
     search = ProfileSearch(scale * float(np.sqrt(LEVEL)))
-    (low, low_open, before), (high, high_open, after) = (
+    (low, below, before), (high, above, after) = (
         search.along(problem, minimum, side * away, k) for side in (-1.0, 1.0)
     )
     path = np.array(sorted([np.append(minimum.x, 0.0), *before, *after], key=lambda row: float(row[k])))
-    return Profile(float(low[k]), float(high[k]), (low_open, high_open), path)
+    return Profile(float(low[k]), float(high[k]), (below, above), path)
 
 
 def profiled(problem: Problem, minimum: Minimum, scale: float) -> list[Profile]:
@@ -114,8 +125,8 @@ class ProfileSearch:
 
     target: float
 
-    def along(self, problem: Problem, minimum: Minimum, away: Array, k: int) -> tuple[Array, bool, list[Array]]:
-        """Shares (P,) at the crossing, whether a bound comes first, and rows of the path: shares, rise of the misfit.
+    def along(self, problem: Problem, minimum: Minimum, away: Array, k: int) -> tuple[Array, int, list[Array]]:
+        """Shares (P,) at the crossing, the bound that comes first or −1, rows of the path: shares, rise of the misfit.
 
         From the minimum on in the direction ``away`` (P,) that raises the linearised root as fast as the distance, key
         ``k`` on that line, the others at their best.
@@ -128,17 +139,19 @@ class ProfileSearch:
             distance = min(distance, most)
             x = np.clip(inside[2] + (distance - inside[0]) * away, 0.0, 1.0)
             fixed = {k: min(max(middle + distance * ray, 0.0), 1.0)}
-            x, misfit = minimise(problem, x, minimum.chosen, fixed, tolerance=ENOUGH)
+            x, misfit = _least(problem, x, minimum.chosen, fixed)
             height = float(np.sqrt(max(misfit - minimum.misfit, 0.0)))
             if height <= 4 * self.target:
                 rows.append(np.append(x, misfit - minimum.misfit))
             if abs(height - self.target) < NEAR * self.target:
                 break
             if height < self.target and distance == most:
-                return x, True, rows
+                return x, 2 * k + (ray > 0), rows
             inside, outside = ((distance, height, x), outside) if height < self.target else (inside, (distance, height))
             distance = self._next(inside[:2], outside, most, NEARLY / abs(ray))
-        return x, bool(np.any(np.delete(np.minimum(x, 1 - x), k) < BOUND)), rows
+        room = np.stack([x, 1 - x], axis=1)
+        room[k] = np.inf
+        return x, int(np.argmin(room)) if room.min() < BOUND else -1, rows
 
     def _next(
         self, inside: tuple[float, float], outside: tuple[float, float] | None, most: float, nearly: float
@@ -152,6 +165,17 @@ class ProfileSearch:
             return (inside[0] + outside[0]) / 2
         share = (self.target - inside[1]) / (outside[1] - inside[1])
         return inside[0] + (share if 0.1 < share < 0.9 else 0.5) * (outside[0] - inside[0])
+
+
+def _least(problem: Problem, x: Array, chosen: Index, fixed: dict[int, float]) -> tuple[Array, float]:
+    """Least misfit over the keys that are not ``fixed``; also from within, as one at a bound may be another minimum."""
+    found = minimise(problem, x, chosen, fixed, tolerance=ENOUGH)
+    ended = [j for j, share in enumerate(found[0].tolist()) if j not in fixed and min(share, 1 - share) < BOUND]
+    if not ended:
+        return found
+    within = found[0].copy()
+    within[ended] = 0.5
+    return min(found, minimise(problem, within, chosen, fixed, tolerance=ENOUGH), key=lambda each: each[1])
 
 
 LEVELS = ("voltage", "amplitude", "velocity", "acceleration", "force")

@@ -18,6 +18,7 @@ from vibeam.studies.fit.profile import FitRow, NextPoint, Profile, next_points, 
 from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import facts, on_directions, on_misfit, on_ridges
 from vibeam.system.labelled import ViewedTable
+from vibeam.system.number_text import with_unit
 from vibeam.system.progress import telling
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, ValueRecord
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 Progress = Callable[[str], None]
+MOST = 0.5  # share of the bounds that an interval ended by those of another key may span
 
 
 @dataclass(frozen=True)
@@ -153,9 +155,24 @@ def _rows(problem: Problem, minimum: Minimum, profiles: list[Profile], judgement
     for k, (each, found) in enumerate(zip(problem.keys, profiles, strict=True)):
         ends = [each.low + share * (each.high - each.low) for share in (found.low, found.high)]
         low, high = (float("nan"), float("nan")) if judgement.withheld else ends
-        value = float("nan") if all(found.open) else float(values[k])
+        value = float("nan") if _undetermined(k, found) else float(values[k])
         error = float("nan") if judgement.withheld else judgement.scale * float(errors[k])
-        yield FitRow(each.key, value, low, high, each.unit, error, each.start, *found.open)
+        bounds = [_bound(problem, number) for number in found.open]
+        yield FitRow(each.key, value, low, high, each.unit, error, each.start, *bounds)
+
+
+def _undetermined(k: int, found: Profile) -> bool:
+    """Test whether bounds make both ends of the interval of key ``k``: its own one of them, or far apart."""
+    own = any(number // 2 == k for number in found.open)
+    return min(found.open) >= 0 and (own or found.high - found.low > MOST)
+
+
+def _bound(problem: Problem, number: int) -> str:
+    """Bound in words, of which there are two a key; empty where the data end an interval."""
+    if number < 0:
+        return ""
+    key = problem.keys[number // 2]
+    return f"{key.key} = {with_unit(key.high if number % 2 else key.low, key.unit)}"
 
 
 def _points(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterator[FittedPoint]:

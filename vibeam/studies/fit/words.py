@@ -60,7 +60,7 @@ def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Itera
         bound = [each.key for each, x in zip(problem.keys, minimum.x, strict=True) if min(x, 1 - x) < BOUND]
         yield from (f"{key} is at a bound of [fit.keys]: widen it." for key in bound)
         yield _on_intervals(judgement)
-    if not any(each.met for each in judgement.others):
+    if not judgement.rejected and not any(each.met for each in judgement.others):
         yield from _on_patterns(judgement)
     if free < 0:
         yield f"{counted(free + len(problem.keys), 'point')} cannot fix {len(problem.keys)} keys."
@@ -77,6 +77,8 @@ def _verdict(minimum: Minimum, judgement: Judgement) -> str:
     told = f"χ² = {minimum.misfit:.4g} for {free} degrees of freedom, p {_probability(share)}"
     if not judgement.described:
         return f"This model does not describe these points: {told}."
+    if judgement.rejected:
+        return f"The residuals reject this model {_pattern(judgement)}; {told}. Its intervals do not hold."
     if share > 1 - SMALL:
         told += ": less than the uncertainty allows for, which may be too large"
     return f"Misfit: {told}."
@@ -123,15 +125,18 @@ def _on_intervals(judgement: Judgement) -> str:
 
 
 def _on_patterns(judgement: Judgement) -> Iterator[str]:
-    """Pattern that the residuals follow."""
-    found = [each for each in judgement.patterns if each.significant]
-    if not found:
-        return
-    first, *rest = found
-    told = f"The residuals have a pattern (F test, p {_probability(first.probability)}): {IN_WORDS[first.name](first)}"
+    """Sentence on the pattern that the residuals follow, where there is one."""
+    if any(each.significant for each in judgement.patterns):
+        yield f"The residuals have a pattern {_pattern(judgement)}."
+
+
+def _pattern(judgement: Judgement) -> str:
+    """Test of the most significant pattern, what it suggests, and those that are not told apart from it."""
+    first, *rest = (each for each in judgement.patterns if each.significant)
+    told = f"(F test, p {_probability(first.probability)}): {IN_WORDS[first.name](first)}"
     if rest:
         told += f"; not told apart from it: {', '.join(SHORT[each.name] for each in rest)}"
-    yield f"{told}."
+    return told
 
 
 IN_WORDS: dict[str, Callable[[Pattern], str]] = {
@@ -209,7 +214,7 @@ def on_ridges(
         ends = [_pair(problem, values[at], k, j) for at in (0, -1)]
         head = f"{one} and {other} make up for each other, from ({ends[0]}) to ({ends[1]})"
         kept = _constant(problem, values, k, j)
-        alone = f"{one} alone is free between {_ends(rows[k])}, {other} between {_ends(rows[j])}"
+        alone = f"{one} alone is free between {rows[k].ends(' and ')}, {other} between {rows[j].ends(' and ')}"
         yield Ridge(f"{head}; {kept}; {alone}." if kept else f"{head}; {alone}.", kept)
 
 
@@ -224,12 +229,6 @@ def ridges(problem: Problem, minimum: Minimum) -> list[tuple[int, int]]:
         if correlation[k, j] > TOGETHER and (j, k) not in found:
             found.append((k, j))
     return found
-
-
-def _ends(row: FitRow) -> str:
-    """Ends of an interval, those marked that a bound makes."""
-    pairs = ((row.low, row.low_open), (row.high, row.high_open))
-    return " and ".join(with_unit(end, row.unit) + " (its bound)" * is_open for end, is_open in pairs)
 
 
 def _pair(problem: Problem, values: Array, k: int, j: int) -> str:
