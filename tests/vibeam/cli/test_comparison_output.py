@@ -42,7 +42,8 @@ def test_the_first_line_says_what_suffices_and_what_is_held() -> None:
     lines = vibeam_run("--accuracy", "4 %").stdout.splitlines()
     assert lines[0] == (
         "No fidelity suffices for 4 %: eight modes, the finest, are 6.3 % too high at 15.3 Hz beside infinitely many "
-        f"modes (by 32 modes). One mode is 34.4 % too high at 15.1 Hz; two modes are 29.7 % too high at 15.15 Hz. {HELD}"
+        "modes (by 32 modes). One mode is 34.4 % too high at 15.1 Hz; two modes are 29.7 % too high at 15.15 Hz. "
+        f"{HELD}"
     )
     tables = lines[1 : next(i for i, line in enumerate(lines) if line.startswith("The verdict on"))]
     assert max(map(len, tables)) <= 100
