@@ -13,8 +13,7 @@ from vibeam.report.modes_figure import every, modes_figure
 from vibeam.report.output import StudySheet
 from vibeam.report.run_answer import beyond
 from vibeam.report.tables import ReportTable, blank
-from vibeam.runs.comparison.beyond import GIVEN
-from vibeam.runs.comparison.errors import FIFTH
+from vibeam.runs.comparison.errors import FIFTH, GIVEN
 from vibeam.studies.modes_needed import ModesNeeded, ModesTried, modes_needed
 from vibeam.system.number_text import begun, modes_in_words, percent
 

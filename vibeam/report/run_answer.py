@@ -17,10 +17,8 @@ from vibeam.case.held import Held, held_of
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.report.comparison_words import Subject, both_numbers, gravest, open_points, signed
-from vibeam.runs.comparison.beyond import GIVEN
 from vibeam.runs.comparison.differences import HeldComparison, listed
-from vibeam.runs.comparison.errors import FIFTH, Asked
-from vibeam.runs.comparison.of_run import ComparedFidelity
+from vibeam.runs.comparison.errors import FIFTH, GIVEN, Asked, ComparedFidelity
 from vibeam.runs.summary import Summary, compare, stays_clear
 from vibeam.system.number_text import begun, modes_in_words, percent
 from vibeam_models.arguments import counted

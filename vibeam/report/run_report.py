@@ -13,7 +13,7 @@ from vibeam.report.output import StudySheet
 from vibeam.report.run_answer import beyond, run_answer
 from vibeam.report.tables import ARROWS, ReportTable, blank, coefficient, plain
 from vibeam.runs.comparison.differences import HeldComparison, doubts, listed, settled
-from vibeam.runs.comparison.of_run import ComparedFidelity
+from vibeam.runs.comparison.errors import ComparedFidelity
 from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare, remarks
 from vibeam.system.curves import NAN

@@ -18,8 +18,7 @@ from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
     from vibeam.figures.sheet import Sheet
-    from vibeam.runs.comparison.errors import Asked
-    from vibeam.runs.comparison.of_run import ComparedFidelity
+    from vibeam.runs.comparison.errors import Asked, ComparedFidelity
     from vibeam.system.curves import MotionCurves
     from vibeam.system.quantities import OutputUnits
     from vibeam.system.state import StatesAfter
@@ -126,7 +125,7 @@ class Result(FidelityResults[Branches]):
     @property
     def asked(self) -> Asked:
         """Errors that its case allows a model that suffices."""
-        from vibeam.runs.comparison.of_run import asked_of
+        from vibeam.runs.comparison.errors import asked_of
 
         return asked_of(self.case)
 

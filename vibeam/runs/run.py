@@ -27,7 +27,7 @@ from vibeam.system.progress import telling
 
 if TYPE_CHECKING:
     from vibeam.runs.comparison.differences import HeldComparison
-    from vibeam.runs.comparison.of_run import ComparedFidelity
+    from vibeam.runs.comparison.errors import ComparedFidelity
     from vibeam.runs.transient.result import TransientResult
     from vibeam.system.impact_system import ImpactSystem
 

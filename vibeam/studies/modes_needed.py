@@ -18,10 +18,9 @@ from vibeam.case.fineness import plain
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.casefile.tables.table import plan_with
-from vibeam.runs.comparison.beyond import GIVEN, GROWTH, MANY, fuller_response, further, is_whole, response_of
-from vibeam.runs.comparison.errors import Asked, ResponseComparison
+from vibeam.runs.comparison.beyond import GROWTH, MANY, fuller_response, further, is_whole, response_of
+from vibeam.runs.comparison.errors import GIVEN, Asked, ComparedFidelity, ResponseComparison
 from vibeam.runs.comparison.flights import Work
-from vibeam.runs.comparison.of_run import ComparedFidelity
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.labelled import ViewedTable

@@ -24,8 +24,7 @@ from vibeam.report.derive import derivation
 from vibeam.report.modes import modal
 from vibeam.report.output import to_json, write_csv
 from vibeam.report.run_report import details, fidelities
-from vibeam.runs.comparison.errors import AmplitudeError, ResponseComparison
-from vibeam.runs.comparison.of_run import ComparedFidelity
+from vibeam.runs.comparison.errors import AmplitudeError, ComparedFidelity, ResponseComparison
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
 from vibeam.studies.derive import DerivedParameter

@@ -16,9 +16,8 @@ from vibeam.report.derive import derivation
 from vibeam.report.run_report import details, fidelities
 from vibeam.report.tables import ReportTable, fitted
 from vibeam.runs.comparison.ends import SweptEnd
-from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
+from vibeam.runs.comparison.errors import AmplitudeError, ComparedFidelity, EndError, KindDifference, ResponseComparison
 from vibeam.runs.comparison.kinds import FREE, SweptKind
-from vibeam.runs.comparison.of_run import ComparedFidelity
 from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare
 from vibeam.studies.derive import DerivedParameter

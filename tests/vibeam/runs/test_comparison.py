@@ -12,10 +12,9 @@ from made_responses import MadeBranch, amplitudes, made
 from stand_in import RIG, curve
 
 import vibeam
-from vibeam.runs.comparison.beyond import GIVEN, WEARS, fuller_models, is_whole
-from vibeam.runs.comparison.errors import Asked, ResponseComparison
+from vibeam.runs.comparison.beyond import WEARS, fuller_models, is_whole
+from vibeam.runs.comparison.errors import GIVEN, Asked, ResponseComparison, asked_of
 from vibeam.runs.comparison.kinds import FREE, IRREGULAR, UNKNOWN, SweptKind, kinds_of
-from vibeam.runs.comparison.of_run import asked_of
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.system.response import Branches
 

@@ -16,7 +16,7 @@ import vibeam
 from vibeam.figures.record import kept_place
 from vibeam.report.transient import modal_energies, transient_report
 from vibeam.report.transient_answer import is_chaotic
-from vibeam.runs.comparison.of_run import asking
+from vibeam.runs.comparison.errors import asking
 from vibeam.runs.parallel import Interrupted
 from vibeam.runs.transient import motions, store
 from vibeam.runs.transient.result import TransientResult

@@ -25,6 +25,7 @@ from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_sheet
 from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
 from vibeam.cli.several import answers, require_folder
+from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -57,7 +58,6 @@ def run(
       vibeam run *.toml --accuracy "2 %" --out results/
     """
     from vibeam.casefile.quantities import RATIO
-    from vibeam.runs.comparison.of_run import asking
     from vibeam.studies.regression.references import require_readable
 
     asked = part_asked(price, part, gather, {"--fresh": fresh, "several cases": len(cases) > 1})
@@ -66,7 +66,9 @@ def run(
         raise UsageError(f"--accuracy {accuracy}: must lie between 0 and 100 %: write '5 %' or 0.05")
 
     def prepared(path: Path) -> Case:
-        case = asking(of_fidelities(load(path, set_), fidelity), within)
+        case = of_fidelities(load(path, set_), fidelity)
+        if within is not None:
+            case = loaded("vibeam.runs.comparison.errors:asking")(case, within)
         require_readable(case)
         if len(cases) > 1:
             from vibeam.runs.systems import require_runnable
@@ -97,10 +99,8 @@ def _swept(case: Case, path: Path, fresh: bool) -> tuple[StudySheet, list[Path]]
     result = run_case(case, path, fresh=fresh, compare=True)
     from vibeam.report.figures import write_figures
 
-    if case.record is not None:
-        from vibeam.report.transient import transient_report as report
-    else:
-        from vibeam.report.run_report import run_report as report  # type: ignore[assignment]
+    swept = case.record is None
+    report = loaded("vibeam.report.run_report:run_report" if swept else "vibeam.report.transient:transient_report")
     return report(result), [path, *write_figures(result, path)]
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, gap_wear, system
+from vibeam.runs.comparison.errors import GIVEN
 from vibeam.runs.comparison.flights import Work, flights_of
 from vibeam.runs.comparison.places import SweptPlace, flown
 from vibeam.runs.comparison.responses import Response
@@ -27,7 +28,6 @@ PLACES = 31  # frequencies of its sweep
 WORK = 1.5  # CPU seconds that its sweep may take
 GROWTH = 1.7  # exponent by which the time of a point grows with the number of modes, about
 
-GIVEN = "the case gives only these modes"
 WEARS = "each impact widens the gap, so that no motion repeats"
 DEAR = "a sweep of {} modes takes longer than {:g} s"
 

@@ -9,11 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.runs.comparison.kinds import SweptKind
-from vibeam.runs.comparison.places import JUMP, SweptBranch, width
+from vibeam.runs.comparison.kinds import JUMP, SweptKind, width
+
+if TYPE_CHECKING:
+    from vibeam.runs.comparison.places import SweptBranch
 
 ALIKE = 0.6  # worth of a match whose contact begins or is lost alike, beside other motions
 FARTHEST = 0.5  # relative distance of two ends that are matched, at most

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from math import inf
 
+from vibeam.case.case import Case
 from vibeam.runs.comparison.ends import SweptEnd
-from vibeam.runs.comparison.kinds import SweptKind
-from vibeam.runs.comparison.places import width
+from vibeam.runs.comparison.kinds import SweptKind, width
 
+GIVEN = "the case gives only these modes"
 FIFTH = 0.2  # frequency error allowed, as a share of the amplitude error, where it is not said
 
 
@@ -154,3 +155,43 @@ class ResponseComparison:
 def _within(size: float, open_: float, allowed: float) -> bool | None:
     """Test whether a number known to ± ``open_`` is at most so large; None where that is open."""
     return True if size + open_ <= allowed else False if size - open_ > allowed else None
+
+
+@dataclass(frozen=True)
+class ComparedFidelity:
+    """Comparison of a fidelity with its ``reference``; of a finest one, whose reference is empty, with a fuller model.
+
+    ``modes`` of the reference, on so many ``elements`` where these are others than the case's; ``limit``: the errors
+    are carried on to infinitely many modes. ``whole``: it is all that the case gives, and so exact; ``why``: there is
+    no comparison.
+    """
+
+    fidelity: str
+    reference: str
+    comparison: ResponseComparison | None
+    modes: int = 0
+    elements: int = 0
+    limit: bool = False
+    whole: bool = False
+    why: str = ""
+    cpu_seconds: float = 0.0
+
+    def suffices(self, asked: Asked) -> bool | None:
+        """Test whether it is within what is asked of its reference; None where that is not known."""
+        if self.whole:
+            return True
+        return None if self.comparison is None else self.comparison.suffices(asked)
+
+
+def asked_of(case: Case) -> Asked:
+    """Errors that a case allows its models."""
+    plan = case.asked["verdict"]
+    return Asked.of(plan.accuracy, plan.frequency_accuracy)
+
+
+def asking(case: Case, accuracy: float | None) -> Case:
+    """The case asking for another accuracy; None: as it does."""
+    if accuracy is None:
+        return case
+    plan = replace(case.asked["verdict"], accuracy=accuracy)
+    return replace(case, asked={**case.asked, "verdict": plan})

@@ -48,8 +48,8 @@ class CaseFlights:
         self._system, self._slowest = system or case.system(name), 2 * np.pi * float(plan.frequency.min())
         self._solver, self._options = (own.solver, own.options) if system is None else ("flight", {})
         grid = 2 * np.pi * plan.frequency
-        own_options: Any = self._options
         plain = gap_drift(self._scene, grid) is None and not self._scene.harmonics
+        own_options: Any = self._options
         self._runner = solver(self._solver, self._system, self._slowest, **own_options) if plain else None
 
     @property
@@ -66,10 +66,7 @@ class CaseFlights:
     def _steady(self, omega: Array, state: State | None, settle: int) -> tuple[FrequencyResponse, State]:
         base = float(np.ravel(self._base(omega))[0])
         if self._runner is not None:
-            steady: tuple[FrequencyResponse, State] = self._runner.steady(
-                omega, base, state, settle, self._hold, self._output
-            )
-            return steady
+            return self._runner.steady(omega, base, state, settle, self._hold, self._output)  # type: ignore[no-any-return]
         settings: Mapping[str, Any] = {
             "settle": settle, "hold": self._hold, "output": self._output, "solver": self._solver,
             "options": self._options, "harmonics": self._scene.harmonics, "slowest": self._slowest,

@@ -11,6 +11,7 @@ from vibeam_models.arguments import counted
 
 LONGEST = 4  # drive periods after which a motion repeats, above which it counts as one that does not
 MANY = 8  # impacts a drive period, above which their number is no mark of a motion: it chatters
+JUMP = 0.2  # relative change of the amplitude between neighbours that may be a jump
 FREE, IRREGULAR, UNKNOWN = -1, 0, -2  #: in place of the periods
 
 
@@ -56,3 +57,8 @@ def _kind(periods: int, rate: float) -> SweptKind:
     if not 0 < periods <= LONGEST:
         return SweptKind(IRREGULAR)
     return SweptKind(periods, -1 if rate > MANY else round(rate * periods))
+
+
+def width(one: float, other: float) -> float:
+    """Relative width between two frequencies."""
+    return abs(other - one) / (0.5 * (one + other))

@@ -6,14 +6,13 @@ Only fidelities of the same physics are compared; a finest one that is all that 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from time import thread_time
 
 import numpy as np
 
 from vibeam.case.case import Case
 from vibeam.runs.comparison.beyond import fuller_response, further, is_whole
-from vibeam.runs.comparison.errors import Asked, ResponseComparison
+from vibeam.runs.comparison.errors import Asked, ComparedFidelity, asked_of
 from vibeam.runs.comparison.flights import Work, flights_of
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.system.response import Branches, modes_of
@@ -21,46 +20,6 @@ from vibeam.system.state import StatesAfter
 
 INEXACT = 'solver "{}" is not exact'
 LEAST, SHARE = 0.5, 0.5  # CPU seconds, and share of those of its sweep, that a fidelity's ends may take
-
-
-@dataclass(frozen=True)
-class ComparedFidelity:
-    """Comparison of a fidelity with its ``reference``; of a finest one, whose reference is empty, with a fuller model.
-
-    ``modes`` of the reference, on so many ``elements`` where these are others than the case's; ``limit``: the errors
-    are carried on to infinitely many modes. ``whole``: it is all that the case gives, and so exact; ``why``: there is
-    no comparison.
-    """
-
-    fidelity: str
-    reference: str
-    comparison: ResponseComparison | None
-    modes: int = 0
-    elements: int = 0
-    limit: bool = False
-    whole: bool = False
-    why: str = ""
-    cpu_seconds: float = 0.0
-
-    def suffices(self, asked: Asked) -> bool | None:
-        """Test whether it is within what is asked of its reference; None where that is not known."""
-        if self.whole:
-            return True
-        return None if self.comparison is None else self.comparison.suffices(asked)
-
-
-def asked_of(case: Case) -> Asked:
-    """Errors that a case allows its models."""
-    plan = case.asked["verdict"]
-    return Asked.of(plan.accuracy, plan.frequency_accuracy)
-
-
-def asking(case: Case, accuracy: float | None) -> Case:
-    """The case asking for another accuracy; None: as it does."""
-    if accuracy is None:
-        return case
-    plan = replace(case.asked["verdict"], accuracy=accuracy)
-    return replace(case, asked={**case.asked, "verdict": plan})
 
 
 def compared_fidelities(

@@ -14,12 +14,11 @@ from typing import Protocol
 
 import numpy as np
 
-from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN, SweptKind, kinds_of
+from vibeam.runs.comparison.kinds import IRREGULAR, JUMP, UNKNOWN, SweptKind, kinds_of, width
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State, StatesAfter
 
 TOLERANCE = 1e-3  # relative width in frequency to which an end is bracketed
-JUMP = 0.2  # relative change of the amplitude between neighbours that may be a jump
 MOST = 30  # points put between two neighbours
 
 
@@ -81,11 +80,6 @@ def apart(one: SweptPlace, other: SweptPlace) -> bool:
         return True
     larger = max(abs(one.amplitude), abs(other.amplitude))
     return one.kind.repeats and abs(one.amplitude - other.amplitude) > JUMP * larger
-
-
-def width(one: float, other: float) -> float:
-    """Relative width between two frequencies."""
-    return abs(other - one) / (0.5 * (one + other))
 
 
 def bracketed(places: Sequence[SweptPlace], i: int, flights: Flights, tolerance: float) -> list[SweptPlace]:

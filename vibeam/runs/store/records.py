@@ -16,9 +16,8 @@ import numpy as np
 from vibeam.case.held import Held
 from vibeam.runs.comparison.differences import BothChoices, HeldComparison
 from vibeam.runs.comparison.ends import SweptEnd
-from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
+from vibeam.runs.comparison.errors import AmplitudeError, ComparedFidelity, EndError, KindDifference, ResponseComparison
 from vibeam.runs.comparison.kinds import SweptKind
-from vibeam.runs.comparison.of_run import ComparedFidelity
 from vibeam.runs.store.branches import write_quantity
 from vibeam.runs.systems import ModelProperties
 from vibeam.store.hdf5 import fixed, scale, text_of
