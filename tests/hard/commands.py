@@ -67,7 +67,7 @@ REFERENCES = ("DIMENSION_LIST", "REFERENCE_LIST", "checksum")
 
 OTHER_EACH_TIME = ("cpu_seconds", "checksum")  # the checksum of a point is of its CPU time too
 
-OF_TIMES = ("comparison@key", "estimates@key")  # keys that are of CPU times too
+OF_TIMES = ("comparison@key", "compared@key")  # keys that are of CPU times too
 
 SECONDS = re.compile(rb'"\w*seconds": [^,}]*')  # in what is stored as JSON
 

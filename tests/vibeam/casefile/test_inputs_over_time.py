@@ -283,7 +283,7 @@ def test_one_mode_in_its_own_units() -> None:
         ({"drive": PULSE, "record": {"duration": "1 s", "over": "mass.position", "values": ["132 mm", "190 mm"]}}, "record.values.1: mass.position = 0.19 in fidelity one, mass.position: 0.19 m is beyond the tip: beam.length is 0.18 m"),
         ({"drive": PULSE, "record": {"duration": "1 s", "outputs": "sensr"}}, "record.outputs: 'sensr' is not one of \"sensor\" | \"contact\" | \"tip\" | \"platform\"; did you mean 'sensor'?"),
         ({"drive": PULSE, "sweep": {"frequency": ["15 Hz"]}}, "record: and [sweep] do not go together: a case has one of the two"),
-        ({"drive": PULSE, "cost": {"budget": "3 s"}}, "cost: is of a [sweep]: take it away; vibeam run says the CPU time of every fidelity"),
+        ({"drive": PULSE, "cost": {"budget": "4 s"}}, "cost: is of a [sweep]: take it away; vibeam run says the CPU time of every fidelity"),
         ({"drive": PULSE, "measurement": {"sampling": "1 kHz"}}, "measurement: is of the figures of a [sweep]: take it away; record.rate samples histories"),
         ({"drive": PULSE, "show": {"a": {"kind": "portrait", "frequency": "15 Hz"}}}, 'show.a.kind: "portrait" is of a [sweep]; of a [record]: '),
         ({"drive": PULSE, "show": {"a": {"kind": "history", "output": "tip"}}}, "show.a.output: is not kept: name 'tip' in record.outputs too"),
