@@ -26,13 +26,15 @@ class MadeBranch:
 
 @dataclass
 class MadeFlights:
-    """Steady points of a model with known branches, which a step of more than ``careful`` Hz throws off early.
+    """Steady points of a model with known branches, which a step of more than ``careful`` Hz throws off.
 
+    Over the last ``early`` Hz of a branch, without it the last ``careful`` ones.
     The state has the frequency, and the number of the branch.
     """
 
     branches: tuple[MadeBranch, ...]
     careful: float = np.inf
+    early: float | None = None
     done: bool = False
     count: int = 0
 
@@ -42,7 +44,8 @@ class MadeFlights:
         which = next(i for i, each in enumerate(self.branches) if frequency <= each.end)
         if state is not None:
             before, last = int(state.velocity[0]), float(state.displacement[0])
-            thrown = abs(frequency - last) > self.careful and frequency > self.branches[before].end - self.careful
+            early = self.careful if self.early is None else self.early
+            thrown = abs(frequency - last) > self.careful and frequency > self.branches[before].end - early
             which = max(which, before + 1) if thrown and before + 1 < len(self.branches) else max(which, before)
         own = self.branches[which]
         periods = own.period if own.period else 0
@@ -51,9 +54,11 @@ class MadeFlights:
         return found, State([frequency], [float(which)])
 
 
-def made(branches: tuple[MadeBranch, ...], grid: np.ndarray, careful: float = np.inf) -> Response:
+def made(
+    branches: tuple[MadeBranch, ...], grid: np.ndarray, careful: float = np.inf, early: float | None = None
+) -> Response:  # fmt: skip
     """Response of a model swept up over a grid."""
-    flights, places = MadeFlights(branches, careful), []
+    flights, places = MadeFlights(branches, careful, early), []
     for frequency in np.sort(grid).tolist():
         places.append(flown(flights, frequency, places[-1] if places else None))
     return Response({"up": places}, flights)

@@ -91,6 +91,17 @@ def test_a_branch_that_the_step_of_the_grid_left_too_early_is_followed_to_its_en
     assert lost.ours.frequency == pytest.approx(180.3, rel=1e-3)
 
 
+def test_a_branch_left_several_steps_of_the_grid_too_early_is_followed_to_its_end() -> None:
+    """Steps of 2.5 Hz leave it within its last 9 Hz; steps of 1.3 Hz, to which halving comes, do not."""
+    thrown = made(hardening(180.3), np.linspace(100.0, 200.0, 41), careful=1.3, early=9.0)
+    before = max(each.frequency for each in thrown.places["up"] if each.kind.repeats)
+    assert before < 173.0
+    found = compared(thrown, made(hardening(180.3), np.linspace(100.0, 200.0, 401)))
+    lost = next(each for each in found.ends if each.ours.event == "contact is lost")
+    assert lost.ours.frequency == pytest.approx(180.3, rel=1e-3)
+    assert found.suffices(FIVE) is True
+
+
 def test_a_jump_within_a_kind_is_an_end() -> None:
     def response(jump: float) -> Response:
         return made((branch(jump, size=1.0), branch(500.0, size=2.0)), GRIDS[1])

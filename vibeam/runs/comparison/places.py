@@ -92,7 +92,7 @@ def bracketed(places: Sequence[SweptPlace], i: int, flights: Flights, tolerance:
         more = _halved(found[-1], places[at + 1], flights, tolerance)
         found += more
         last = more[-1] if more else found[-1]
-        again = _reached(last, places[at], places[at + 1], flights) if more else None
+        again = _reached(last, places[i], places[at + 1], flights) if more else None
         if again is None:
             return [*found, *places[at + 1 :]]
         found.append(again)
