@@ -87,8 +87,7 @@ def _spread(found: AmplitudeError) -> str:
 
 def gravest(who: Subject, other: Subject, found: ResponseComparison, asked: Asked, units: DisplayUnits) -> str:
     """Clause on the largest of the errors, in units of what is asked."""
-    amplitude = found.amplitude.least / asked.amplitude if found.amplitude else 0.0
-    frequency, kind = found.frequency_error / asked.frequency, found.kind_width / asked.frequency
+    amplitude, frequency, kind = found.shares(asked)
     if found.kinds and kind >= max(amplitude, frequency):
         return _difference(who, other, found.kinds[0], units)
     if found.ends and frequency >= amplitude and _is_known(found.ends[0]):

@@ -64,7 +64,7 @@ def changes(
 
 
 def _of_comparison(found: ResponseComparison) -> Iterator[NumberChange]:
-    """Both errors of a comparison, and the width of the widest difference in kind; 0 without any.
+    """Both errors of a comparison, and the width of the widest difference in kind; 0 without any, ∞ of contact alone.
 
     Half of what an error is uncertain by stands for its standard error: what it may be at most is counted.
     """
@@ -72,7 +72,7 @@ def _of_comparison(found: ResponseComparison) -> Iterator[NumberChange]:
     none = nan, 0.0, 0.0
     yield NumberChange(AMPLITUDES, *(none if at is None else (at.reference, at.error, at.scatter)))
     yield NumberChange(ENDS, *(none if ends is None else (ends.reference.frequency, ends.error, ends.open / 2)))
-    spans = [(0.5 * (each.low + each.high), each.width, each.open / 2) for each in found.kinds]
+    spans = [(0.5 * (each.low + each.high), inf if each.alone else each.width, each.open / 2) for each in found.kinds]
     spans += [(0.5 * (low + high), width(low, high), 0.0) for _, low, high in found.unknown]
     yield NumberChange(KINDS, *max(spans, key=lambda each: each[1] + 2 * each[2], default=none))
 

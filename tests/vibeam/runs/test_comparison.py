@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_responses import MadeBranch, amplitudes, made
+from made_responses import MadeBranch, MadeFlights, amplitudes, made
 from stand_in import RIG, curve
 
 import vibeam
 from vibeam.runs.comparison.beyond import WEARS, fuller_models, is_whole
 from vibeam.runs.comparison.errors import GIVEN, Asked, ResponseComparison, asked_of
 from vibeam.runs.comparison.kinds import FREE, IRREGULAR, UNKNOWN, SweptKind, kinds_of
+from vibeam.runs.comparison.places import flown
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.system.response import Branches
 
@@ -100,6 +101,20 @@ def test_a_branch_left_several_steps_of_the_grid_too_early_is_followed_to_its_en
     lost = next(each for each in found.ends if each.ours.event == "contact is lost")
     assert lost.ours.frequency == pytest.approx(180.3, rel=1e-3)
     assert found.suffices(FIVE) is True
+
+
+@pytest.mark.parametrize("grid", GRIDS, ids=len)
+def test_a_model_without_contact_where_the_other_has_a_narrow_range_does_not_suffice(grid: np.ndarray) -> None:
+    touching = branch(150.0, FREE, 0), branch(150.6, 1, 1), branch(500.0, FREE, 0)
+    never, narrow = (made(each, grid) for each in ((branch(500.0, FREE, 0),), touching))
+    narrow.places["up"] = [*narrow.places["up"], flown(MadeFlights(touching), 150.3, None)]
+    narrow.places["up"].sort(key=lambda each: each.frequency)
+    for ours, theirs in ((never, narrow), (narrow, never)):
+        found = compared(ours, theirs)
+        assert found.suffices(FIVE) is False
+        assert found.kinds[0].alone
+        assert found.worst(FIVE) == np.inf
+    assert compared(narrow, narrow).suffices(FIVE) is True
 
 
 def test_a_jump_within_a_kind_is_an_end() -> None:

@@ -79,7 +79,10 @@ class EndError:
 
 @dataclass(frozen=True)
 class KindDifference:
-    """Difference in kind between ``low`` and ``high`` in Hz, whose ends are known to ± ``open``, a share."""
+    """Difference in kind between ``low`` and ``high`` in Hz, whose ends are known to ± ``open``, a share.
+
+    ``alone``: one of the two has contact, the other has none in the whole sweep of this ``direction``.
+    """
 
     low: float
     high: float
@@ -87,11 +90,16 @@ class KindDifference:
     direction: str
     ours: SweptKind
     reference: SweptKind
+    alone: bool = False
 
     @property
     def width(self) -> float:
         """Relative width in frequency; ∞ of a sweep at this frequency alone."""
         return width(self.low, self.high) if self.high > self.low else inf
+
+    def within(self, allowed: float) -> bool | None:
+        """Test whether it is as narrow as is allowed; contact where the other has none at all never is."""
+        return False if self.alone else _within(self.width, self.open, allowed)
 
 
 @dataclass(frozen=True)
@@ -100,7 +108,7 @@ class ResponseComparison:
 
     ``amplitude``: where it is surely most off, None without a place at which both make the same motion with contact;
     ``scattered``: where it may be most off; ``ends`` that both have, the worst first; ``kinds``: differences in kind,
-    the widest first; ``places``: at how many the amplitudes were compared. ``unknown``: ranges in Hz, of which the
+    the gravest first; ``places``: at how many the amplitudes were compared. ``unknown``: ranges in Hz, of which the
     motion of one of the two is not known.
     """
 
@@ -118,12 +126,12 @@ class ResponseComparison:
 
     @property
     def frequency_error(self) -> float:
-        """Size of the frequency error; 0 where neither has an end, NaN where they have none in common but differ."""
+        """Size of the frequency error; 0 without an end that both have."""
         return abs(self.ends[0].error) if self.ends else 0.0
 
     @property
     def kind_width(self) -> float:
-        """Relative width of the widest difference in kind; 0 without any."""
+        """Relative width of the gravest difference in kind; 0 without any."""
         return self.kinds[0].width if self.kinds else 0.0
 
     def carried_on(self, factor: float) -> ResponseComparison:
@@ -137,7 +145,7 @@ class ResponseComparison:
         """Test whether the response is within what is asked of the reference; None where that is not known."""
         found = [self._amplitude_within(asked.amplitude)]
         found += [_within(abs(each.error), each.open, asked.frequency) for each in self.ends]
-        found += [_within(each.width, each.open, asked.frequency) for each in self.kinds]
+        found += [each.within(asked.frequency) for each in self.kinds]
         found += [None for _, low, high in self.unknown if width(low, high) > asked.frequency]
         return False if False in found else None if None in found else True
 
@@ -146,10 +154,15 @@ class ResponseComparison:
             return True
         return False if self.amplitude.least > allowed else True if self.scattered.most <= allowed else None
 
+    def shares(self, asked: Asked) -> tuple[float, float, float]:
+        """Amplitude error, frequency error and gravest difference in kind, each in units of what is asked."""
+        amplitude = 0.0 if self.amplitude is None else self.amplitude.least / asked.amplitude
+        kind = inf if any(each.alone for each in self.kinds) else self.kind_width / asked.frequency
+        return amplitude, self.frequency_error / asked.frequency, kind
+
     def worst(self, asked: Asked) -> float:
         """Largest of the errors in units of what is asked."""
-        amplitude = 0.0 if self.amplitude is None else self.amplitude.least / asked.amplitude
-        return max(amplitude, self.frequency_error / asked.frequency, self.kind_width / asked.frequency)
+        return max(self.shares(asked))
 
 
 def _within(size: float, open_: float, allowed: float) -> bool | None:

@@ -5,7 +5,8 @@ sweep, at which both make a motion of the same kind; where the reference has les
 relative to that tenth; of motions that do not repeat, of means over neighbouring places. The *frequency error* is the
 largest relative distance of ends of branches that both have. Where the kinds differ, and no end that both have
 accounts for it, there is a *difference in kind*. A model suffices where both numbers are within what is asked, and no
-difference in kind is wider than the frequency error allowed. Motions without contact count by their ends alone.
+difference in kind is wider than the frequency error allowed; where one of the two alone has contact, in the whole
+sweep, none is narrow enough. Motions without contact count by their ends alone.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import numpy as np
 
 from vibeam.runs.comparison.ends import SweptEnd, ends_of, matched
 from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
-from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN
+from vibeam.runs.comparison.kinds import FREE, IRREGULAR, UNKNOWN, SweptKind
 from vibeam.runs.comparison.places import (
     TOLERANCE,
     Flights,
@@ -109,7 +110,7 @@ def _comparison(found: Sequence[_Direction], least: float) -> ResponseComparison
         max(amplitudes, key=lambda each: (each.least, abs(each.error)), default=None),
         max(amplitudes, key=lambda each: each.most, default=None),
         tuple(sorted(ends, key=lambda each: -abs(each.error))),
-        tuple(sorted(kinds, key=lambda each: -each.width)),
+        tuple(sorted(kinds, key=lambda each: (not each.alone, -each.width))),
         len(amplitudes),
         tuple(each for one in found for each in one.unknown()),
     )
@@ -131,6 +132,9 @@ class _Direction:
         self.way, self.both, self.narrowest = way, (ours, reference), narrowest
         self.ours, self.theirs = (stretches(each.places[way]) for each in self.both)
         self.wide = [stretches(each.places[way], narrowest) for each in self.both]
+        kinds = [{each.kind for each in side.places[way]} for side in self.both]
+        free = [each == {SweptKind(FREE)} for each in kinds]
+        self.alone = any(free) and any(each.strikes for several in kinds for each in several)
         every = [each for several in (self.ours, self.theirs) for each in several]
         self.opens = {each.start: each.open_start for each in every} | {each.end: each.open_end for each in every}
         pairs = matched(*(ends_of(each, way) for each in self.wide))
@@ -179,7 +183,7 @@ class _Direction:
     def kind_differences(self) -> list[KindDifference]:
         """Differences in kind wider than the narrowest branch, each named by the widest of its parts."""
         found = [self._united(each) for each in self.different()]
-        return [each for each in found if each.width + each.open > self.narrowest]
+        return [each for each in found if each.alone or each.width + each.open > self.narrowest]
 
     def different(self) -> list[list[KindDifference]]:
         """Ranges of different kinds that no matched end accounts for, each as its parts with two kinds."""
@@ -193,7 +197,7 @@ class _Direction:
             if not found or found[-1][-1].high != each.low:
                 found.append([])
             open_ = self.opens[each.low] + self.opens[each.high]
-            found[-1].append(KindDifference(each.low, each.high, open_ / middle, self.way, *kinds))
+            found[-1].append(KindDifference(each.low, each.high, open_ / middle, self.way, *kinds, self.alone))
         return found
 
     def _united(self, parts: Sequence[KindDifference]) -> KindDifference:
