@@ -11,6 +11,7 @@ sweep, none is narrow enough. Motions without contact count by their ends alone.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -132,9 +133,11 @@ class _Direction:
         self.way, self.both, self.narrowest = way, (ours, reference), narrowest
         self.ours, self.theirs = (stretches(each.places[way]) for each in self.both)
         self.wide = [stretches(each.places[way], narrowest) for each in self.both]
+        self._wide_at = [_Branches(each) for each in self.wide]
         kinds = [{each.kind for each in side.places[way]} for side in self.both]
         free = [each == {SweptKind(FREE)} for each in kinds]
         self.alone = any(free) and any(each.strikes for several in kinds for each in several)
+        self.pairs = list(_pairs(self.ours, self.theirs))
         every = [each for several in (self.ours, self.theirs) for each in several]
         self.opens = {each.start: each.open_start for each in every} | {each.end: each.open_end for each in every}
         pairs = matched(*(ends_of(each, way) for each in self.wide))
@@ -151,7 +154,7 @@ class _Direction:
         low, high = sorted((one.frequency, other.frequency))
         parts = [
             min(each.high, high) - max(each.low, low)
-            for each in self.pairs() if each.ours.kind != each.reference.kind and each.low < high and each.high > low
+            for each in self.pairs if each.ours.kind != each.reference.kind and each.low < high and each.high > low
         ]  # fmt: skip
         return high - low <= one.open + other.open or sum(parts) >= MOVED * (high - low)
 
@@ -169,17 +172,6 @@ class _Direction:
             if open_ and (one.width <= FAR * self.narrowest or one.width == widest):
                 yield from (at for each in parts for at in (each.low, each.high))
 
-    def pairs(self) -> Iterator[_Pair]:
-        """Ranges over which neither response changes its branch, from low to high."""
-        cuts = sorted(
-            {each for several in (self.ours, self.theirs) for one in several for each in (one.start, one.end)}
-        )
-        for low, high in pairwise(cuts if len(cuts) > 1 else cuts * 2):  # a sweep may have one frequency
-            middle = 0.5 * (low + high)
-            ours, theirs = (_at(several, middle) for several in (self.ours, self.theirs))
-            if ours is not None and theirs is not None:
-                yield _Pair(low, high, ours, theirs)
-
     def kind_differences(self) -> list[KindDifference]:
         """Differences in kind wider than the narrowest branch, each named by the widest of its parts."""
         found = [self._united(each) for each in self.different()]
@@ -189,7 +181,7 @@ class _Direction:
         """Ranges of different kinds that no matched end accounts for, each as its parts with two kinds."""
         found: list[list[KindDifference]] = []
         spans = [sorted((one.frequency, other.frequency)) for one, other in self.matched]
-        for each in self.pairs():
+        for each in self.pairs:
             kinds, middle = (each.ours.kind, each.reference.kind), 0.5 * (each.low + each.high)
             moved = any(low <= middle <= high for low, high in spans)
             if kinds[0] == kinds[1] or moved or UNKNOWN in (kinds[0].periods, kinds[1].periods):
@@ -207,13 +199,13 @@ class _Direction:
 
     def unknown(self) -> Iterator[tuple[str, float, float]]:
         """Ranges in which the motion of one of the two is not known."""
-        for each in self.pairs():
+        for each in self.pairs:
             if UNKNOWN in (each.ours.kind.periods, each.reference.kind.periods):
                 yield self.way, each.low, each.high
 
     def amplitudes(self, least: float) -> Iterator[AmplitudeError]:
         """Errors of the amplitude at the places that both have, and at the ends of their common ranges."""
-        alike = [each for each in self.pairs() if each.ours.kind == each.reference.kind and self._is_branch(each)]
+        alike = [each for each in self.pairs if each.ours.kind == each.reference.kind and self._is_branch(each)]
         for each in alike:
             if each.ours.kind.repeats:
                 yield from self._of_motion(each, least)
@@ -221,7 +213,7 @@ class _Direction:
 
     def _is_branch(self, pair: _Pair) -> bool:
         """Test whether a range is of branches that are told apart, not of narrow ones among others."""
-        found = [_at(each, 0.5 * (pair.low + pair.high)) for each in self.wide]
+        found = [each.at(0.5 * (pair.low + pair.high)) for each in self._wide_at]
         return all(each is not None and each.kind == pair.ours.kind for each in found)
 
     def _of_motion(self, pair: _Pair, least: float) -> Iterator[AmplitudeError]:
@@ -292,9 +284,27 @@ def _end_error(ours: SweptEnd, reference: SweptEnd) -> EndError:
     return EndError(ours.frequency / at - 1, (ours.open + reference.open) / at, ours, reference)
 
 
-def _at(found: Sequence[SweptBranch], frequency: float) -> SweptBranch | None:
-    """Branch at a frequency."""
-    return next((each for each in found if min(each.start, each.end) <= frequency <= max(each.start, each.end)), None)
+def _pairs(ours: Sequence[SweptBranch], theirs: Sequence[SweptBranch]) -> Iterator[_Pair]:
+    """Ranges over which neither response changes its branch, from low to high."""
+    cuts = sorted({each for several in (ours, theirs) for one in several for each in (one.start, one.end)})
+    mine, other = _Branches(ours), _Branches(theirs)
+    for low, high in pairwise(cuts if len(cuts) > 1 else cuts * 2):  # a sweep may have one frequency
+        found = mine.at(0.5 * (low + high)), other.at(0.5 * (low + high))
+        if found[0] is not None and found[1] is not None:
+            yield _Pair(low, high, found[0], found[1])
+
+
+class _Branches:
+    """Branches of one response in one direction, by frequency."""
+
+    def __init__(self, found: Sequence[SweptBranch]) -> None:
+        self._found = sorted(found, key=lambda each: min(each.start, each.end))
+        self._lows = [min(each.start, each.end) for each in self._found]
+
+    def at(self, frequency: float) -> SweptBranch | None:
+        """Branch at a frequency."""
+        found = self._found[max(bisect_right(self._lows, frequency) - 1, 0)]
+        return found if self._lows[0] <= frequency <= max(found.start, found.end) else None
 
 
 def _inside(stretch: SweptBranch, pair: _Pair) -> dict[float, SweptPlace]:
