@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from vibeam.case.fidelity import with_first_mode_restitution
-from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.number_text import ratio
-from vibeam_models.scene import AnyScene, RigScene
+from vibeam_models.scene import AnyScene
 
 SYMBOLS = {"contact": "R", "first mode": "R₁"}
 PLACES = {"contact": "at the contact", "first mode": "of mode 1"}
@@ -48,14 +46,3 @@ def held_of(scene: AnyScene) -> Held:
     """Restitution that a scene holds, whatever the fidelity."""
     law = None if scene.stop is None else scene.stop.law
     return Held(*scene.held) if law is None else Held("", None, law.name)
-
-
-def with_other_choice(scene: RigScene, system: ImpactSystem) -> ImpactSystem:
-    """System of one fidelity where its scene's coefficient is that of the other choice; see ``other_choice``.
-
-    ValueError where no contact restitution in [0, 1] shows mode 1 that coefficient.
-    """
-    given = scene.stop.usual_restitution
-    if scene.stop.restitution_of == "first mode":
-        return replace(system, restitution=given)
-    return with_first_mode_restitution(system, given)

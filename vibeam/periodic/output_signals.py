@@ -62,7 +62,7 @@ class OrbitOutput:
         value, times = np.full(len(self.omega), np.nan), np.zeros(len(self.omega))
         if len(self.known):
             found = self.sampled.highest if sign > 0 else self.sampled.lowest
-            value[self.known], times[self.known], _ = found
+            value[self.known], times[self.known] = found
         return sign * value, self.by(times)
 
     def samples(self, count: int) -> Array:

@@ -1,4 +1,4 @@
-"""Signals of impact trains in closed form: extremes over a period, and clearance from the stop.
+"""Signals of impact trains in closed form, and their extremes over a period.
 
 After an impact an output is a constant, the drive's harmonic and Σ Re(W_i e^{λ_i τ}) over the modes, with
 
@@ -7,8 +7,7 @@ After an impact an output is a constant, the drive's harmonic and Σ Re(W_i e^{�
 Its values and slopes on a grid of times common to all motions are one product of matrices. Between two times the signal
 is within Σ |W_i| e^{−σ_i τ} min(2, |λ_i h|⁴/384) of its cubic Hermite interpolant (Birkhoff & Priver 1967): the steps
 are as short as that needs, finer just after the impact where the high modes still ring. The interpolant says in which
-interval an extreme lies; its value is the signal's own, by Newton's method on the slope. That another interval reaches
-higher by what interpolation and the modes too small to be followed leave open is the extreme's ``uncertainty``.
+interval an extreme lies; its value is the signal's own, by Newton's method on the slope.
 """
 
 from __future__ import annotations
@@ -20,10 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.periodic.modal_sums import offsets
-from vibeam.periodic.trains import Trains, contact_phasor, flights, lags
-from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.arrays import Array, Complex, Flags
+from vibeam.periodic.trains import Trains, flights, lags
+from vibeam_models.arrays import Array, Complex
 
 TOLERANCE = 2e-6  # interpolation error aimed at, as a share of the signal's size; the modes left out have as much
 MOST = 640  # times at most; for more the tolerance is relaxed
@@ -65,7 +62,7 @@ class TrainSignal(NamedTuple):
 class Sampled:
     """A signal's values (rows, times), slopes times step at the begin and end of each interval, and the times.
 
-    ``whole``: the signal; ``followed``: its parts that are large enough; ``dropped`` (rows,): bound on the others.
+    ``whole``: the signal; the values are those of its parts that are large enough.
     """
 
     value: Array
@@ -73,17 +70,14 @@ class Sampled:
     end: Array
     times: Array
     whole: TrainSignal
-    followed: TrainSignal
-    dropped: Array
 
     @cached_property
-    def highest(self) -> tuple[Array, Array, Array]:
-        """Largest values (rows,) where the interpolants are largest, their times after the impacts, and bounds on the
-        interpolants' error there."""
+    def highest(self) -> tuple[Array, Array]:
+        """Largest values (rows,) where the interpolants are largest, and their times after the impacts."""
         return _highest(self, 1.0)
 
     @cached_property
-    def lowest(self) -> tuple[Array, Array, Array]:
+    def lowest(self) -> tuple[Array, Array]:
         """As ``highest``: of the signal's negative."""
         return _highest(self, -1.0)
 
@@ -101,14 +95,6 @@ class SignalGrid(NamedTuple):
         return np.cumprod(np.concatenate([np.ones((len(omega), 1)), ratios[:, self.stretch]], axis=1), axis=1)
 
 
-class Extremes(NamedTuple):
-    """Largest and least value of a signal over the period (points,), and the bound on what either may be off."""
-
-    maximum: Array
-    minimum: Array
-    uncertainty: Array
-
-
 def excited(natural: Array, zeta: Array, contact: Array, trains: Trains) -> Excited:
     """Response of modes (n,) to the impact trains."""
     seen = np.flatnonzero(contact)
@@ -116,15 +102,6 @@ def excited(natural: Array, zeta: Array, contact: Array, trains: Trains) -> Exci
     kernels = shares[:, None] / -np.expm1(rates[:, None] * trains.span)
     response = (kernels[:, :, None] * _summed(rates, trains)).reshape(len(rates), -1)
     return Excited(trains, rates, response, seen[part_of])
-
-
-def signal(system: ImpactSystem, modes: Excited, output: str) -> TrainSignal:
-    """Signal of an output: a displacement, a velocity or an acceleration."""
-    row, derivative, trains = system.row(output), system.derivative(output), modes.trains
-    order, base = (0, 0.0) if derivative is None else (derivative.order, derivative.base)
-    steady = contact_phasor(system, trains.omega, trains.amplitude, row) + base * trains.amplitude
-    constant = float(row @ offsets(system)) if order == 0 else 0.0
-    return signal_of(modes, row * system.contact, steady, constant, order)
 
 
 def signal_of(modes: Excited, weights: Array, steady: Complex, constant: float, order: int = 0) -> TrainSignal:
@@ -164,14 +141,13 @@ def sampled(found: TrainSignal) -> Sampled:
     shares = (heights / np.maximum(size, 1e-300)).max(axis=1, initial=0.0)
     ascending = np.argsort(shares)
     kept = np.sort(ascending[np.cumsum(shares[ascending]) > TOLERANCE])
-    dropped = np.maximum(heights.sum(axis=0) - heights[kept].sum(axis=0), 0.0)
     followed = found._replace(rates=found.rates[kept], weights=found.weights[kept])
     rates = np.append(found.rates[kept], 1j * found.omega.max(initial=0.0))  # the drive's harmonic is one more
     grid = graded(rates, np.append(shares[kept], 1.0), float(found.flights.max(initial=0.0)))
     value, slope = _on_grid(followed, grid)
     clamped = np.minimum(grid.times, found.flights[:, None])
     width = np.diff(clamped, axis=1)
-    return Sampled(value, slope[:, :-1] * width, slope[:, 1:] * width, clamped, found, followed, dropped)
+    return Sampled(value, slope[:, :-1] * width, slope[:, 1:] * width, clamped, found)
 
 
 def _on_grid(found: TrainSignal, grid: SignalGrid) -> tuple[Array, Array]:
@@ -208,32 +184,12 @@ def graded(rates: Complex, shares: Array, length: float) -> SignalGrid:
     return SignalGrid(np.append(np.concatenate(pieces), length), stretch, widths / np.maximum(counts, 1))
 
 
-def extremes(found: Sampled, m: int) -> Extremes:
-    """Extremes over the whole period, of motions with ``m`` impacts."""
-    (high, _, off_high), (low, _, off_low) = found.highest, found.lowest
-    off = np.maximum(off_high, off_low) + found.dropped
-    return Extremes(*(row.reshape(-1, m).max(axis=1) * sign for row, sign in ((high, 1), (low, -1), (off, 1))))
-
-
-def clear(found: Sampled, gap: float, m: int) -> Flags:
-    """Test (points,) whether the signal, the contact's, stays below ``gap`` from impact to impact.
-
-    To the resolution of the grid and to round-off.
-    """
-    top, _, missed = found.highest
-    slack = missed + found.dropped + ROUND_OFF * np.abs(found.followed.drive)
-    return np.asarray((top - gap <= slack).reshape(-1, m).all(axis=1))
-
-
-def _highest(found: Sampled, sign: float) -> tuple[Array, Array, Array]:
+def _highest(found: Sampled, sign: float) -> tuple[Array, Array]:
     tops, places = _tops(sign * found.value, sign * found.begin, sign * found.end)
     at = np.argmax(tops, axis=1)[:, None]
     begin, end = (np.take_along_axis(found.times, at + k, axis=1)[:, 0] for k in (0, 1))
     place = begin + np.take_along_axis(places, at, axis=1)[:, 0] * (end - begin)
-    left = np.abs(found.followed.weights) * np.exp(found.followed.rates.real[:, None] * begin)
-    missed = (left * _interpolation(found.followed.rates[:, None] * (end - begin))).sum(axis=0)
-    missed += np.abs(found.followed.drive) * _interpolation(found.followed.omega * (end - begin))
-    return *_polished(found.whole, sign, place, begin, end), missed
+    return _polished(found.whole, sign, place, begin, end)
 
 
 def _polished(found: TrainSignal, sign: float, place: Array, begin: Array, end: Array) -> tuple[Array, Array]:

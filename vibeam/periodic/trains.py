@@ -1,12 +1,6 @@
 """Impact trains: m impacts in n drive periods, of many motions at once; given their times, all is linear in impulses.
 
-With the periodic Green's function G(τ) = Σ c_i² g_i(τ) of ``modal_sums``, contact and restitution at impact j are
-
-    Im(H e^{iΩt_j}) + Σ_k p_k G(t_j − t_k) = Δ
-    Ω Re(H e^{iΩt_j}) + Σ_k p_k G'(t_j − t_k − 0) + p_j S/(1 + R) = 0
-
-2m smooth equations in the times and impulses, solved by Newton's method with their exact derivatives. A model of n
-modes enters by the sums G, G', G'' at the m² lags alone, whatever model a train itself comes from.
+What the modes do is the drive's response and Σ_k p_k c_i g_i(t − t_k), with the periodic Green's functions g_i.
 """
 
 from __future__ import annotations
@@ -19,7 +13,7 @@ from vibeam.flight.linear.propagator import pairs, propagators
 from vibeam.periodic.modal_sums import green, offsets, phasor
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-from vibeam_models.arrays import Array, Complex, Flags, Index
+from vibeam_models.arrays import Array, Complex, Index
 
 REPEATED = 1e-6  # difference of the impacts of a motion that repeats, rad and share of the impulse
 
@@ -49,33 +43,6 @@ class Trains(NamedTuple):
         phases, impulses, omega, amplitude = (row[which] for row in self[:4])
         return Trains(phases, impulses, omega, amplitude, self.periods)
 
-    def moved(self, phases: Array, impulses: Array) -> Trains:
-        """Trains with other phases and impulses."""
-        return self._replace(phases=phases, impulses=impulses)
-
-    def in_order(self) -> Trains:
-        """The same motions with their impacts in the order of time."""
-        order = np.argsort(self.phases, axis=1)
-        return self.moved(*(np.take_along_axis(row, order, axis=1) for row in self[:2]))
-
-
-class GreenSums(NamedTuple):
-    """Sums Σ c_i² g_i and their derivatives (points, m, m) at the lags t_j − t_k, just before an impact at lag 0."""
-
-    value: Array
-    slope: Array
-    bend: Array
-
-
-def green_sums(system: ImpactSystem, trains: Trains) -> GreenSums:
-    """Sums over all modes that the contact sees."""
-    seen = system.contact != 0
-    natural, zeta, square = (row[seen] for row in (system.omega, system.zeta, system.contact**2))
-    value, slope = green_at_lags(natural, zeta, trains)
-    bend = -2 * (zeta * natural)[:, None] * slope - natural[:, None] ** 2 * value
-    shape = (len(trains.omega), trains.impacts, trains.impacts)
-    return GreenSums(*((square @ each).reshape(shape) for each in (value, slope, bend)))
-
 
 def green_at_lags(natural: Array, zeta: Array, trains: Trains) -> tuple[Array, Array]:
     """Green's functions g_i, g_i' (n, points m m) of modes at all lags."""
@@ -95,27 +62,6 @@ def lags(trains: Trains) -> Array:
     """Lags t_j − t_k (points, m, m) within the span, s, 0 of an impact to itself."""
     apart = (trains.phases[:, :, None] - trains.phases[:, None, :]) / trains.omega[:, None, None]
     return np.asarray(np.mod(apart, trains.span[:, None, None]))
-
-
-def repeats_sooner(trains: Trains) -> Flags:
-    """Test (points,) whether a motion repeats after fewer drive periods than the trains' ``periods``."""
-    phases, impulses = trains.in_order()[:2]
-    n, m, found = trains.periods, trains.impacts, np.zeros(len(phases), dtype=bool)
-    for sooner in range(1, n):
-        if n % sooner == 0 and m * sooner % n == 0:
-            impacts = m * sooner // n
-            later = np.concatenate([phases, phases + 2 * np.pi * n], axis=1)[:, impacts : impacts + m]
-            off = np.abs(later - phases - 2 * np.pi * sooner)
-            off = np.maximum(off, np.abs(np.roll(impulses, -impacts, axis=1) / impulses - 1))
-            found |= np.all(off <= REPEATED, axis=1)
-    return found
-
-
-def in_time(trains: Trains, before: Array) -> tuple[Array, Array]:
-    """Flights (points, m), s, in the order of time, and what is known just ``before`` the impacts at their ends."""
-    order = np.argsort(trains.phases, axis=1)
-    lasting = ahead(np.take_along_axis(trains.phases, order, axis=1), trains)
-    return lasting, np.roll(np.take_along_axis(before, order, axis=1), -1, axis=1)
 
 
 def flights(trains: Trains) -> Array:
@@ -151,36 +97,6 @@ def modal_phasors(system: ImpactSystem, omega: Array, amplitude: Array | float) 
 def phasors(system: ImpactSystem, drive: Drive) -> Complex:
     """As ``modal_phasors`` (n,), of one drive."""
     return modal_phasors(system, np.array([drive.omega]), drive.amplitude)[:, 0]
-
-
-def residual(system: ImpactSystem, trains: Trains, response: Complex, sums: GreenSums) -> tuple[Array, Array]:
-    """Residuals (points, 2m) of contact, m, and restitution, m/s, and their derivatives (points, 2m, 2m).
-
-    Derivatives by the phases, rad, and the impulses; ``response``: the contact's to the drive alone (points,).
-    """
-    p, m, own = trains.impulses, trains.impacts, np.arange(trains.impacts)
-    omega, turned = trains.omega[:, None], response[:, None] * np.exp(1j * trains.phases)
-    slopes, (g, v, a), (velocity, push) = np.empty((len(p), 2 * m, 2 * m)), sums, (omega * turned.real, turned.imag)
-    for rows, first, drive in ((slice(m), v, velocity), (slice(m, None), a, -(omega**2) * push)):
-        off = first.copy()
-        off[:, own, own] = 0.0  # an impact's own lag does not change
-        by_time = -off * p[:, None]
-        by_time[:, own, own] += drive + _times(off, p)
-        slopes[:, rows, :m] = by_time / omega[:, :, None]
-    slopes[:, :m, m:], slopes[:, m:, m:] = g, v
-    slopes[:, m + own, m + own] += system.mobility / (1 + system.restitution)
-    height = push + float(system.contact @ offsets(system)) + _times(g, p) - system.gap
-    return np.concatenate([height, velocity + _times(slopes[:, m:, m:], p)], axis=1), slopes
-
-
-def accelerations(trains: Trains, response: Complex, sums: GreenSums) -> Array:
-    """Accelerations of the contact (points, m) just before each impact, m/s²; ``response`` as in ``residual``."""
-    turned = response[:, None] * np.exp(1j * trains.phases)
-    return np.asarray(_times(sums.bend, trains.impulses) - trains.omega[:, None] ** 2 * turned.imag)
-
-
-def _times(matrix: Array, vector: Array) -> Array:
-    return np.asarray((matrix @ vector[:, :, None])[:, :, 0])
 
 
 def states_before(system: ImpactSystem, trains: Trains) -> tuple[Array, Array]:

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.comparison.errors import ComparedFidelity
     from vibeam.runs.transient.result import TransientResult
-    from vibeam.system.impact_system import ImpactSystem
 
 
 @of_source
@@ -97,7 +96,7 @@ def run(
             if not compare:
                 return result
             result.compared = _compared(result, records)
-            return _held(result, systems, records)
+            return _held(result, records)
         except KeyboardInterrupt:
             raise count.stopped(path) from None
 
@@ -125,7 +124,7 @@ def _compared(result: Result, store: Store | None) -> tuple[ComparedFidelity, ..
     return kept_or_made(store, COMPARED, key, result.compare)
 
 
-def _held(result: Result, systems: Mapping[str, ImpactSystem], store: Store | None) -> Result:
+def _held(result: Result, store: Store | None) -> Result:
     """The result with its peaks under both choices of the restitution held, which the file keeps."""
     finest = result.finest
     if all(name == top for name, top in finest.items()):
@@ -134,7 +133,7 @@ def _held(result: Result, systems: Mapping[str, ImpactSystem], store: Store | No
     def made() -> tuple[HeldComparison, ...]:
         from vibeam.runs.comparison.held_comparison import comparisons
 
-        return comparisons(result.case, finest, systems, result)
+        return comparisons(result.case, finest, result)
 
     key = comparison_key(result.case, finest, result) if store else ""
     result.comparisons = kept_or_made(store, COMPARISONS, key, made)

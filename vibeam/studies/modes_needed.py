@@ -18,10 +18,10 @@ from vibeam.case.fineness import plain
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.casefile.tables.table import plan_with
-from vibeam.runs.comparison.beyond import GROWTH, MANY, fuller_response, further, is_whole, response_of
+from vibeam.runs.comparison.beyond import MANY, fuller_response, further, is_whole, response_of
 from vibeam.runs.comparison.errors import GIVEN, Asked, ComparedFidelity, ResponseComparison
-from vibeam.runs.comparison.flights import Work
 from vibeam.runs.comparison.responses import Response, compared
+from vibeam.runs.comparison.work import Work
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array, Flags, ValueRecord
@@ -31,7 +31,7 @@ from vibeam_models.scene import RigScene
 STEPS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 PLACES = 61  # frequencies of a sweep, at most
 REFERENCE, OWN, ROW = 0.4, 0.15, 0.04  # shares of the budget: all modes, their own error, fewer modes each
-FIRST = 8  # modes of the sweep by which the work of all is foreseen
+FIRST = 8  # modes of the reference at least, where those of more do not fit
 COSTLY = "the sweep of {} modes does not fit into the budget of {:g} s"
 
 
@@ -107,9 +107,9 @@ def modes_needed(
 ) -> ModesNeeded:  # fmt: skip
     """Number of modes that a case needs: ``vibeam.modes_needed(case, accuracy="1 %")``.
 
-    ``settings``: of the ``plan``, in SI or with units. ``budget``: CPU seconds, about; ``frequencies`` of the sweep, at
-    most; ``own``: estimate the error of all modes too. ``told`` the models swept and their total. ValueError for a case
-    without modes to count.
+    ``settings``: of the ``plan``, in SI or with units. ``budget``: seconds of work, counted, about; ``frequencies`` of
+    the sweep, at most; ``own``: estimate the error of all modes too. ``told`` the models swept and their total.
+    ValueError for a case without modes to count.
 
     >>> import vibeam
     >>> found = vibeam.modes_needed("cases/dtu_neutral.toml", frequencies=9)
@@ -178,17 +178,14 @@ class _Sweeps:
         return response_of(self.case, self.name, made, self.frequencies, Work(share * self.budget))
 
     def _reference(self, first: list[int]) -> Response:
-        """Response of all modes, or of as many as fit into half of the budget."""
-        foreseen, places = 0.0, 2 * min(self.frequencies, len(self.case.sweep.frequency))
+        """Response of all modes, or of as many as fit into its share of the budget."""
         for n in first:
             self.swept[n] = self._required(self._system(n))
-            foreseen = places * self.swept[n].cost / n**GROWTH
         for modes in self._most():
-            if foreseen * modes**GROWTH <= REFERENCE * self.budget / 2:
-                found = self._response(self._system(modes), REFERENCE)
-                if found is not None:
-                    self.modes = modes
-                    return found
+            found = self._response(self._system(modes), REFERENCE)
+            if found is not None:
+                self.modes = modes
+                return found
         self.modes = first[0] if first else self.size
         return self.swept[first[0]] if first else self._required(self._system(self.size))
 
@@ -233,7 +230,7 @@ class _Sweeps:
         if is_whole(self.case, self.name, self.modes):
             return replace(given, whole=True)
         try:
-            model, finer = fuller_response(self.case, self.name, reference, self.modes, OWN * self.budget)
+            model, finer = fuller_response(self.case, self.name, self.modes, OWN * self.budget)
         except ValueError as refusal:
             return replace(given, why=str(refusal))
         found, more = (

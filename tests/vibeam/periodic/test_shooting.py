@@ -12,8 +12,8 @@ import vibeam
 from tests.vibeam.periodic.test_orbits import COCO, beam_like
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import boundaries
+from vibeam.periodic.closed_orbits import closed_orbits
 from vibeam.periodic.lift import lifted
-from vibeam.periodic.motions import closed_motions
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.shooting import NoOrbit, Reason, shoot
 from vibeam.periodic.stroboscopic import MotionEnded, StroboscopicMap
@@ -213,16 +213,18 @@ def turned(velocity: float, gap: float, time: float, drive: vibeam.Drive, restit
 
 
 def test_shot_motions_are_those_in_closed_form() -> None:
-    """Every value that closed motions carry, to 1e-12."""
+    """Every value that motions in closed form have, to 1e-12."""
     system = vibeam.ImpactSystem.from_modes([1.0, 6.0], [0.05, 0.03], [1.0, 0.4], [1.0, 0.3], restitution=0.5)
-    omega, base = np.linspace(1.8, 2.4, 7), np.full(7, 0.1)
-    want = closed_motions(system, omega, base, "contact", 0)
-    for k in np.flatnonzero(want.stable):
-        start, drive = vibeam.State(want.displacement[k], want.speed[k]), vibeam.Drive(float(omega[k]), 0.1)
-        (got,) = vibeam.orbits(system, drive, start=start, time=float(want.time[k]))
-        assert got.stable
-        assert got.velocities == pytest.approx(want.velocities[k], rel=1e-12)
-        assert got.amplitude() == pytest.approx(want.amplitude[k], rel=1e-12)
-        assert got.reach == pytest.approx(want.reach[k], rel=1e-12)
-        assert np.sin(got.phase - want.phases[k]) == pytest.approx(0, abs=1e-12)
-    assert want.stable.sum() >= 6
+    stable = 0
+    for omega in np.linspace(1.8, 2.4, 7):
+        drive = vibeam.Drive(float(omega), 0.1)
+        for want in filter(lambda each: each.stable, closed_orbits(system, drive)):
+            (got,) = vibeam.orbits(system, drive, start=want.state, time=want.time)
+            assert got.stable
+            assert got.corrections  # shot: those in closed form have none
+            assert got.velocities == pytest.approx(want.velocities, rel=1e-12)
+            assert got.amplitude() == pytest.approx(want.amplitude(), rel=1e-12)
+            assert got.reach == pytest.approx(want.reach, rel=1e-12)
+            assert np.sin(got.phase - want.phase) == pytest.approx(0, abs=1e-12)
+            stable += 1
+    assert stable >= 6

@@ -12,9 +12,10 @@ import numpy as np
 from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, gap_wear, system
 from vibeam.runs.comparison.errors import GIVEN
-from vibeam.runs.comparison.flights import Work, flights_of
+from vibeam.runs.comparison.flights import flights_of
 from vibeam.runs.comparison.places import SweptPlace, flown
 from vibeam.runs.comparison.responses import Response
+from vibeam.runs.comparison.work import Work
 from vibeam.system.curves import evenly
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.beam import structure_of
@@ -25,8 +26,7 @@ FEW = 8  # modes of a model, up to which a fuller one has four times as many, el
 RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
 MANY = 41  # coordinates, the contact's residual flexibility among them, that stand for all modes of a solid
 PLACES = 31  # frequencies of its sweep
-WORK = 1.5  # CPU seconds that its sweep may take
-GROWTH = 1.7  # exponent by which the time of a point grows with the number of modes, about
+WORK = 1.5  # seconds that its sweep may take, counted
 
 WEARS = "each impact widens the gap, so that no motion repeats"
 DEAR = "a sweep of {} modes takes longer than {:g} s"
@@ -95,18 +95,14 @@ def resolving(scene: Scene, modes: int) -> Scene:
     return replace(scene, beam=replace(scene.beam, elements=elements + elements % 2))
 
 
-def fuller_response(
-    case: Case, name: str, own: Response, size: int, work: float = WORK
-) -> tuple[FullerModel, Response]:  # fmt: skip
-    """Response of the largest fuller model of a fidelity whose sweep fits into the ``work``; ValueError without one.
+def fuller_response(case: Case, name: str, size: int, work: float = WORK) -> tuple[FullerModel, Response]:
+    """Response of the largest fuller model of a fidelity of ``size`` modes whose sweep fits into the ``work``, s.
 
-    ``own``: the response of the fidelity, of ``size`` modes, by which the work is foreseen.
+    ValueError without one.
     """
     modes = 0
     for model in fuller_models(case, name, size):
-        modes = model.modes
-        foreseen = own.cost * (modes / size) ** GROWTH * PLACES * len(own.places)
-        found = response_of(case, name, model.make(), PLACES, Work(work)) if foreseen <= work else None
+        modes, found = model.modes, response_of(case, name, model.make(), PLACES, Work(work))
         if found is not None:
             return model, found
     raise ValueError(DEAR.format(modes, work))
@@ -115,7 +111,8 @@ def fuller_response(
 def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work | None = None) -> Response | None:
     """Response of a system in place of that of a fidelity, at ``most`` of the sweep's frequencies.
 
-    None where its sweep takes more than the ``work``; what is left of it is for the ends of branches.
+    None where its sweep takes more than the ``work``, or will by its first places; what is left of it is for the ends
+    of branches.
     """
     work = work or Work()
     flights = flights_of(case, name, made, work)
@@ -124,12 +121,11 @@ def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work
     grid = np.sort(case.sweep.frequency)
     up = grid[evenly(0, len(grid) - 1, most)].tolist()
     ways = {"up": {"up": up}, "down": {"down": up[::-1]}, "both": {"up": up, "down": up[::-1]}}[case.sweep.direction]
-    found, last = dict[str, list[SweptPlace]](), None
+    found, last, count, total = {way: list[SweptPlace]() for way in ways}, None, 0, len(up) * len(ways)
     for way, frequencies in ways.items():
-        found[way] = []
         for frequency in frequencies:
-            if work.done:
-                return None
-            last = flown(flights, frequency, last)
+            last, count = flown(flights, frequency, last), count + 1
             found[way].append(last)
+            if not work.fits(count, total):
+                return None
     return Response(found, flights)

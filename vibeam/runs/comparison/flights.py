@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from math import inf
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear
+from vibeam.runs.comparison.work import Work, WorkRate
 from vibeam.runs.sweep import march
 from vibeam.solvers import solver
 from vibeam.system.impact_system import ImpactSystem
@@ -21,36 +21,30 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
-@dataclass
-class Work:
-    """CPU seconds that may still be spent."""
-
-    left: float = inf
-
-    @property
-    def done(self) -> bool:
-        """True where nothing is left."""
-        return self.left <= 0
-
-
 class CaseFlights:
     """Steady points of the sweep of one fidelity of a case, of its own system or of a ``system`` in its place.
 
-    ``work``: what they may take, from which each is taken.
+    ``work``: what they may take, to which each is added. Without any point the fidelity's system is not made.
     """
 
     def __init__(self, case: Case, name: str, system: ImpactSystem | None = None, work: Work | None = None) -> None:
-        self._work = work or Work()
-        own, plan = case.fidelities[name], case.sweep
-        self._scene = case.scene_of(name)
-        self._base: Callable[[Array], Any] = lambda omega: case.amplitude_of(name, omega)
-        self._settle, self._hold, self._output = plan.settle, plan.hold, plan.output
-        self._system, self._slowest = system or case.system(name), 2 * np.pi * float(plan.frequency.min())
+        self._case, self._name, self._given, self._work = case, name, system, work or Work()
+        self._scene, self._plan = case.scene_of(name), case.sweep
+        own = case.fidelities[name]
         self._solver, self._options = (own.solver, own.options) if system is None else ("flight", {})
-        grid = 2 * np.pi * plan.frequency
+        self._slowest = 2 * np.pi * float(self._plan.frequency.min())
+        self._rate = WorkRate.of(self._scene)
+
+    @cached_property
+    def _system(self) -> ImpactSystem:
+        return self._given or self._case.system(self._name)
+
+    @cached_property
+    def _runner(self) -> Any:
+        """The solver, made once; None where each point needs one of its own: the gap moves, the drive has harmonics."""
+        grid, options = 2 * np.pi * self._plan.frequency, cast("Any", self._options)
         plain = gap_drift(self._scene, grid) is None and not self._scene.harmonics
-        own_options: Any = self._options
-        self._runner = solver(self._solver, self._system, self._slowest, **own_options) if plain else None
+        return solver(self._solver, self._system, self._slowest, **options) if plain else None
 
     @property
     def done(self) -> bool:
@@ -59,16 +53,18 @@ class CaseFlights:
 
     def at(self, frequency: float, state: State | None, settle: bool = True) -> tuple[FrequencyResponse, State]:
         """See ``Flights``."""
-        found = self._steady(np.array([2 * np.pi * frequency]), state, self._settle if settle else 0)
-        self._work.left -= float(np.nansum(found[0].cpu_seconds))
+        settled = self._plan.settle if settle else 0
+        found = self._steady(np.array([2 * np.pi * frequency]), state, settled)
+        counted, measured = self._rate.seconds(found[0], settled + self._plan.hold), found[0].cpu_seconds
+        self._work.add(float(counted.sum()), float(np.nansum(measured)))
         return found
 
     def _steady(self, omega: Array, state: State | None, settle: int) -> tuple[FrequencyResponse, State]:
-        base = float(np.ravel(self._base(omega))[0])
+        base, plan = float(np.ravel(self._case.amplitude_of(self._name, omega))[0]), self._plan
         if self._runner is not None:
-            return self._runner.steady(omega, base, state, settle, self._hold, self._output)  # type: ignore[no-any-return]
+            return self._runner.steady(omega, base, state, settle, plan.hold, plan.output)  # type: ignore[no-any-return]
         settings: Mapping[str, Any] = {
-            "settle": settle, "hold": self._hold, "output": self._output, "solver": self._solver,
+            "settle": settle, "hold": plan.hold, "output": plan.output, "solver": self._solver,
             "options": self._options, "harmonics": self._scene.harmonics, "slowest": self._slowest,
         }  # fmt: skip
         [found] = march(self._system, omega, base, state=state, drift=gap_drift(self._scene, omega), **settings)

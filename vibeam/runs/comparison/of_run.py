@@ -8,18 +8,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from time import thread_time
 
-import numpy as np
-
 from vibeam.case.case import Case
 from vibeam.runs.comparison.beyond import fuller_response, further, is_whole
 from vibeam.runs.comparison.errors import Asked, ComparedFidelity, asked_of
-from vibeam.runs.comparison.flights import Work, flights_of
+from vibeam.runs.comparison.flights import flights_of
 from vibeam.runs.comparison.responses import Response, compared
+from vibeam.runs.comparison.work import Work, WorkRate
 from vibeam.system.response import Branches, modes_of
 from vibeam.system.state import StatesAfter
 
 INEXACT = 'solver "{}" is not exact'
-LEAST, SHARE = 0.5, 0.5  # CPU seconds, and share of those of its sweep, that a fidelity's ends may take
+LEAST, SHARE = 0.5, 0.5  # seconds of work, and share of that of its sweep, that a fidelity's ends may take
 
 
 def compared_fidelities(
@@ -47,8 +46,9 @@ def compared_fidelities(
 
 
 def _response(case: Case, name: str, branches: Branches, after: Mapping[str, StatesAfter] | None) -> Response:
-    """Response of a fidelity, which goes on from its states where they are known, for half as long as it took."""
-    swept = sum(float(np.nansum(each.cpu_seconds)) for _, each in branches.items())
+    """Response of a fidelity, which goes on from its states where they are known, for half of the work that it was."""
+    rate, periods = WorkRate.of(case.scene_of(name)), case.sweep.settle + case.sweep.hold
+    swept = sum(float(rate.seconds(each, periods).sum()) for _, each in branches.items())
     flights = None if after is None else flights_of(case, name, work=Work(max(LEAST, SHARE * swept)))
     return Response.of(branches, after, flights)
 
@@ -59,7 +59,7 @@ def _beyond(
     """Comparison of a finest fidelity with a fuller model, or the reason why there is none."""
     begun = thread_time()
     try:
-        model, reference = fuller_response(case, name, own, size)
+        model, reference = fuller_response(case, name, size)
     except ValueError as refusal:
         return ComparedFidelity(name, "", None, why=str(refusal), cpu_seconds=thread_time() - begun)
     made = compared(own, reference, asked.frequency)

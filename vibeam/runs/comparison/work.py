@@ -1,0 +1,73 @@
+"""Work of a simulation in seconds, counted by what was computed: the same on every machine, and on a busy one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from vibeam.system.response import FrequencyResponse
+from vibeam_models.arrays import Array
+from vibeam_models.scene import AnyScene
+
+REGULAR = 5  # evaluations of the contact displacement in a drive period that is searched for impacts in one go
+FIRST, ODD = 4, 2.0  # places by which a sweep is foreseen, and the share by which these may be dearer than the others
+PATIENCE = 4.0  # CPU seconds a second of the work counted, after which a simulation is stopped all the same
+
+
+class WorkRate(NamedTuple):
+    """Seconds an evaluation of the contact displacement, alone and a mode, and what comes besides.
+
+    ``searched``: each evaluation beyond the ``REGULAR`` of a period, alone and a mode; ``coupled``: each impact, a pair
+    of modes.
+    """
+
+    evaluation: tuple[float, float]
+    searched: tuple[float, float] = (0.0, 0.0)
+    coupled: float = 0.0
+
+    @classmethod
+    def of(cls, scene: AnyScene) -> WorkRate:
+        """Rate of a scene's models, by its contacts; of 45 fidelities' sweeps it was within a factor of 2."""
+        stop: Any = scene.stop
+        law = None if stop is None else stop.law
+        if law is not None and not law.integrated:
+            return cls((1.5e-7, 2.5e-8), coupled=5e-8)
+        one = stop is None or (law is None and stop.second_gap is None and not scene.named("further_stop"))
+        return cls((5e-8, 1e-8), (3e-7, 1.7e-7)) if one else cls((1e-6, 5e-8))
+
+    def seconds(self, found: FrequencyResponse, periods: int) -> Array:
+        """Work at each point (points,), s, of a sweep with so many drive ``periods`` a point."""
+        modes = found.mode_energy.shape[1]
+        beyond = np.maximum(0, found.evaluations - REGULAR * periods)
+        each = [alone + modes * a_mode for alone, a_mode in (self.evaluation, self.searched)]
+        counted = each[0] * found.evaluations + each[1] * beyond + self.coupled * modes**2 * found.impacts
+        return np.asarray(counted, dtype=float)
+
+
+@dataclass
+class Work:
+    """Seconds of work that may be ``spent``; ``measured``: CPU seconds that it took.
+
+    What hangs on it is the same on every machine but where that is ``PATIENCE`` times slower than what is counted.
+    """
+
+    most: float = inf
+    spent: float = 0.0
+    measured: float = 0.0
+
+    @property
+    def done(self) -> bool:
+        """True where nothing is left."""
+        return self.spent >= self.most or self.measured >= PATIENCE * self.most
+
+    def add(self, counted: float, measured: float) -> None:
+        """Count what was done."""
+        self.spent, self.measured = self.spent + counted, self.measured + measured
+
+    def fits(self, places: int, of: int) -> bool:
+        """Test whether what was done for the first ``places`` of a sweep fits, and what all of it will take may."""
+        share = min(1.0, ODD * places / of) if places >= FIRST else 1.0
+        return self.spent <= share * self.most and self.measured <= share * PATIENCE * self.most
