@@ -77,11 +77,6 @@ def static_at_contact(structure: Structure) -> float:
         return nan
 
 
-def _mobility(scene: RigScene) -> float:
-    structure = _kept_structure(scene)[0]
-    return float(structure.mobility(structure.contact))
-
-
 def _structure(scene: RigScene) -> tuple[Structure, float]:
     structure = structure_of(scene)
     return structure, static_at_contact(structure)

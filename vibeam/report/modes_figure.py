@@ -51,12 +51,12 @@ def _responses(axes: Any, found: ModesNeeded) -> None:
             each.frequency * units.frequency_factor, each.amplitude * units.length_factor, style, label=name,
             zorder=2 + rank, gid=f"response-{each.modes}-{each.direction}", **look,
         )  # fmt: skip
-    row = found.enough or next((each for each in reversed(found.rows) if each.comparison is not None), None)
-    if row is not None and row.comparison is not None:
-        _marks(axes, row.comparison, units)
     axes.set_xlabel(with_unit("frequency", units.frequency))
     axes.set_ylabel(with_unit("amplitude", units.length))
     axes.legend(fontsize="small")
+    row = found.enough or next((each for each in reversed(found.rows) if each.comparison is not None), None)
+    if row is not None and row.comparison is not None:
+        _marks(axes, row.comparison, units)
 
 
 def _marks(axes: Any, found: ResponseComparison, units: DisplayUnits) -> None:
@@ -82,7 +82,11 @@ def _errors(axes: Any, found: ModesNeeded) -> None:
 
     from vibeam.figures.style import COLOURS
 
-    rows = [row for row in found.rows if row.comparison is not None]
+    rows = [row for row in found.rows if row.comparison is not None and row.seconds > 0]
+    if not rows:
+        axes.set_axis_off()
+        axes.text(0.5, 0.5, "no fewer modes were swept", ha="center", transform=axes.transAxes, gid="errors-none")
+        return
     names = ("amplitudes", "ends of branches, kinds")
     for colour, name, pick in zip(COLOURS, names, (_amplitude, _frequency), strict=False):
         times, sizes = [1e3 * row.seconds for row in rows], [100 * max(pick(row), LEAST) for row in rows]

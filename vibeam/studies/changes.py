@@ -12,8 +12,8 @@ from math import inf, isfinite, nan
 
 import numpy as np
 
+from vibeam.periodic.motion_kind import width
 from vibeam.runs.comparison.errors import ResponseComparison
-from vibeam.runs.comparison.kinds import width
 from vibeam.runs.transient.statistics import paired
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.variants import PEAK, Ensemble

@@ -21,7 +21,7 @@ from vibeam.casefile.tables.table import plan_with
 from vibeam.runs.comparison.beyond import MANY, fuller_response, further, is_whole, response_of
 from vibeam.runs.comparison.errors import GIVEN, Asked, ComparedFidelity, ResponseComparison
 from vibeam.runs.comparison.responses import Response, compared
-from vibeam.runs.comparison.work import Work
+from vibeam.runs.comparison.work import ODD, Work
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array, Flags, ValueRecord
@@ -30,7 +30,10 @@ from vibeam_models.scene import RigScene
 
 STEPS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 PLACES = 61  # frequencies of a sweep, at most
-REFERENCE, OWN, ROW = 0.4, 0.15, 0.04  # shares of the budget: all modes, their own error, fewer modes each
+REFERENCE, OWN = 0.3, 0.15  # shares of the budget: all modes; their own error
+ENDS, LEAST_ENDS = 0.5, 0.025  # shares that the ends of branches may take: of the sweep's work, and of the budget
+GROWTH = 1.7  # exponent by which the work of a sweep grows with the number of modes, about
+ROW = 0.3  # share of what is left for fewer modes, that each number of them may take
 FIRST = 8  # modes of the reference at least, where those of more do not fit
 COSTLY = "the sweep of {} modes does not fit into the budget of {:g} s"
 
@@ -135,7 +138,7 @@ class _Sweeps:
             raise ValueError(f"no modes to count: {scene.no_beam}")
         self.scene: RigScene = scene
         self.size = structure_of(scene).size if not scene.in_three_dimensions else MANY
-        self.swept = dict[int, Response]()
+        self.swept, self.work = dict[int, Response](), list[Work]()
 
     def study(self, with_own: bool) -> ModesNeeded:
         """The whole study."""
@@ -173,16 +176,31 @@ class _Sweeps:
             return system(self.scene, Fidelity("modes", "residual_flexibility", modes=modes))
         return system(self.scene, Fidelity("modes", "modal", modes=modes))
 
-    def _response(self, made: ImpactSystem, share: float = ROW) -> Response | None:
-        """Response of a system; None where it takes more than a share of the budget."""
-        return response_of(self.case, self.name, made, self.frequencies, Work(share * self.budget))
+    def _response(self, made: ImpactSystem, share: float) -> Response | None:
+        """Response of a system; None where it takes more than a share of the budget, or of what is left of it."""
+        self.work.append(work := Work(min(share * self.budget, self.left)))
+        found = response_of(self.case, self.name, made, self.frequencies, work)
+        if share < REFERENCE:  # ends of the reference are compared with those of every other
+            work.most = work.spent + max(ENDS * work.spent, LEAST_ENDS * self.budget)
+        return found
+
+    @property
+    def left(self) -> float:
+        """Rest of the budget, s."""
+        return max(0.0, self.budget - sum(each.spent for each in self.work))
+
+    def _fewer(self, made: ImpactSystem) -> Response | None:
+        """Response of a model with fewer modes; None where it takes more than its share of what is left for these."""
+        return self._response(made, ROW * (self.left / self.budget - OWN))
 
     def _reference(self, first: list[int]) -> Response:
         """Response of all modes, or of as many as fit into its share of the budget."""
         for n in first:
             self.swept[n] = self._required(self._system(n))
+        per_mode = max((self.work[-1].spent / n**GROWTH for n in first), default=0.0)
         for modes in self._most():
-            found = self._response(self._system(modes), REFERENCE)
+            dear = per_mode * modes**GROWTH > ODD * REFERENCE * self.budget
+            found = None if dear else self._response(self._system(modes), REFERENCE)
             if found is not None:
                 self.modes = modes
                 return found
@@ -190,8 +208,7 @@ class _Sweeps:
         return self.swept[first[0]] if first else self._required(self._system(self.size))
 
     def _required(self, made: ImpactSystem) -> Response:
-        found = self._response(made, REFERENCE)
-        if found is None:
+        if (found := self._response(made, REFERENCE)) is None:
             raise ValueError(COSTLY.format(made.size, self.budget))
         return found
 
@@ -204,7 +221,7 @@ class _Sweeps:
 
     def _row(self, modes: int, reference: Response) -> ModesTried:
         try:
-            found = self.swept.get(modes) or self._response(self._system(modes))
+            found = self.swept.get(modes) or self._fewer(self._system(modes))
         except ValueError as refusal:  # a restitution of mode 1 that no contact gives
             return ModesTried(modes, why=str(refusal))
         if found is None:
@@ -215,7 +232,7 @@ class _Sweeps:
     def _single(self, reference: Response) -> ModesTried | None:
         """One degree of freedom along the static deflection at the contact; None of a rig that has none."""
         try:
-            found = self._response(system(self.scene, Fidelity("single", "static_mode")))
+            found = self._fewer(system(self.scene, Fidelity("single", "static_mode")))
         except ValueError:
             return None
         if found is None:
@@ -233,10 +250,6 @@ class _Sweeps:
             model, finer = fuller_response(self.case, self.name, self.modes, OWN * self.budget)
         except ValueError as refusal:
             return replace(given, why=str(refusal))
-        found, more = (
-            compared(reference, finer, self.asked.frequency),
-            further(self.case, self.name, self.modes, model.modes),
-        )
-        return replace(
-            given, comparison=found.carried_on(more), modes=model.modes, elements=model.elements, limit=more > 1
-        )
+        more = further(self.case, self.name, self.modes, model.modes)
+        found = compared(reference, finer, self.asked.frequency).carried_on(more)
+        return replace(given, comparison=found, modes=model.modes, elements=model.elements, limit=more > 1)

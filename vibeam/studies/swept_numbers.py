@@ -13,7 +13,7 @@ import numpy as np
 from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.sheet import sheet_at
-from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN
+from vibeam.periodic.motion_kind import IRREGULAR, UNKNOWN
 from vibeam.runs.comparison.places import Flights, SweptPlace, flown
 from vibeam.runs.comparison.responses import Response
 from vibeam.system.impact_system import ImpactSystem
@@ -138,7 +138,9 @@ def numbers_of(
         "period_one_from": lambda: period_one_end(response, upper=False),
         "period_one_to": lambda: period_one_end(response, upper=True),
     }
-    at, why = (top.frequency, _elsewhere(response, top)) if frequency is None else (frequency, "")
+    at = top.frequency if frequency is None else frequency
+    settles = frequency is None and not known.keys() >= set(wanted)
+    why = _elsewhere(response, top) if settles else ""
 
     def read(quantity: str) -> ReadNumber:
         if quantity in known:

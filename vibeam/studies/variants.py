@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import plan_of_record
+from vibeam.case.fidelity import gap_wear
 from vibeam.case.fineness import finest, plain
 from vibeam.case.transient_quantities import QUANTITIES
 from vibeam.exchange.faults import suggest
-from vibeam.runs.comparison.flights import flights_of
-from vibeam.runs.comparison.places import Flights, SweptPlace, flown
+from vibeam.runs.comparison.beyond import response_of
 from vibeam.runs.comparison.responses import Response
+from vibeam.runs.comparison.work import Work
 from vibeam.runs.run import run
 from vibeam.runs.transient.motions import MotionMaker, Realisation, motions_of
 from vibeam.runs.transient.statistics import SampleMean, mean_of
@@ -99,7 +100,7 @@ def ensembles(
     """Ensemble of every variant, several motions at once; ``told`` the motions done and their total, from any thread.
 
     CaseError for a variant that cannot be built, ValueError for a signal that there is not, DearSweep for a sweep
-    that takes longer than ``limit`` CPU seconds.
+    that takes longer than ``limit`` seconds of work, counted.
     """
     if variants[0][0].record is None:
         return [_swept(*each, asked, limit) for each in variants]
@@ -132,33 +133,21 @@ def ensembles(
 def _swept(case: Case, name: str, asked: Sequence[AskedNumber], limit: float) -> Ensemble:
     """The sweep of a fidelity by exact motions, as an ensemble of one; one whose gap grows by impacts as it is run."""
     system = case.system(name)
-    flights, omega = flights_of(case, name, system), 2 * np.pi * case.sweep.frequency[:1]
+    omega = 2 * np.pi * case.sweep.frequency[:1]
     warm_up_once("flight", system, float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]), "contact", {})
     begun = time.thread_time()
-    if flights is None:
+    if gap_wear(case.scene_of(name)) is not None:
         worn: Any = run(case, show=False, fidelities=[name])
-        response = Response.of(worn[name])
+        response: Response | None = Response.of(worn[name])
     else:
-        response = Response(_marched(case, flights, limit), flights)
+        response = response_of(case, name, system, len(case.sweep.frequency), Work(limit))
+    if response is None:
+        raise DearSweep(f"its sweep takes longer than {limit:.2g} s")
     seconds = np.array([[time.thread_time() - begun]])
     read = numbers_of(case, name, system, response, [each.quantity for each in asked], case.influence.frequency)
     values = {each: np.array([[read[each.quantity].number]]) for each in asked}
     why = {each: read[each.quantity].why for each in asked if read[each.quantity].why}
     return Ensemble(name, system.size, values, seconds, response, why)
-
-
-def _marched(case: Case, flights: Flights, limit: float) -> dict[str, list[SweptPlace]]:
-    """Places of a sweep by direction, each reached from the one before; DearSweep where it takes too long."""
-    up, begun, last = np.sort(case.sweep.frequency).tolist(), time.thread_time(), None
-    ways = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
-    found: dict[str, list[SweptPlace]] = {way: [] for way in ways}
-    for way in ways:
-        for frequency in up if way == "up" else up[::-1]:
-            last = flown(flights, frequency, last)
-            found[way].append(last)
-            if time.thread_time() - begun > limit:
-                raise DearSweep(f"its sweep takes longer than {limit:.2g} s of CPU time")
-    return found
 
 
 def _require_signals(maker: MotionMaker, asked: Sequence[AskedNumber]) -> None:

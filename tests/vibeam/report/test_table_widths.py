@@ -10,6 +10,7 @@ from rich.text import Text
 from stand_in import case, curve
 
 from vibeam.casefile.documentation import reference_table
+from vibeam.periodic.motion_kind import FREE, MotionKind
 from vibeam.report import tables as table
 from vibeam.report.checks import checks
 from vibeam.report.derive import derivation
@@ -17,7 +18,6 @@ from vibeam.report.run_report import details, fidelities
 from vibeam.report.tables import ReportTable, fitted
 from vibeam.runs.comparison.ends import SweptEnd
 from vibeam.runs.comparison.errors import AmplitudeError, ComparedFidelity, EndError, KindDifference, ResponseComparison
-from vibeam.runs.comparison.kinds import FREE, SweptKind
 from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare
 from vibeam.studies.derive import DerivedParameter
@@ -36,8 +36,8 @@ def summary(name: str, modes: int) -> Summary:
 
 def compared_with(reference: str, name: str) -> ComparedFidelity:
     """Errors as wide as the neutral rig's with R held at the contact."""
-    end = SweptEnd(15.3, 0.0, SweptKind(1, 1), SweptKind(FREE), "up", -0.9)
-    kind = KindDifference(14.1, 16.2, 0.0, "up", SweptKind(1, 1), SweptKind(2, 2))
+    end = SweptEnd(15.3, 0.0, MotionKind(1, 1), MotionKind(FREE), "up", -0.9)
+    kind = KindDifference(14.1, 16.2, 0.0, "up", MotionKind(1, 1), MotionKind(2, 2))
     found = ResponseComparison(
         AmplitudeError(0.321, 15.3, "up", 1.0, 1.0), None, (EndError(0.096, 0.0, end, end),), (kind,)
     )

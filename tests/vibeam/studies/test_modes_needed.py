@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from scipy.io import mmwrite
 
 import vibeam
 from vibeam.report.modes_needed import answer, first_answer, sheet
-from vibeam.studies.modes_needed import modes_needed
+from vibeam.studies.modes_needed import ModesTried, modes_needed
 from vibeam_models.beam import structure_of
 
 CASES = NEUTRAL.parent
@@ -120,3 +121,12 @@ def test_the_sheet_has_a_row_for_each_model_and_a_figure() -> None:
     assert made.data["enough"] == 2
     assert made.draw is not None
     assert len(made.draw().axes) == 2
+
+
+def test_a_picture_without_fewer_modes_says_so() -> None:
+    """Every sweep but that of all modes may be too dear for the budget."""
+    found = replace(modes_needed(neutral()), rows=(ModesTried(1, why="too dear"),), single=None)
+    draw = sheet(found).draw
+    assert draw is not None
+    draw().canvas.draw()
+    assert "no fewer modes were swept" in [text.get_text() for text in draw().axes[1].texts]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -13,9 +13,9 @@ from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, gap_wear, system
 from vibeam.runs.comparison.errors import GIVEN
 from vibeam.runs.comparison.flights import flights_of
-from vibeam.runs.comparison.places import SweptPlace, flown
+from vibeam.runs.comparison.places import Flights, SweptPlace, flown
 from vibeam.runs.comparison.responses import Response
-from vibeam.runs.comparison.work import Work
+from vibeam.runs.comparison.work import Work, WorkSpent
 from vibeam.system.curves import evenly
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.beam import structure_of
@@ -121,11 +121,22 @@ def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work
     grid = np.sort(case.sweep.frequency)
     up = grid[evenly(0, len(grid) - 1, most)].tolist()
     ways = {"up": {"up": up}, "down": {"down": up[::-1]}, "both": {"up": up, "down": up[::-1]}}[case.sweep.direction]
-    found, last, count, total = {way: list[SweptPlace]() for way in ways}, None, 0, len(up) * len(ways)
+    work.breaks = True
+    try:
+        found = _places(flights, ways, work)
+    except WorkSpent:
+        return None
+    work.breaks = False
+    return Response(found, flights)
+
+
+def _places(flights: Flights, ways: Mapping[str, list[float]], work: Work) -> dict[str, list[SweptPlace]]:
+    """Places of the frequencies of a sweep in each direction; ``WorkSpent`` where it does not fit."""
+    found, last, count, total = {way: list[SweptPlace]() for way in ways}, None, 0, sum(map(len, ways.values()))
     for way, frequencies in ways.items():
         for frequency in frequencies:
             last, count = flown(flights, frequency, last), count + 1
             found[way].append(last)
             if not work.fits(count, total):
-                return None
-    return Response(found, flights)
+                raise WorkSpent
+    return found

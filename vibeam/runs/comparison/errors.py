@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from vibeam.case.case import Case
+from vibeam.periodic.motion_kind import MotionKind, width
 from vibeam.runs.comparison.ends import SweptEnd
-from vibeam.runs.comparison.kinds import SweptKind, width
 
 GIVEN = "the case gives only these modes"
 FIFTH = 0.2  # frequency error allowed, as a share of the amplitude error, where it is not said
@@ -88,8 +88,8 @@ class KindDifference:
     high: float
     open: float
     direction: str
-    ours: SweptKind
-    reference: SweptKind
+    ours: MotionKind
+    reference: MotionKind
     alone: bool = False
 
     @property

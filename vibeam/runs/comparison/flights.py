@@ -20,6 +20,8 @@ from vibeam_models.arrays import Array
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
+PIECE = 300  # drive periods after which a point may be broken off
+
 
 class CaseFlights:
     """Steady points of the sweep of one fidelity of a case, of its own system or of a ``system`` in its place.
@@ -53,18 +55,24 @@ class CaseFlights:
 
     def at(self, frequency: float, state: State | None, settle: bool = True) -> tuple[FrequencyResponse, State]:
         """See ``Flights``."""
-        settled = self._plan.settle if settle else 0
-        found = self._steady(np.array([2 * np.pi * frequency]), state, settled)
-        counted, measured = self._rate.seconds(found[0], settled + self._plan.hold), found[0].cpu_seconds
+        omega, left = np.array([2 * np.pi * frequency]), settle * self._plan.settle
+        while self._work.breaks and left > PIECE:
+            _, state = self._steady(omega, state, PIECE - 1, 1)
+            left -= PIECE
+        return self._steady(omega, state, left, self._plan.hold)
+
+    def _steady(self, omega: Array, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, State]:
+        found = self._flown(omega, state, settle, hold)
+        counted, measured = self._rate.seconds(found[0], settle + hold), found[0].cpu_seconds
         self._work.add(float(counted.sum()), float(np.nansum(measured)))
         return found
 
-    def _steady(self, omega: Array, state: State | None, settle: int) -> tuple[FrequencyResponse, State]:
+    def _flown(self, omega: Array, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, State]:
         base, plan = float(np.ravel(self._case.amplitude_of(self._name, omega))[0]), self._plan
         if self._runner is not None:
-            return self._runner.steady(omega, base, state, settle, plan.hold, plan.output)  # type: ignore[no-any-return]
+            return self._runner.steady(omega, base, state, settle, hold, plan.output)  # type: ignore[no-any-return]
         settings: Mapping[str, Any] = {
-            "settle": settle, "hold": plan.hold, "output": plan.output, "solver": self._solver,
+            "settle": settle, "hold": hold, "output": plan.output, "solver": self._solver,
             "options": self._options, "harmonics": self._scene.harmonics, "slowest": self._slowest,
         }  # fmt: skip
         [found] = march(self._system, omega, base, state=state, drift=gap_drift(self._scene, omega), **settings)

@@ -53,9 +53,7 @@ def _response(case: Case, name: str, branches: Branches, after: Mapping[str, Sta
     return Response.of(branches, after, flights)
 
 
-def _beyond(
-    case: Case, name: str, own: Response, size: int, asked: Asked
-) -> ComparedFidelity:  # fmt: skip
+def _beyond(case: Case, name: str, own: Response, size: int, asked: Asked) -> ComparedFidelity:
     """Comparison of a finest fidelity with a fuller model, or the reason why there is none."""
     begun = thread_time()
     try:
@@ -63,8 +61,7 @@ def _beyond(
     except ValueError as refusal:
         return ComparedFidelity(name, "", None, why=str(refusal), cpu_seconds=thread_time() - begun)
     made = compared(own, reference, asked.frequency)
-    more = further(case, name, size, model.modes)
-    seconds = thread_time() - begun
+    more, seconds = further(case, name, size, model.modes), thread_time() - begun
     return ComparedFidelity(
         name, "", made.carried_on(more), model.modes, model.elements, limit=more > 1, cpu_seconds=seconds
     )

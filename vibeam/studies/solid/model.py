@@ -11,8 +11,8 @@ import numpy as np
 from vibeam.case.case import Case
 from vibeam.case.fidelity import system_of
 from vibeam.case.reduced_structure import reduced_structure
+from vibeam.periodic.motion_kind import IRREGULAR, UNKNOWN
 from vibeam.runs.comparison.beyond import response_of
-from vibeam.runs.comparison.kinds import IRREGULAR, UNKNOWN
 from vibeam.runs.comparison.places import SweptPlace
 from vibeam.runs.comparison.responses import Response
 from vibeam.studies.solid.pairing import bending, inertias_along, partners
