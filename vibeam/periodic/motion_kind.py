@@ -15,7 +15,7 @@ JUMP = 0.2  # relative change of the amplitude between neighbours that may be a 
 FREE, IRREGULAR, UNKNOWN = -1, 0, -2  #: in place of the periods
 
 
-class MotionKind(NamedTuple):
+class SteadyKind(NamedTuple):
     """Kind of a motion: ``periods`` until it repeats, ``impacts`` in these, −1: so many that it chatters.
 
     In place of the periods: ``FREE`` no contact, ``IRREGULAR`` no repetition within ``LONGEST``, ``UNKNOWN``.
@@ -41,22 +41,22 @@ class MotionKind(NamedTuple):
         return f"period {self.periods} with {often}"
 
 
-def kinds_of(response: FrequencyResponse) -> list[MotionKind]:
+def kinds_of(response: FrequencyResponse) -> list[SteadyKind]:
     """Kind of each point of a response."""
     done = complete(response).tolist()
     rates = np.nan_to_num(response.impacts_per_period).tolist()
     return [
-        _kind(periods, rate) if known else MotionKind(UNKNOWN)
+        _kind(periods, rate) if known else SteadyKind(UNKNOWN)
         for known, periods, rate in zip(done, response.period.tolist(), rates, strict=True)
     ]
 
 
-def _kind(periods: int, rate: float) -> MotionKind:
+def _kind(periods: int, rate: float) -> SteadyKind:
     if periods < 0:
-        return MotionKind(FREE)
+        return SteadyKind(FREE)
     if not 0 < periods <= LONGEST:
-        return MotionKind(IRREGULAR)
-    return MotionKind(periods, -1 if rate > MANY else round(rate * periods))
+        return SteadyKind(IRREGULAR)
+    return SteadyKind(periods, -1 if rate > MANY else round(rate * periods))
 
 
 def width(one: float, other: float) -> float:

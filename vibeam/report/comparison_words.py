@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import ceil, floor, log10
 
 from vibeam.figures.units import DisplayUnits
-from vibeam.periodic.motion_kind import IRREGULAR, MotionKind
+from vibeam.periodic.motion_kind import IRREGULAR, SteadyKind
 from vibeam.runs.comparison.ends import SweptEnd
 from vibeam.runs.comparison.errors import AmplitudeError, Asked, EndError, KindDifference, ResponseComparison
 
@@ -149,7 +149,7 @@ def _difference(who: Subject, other: Subject, found: KindDifference, units: Disp
     return f"{who.name} {ours} from {_range(found.low, found.high, units)}{way}, where {other.name} {theirs}"
 
 
-def _makes(who: Subject, kind: MotionKind) -> str:
+def _makes(who: Subject, kind: SteadyKind) -> str:
     if kind.repeats:
         return f"{who.has} {kind}"
     return f"{'do' if who.plural else 'does'} not repeat" if kind.periods == IRREGULAR else f"{who.has} no contact"

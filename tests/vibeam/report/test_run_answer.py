@@ -14,7 +14,7 @@ import vibeam
 from vibeam.case.study_plans import VerdictPlan
 from vibeam.casefile.read import parse
 from vibeam.figures.units import METRIC
-from vibeam.periodic.motion_kind import MotionKind
+from vibeam.periodic.motion_kind import SteadyKind
 from vibeam.report.comparison_words import Subject, both_numbers, cells, gravest
 from vibeam.report.run_answer import run_answer
 from vibeam.report.run_report import run_report
@@ -25,7 +25,7 @@ from vibeam.system.response import Branches
 
 GRID = np.linspace(14.0, 16.0, 41)
 TOP = np.interp(GRID, [14.0, 15.0, 16.0], [1.0, 4.0, 1.0])
-ONE, TWO, FREE, IRREGULAR = MotionKind(1, 1), MotionKind(2, 2), MotionKind(-1), MotionKind(0)
+ONE, TWO, FREE, IRREGULAR = SteadyKind(1, 1), SteadyKind(2, 2), SteadyKind(-1), SteadyKind(0)
 FIVE = Asked.of(0.05)
 
 
@@ -147,7 +147,7 @@ def test_a_reference_that_is_itself_off_makes_nothing_suffice() -> None:
     )
 
 
-def end(at: float, before: MotionKind, after: MotionKind, step: float = 0.0, direction: str = "up") -> SweptEnd:
+def end(at: float, before: SteadyKind, after: SteadyKind, step: float = 0.0, direction: str = "up") -> SweptEnd:
     return SweptEnd(at, 0.01, before, after, direction, step)
 
 
@@ -160,11 +160,11 @@ def end(at: float, before: MotionKind, after: MotionKind, step: float = 0.0, dir
         (ONE, TWO, 0.0, "two modes double the period 2 % late (102 for 100 Hz)"),
         (ONE, IRREGULAR, 0.0, "two modes stop repeating 2 % late (102 for 100 Hz)"),
         (IRREGULAR, TWO, 0.0, "two modes repeat again 2 % late (102 for 100 Hz)"),
-        (ONE, MotionKind(1, 2), 0.0, "two modes change the impacts a period 2 % late (102 for 100 Hz)"),
+        (ONE, SteadyKind(1, 2), 0.0, "two modes change the impacts a period 2 % late (102 for 100 Hz)"),
         (ONE, ONE, 0.5, "two modes jump up 2 % late (102 for 100 Hz)"),
     ],
 )  # fmt: skip
-def test_every_end_has_its_words(before: MotionKind, after: MotionKind, step: float, said: str) -> None:
+def test_every_end_has_its_words(before: SteadyKind, after: SteadyKind, step: float, said: str) -> None:
     found = ResponseComparison(
         ends=(EndError(0.02, 1e-3, end(102, before, after, step), end(100, before, after, step)),)
     )

@@ -10,7 +10,7 @@ from rich.text import Text
 from stand_in import case, curve
 
 from vibeam.casefile.documentation import reference_table
-from vibeam.periodic.motion_kind import FREE, MotionKind
+from vibeam.periodic.motion_kind import FREE, SteadyKind
 from vibeam.report import tables as table
 from vibeam.report.checks import checks
 from vibeam.report.derive import derivation
@@ -36,8 +36,8 @@ def summary(name: str, modes: int) -> Summary:
 
 def compared_with(reference: str, name: str) -> ComparedFidelity:
     """Errors as wide as the neutral rig's with R held at the contact."""
-    end = SweptEnd(15.3, 0.0, MotionKind(1, 1), MotionKind(FREE), "up", -0.9)
-    kind = KindDifference(14.1, 16.2, 0.0, "up", MotionKind(1, 1), MotionKind(2, 2))
+    end = SweptEnd(15.3, 0.0, SteadyKind(1, 1), SteadyKind(FREE), "up", -0.9)
+    kind = KindDifference(14.1, 16.2, 0.0, "up", SteadyKind(1, 1), SteadyKind(2, 2))
     found = ResponseComparison(
         AmplitudeError(0.321, 15.3, "up", 1.0, 1.0), None, (EndError(0.096, 0.0, end, end),), (kind,)
     )

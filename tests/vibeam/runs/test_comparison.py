@@ -12,7 +12,7 @@ from made_responses import MadeBranch, MadeFlights, amplitudes, made
 from stand_in import RIG, curve
 
 import vibeam
-from vibeam.periodic.motion_kind import FREE, IRREGULAR, UNKNOWN, MotionKind, kinds_of
+from vibeam.periodic.motion_kind import FREE, IRREGULAR, UNKNOWN, SteadyKind, kinds_of
 from vibeam.runs.comparison.beyond import WEARS, fuller_models, is_whole
 from vibeam.runs.comparison.errors import GIVEN, Asked, ResponseComparison, asked_of
 from vibeam.runs.comparison.places import flown
@@ -45,8 +45,8 @@ def test_kinds_are_told_apart_by_periods_and_impacts() -> None:
     found = curve(np.arange(1.0, 8.0), 1.0, [1, 2, 5, 0, -1, 1, 1], impacts_per_period=[2, 1.5, 1, 3, 0, 40, 1])
     found.ended[6] = 2
     assert kinds_of(found) == [
-        MotionKind(1, 2), MotionKind(2, 3), MotionKind(IRREGULAR), MotionKind(IRREGULAR), MotionKind(FREE),
-        MotionKind(1, -1), MotionKind(UNKNOWN),
+        SteadyKind(1, 2), SteadyKind(2, 3), SteadyKind(IRREGULAR), SteadyKind(IRREGULAR), SteadyKind(FREE),
+        SteadyKind(1, -1), SteadyKind(UNKNOWN),
     ]  # fmt: skip
     assert [str(each) for each in kinds_of(found)[:2]] == ["period 1 with 2 impacts", "period 2 with 3 impacts"]
 
@@ -74,7 +74,7 @@ def test_what_only_one_of_them_does_is_a_difference_in_kind() -> None:
         found = compared(ours, theirs)
         assert found.frequency_error <= 2e-3  # the jump is the same
         [other] = found.kinds
-        assert (other.ours, other.reference) == (MotionKind(2, 2), MotionKind(1, 1))
+        assert (other.ours, other.reference) == (SteadyKind(2, 2), SteadyKind(1, 1))
         assert (other.low, other.high) == (pytest.approx(170, abs=0.2), pytest.approx(180, abs=0.2))
         assert found.suffices(FIVE) is False
         narrow = compared(made(hardening(180.0, doubled=1.0), grid), theirs)

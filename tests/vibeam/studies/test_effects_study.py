@@ -404,7 +404,7 @@ def test_a_budget_leaves_sets_out_and_claims_no_smallest() -> None:
 
 
 def test_a_sweep_that_takes_too_long_is_left_out_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(ValueError, match="its sweep takes longer than 0 s of CPU time"):
+    with pytest.raises(ValueError, match="its sweep takes longer than 0 s"):
         ensembles([(case_of(), "beam")], [PEAK], limit=0.0)
     monkeypatch.setattr("vibeam.studies.effects.DEAREST", 0.0)
     monkeypatch.setattr("vibeam.studies.effects.SHORT", 0.0)

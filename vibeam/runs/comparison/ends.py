@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.periodic.motion_kind import JUMP, MotionKind, width
+from vibeam.periodic.motion_kind import JUMP, SteadyKind, width
 
 if TYPE_CHECKING:
     from vibeam.runs.comparison.places import SweptBranch
@@ -31,8 +31,8 @@ class SweptEnd:
 
     frequency: float
     open: float
-    before: MotionKind
-    after: MotionKind
+    before: SteadyKind
+    after: SteadyKind
     direction: str
     step: float = 0.0
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import inf
 
 from vibeam.case.case import Case
-from vibeam.periodic.motion_kind import MotionKind, width
+from vibeam.periodic.motion_kind import SteadyKind, width
 from vibeam.runs.comparison.ends import SweptEnd
 
 GIVEN = "the case gives only these modes"
@@ -88,8 +88,8 @@ class KindDifference:
     high: float
     open: float
     direction: str
-    ours: MotionKind
-    reference: MotionKind
+    ours: SteadyKind
+    reference: SteadyKind
     alone: bool = False
 
     @property

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from vibeam.periodic.motion_kind import IRREGULAR, JUMP, UNKNOWN, MotionKind, kinds_of, width
+from vibeam.periodic.motion_kind import IRREGULAR, JUMP, UNKNOWN, SteadyKind, kinds_of, width
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State, StatesAfter
 
@@ -30,7 +30,7 @@ class SweptPlace:
     """
 
     frequency: float
-    kind: MotionKind
+    kind: SteadyKind
     amplitude: float
     cost: float
     state: Callable[[], State | None] = field(default=lambda: None)
@@ -135,7 +135,7 @@ class SweptBranch:
     ``open_start``, ``open_end``: half the width between the places beside the ends, Hz; 0 at the ends of the sweep.
     """
 
-    kind: MotionKind
+    kind: SteadyKind
     places: tuple[SweptPlace, ...]
     start: float
     end: float

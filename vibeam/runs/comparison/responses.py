@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.periodic.motion_kind import FREE, IRREGULAR, UNKNOWN, MotionKind
+from vibeam.periodic.motion_kind import FREE, IRREGULAR, UNKNOWN, SteadyKind
 from vibeam.runs.comparison.ends import SweptEnd, ends_of, matched
 from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
 from vibeam.runs.comparison.places import (
@@ -135,7 +135,7 @@ class _Direction:
         self.wide = [stretches(each.places[way], narrowest) for each in self.both]
         self._wide_at = [_Branches(each) for each in self.wide]
         kinds = [{each.kind for each in side.places[way]} for side in self.both]
-        free = [each == {MotionKind(FREE)} for each in kinds]
+        free = [each == {SteadyKind(FREE)} for each in kinds]
         self.alone = any(free) and any(each.strikes for several in kinds for each in several)
         self.pairs = list(_pairs(self.ours, self.theirs))
         every = [each for several in (self.ours, self.theirs) for each in several]
