@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 from vibeam.case.held import Held
-from vibeam.periodic.motion_kind import MotionKind
+from vibeam.periodic.motion_kind import SteadyKind
 from vibeam.runs.comparison.differences import BothChoices, HeldComparison
 from vibeam.runs.comparison.ends import SweptEnd
 from vibeam.runs.comparison.errors import AmplitudeError, ComparedFidelity, EndError, KindDifference, ResponseComparison
@@ -154,7 +154,7 @@ def _compared(values: dict[str, Any]) -> ComparedFidelity:
 
 def _response_comparison(values: dict[str, Any]) -> ResponseComparison:
     amplitude, scattered = (_amplitude(values[name]) for name in ("amplitude", "scattered"))
-    kinds = (each | {way: MotionKind(*each[way]) for way in ("ours", "reference")} for each in values["kinds"])
+    kinds = (each | {way: SteadyKind(*each[way]) for way in ("ours", "reference")} for each in values["kinds"])
     ends = (each | {way: _end(each[way]) for way in ("ours", "reference")} for each in values["ends"])
     return ResponseComparison(
         amplitude,
@@ -171,7 +171,7 @@ def _amplitude(values: dict[str, Any] | None) -> AmplitudeError | None:
 
 
 def _end(values: dict[str, Any]) -> SweptEnd:
-    return SweptEnd(**values | {way: MotionKind(*values[way]) for way in ("before", "after")})
+    return SweptEnd(**values | {way: SteadyKind(*values[way]) for way in ("before", "after")})
 
 
 COMPARED = KeyedRecord[tuple[ComparedFidelity, ...]]("compared", _write_compared, read_compared)
