@@ -103,7 +103,8 @@ class MapPlan:
     Hz, where it is no axis; ``settle`` and ``hold`` in drive periods; ``strobes``: how many values at the end of a
     period; ``starts`` at random, from ``seed``, within ``spread`` (m). ``picture`` and the ``quantity`` that it shows;
     ``boundaries``: whether exact ones are laid over it. ``fidelities`` empty: those that the picture suits. Of a
-    fidelity map ``accuracy`` of the quantity, as a share, and how many places ``verify`` it; of a stability map
+    fidelity map ``accuracy`` of the quantity and ``frequency_accuracy`` of the ends of branches, as shares, and how
+    many places ``verify`` it; of a stability map
     ``periods`` of the drive from impact to impact.
     """
 
@@ -140,20 +141,17 @@ class MapPlan:
         None,
     )
     accuracy: float = declare.quantity(
-        "",
-        'how near the finest fidelity a model of picture = "verdict" has to come; absent = 1 %',
-        "1 %",
-        None,
-        above=0,
-        most=0.999,
-    )
+        "", 'how near the finest fidelity a model of picture = "verdict" has to come; absent = 1 %', "1 %", None,
+        above=0, most=0.999,
+    )  # fmt: skip
+    frequency_accuracy: float | None = declare.quantity(
+        "", "how near the finest's its branches have to end, of the frequency; absent = a fifth of accuracy", "0.2 %",
+        None, above=0, most=0.999,
+    )  # fmt: skip
     verify: int = declare.count(
-        0,
-        100_000,
-        'at how many places, drawn at random, the map of picture = "verdict" is flown anew; absent = 24',
-        24,
-        None,
-    )
+        0, 100_000, 'at how many places, drawn at random, the map of picture = "verdict" is flown anew; absent = 24',
+        24, None,
+    )  # fmt: skip
     periods: int = declare.count(
         1, 100, 'drive periods from impact to impact, of picture = "stability"; absent = 1', 1, None
     )

@@ -19,6 +19,7 @@ POINTS = {"bifurcation": (201,)}  # usual numbers of values of each axis
 USUAL = (61,)
 ALONG = ("bifurcation", "spectra")  # pictures of one axis
 COMPARED = ("amplitude", "reach")  # quantities of a fidelity map
+SHARES = ("accuracy", "frequency_accuracy")
 
 
 def plan_over(
@@ -29,14 +30,13 @@ def plan_over(
     high: str | float | None = None,
     points: Sequence[int] | None = None,
     *,
-    accuracy: str | float | None = None,
     fidelities: Sequence[str] | None = None,
     **given: Any,
 ) -> MapPlan:
     """Plan of a map named by its ``picture``; None: as is usual for it.
 
-    ``over``, ``low``, ``high``, ``points``: as in ``axes_over``. ``given``: quantity, periods, verify. ValueError names
-    the option; errors of models as in ``models_of``.
+    ``over``, ``low``, ``high``, ``points``: as in ``axes_over``. ``given``: quantity, periods, verify, accuracy and
+    frequency_accuracy. ValueError names the option; errors of models as in ``models_of``.
     """
     if picture not in PICTURES:
         raise ValueError(f"--picture: {picture!r}: {suggest(picture, PICTURES)}")
@@ -44,8 +44,8 @@ def plan_over(
         raise ValueError(
             "--picture basins: its starts have keys of their own: write a table [map.NAME] (vibeam keys map)"
         )
-    share = None if accuracy is None else _share(accuracy)
-    said = {name: value for name, value in {**given, "accuracy": share}.items() if value is not None}
+    shares = {name: _share(name, given.get(name)) for name in SHARES}
+    said = {name: value for name, value in {**given, **shares}.items() if value is not None}
     _require_fitting(picture, said)
     names = tuple(fidelities or ())
     plane = picture not in ALONG
@@ -71,11 +71,11 @@ def _require_fitting(picture: str, said: dict[str, Any]) -> None:
         raise ValueError(f"--quantity: {said['quantity']!r} is none of {', '.join(known)}")
 
 
-def _share(given: str | float) -> float:
+def _share(name: str, given: str | float | None) -> float | None:
     try:
-        share = to_si(given, RATIO)
+        share = None if given is None else float(to_si(given, RATIO))
     except UnitError as fault:
-        raise ValueError(f"--accuracy: {fault}") from None
-    if not 0 < share < 1:
-        raise ValueError(f"--accuracy: must lie between 0 and 100 %, not {given}: write '5 %' or 0.05")
-    return float(share)
+        raise ValueError(f"--{name.replace('_', '-')}: {fault}") from None
+    if share is not None and not 0 < share < 1:
+        raise ValueError(f"--{name.replace('_', '-')}: must lie between 0 and 100 %, not {given}: write '5 %' or 0.05")
+    return share

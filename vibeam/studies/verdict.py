@@ -148,7 +148,7 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
         return cost(case, tell, progress, budget=plan.budget)
     return fidelity_map(
         case, plan.over, points=plan.points, frequencies=plan.points, accuracy=plan.accuracy, verify=VERIFIED,
-        progress=progress, budget=plan.allowed,
+        progress=progress, budget=plan.allowed, frequency_accuracy=plan.frequency_accuracy,
     )  # fmt: skip
 
 

@@ -125,12 +125,9 @@ def _table(found: FidelityMap) -> ReportTable:
 
 def _worth(found: FidelityMap) -> ReportTable:
     """Table of what each model is good for, and where it is not."""
-    table = blank("Use of each model", "fidelity", "correlation|", "gain|", "wrong between", "use it for")
-    table.caption = (
-        "gain: variance of a mean over the map at equal cost, without over with this model as a control variate"
-    )
+    table = blank("Use of each model", "fidelity", "wrong between", "use it for")
     for row in found.rows:
-        table.add_row(row.fidelity, f"{row.correlation:.4f}", f"{row.gain:.2f}", _where(found, row), row.use_it_for)
+        table.add_row(row.fidelity, _where(found, row), row.use_it_for)
     return table
 
 

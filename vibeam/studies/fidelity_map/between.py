@@ -58,11 +58,11 @@ def labels_between(found: ComparedModels, hertz: Array, values: Array) -> tuple[
 
     And where that is open (places,): scatter decides, or kinds meet of which one has no closed form.
     """
-    accuracy = found.plan.accuracy
+    asked = found.asked
     cells = [_cell(found.values, found.frequency, value, f) for f, value in zip(hertz, values, strict=True)]
     read = [_read(found, model, hertz, values, cells) for model in found.models]
     unclear = np.any([[_unclear(model, cell) for cell in cells] for model in found.models], axis=0)
-    return np.asarray(cheapest(read, accuracy)[0]), np.asarray(doubtful(read, accuracy)[0] | unclear)
+    return np.asarray(cheapest(read, asked)[0]), np.asarray(doubtful(read, asked)[0] | unclear)
 
 
 def _unclear(model: MappedMotions, cell: _Cell) -> bool:
@@ -217,9 +217,8 @@ def verified(found: ComparedModels, count: int, seed: int = SEED) -> Verificatio
     values = found.values[0] + draw[1] * np.ptp(found.values)
     again = run_parallel(lambda model, _: _flown(found, model, hertz, values), found.models[::-1])[::-1]
     predicted, unclear = labels_between(found, hertz, values)
-    accuracy = found.plan.accuracy
-    decided = ~(unclear | doubtful(again, accuracy)[0])
-    return Verification(hertz, values, predicted, cheapest(again, accuracy)[0], decided)
+    decided = ~(unclear | doubtful(again, found.asked)[0])
+    return Verification(hertz, values, predicted, cheapest(again, found.asked)[0], decided)
 
 
 def _flown(found: ComparedModels, model: MappedMotions, hertz: Array, values: Array) -> MappedMotions:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.maps.irregular import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT
 from vibeam.maps.result import MapResult, StudyOfMap
+from vibeam.periodic.motion_kind import LONGEST
+from vibeam.runs.comparison.errors import Asked
 from vibeam.store.blocks import Values
 from vibeam.system.number_text import percent
 from vibeam_models.arrays import Array, Flags, ValueRecord
@@ -79,6 +80,11 @@ class ComparedModels(StudyOfMap, ValueRecord):
         return self.models[-1]
 
     @property
+    def asked(self) -> Asked:
+        """Errors allowed of a model that suffices."""
+        return Asked.of(self.plan.accuracy, self.plan.frequency_accuracy)
+
+    @property
     def touched(self) -> Flags:
         """Places (rows, columns) with impacts: where any of the models touches the stop, either way."""
         return np.asarray(np.any([(model.kind != NO_CONTACT).any(axis=0) for model in self.models], axis=0))
@@ -110,39 +116,47 @@ def difference(model: MappedMotions, finest: MappedMotions) -> Codes:
     return np.asarray(np.select([chaos, number, period], [IN_CHAOS, IN_NUMBER, IN_PERIOD], SAME))
 
 
-def within(model: MappedMotions, finest: MappedMotions, accuracy: float) -> Flags:
-    """Places (rows, columns) where both ways are of the same kind and their values agree to ``accuracy``.
+def within(model: MappedMotions, finest: MappedMotions, asked: Asked, frequency: Array | None = None) -> Flags:
+    """Places (rows, columns) where both ways are of the same kind and their values agree as ``asked``.
 
-    Means of motions that do not repeat may differ by two of their standard errors more.
+    Means of motions that do not repeat may differ by two of their standard errors more. With the ``frequency`` of the
+    columns, Hz: where an end of a branch that both have lies between, no further apart than asked, kinds may differ.
     """
-    noise = NOISE * np.hypot(model.error, finest.error)
+    noise, ours, theirs = NOISE * np.hypot(model.error, finest.error), _plain(model.kind), _plain(finest.kind)
     with np.errstate(invalid="ignore"):
-        near = np.abs(model.value - finest.value) <= accuracy * np.abs(finest.value) + noise
-    return np.asarray(near.all(axis=0) & (difference(model, finest) == SAME))
+        near = np.abs(model.value - finest.value) <= asked.amplitude * np.abs(finest.value) + noise
+    near &= (ours == theirs) & (ours != FAILED)
+    for column, at in enumerate([] if frequency is None else frequency.tolist()):
+        beside = np.abs(frequency - at) <= asked.frequency * at
+        reached = (ours[..., beside] == theirs[..., [column]]) & (ours[..., [column]] != FAILED)
+        left = (theirs[..., beside] == ours[..., [column]]) & (theirs[..., [column]] != FAILED)
+        near[..., column] |= (ours != theirs)[..., column] & reached.any(axis=-1) & left.any(axis=-1)
+    return np.asarray(near.all(axis=0))
 
 
-def cheapest(models: Sequence[MappedMotions], accuracy: float) -> Codes:
+def _plain(kind: Codes) -> Codes:
+    """Kinds as two sweeps are compared by: all motions that do not repeat within ``LONGEST`` periods are of one."""
+    return np.where((kind == CHAOTIC) | (kind > LONGEST), IRREGULAR, kind)
+
+
+def cheapest(models: Sequence[MappedMotions], asked: Asked, frequency: Array | None = None) -> Codes:
     """Index into ``models`` (cheapest first, finest last) of the cheapest that suffices at each place."""
     label = np.full(models[-1].count.shape, len(models) - 1, dtype=np.int64)
     for index in range(len(models) - 2, -1, -1):
-        label[within(models[index], models[-1], accuracy)] = index
+        label[within(models[index], models[-1], asked, frequency)] = index
     return label
 
 
-def doubtful(models: Sequence[MappedMotions], accuracy: float) -> Flags:
-    """Places whose label hangs on scatter: a model up to the one chosen is within its noise of the accuracy, or chaos.
-
-    Of chaos: neither motion repeats, and only one exponent is positive beyond its error.
-    """
-    label, finest = cheapest(models, accuracy), models[-1]
+def doubtful(models: Sequence[MappedMotions], asked: Asked) -> Flags:
+    """Places whose label hangs on scatter: a model up to the one chosen is within its noise of what is asked."""
+    label, finest = cheapest(models, asked), models[-1]
     found = np.zeros(label.shape, dtype=bool)
     for index, model in enumerate(models[:-1]):
         noise = np.hypot(model.error, finest.error)
         with np.errstate(invalid="ignore"):
-            beyond = np.abs(model.value - finest.value) - accuracy * np.abs(finest.value) - NOISE * noise
+            beyond = np.abs(model.value - finest.value) - asked.amplitude * np.abs(finest.value) - NOISE * noise
             near = (noise > 0) & (np.abs(beyond) <= SURE * noise)
-        open_ = np.isin(model.kind, (CHAOTIC, IRREGULAR)) & np.isin(finest.kind, (CHAOTIC, IRREGULAR))
-        found |= (near | (open_ & (model.kind != finest.kind))).any(axis=0) & (index <= label)
+        found |= near.any(axis=0) & (index <= label)
     return found
 
 
@@ -156,7 +170,6 @@ def relative(model: MappedMotions, finest: MappedMotions) -> NDArray[np.float64]
 
 
 EVERYWHERE = 0.99  # share of the places with impacts that counts as all of them
-WORTH = 1.5  # gain as a control variate from which it pays
 
 KINDS = {
     NO_CONTACT: "no contact", IRREGULAR: "long or quasiperiodic", CHAOTIC: "chaos", FAILED: "failed",
@@ -169,10 +182,9 @@ class FidelityRow:
 
     ``cost_ratio``: how many times cheaper a point is than of the finest (CPU time here); ``within``: share of the
     places with impacts where it suffices (NaN without any); ``bias``, ``rms``: mean and root mean square of the
-    relative difference there, where both are of one kind; ``correlation`` over the whole map; ``gain``: factor by which
-    it lowers the variance of a mean over the map at equal cost, as a control variate; ``other_kind``: share of the
-    places with impacts where it differs in kind, ``kinds``: of what the finest has there; ``wrong_frequency`` (Hz) and
-    ``wrong_key`` (SI): the ranges where it does not suffice.
+    relative difference there, where both are of one kind; ``other_kind``: share of the places with impacts where it
+    differs in kind, ``kinds``: of what the finest has there; ``wrong_frequency`` (Hz) and ``wrong_key`` (SI): the
+    ranges where it does not suffice.
     """
 
     fidelity: str
@@ -182,8 +194,6 @@ class FidelityRow:
     within: float
     bias: float
     rms: float
-    correlation: float
-    gain: float
     other_kind: float
     kinds: str
     wrong_frequency: tuple[float, float] | None
@@ -193,40 +203,19 @@ class FidelityRow:
 
 def fidelity_row(model: MappedMotions, found: ComparedModels) -> FidelityRow:
     """The row of one model."""
-    finest, accuracy = found.finest, found.plan.accuracy
-    apart, near = difference(model, finest), within(model, finest, accuracy)
+    finest = found.finest
+    apart, near = difference(model, finest), within(model, finest, found.asked, found.frequency)
     touched = found.touched
     alike = (model.kind == finest.kind) & (model.kind != FAILED) & (finest.value != 0) & touched
     shares = model.value[alike] / finest.value[alike] - 1
     bias = float(shares.mean()) if shares.size else float("nan")
     rms = float(np.sqrt(np.mean(shares**2))) if shares.size else float("nan")
-    ratio, rho = finest.cpu / model.cpu, correlation(model.value, finest.value)
-    gain = control_variate_gain(rho, ratio)
-    wrong = ~near
+    ratio, wrong = finest.cpu / model.cpu, ~near
     part, other = share(near, touched), share(apart != SAME, touched)
     return FidelityRow(
-        model.name, model.modes, model.cpu, ratio, part, bias, rms, rho, gain, other,
-        _kinds(finest, apart != SAME), *_ranges(wrong, found), _use(model is finest, part, other, rms, gain),
+        model.name, model.modes, model.cpu, ratio, part, bias, rms, other,
+        _kinds(finest, apart != SAME), *_ranges(wrong, found), _use(model is finest, part, other, rms),
     )  # fmt: skip
-
-
-def correlation(one: Array, other: Array) -> float:
-    """Pearson's correlation over the places where both are known; NaN where one does not vary."""
-    known = np.isfinite(one) & np.isfinite(other)
-    if known.sum() < 2 or np.ptp(one[known]) == 0 or np.ptp(other[known]) == 0:
-        return float("nan")
-    return float(np.corrcoef(one[known], other[known])[0, 1])
-
-
-def control_variate_gain(rho: float, ratio: float) -> float:
-    """Variance of plain Monte Carlo over that with this control variate, at the same cost; 1 where it does not pay.
-
-    Two models of correlation ρ, the cheap one ``ratio`` times cheaper: at the best share of runs of either,
-    1/gain = (√(1 − ρ²) + √(ρ²/ratio))² (Ng & Willcox 2014; Peherstorfer, Willcox & Gunzburger 2016, §3.4).
-    """
-    if not np.isfinite(rho) or not rho * rho * (1 + ratio) > 1:  # fewer than one cheap run an expensive one
-        return 1.0
-    return max(1.0, 1 / (sqrt(max(1 - rho * rho, 0.0)) + sqrt(rho * rho / ratio)) ** 2)
 
 
 def _kinds(finest: MappedMotions, places: NDArray[np.bool_]) -> str:
@@ -249,7 +238,7 @@ def _ranges(
     return (float(columns.min()), float(columns.max())), (float(rows.min()), float(rows.max()))
 
 
-def _use(finest: bool, share: float, other: float, rms: float, gain: float) -> str:
+def _use(finest: bool, share: float, other: float, rms: float) -> str:
     """Use of a model, in a few words."""
     if finest:
         return "the reference"
@@ -262,6 +251,4 @@ def _use(finest: bool, share: float, other: float, rms: float, gain: float) -> s
         parts.append(f"which motion there is; sizes to {percent(rms)} (rms)")
     elif other < 0.5 and np.isfinite(rms):
         parts.append(f"sizes to {percent(rms)} (rms) where the motion is the same")
-    if gain >= WORTH:
-        parts.append(f"a control variate: {gain:.1f} times less variance")
     return "; ".join(parts) or "nothing here"

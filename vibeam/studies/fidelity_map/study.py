@@ -86,7 +86,7 @@ class FidelityMap(ComparedModels, ViewedTable):
     @property
     def doubtful(self) -> float:
         """Share of the places with impacts where the label hangs on the scatter of motions that do not repeat."""
-        return share(doubtful(self.models, self.plan.accuracy), self.touched)
+        return share(doubtful(self.models, self.asked), self.touched)
 
     @property
     def shares(self) -> dict[str, float]:
@@ -126,13 +126,15 @@ def fidelity_map(
     fresh: bool = False,
     progress: Progress | bool | None = None,
     budget: float | None = None,
+    frequency_accuracy: str | float | None = None,
 ) -> FidelityMap:
     """Compute the fidelity map of a case over its frequencies and another of its keys.
 
     ``over``: "gap", "drive", "restitution" or any dotted key; ``low``, ``high``: its range, as a case has it, with unit
     (None: chosen, for gap and drive). ``accuracy`` of ``quantity`` ("amplitude" of the sweep's output or "reach" of the
-    contact) against the fidelity with most modes. ``fidelities``: which, also where they change the rig; None: all that
-    do not. ``verify``: at how many places, drawn at random from the whole plane, all models are flown anew. ``out``,
+    contact) against the fidelity with most modes, ``frequency_accuracy`` of where its branches end (None: a fifth).
+    ``fidelities``: which, also where they change the rig; None: all that do not. ``verify``: at how many places, drawn
+    at random from the whole plane, all models are flown anew. ``out``,
     ``fresh``, ``progress``: as in ``run_map``; without ``out`` no file is kept. ``budget``: CPU seconds that the map
     may take: maps of 3 by 3 places and more are computed, each foreseen by the one before it, and the last that ends in
     time is the answer; it is not verified where no time is left.
@@ -148,7 +150,7 @@ def fidelity_map(
     """
     plan = plan_over(
         case, "verdict", over, low, high, points_of(over, points, frequencies), accuracy=accuracy,
-        fidelities=fidelities, quantity=quantity, verify=verify,
+        fidelities=fidelities, quantity=quantity, verify=verify, frequency_accuracy=frequency_accuracy,
     )  # fmt: skip
     if budget is None:
         with _kept(out) as path:
@@ -235,7 +237,8 @@ def compared_of(result: MapResult) -> FidelityMap:
     drawn = flown if plan.boundaries else []
     bounds = [boundaries_of(case, model.name, plan.axes)[0] for model in drawn]  # in turn: small arrays, one lock
     return FidelityMap(
-        result, models, cheapest(models, plan.accuracy), tuple(difference(model, finest) for model in models),
-        tuple(relative(model, finest) for model in models), tuple(fidelity_row(model, compared) for model in models),
+        result, models, cheapest(models, compared.asked, compared.frequency),
+        tuple(difference(model, finest) for model in models), tuple(relative(model, finest) for model in models),
+        tuple(fidelity_row(model, compared) for model in models),
         tuple(boundary for each in bounds for boundary in each), models_of(case, plan).notes,
     )  # fmt: skip
