@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -43,11 +43,10 @@ def sheet(study: Any, case: Case | None = None) -> StudySheet:
     said, uncertain, further = answer(study), list(notes(study)), list(details(study))
     data = {
         "inputs": study.uncertain, "samples": study.samples, "replicates": study.replicates, "seed": study.seed,
-        "frequency": study.frequency,
-        "fidelities": study.rows, "sensitivity": study.over_frequency, "sensitivity_of_peak": study.of_peak,
-        "errors": study.errors, "sentences": [said, *uncertain, *further],
+        "frequency": study.frequency, "fidelities": study.rows, "sensitivity": study.over_frequency,
+        "sensitivity_of_peak": study.of_peak, "errors": study.errors, "sentences": [said, *uncertain, *further],
     }  # fmt: skip
-    more = [each for each in (changes(study), errors(study)) if each is not None]
+    more = [each for each in (beside(study), changes(study), errors(study)) if each is not None]
     return StudySheet(
         said, [inputs(study), fidelities(study)], uncertain, further, more, data, list(rows(study)),
         lambda: bands(study, units_in(study)), coarse=True,
@@ -87,17 +86,21 @@ def fidelities(study: UncertaintyStudy) -> ReportTable:
     table.add(f"period 1 ends{hertz}|", "5 % … 95 %|", "samples|", "failed|", "CPU each|", detail=True)
     table.caption = "first number of each: at the case's own values; period 1 ends, with -v: in the way of the sweep"
     for row in study.rows:
-        failed = "–" if not row.failed else str(row.failed)
-        table.add_row(
-            row.fidelity,
-            *_spread(row.peak, units, "lengths", mean=True),
-            *_spread(row.peak_frequency, units, "frequencies"),
-            *_spread(row.jump, units, "frequencies"),
-            str(row.samples),
-            failed,
-            f"{1e3 * row.seconds:.3g} ms",
-        )
+        cells = [*_spread(row.peak, units.lengths, mean=True), *_spread(row.peak_frequency, units.frequencies)]
+        cells += [*_spread(row.jump, units.frequencies), str(row.samples), str(row.failed or "–")]
+        table.add_row(row.fidelity, *cells, f"{1e3 * row.seconds:.3g} ms")
     return table
+
+
+def beside(study: UncertaintyStudy) -> ReportTable | None:
+    """Table of the errors of each other fidelity in the samples; None without another one."""
+    table = blank(f"Beside {study.finest.fidelity} in each sample", "fidelity", "amplitudes (%)|", "5 % … 95 %|")
+    table.add("ends, kinds (%)|", "5 % … 95 %|", "within both|")
+    table.caption = "first number: at the case's own values; ends of branches and kinds to the sweep's grid"
+    for row in study.rows[:-1]:
+        cells = (*_spread(row.amplitude_error, percent), *_spread(row.end_error, percent))
+        table.add_row(row.fidelity, *cells, percent(row.within) if isfinite(row.within) else "–")
+    return table if table.rows else None
 
 
 CHANGES = (("begin", "impacts begin"), ("doubling", "period 1 becomes 2"))
@@ -113,13 +116,12 @@ def changes(study: UncertaintyStudy) -> ReportTable | None:
         for name, words in CHANGES:
             each: Distribution = getattr(row, name)
             if each.share > 0:
-                cells = tuple(_spread(each, units, "frequencies"))
+                cells = tuple(_spread(each, units.frequencies))
                 table.add_row(row.fidelity, words, *cells, percent(each.share))
     return table if table.rows else None
 
 
-def _spread(each: Distribution, units: DisplayUnits, way: str, mean: bool = False) -> Iterator[str]:
-    show = getattr(units, way)
+def _spread(each: Distribution, show: Callable[[float], str], mean: bool = False) -> Iterator[str]:
     yield plain(show(each.nominal))
     if mean:
         yield plain(show(each.mean))

@@ -16,7 +16,7 @@ from vibeam.flight import trajectory
 from vibeam.flight.engine import browser
 from vibeam.flight.engine.loading import KernelsUnavailable
 from vibeam.studies.doctor import Finding, Severity, verdict
-from vibeam.studies.doctor.machine import Requirement, _folder, package, processor, requirements
+from vibeam.studies.doctor.packages import Requirement, package, requirements
 from vibeam.studies.doctor.self_check import CHECKS, checked, pages, reason, self_check
 
 DOCTOR = "from vibeam.cli.main import main; main()"
@@ -45,7 +45,7 @@ def test_a_whole_installation_has_no_fault() -> None:
     code, found, stderr = doctor()
     assert (code, [name for name, each in found.items() if each["state"] == "fault"], stderr) == (0, [], "")
     assert found["Python"]["value"].startswith(".".join(map(str, sys.version_info[:3])))
-    assert {"numpy", "scipy", "numba", "kernels", "cores", "temporary files"} <= set(found)
+    assert {"numpy", "scipy", "numba", "kernels"} <= set(found)
     assert {found[name]["state"] for name in CHECKS} == {"ok"}
     assert found["kernels of pages"]["value"].startswith("wasm, 4 libraries, ")
 
@@ -78,7 +78,6 @@ def test_kernels_that_are_not_there_are_one_fault() -> None:
     assert code == 1
     assert found["kernels"]["state"] == "fault"
     assert "VIBEAM_KERNELS" in found["kernels"]["cure"]
-    assert found["environment"]["value"].count("VIBEAM_KERNELS=none of them") == 1
     assert found["impacts of an oscillator"]["state"] == "note"
     assert found["frequency of a cantilever"]["state"] == "ok"
 
@@ -138,19 +137,3 @@ def test_a_package_that_is_absent_or_old_has_its_cure() -> None:
     assert (old.state, old.cure) == (Severity.FAULT, "pip install --upgrade 'numpy>=999'")
     extra = package(Requirement("no-such-package", "2", "lab"))
     assert (extra.state, extra.cure) == (Severity.ABSENT, "to have it: pip install 'vibeam[lab]'")
-
-
-def test_a_folder_that_is_not_writable_is_seen(tmp_path: Path) -> None:
-    taken = tmp_path / "file"
-    taken.touch()
-    found = _folder("cache", lambda: str(taken / "below"), Severity.NOTE, "set X")
-    assert (found.state, found.cure) == (Severity.NOTE, "set X")
-    assert _folder("cache", lambda: str(tmp_path / "new"), Severity.NOTE, "").state is Severity.GOOD
-
-
-def test_a_processor_without_a_name_has_its_architecture(tmp_path: Path) -> None:
-    import platform
-
-    assert processor(tmp_path / "none").endswith(platform.machine())
-    (tmp_path / "cpuinfo").write_text("flags : a\nmodel name\t: Some One 9\n")
-    assert processor(tmp_path / "cpuinfo").startswith("Some One 9, ")

@@ -14,6 +14,8 @@ import vibeam
 from vibeam.case.study_plans import Uncertain
 from vibeam.casefile.read import parse
 from vibeam.report import uncertainty as report
+from vibeam.runs.comparison.places import places_of
+from vibeam.runs.comparison.responses import Response, compared
 from vibeam.studies.uncertainty.replicates import quantiles, replicates, scrambled
 from vibeam.studies.uncertainty.samples import Sampler, _changes, inputs_of
 from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, indices, saltelli
@@ -285,7 +287,7 @@ def test_tables_sentences_and_files(study, tmp_path):
     assert line.startswith("Mean and quantiles of beam's peak, 95 % intervals: mean between ")
     low, high = (f"{1e3 * end:.4g} mm" for end in study.finest.peak.within[2])
     assert f"50 % between {low} and {high}" in line
-    assert [len(table.rows) for table in (*shown.tables, *shown.more)] == [2, 2, 2]  # no motion changes
+    assert [len(table.rows) for table in (*shown.tables, *shown.more)] == [2, 2, 1, 2]  # no motion changes
     files = shown.write(tmp_path / "case.csv", study.case.figure)
     assert {path.suffix for path in files} == {".png", ".svg", ".csv"}
     with (tmp_path / "case.csv").open() as file:
@@ -344,3 +346,37 @@ def test_samples_side_by_side_are_those_of_the_case_with_their_values(direction)
             alone = Sampler(own, ()).nominal(name)
             np.testing.assert_allclose(found[name].amplitude[row], alone.amplitude[0], rtol=1e-9)
             assert found[name].peak[row] == pytest.approx(alone.peak[0], rel=1e-9)
+
+
+def test_errors_beside_the_finest_are_those_of_the_runs_of_each_sample() -> None:
+    """Contact begins between two of seven frequencies; every sample is run as a case of its own."""
+    text = f'{CASE}[uncertain]\n"stop.gap" = "0.08 mm … 0.14 mm"\n'.replace('"10 mm"', '"0.1 mm"')
+    case = parse(text)
+    study = uncertainty(case, samples=16)
+    inputs = inputs_of(case.uncertain, saltelli(1, 16, 0)).reshape(16, 3, 1)[:, :2].reshape(-1)
+    sizes, widths = [], []
+    for gap in inputs.tolist():
+        runs = vibeam.run(case.with_keys({"stop.gap": gap}), show=False)
+        responses = [Response({"up": places_of(dict(runs[name].items())["up"])}) for name in ("sdof", "beam")]
+        found = compared(*responses)
+        sizes.append(found.amplitude_error)
+        widths.append(max(found.frequency_error, found.kind_width))
+    row = study.rows[0]
+    known = np.array(sizes)[np.isfinite(sizes)]
+    assert np.ptp(known) > 0
+    np.testing.assert_allclose(row.amplitude_error.quantiles, quantiles(known, LEVELS), rtol=1e-9)
+    np.testing.assert_allclose(row.end_error.quantiles, quantiles(np.array(widths), LEVELS), rtol=1e-9)
+    within = (np.nan_to_num(sizes) <= 0.05) & (np.array(widths) <= 0.01)
+    assert row.within == pytest.approx(within.mean())
+    assert np.isnan(study.finest.within)
+    table = report.beside(study)
+    assert table is not None
+    assert len(table.rows) == 1
+
+
+def test_a_fidelity_that_is_the_finest_again_suffices_in_every_sample() -> None:
+    text = f'{CASE}[uncertain]\n"stop.gap" = "± 1 %"\n'.replace('"10 mm"', '"0.1 mm"')
+    study = uncertainty(parse(f'{text}[fidelity.again]\nreduction = "modal"\nmodes = 3\n'), samples=16)
+    [again] = [row for row in study.rows[:-1] if row.fidelity in {"again", "beam"}]
+    assert (again.within, again.end_error.quantiles[-1]) == (1.0, 0.0)
+    assert again.amplitude_error.quantiles[-1] == 0.0

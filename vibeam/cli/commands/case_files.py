@@ -160,7 +160,7 @@ def _write(file: Path, text: str) -> None:
 def doctor() -> None:
     """Examine the installation, and compute known motions.
 
-    Versions, machine, kernels and folders. Exit code 1 where there is a fault.
+    Versions and kernels. Exit code 1 where there is a fault.
 
     \b
     Examples:

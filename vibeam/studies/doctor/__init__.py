@@ -1,20 +1,20 @@
-"""Check of an installation: versions, extras, machine, kernels, places, and closed forms."""
+"""Check of an installation: versions, extras, kernels, and closed forms."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-from vibeam.studies.doctor.machine import Finding, Severity
+from vibeam.studies.doctor.packages import Finding, Severity
 
 __all__ = ["Finding", "Severity", "examine", "verdict"]
 
 
 def examine() -> tuple[Finding, ...]:
     """Examine the installation; a fault in one part leaves the others as they are."""
-    from vibeam.studies.doctor.machine import machine, packages, places
+    from vibeam.studies.doctor.packages import packages
     from vibeam.studies.doctor.self_check import kernels, pages, self_check
 
-    parts = (packages, machine, places, kernels, pages, self_check)
+    parts = (packages, kernels, pages, self_check)
     return tuple(finding for part in parts for finding in _within(part))
 
 

@@ -17,7 +17,7 @@ from time import perf_counter
 
 import numpy as np
 
-from vibeam.studies.doctor.machine import Finding, Severity
+from vibeam.studies.doctor.packages import Finding, Severity
 
 TOPIC, KERNELS = "self-check", "kernels"
 CURE = "the installation computes wrongly: install vibeam anew, and report this output"

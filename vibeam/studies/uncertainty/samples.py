@@ -11,6 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system
+from vibeam.runs.comparison.errors import ResponseComparison
+from vibeam.runs.comparison.places import places_of
+from vibeam.runs.comparison.responses import Response, compared
 from vibeam.runs.parallel import heartbeat
 from vibeam.runs.side_by_side import SystemSweep, sweep_side_by_side
 from vibeam.runs.sweep import SweepPoints, SweepSettings
@@ -48,8 +51,9 @@ class Responses:
 
     NaN where a point failed. ``peak`` (m,) and ``peak_frequency`` (m,) Hz; ``jump`` (m,) Hz: where period 1 around the
     peak ends in the way of the sweep; ``begin`` (m,) Hz: where impacts begin; ``doubling`` (m,) Hz: where period 1
-    becomes 2; NaN where that does not happen, or before the first point. ``seconds`` (m,): CPU time of each, the
-    model's making included.
+    becomes 2; NaN where that does not happen, or before the first point. ``amplitude_error`` (m,) and ``end_error``
+    (m,): beside the finest fidelity, of ends of branches and kinds to the sweep's grid; NaN of the finest itself.
+    ``seconds`` (m,): CPU time of each, the model's making included.
     """
 
     fidelity: str
@@ -59,6 +63,8 @@ class Responses:
     jump: Array
     begin: Array
     doubling: Array
+    amplitude_error: Array
+    end_error: Array
     seconds: Array
 
     @property
@@ -146,18 +152,27 @@ def _sweep_of(model: Model, case: Case) -> SystemSweep:
 
 
 def _values(responses: Mapping[str, FrequencyResponse], making: float) -> Values:
-    """Numbers kept of the responses of one sample by fidelity, the finest last; ``making``: CPU time of a model.
-
-    A number that sets a fidelity against the finest belongs here: both responses are at hand.
-    """
+    """Numbers kept of the responses of one sample by fidelity, the finest last; ``making``: CPU time of a model."""
     found: dict[str, Any] = {}
+    places = {name: Response({"": places_of(each)}) for name, each in responses.items()}
+    *_, top_places = places.values()
     for name, response in responses.items():
         amplitude, top = np.where(complete(response), response.amplitude, np.nan), response.peak
         seconds = making + float(response.cpu_seconds.sum())
-        numbers = (top.amplitude, top.frequency, _jump(response), *_changes(response), seconds)
+        off = (np.nan, np.nan) if places[name] is top_places else _errors(places[name], top_places)
+        numbers = (top.amplitude, top.frequency, _jump(response), *_changes(response), *off, seconds)
         found[f"{name} amplitude"] = amplitude[np.argsort(response.frequency)]
         found[f"{name} numbers"] = np.array(numbers)
     return found
+
+
+def _errors(ours: Response, finest: Response) -> tuple[float, float]:
+    return both_errors(compared(ours, finest))
+
+
+def both_errors(found: ResponseComparison) -> tuple[float, float]:
+    """Amplitude error, and the larger of the frequency error and the width of the gravest difference in kind."""
+    return found.amplitude_error, max(found.frequency_error, found.kind_width)
 
 
 def _gathered(fidelity: str, blocks: Sequence[Values]) -> Responses:

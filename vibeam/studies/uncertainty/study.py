@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.case.fineness import alike, finest
 from vibeam.case.source import of_source
+from vibeam.runs.comparison.errors import Asked, asked_of
 from vibeam.runs.parallel import EVERY, heartbeat
 from vibeam.studies.uncertainty.replicates import quantiles, replicates
-from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
+from vibeam.studies.uncertainty.samples import Responses, Sampler, both_errors, inputs_of
 from vibeam.studies.uncertainty.statistics import (
     LEVELS,
     Distribution,
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str], None]
 LEAST = 16  # samples
+ERRORS = ("amplitude_error", "end_error")  # numbers beside the finest
 MISSING = 'the case says nothing of what is uncertain: write [uncertain] with, say, "mass.mass" = "± 2 g"'
 
 
@@ -41,8 +44,9 @@ class FidelityUncertainty:
     """One fidelity: ``bands`` (5, points) of its amplitude at ``LEVELS``, ``nominal`` (points,); peak, its frequency.
 
     In the way of the sweep, Hz: ``jump``, where period 1 around the peak ends; ``begin``, where impacts begin;
-    ``doubling``, where period 1 becomes 2. ``failed`` of ``samples`` have a point
-    that failed; ``seconds``: CPU time a sample.
+    ``doubling``, where period 1 becomes 2. ``amplitude_error`` and ``end_error`` beside the finest: of ends of branches
+    and kinds; ``within``: share of the samples where neither passes what is asked. ``failed`` of ``samples`` have a
+    point that failed; ``seconds``: CPU time a sample.
     """
 
     fidelity: str
@@ -53,6 +57,9 @@ class FidelityUncertainty:
     jump: Distribution
     begin: Distribution
     doubling: Distribution
+    amplitude_error: Distribution
+    end_error: Distribution
+    within: float
     samples: int
     failed: int
     seconds: float
@@ -145,7 +152,12 @@ def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintySt
     found = sampler.each(inputs, asked, tell)
     with heartbeat(tell, lambda: "the case as it is"):
         nominal: Any = run(case, show=False, compare=True)
-    rows = tuple(_row(own_row[name], found[name], both[asked[name]], replicates(samples)) for name in names)
+    for each in nominal.compare():
+        if each.reference == top and each.fidelity in own_row:
+            errors = dict(zip(ERRORS, np.array([both_errors(each.comparison)]).T, strict=True))
+            own_row[each.fidelity] = replace(own_row[each.fidelity], **errors)
+    count_of, allowed = replicates(samples), asked_of(case)
+    rows = tuple(_row(own_row[name], found[name], both[asked[name]], count_of, allowed) for name in names)
     finest_one = found[top]
     return UncertaintyStudy(
         case,
@@ -160,7 +172,7 @@ def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintySt
     )
 
 
-def _row(nominal: Responses, found: Responses, both: Flags, count: int) -> FidelityUncertainty:
+def _row(nominal: Responses, found: Responses, both: Flags, count: int, asked: Asked) -> FidelityUncertainty:
     """A fidelity's spreads over the samples ``both``, which are ``count`` replicates."""
     amplitude = found.amplitude[both]
     bands = np.full((len(LEVELS), amplitude.shape[1]), np.nan)
@@ -169,9 +181,12 @@ def _row(nominal: Responses, found: Responses, both: Flags, count: int) -> Fidel
             bands[:, place] = quantiles(column[np.isfinite(column)], LEVELS)
     spreads = {
         of: Distribution.of(float(getattr(nominal, of)[0]), getattr(found, of)[both].reshape(count, -1))
-        for of in ("peak", "peak_frequency", "jump", "begin", "doubling")
+        for of in ("peak", "peak_frequency", "jump", "begin", "doubling", *ERRORS)
     }
+    size, end = (getattr(found, name)[both] for name in ERRORS)
+    near = (np.nan_to_num(size) <= asked.amplitude) & (end <= asked.frequency)
+    within = float(near.mean()) if np.isfinite(end).any() else nan
     return FidelityUncertainty(
-        found.fidelity, nominal.amplitude[0], bands, **spreads, samples=len(amplitude), failed=found.failed,
-        seconds=float(np.mean(found.seconds)),
+        found.fidelity, nominal.amplitude[0], bands, **spreads, within=within, samples=len(amplitude),
+        failed=found.failed, seconds=float(np.mean(found.seconds)),
     )  # fmt: skip
