@@ -86,7 +86,7 @@ class Range:
             )
 
     def describe(self) -> str:
-        """The range after a unit: ``"> 0"``, ``"in [0, 1]"``, empty where all numbers will do."""
+        """The range after a unit: ``"> 0"``, ``"in (0, 1]"``, empty where all numbers will do."""
         return f"in {self}" if math.isfinite(self.high) else str(self)
 
     def schema(self) -> dict[str, float]:
@@ -99,7 +99,7 @@ class Range:
             return ""
         if self.high == math.inf:
             return f"{'≥' if self.closed else '>'} {self.low:g}"
-        return f"[{self.low:g}, {self.high:.7g}]"
+        return f"{'[' if self.closed else '('}{self.low:g}, {self.high:.7g}]"
 
 
 ANY = Range()

@@ -375,7 +375,7 @@ def test_modes_needed_answers_first_and_writes_its_errors(command: Command, tmp_
     [
         (("--accuracy", "3 Hz"), "is a frequency, not a plain number"),
         (("--accuracy", ""), "--accuracy: '' is not a number"),
-        (("--frequency-accuracy", "200 %"), "is outside [0, 1]"),
+        (("--frequency-accuracy", "200 %"), "is outside (0, 1]"),
         (("--most", "0"), "is outside [1, "),
     ],
 )

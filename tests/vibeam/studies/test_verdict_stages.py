@@ -171,8 +171,8 @@ def test_a_stage_that_cannot_be_had_says_why_and_the_others_answer(tmp_path: Pat
         (("--accuracy", "3 Hz"), "--accuracy: '3 Hz' is a frequency, not a plain number"),
         (("--budget", "0 s"), "--budget: '0 s' must be > 0"),
         (("--over", "gapp"), "--over: 'gapp' is no key of the case"),  # at once, not behind the stages before it
-        (("--accuracy", "5"), "--accuracy: 5 is outside [0, 1]: if it is a percentage, write '5 %'"),
-        (("--set", "modes_needed.frequency_accuracy=0"), "--set modes_needed.frequency_accuracy: 0 is outside [0, 1]"),
+        (("--accuracy", "5"), "--accuracy: 5 is outside (0, 1]: if it is a percentage, write '5 %'"),
+        (("--set", "modes_needed.frequency_accuracy=0"), "--set modes_needed.frequency_accuracy: 0 is outside (0, 1]"),
     ],
 )
 def test_a_mistake_is_one_message_and_no_file(
