@@ -60,7 +60,4 @@ from vibeam_reductions.declaration import register_reduction as register_reducti
 from vibeam_reductions.modes import massless_boundary as massless_boundary
 from vibeam_reductions.modes import modal as modal
 from vibeam_reductions.modes import residual_flexibility as residual_flexibility
-from vibeam_reductions.modes import static_correction as static_correction
 from vibeam_reductions.static_shapes import craig_bampton as craig_bampton
-from vibeam_reductions.static_shapes import static_shapes as static_shapes
-from vibeam_reductions.subspaces import krylov as krylov

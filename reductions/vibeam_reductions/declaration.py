@@ -18,8 +18,7 @@ PARAMETERS: Mapping[str, Key] = {
         text=True, several=True,
     ),
     "frequency": Key(
-        "of krylov: about which transfer functions are matched, absent = 0; of pod: of the drive that is flown",
-        "15 Hz", "Hz", least=0,
+        "of pod: of the drive that is flown", "15 Hz", "Hz", least=0,
     ),
     "periods": Key(
         "of pod: drive periods that are flown from rest, absent = 50", 50, whole=True, least=1, most=1_000_000
@@ -69,16 +68,13 @@ REDUCTIONS = Registry(
     ReductionDeclaration("static_mode", "vibeam_reductions.static_shapes:static_mode", "the static deflection alone"),
     _counting("modes", "modal", "so many modes"),
     ReductionDeclaration("full", "vibeam_reductions.modes:full", "all of the finite elements"),
-    _counting("static_shapes", "static_shapes", "static deflections under loads at contact, base, masses, sensors"),
-    _counting("modes", "static_correction", "modes, and what they leave out under the loads"),
     _counting("modes", "residual_flexibility", "modes, and the flexibility that they leave out at the contact"),
     _counting("modes", "massless_boundary", "the same without the mass of that flexibility", massless=True),
     _counting(
         "static_shapes", "craig_bampton", "modes with the boundary held, and its constraint modes", takes=("boundary",)
     ),
-    _counting("subspaces", "krylov", "transfer functions matched about a frequency", takes=("frequency",)),
     _counting(
-        "subspaces",
+        "pod",
         "pod",
         "what a flight of the full model consists of",
         takes=("frequency", "periods", "inner_product"),

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from vibeam_models.arrays import Array
-from vibeam_models.structure import Modes, Structure, in_coordinates
+from vibeam_models.structure import Structure, in_coordinates
 from vibeam_reductions.projection import Reduction, check_count, projection
-from vibeam_reductions.static_shapes import StaticShapes, loads_of, static_shapes_under
+from vibeam_reductions.static_shapes import static_shapes_under
 
 
 def modal(structure: Structure, n: int) -> Reduction:
@@ -36,31 +33,6 @@ def full(structure: Structure) -> Reduction:
     return modal(structure, structure.size)
 
 
-def modes_and_residuals(structure: Structure, n: int, loads: Mapping[str, Array]) -> Reduction:
-    """The structure in its lowest modes and one residual attachment mode a load, ``n`` in all.
-
-    The residuals are M- and K-orthogonal to the modes, which stay exact. A load that the modes carry wholly has none;
-    a further mode is taken in its place.
-    """
-    count = min(len(loads), n)
-    while True:
-        modes, residuals = _split(structure, n - count, loads)
-        if len(residuals) >= count:
-            break
-        count = len(residuals)
-    stiffness = np.concatenate([modes.omega**2, residuals.stiffness[:count]])
-    basis = np.column_stack([modes.shapes, residuals.shapes[:, :count]])
-    return projection(structure, basis, K=np.diag(stiffness))
-
-
-def _split(structure: Structure, count: int, loads: Mapping[str, Array]) -> tuple[Modes, StaticShapes]:
-    if not count:
-        none = Modes(np.zeros(0), np.zeros((structure.size, 0)))
-        return none, static_shapes_under(structure, loads)
-    modes = structure.modes(count)
-    return modes, static_shapes_under(structure, loads, modes)
-
-
 def residual_flexibility(structure: Structure, n: int) -> Reduction:
     """The structure in its lowest n − 1 modes and the residual attachment mode of the contact, with its mass.
 
@@ -78,28 +50,14 @@ def residual_flexibility(structure: Structure, n: int) -> Reduction:
     (2, 1.0)
     """
     check_count(structure, n)
-    return modes_and_residuals(structure, n, {"contact": structure.contact})
-
-
-def static_correction(structure: Structure, n: int) -> Reduction:
-    """The structure in its lowest modes and the residual deflections under contact, drive and constant load, n in all.
-
-    What the mode acceleration method adds to a response afterwards is here a coordinate of its own (Dickens, Nakagawa &
-    Wittbrodt, Comput. Struct. 62, 1997). ValueError where n is less than the number of loads or more than the size,
-    and for a free body.
-
-    >>> import vibeam
-    >>> chain = vibeam.Structure(
-    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
-    ... )
-    >>> reduced = vibeam.static_correction(chain, 2)
-    >>> reduced.structure.size, round(reduced.flexibility_kept, 9)
-    (2, 1.0)
-    """
-    loads = loads_of(structure, outputs=False)
-    independent = {name: loads[name] for name in static_shapes_under(structure, loads).names}
-    check_count(structure, n, len(independent), f": its loads are {', '.join(independent)}")
-    return modes_and_residuals(structure, n, independent)
+    modes = structure.modes(n - 1) if n > 1 else None
+    residual = static_shapes_under(structure, {"contact": structure.contact}, modes)
+    if not len(residual):  # the modes carry the load wholly: a further one in its place
+        return modal(structure, n)
+    shapes, squares = residual.shapes, residual.stiffness
+    if modes is not None:
+        shapes, squares = np.column_stack([modes.shapes, shapes]), np.concatenate([modes.omega**2, squares])
+    return projection(structure, shapes, K=np.diag(squares))
 
 
 def massless_boundary(structure: Structure, n: int) -> Reduction:

@@ -1,4 +1,4 @@
-"""Static deflections as a basis: under one load, under several, or under forces on a boundary, whose modes join them.
+"""Static deflections as a basis: under one load, or under forces on a boundary, whose modes join them.
 
 Dependent deflections are left out.
 """
@@ -33,18 +33,6 @@ class StaticShapes:
 
     def __len__(self) -> int:
         return len(self.names)
-
-
-def loads_of(structure: Structure, outputs: bool = True) -> dict[str, Array]:
-    """Loads that a structure knows: at the contact, of the drive, constant, on masses, at outputs, in this order.
-
-    Rows (size,) by name; none that is zero. ``outputs``: with those on masses and at outputs.
-    """
-    named = {"contact": structure.contact, "drive": structure.load, "constant": structure.static}
-    if outputs:
-        named |= {f"inertia {i + 1}": row for i, row in enumerate(structure.attached)}
-        named |= dict(structure.outputs)
-    return {name: row for name, row in named.items() if np.any(row)}
 
 
 def static_shapes_under(structure: Structure, loads: Mapping[str, Array], modes: Modes | None = None) -> StaticShapes:
@@ -91,25 +79,6 @@ def _less(vector: Array, along: Array, measured: Array) -> Array:
 def _left(structure: Structure, force: Array, load: Array) -> bool:
     """Test whether more than round-off is left of a load, by f M⁻¹ fᵀ: what it accelerates."""
     return structure.mobility(force) > NOTHING * structure.mobility(load)
-
-
-def static_shapes(structure: Structure, n: int) -> Reduction:
-    """The static mode enriched: the structure in its deflections under the first ``n`` independent loads.
-
-    In this order: a force at the contact, the drive's load, the constant one, forces and moments where a mass or a
-    moment of inertia is attached, forces at the outputs. ValueError where there are fewer, and for a free body.
-
-    >>> import vibeam
-    >>> chain = vibeam.Structure(
-    ...     M=[[1, 0], [0, 1]], C=[[0, 0], [0, 0]], K=[[2, -1], [-1, 2]], load=[-1, -1], static=[0, 0], contact=[0, 1]
-    ... )
-    >>> vibeam.static_shapes(chain, 1).basis.round(9).tolist()  # K⁻¹ under a load at the contact
-    [[0.447213595], [0.894427191]]
-    """
-    found = static_shapes_under(structure, loads_of(structure))
-    if not 1 <= n <= len(found):
-        raise ValueError(f"modes: {n}, this structure has 1 to {len(found)} static shapes: {', '.join(found.names)}")
-    return projection(structure, found.shapes[:, :n], K=np.diag(found.stiffness[:n]))
 
 
 def static_mode(structure: Structure, at: Array | None = None) -> Reduction:

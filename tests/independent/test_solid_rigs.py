@@ -23,9 +23,8 @@ from vibeam_models.scene import Mass, Sensor
 from vibeam_models.solid.plan import Solid
 from vibeam_models.solid.scene import SolidScene
 from vibeam_models.stop import Stop
-from vibeam_reductions.modes import modal, residual_flexibility, static_correction
+from vibeam_reductions.modes import modal, residual_flexibility
 from vibeam_reductions.static_shapes import craig_bampton
-from vibeam_reductions.subspaces import krylov
 
 TRUTH = json.loads((Path(__file__).parent / "solid_rigs.json").read_text(encoding="utf-8"))
 STRIP = Beam(0.12, Rectangle(0.024, 0.008), 210e9, 7850.0, Damping("constant", (0.01,)), poissons_ratio=0.3)
@@ -125,9 +124,7 @@ def receptance(structure, omega):
 REDUCED = {
     "modal": (lambda s: modal(s, 8), 2e-3),
     "residual_flexibility": (lambda s: residual_flexibility(s, 4), 2e-7),
-    "static_correction": (lambda s: static_correction(s, 4), 1e-7),
     "craig_bampton": (lambda s: craig_bampton(s, 6, ("contact",)), 1e-4),
-    "krylov": (lambda s: krylov(s, 5), 1e-8),
 }
 
 

@@ -19,10 +19,10 @@ from vibeam_models.effects.opposite import Opposite
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.laws.compliant import Hertz, LinearStop
 from vibeam_models.structure import Structure
-from vibeam_reductions.modes import massless_boundary, modal, residual_flexibility, static_correction
+from vibeam_reductions.modes import massless_boundary, modal, residual_flexibility
+from vibeam_reductions.pod import Snapshots, pod
 from vibeam_reductions.projection import Reduction
-from vibeam_reductions.static_shapes import boundary_rows, craig_bampton, static_shapes
-from vibeam_reductions.subspaces import Snapshots, krylov, pod
+from vibeam_reductions.static_shapes import boundary_rows, craig_bampton
 
 COARSE = replace(RIG, beam=replace(STEEL, elements=4))
 SCENES = {
@@ -33,17 +33,12 @@ SCENES = {
         COARSE, beam=replace(STEEL, elements=4, ends="pinned-pinned", supports=(Support(0.06, 2e4, 0.0),))
     ),
 }
-BASES = [static_correction, residual_flexibility, massless_boundary, craig_bampton, krylov]
+BASES = [residual_flexibility, massless_boundary, craig_bampton]
 
 
 @pytest.fixture(scope="module")
 def rig() -> Structure:
     return assemble(RIG)
-
-
-def seen_everywhere(structure: Structure) -> Structure:
-    """With every coordinate an output, so that forces on them span all that there is."""
-    return structure.with_(outputs=structure.outputs | {f"x{i}": row for i, row in enumerate(np.eye(structure.size))})
 
 
 def flown(structure: Structure, law: LinearStop | None) -> np.ndarray:
@@ -59,8 +54,6 @@ def flown(structure: Structure, law: LinearStop | None) -> np.ndarray:
 
 def reduced(structure: Structure, name: str) -> Reduction:
     """The reduction of a name, with all vectors that it can have."""
-    if name == "static_shapes":
-        return static_shapes(seen_everywhere(structure), structure.size)
     if name == "pod":
         system = vibeam.ImpactSystem.from_structure(structure, gap=0.0, restitution=0.9)
         states = modal_snapshots(system, vibeam.Drive(1.3 * system.omega[0], 1e-3), 20)
@@ -68,7 +61,7 @@ def reduced(structure: Structure, name: str) -> Reduction:
     return next(basis for basis in BASES if basis.__name__ == name)(structure, structure.size)
 
 
-ALL = [*(basis.__name__ for basis in BASES), "static_shapes", "pod"]
+ALL = [*(basis.__name__ for basis in BASES), "pod"]
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -112,38 +105,6 @@ def test_residual_modes_do_not_couple_by_modal_damping(rig: Structure) -> None:
     assert vibeam.ImpactSystem.from_structure(made, gap=0.0).coupling is None
 
 
-def test_static_correction_keeps_what_a_slow_drive_does(rig: Structure) -> None:
-    made = static_correction(rig, 4)
-    expected = rig.deflection(rig.load)
-    found = made.expand(made.structure.deflection(made.structure.load))
-    np.testing.assert_allclose(found, expected, atol=1e-8 * np.abs(expected).max())
-    lost = modal(rig, 4)
-    assert (
-        np.abs(lost.expand(lost.structure.deflection(lost.structure.load)) - expected).max()
-        > 1e-6 * np.abs(expected).max()
-    )
-
-
-@pytest.mark.parametrize("place", ["sensor", "tip"])
-def test_static_shapes_bear_every_load_exactly(rig: Structure, place: str) -> None:
-    made = static_shapes(rig, 5)
-    row = rig.outputs[place]
-    small = made.structure
-    assert small.flexibility(small.outputs[place]) == pytest.approx(rig.flexibility(row), rel=1e-8)
-    assert static_shapes(rig, 1).structure.flexibility(static_shapes(rig, 1).structure.outputs[place]) < (
-        1 - 1e-4
-    ) * rig.flexibility(row)
-
-
-def test_static_shapes_know_where_masses_and_moments_are() -> None:
-    scene = with_effects(COARSE, AddedMass(0.01, 0.16, 1e-6))
-    structure = assemble(scene).with_(outputs={"sensor": assemble(scene).outputs["sensor"]})
-    assert len(structure.attached) == 4  # mass and its inertia, added mass and its inertia
-    moment = structure.attached[1]
-    made = static_shapes(structure, 6).structure
-    assert made.flexibility(made.attached[1]) == pytest.approx(structure.flexibility(moment), rel=1e-8)
-
-
 def test_craig_bampton_is_the_textbooks_partition(rig: Structure) -> None:
     """The same subspace as from [I; −K_ii⁻¹K_ib] and K_ii φ = ω² M_ii φ in coordinates that have the boundary."""
     boundary, n = ("contact", "sensor", "tip"), 7
@@ -167,38 +128,6 @@ def test_a_boundary_named_twice_counts_once(rig: Structure) -> None:
         craig_bampton(rig, 2)
     with pytest.raises(ValueError, match="boundary: sensr: it is made of contact, masses, sensor, tip"):
         craig_bampton(rig, 4, ("contact", "sensr"))
-
-
-@pytest.mark.parametrize("frequency", [0.0, 11.0, 300.0])
-def test_krylov_matches_derivatives_of_the_transfer_function(rig: Structure, frequency: float) -> None:
-    """Contact to contact, n = 4 of two forces: 2·2 derivatives by λ = ω² at the frequency agree, in modal sums."""
-    made = krylov(rig, 4, frequency).structure
-    here = (2 * np.pi * frequency) ** 2
-
-    def derivative(structure: Structure, order: int) -> float:
-        modes = structure.modes()
-        c = structure.contact @ modes.shapes
-        return float(np.sum(c**2 / (modes.omega**2 - here) ** (order + 1)))
-
-    for order in range(4):
-        assert derivative(made, order) == pytest.approx(derivative(rig, order), rel=1e-7, abs=0)
-    assert derivative(made, 4) != pytest.approx(derivative(rig, 4), rel=1e-13, abs=0)
-
-
-def test_krylov_refuses_a_natural_frequency_and_takes_a_free_body() -> None:
-    masses = Structure(np.eye(2), np.zeros((2, 2)), [[1.0, -1.0], [-1.0, 1.0]], [-1.0, -1.0], [0.0, 0.0], [0.0, 1.0])
-    with pytest.raises(ValueError, match="is a natural frequency: take another"):
-        krylov(masses, 1, np.sqrt(2) / (2 * np.pi))
-    with pytest.raises(ValueError, match="the body is free"):
-        krylov(masses, 2)
-    np.testing.assert_allclose(krylov(masses, 2, 1.0).structure.modes().omega, [0, np.sqrt(2)], atol=1e-7)
-
-
-def test_krylov_ends_where_contact_and_drive_see_no_more() -> None:
-    apart = Structure(np.eye(3), np.zeros((3, 3)), np.diag([1.0, 2.0, 3.0]), [-1.0, 0, 0], [0.0] * 3, [0.0, 1, 0])
-    assert krylov(apart, 2).structure.size == 2
-    with pytest.raises(ValueError, match="modes: 3, the Krylov space of contact and drive has 1 to 2 directions"):
-        krylov(apart, 3)
 
 
 @pytest.mark.parametrize("inner_product", ["mass", "energy"])
@@ -245,5 +174,5 @@ def test_a_massless_contact_refuses_what_needs_its_mass(rig: Structure) -> None:
 def test_more_than_there_is_and_a_free_body_are_refused(rig: Structure) -> None:
     assert answers(lambda basis: basis(rig, 65), BASES, "modes: 65") == []
     free = Structure(np.eye(2), np.zeros((2, 2)), [[1.0, -1.0], [-1.0, 1.0]], [-1.0, -1.0], [0.0, 0.0], [0.0, 1.0])
-    static = [residual_flexibility, massless_boundary, static_correction, static_shapes]
+    static = [residual_flexibility, massless_boundary]
     assert answers(lambda basis: basis(free, 1), static, "the body is free") == []

@@ -20,7 +20,7 @@ from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
 
 if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam_reductions.subspaces import Snapshots
+    from vibeam_reductions.pod import Snapshots
 
 KEPT = 64  # reduced structures
 FEW = 8  # structures before their reduction, each for all of its fidelities
@@ -114,7 +114,7 @@ def _flown(
 ) -> Snapshots:
     from vibeam.system.impact_system import Drive
     from vibeam_models.base_motion import drive_amplitude
-    from vibeam_reductions.subspaces import Snapshots
+    from vibeam_reductions.pod import Snapshots
 
     omega = 2 * np.pi * frequency
     amplitude = float(np.ravel(drive_amplitude(scene, np.array([omega])))[0])
