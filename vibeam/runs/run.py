@@ -13,7 +13,7 @@ from vibeam.case.case import Case
 from vibeam.case.source import of_source
 from vibeam.runs.fidelity_sweep import Job, Progress, job_of, known_curves, sweep_branches
 from vibeam.runs.keys import comparison_key, kept_or_made, model_key
-from vibeam.runs.parallel import PointCount, run_parallel
+from vibeam.runs.parallel import PointCount, heartbeat, run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import planned, restricted
 from vibeam.runs.store.figures import shown_of
@@ -58,9 +58,8 @@ def run(
     there, at the start and after each further block of them, and their total, from any thread. ``show``: compute the
     data of the case's further figures.
     ``fidelities``: these alone; the others can be added to the same file later.
-    ``compare``: compare the fidelities with the finest of the same rig, and that with a fuller model
-    (``result.compare()``), and the peaks under both choices of the restitution held (``result.comparisons``); the file
-    gets both too.
+    ``compare``: make ``result.compare()`` and the peaks under both choices of the restitution held
+    (``result.comparisons``) at once; the file gets both too.
     CaseError for a fidelity that cannot be built; ValueError for one that there is not; StoreError where ``out`` cannot
     be used, Interrupted on Ctrl-C.
 
@@ -95,8 +94,9 @@ def run(
             result = Result(case, branches, path, sum(job.found for job in jobs), shown, models=models, after=after)
             if not compare:
                 return result
-            result.compared = _compared(result, records)
-            return _held(result, records)
+            with heartbeat(tell, lambda: "comparing the fidelities"):
+                result.compared = _compared(result, records)
+                return _held(result, records)
         except KeyboardInterrupt:
             raise count.stopped(path) from None
 
