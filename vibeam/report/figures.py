@@ -11,7 +11,6 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
 from vibeam.figures.files import all_current, figure_files, paths_of, shown_paths, stamp
 from vibeam.figures.sheet import Comparison, module_of, named_of
-from vibeam.report.record_figure import handles_of, record_figure
 from vibeam.system.labelled import Viewed
 from vibeam.system.response import Branches, FrequencyResponse
 
@@ -31,6 +30,8 @@ def write_figures(result: Any, path: Path) -> list[Path]:
 
         own = paths_of(path, result.case.figure)
         if result.case.record is not None:
+            from vibeam.report.record_figure import record_figure
+
             write_page(partial(record_figure, result), own, mark=mark)
         else:
             write_frc(result, *own, mark=mark)
@@ -57,6 +58,7 @@ def figure(result: Comparison, plan: ShowPlan) -> Figure:
     """Figure of one table."""
     from vibeam.figures.page import blank_page, legend, titled
     from vibeam.figures.panels import name_faults
+    from vibeam.report.record_figure import handles_of
 
     made, shown = blank_page(_size(plan), result.case.figure), result.shown.get(plan.name, ())
     module_of(plan).draw(made, result, plan, shown)
@@ -69,8 +71,7 @@ def figure(result: Comparison, plan: ShowPlan) -> Figure:
 def _caption(case: Case, plan: ShowPlan) -> str:
     """Title of the figure."""
     own = getattr(module_of(plan), "caption", FIGURES[plan.kind].meaning)
-    usual = str(own(plan) if callable(own) else own)
-    return named_of(usual, quantity_of(case, plan.output).name)
+    return named_of(str(own(plan) if callable(own) else own), quantity_of(case, plan.output).name)
 
 
 def _size(plan: ShowPlan) -> tuple[float, float]:

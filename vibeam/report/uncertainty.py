@@ -98,8 +98,8 @@ def beside(study: UncertaintyStudy) -> ReportTable | None:
     table.add("ends, kinds (%)|", "5 % … 95 %|", "within both|")
     table.caption = "first number: at the case's own values; ends of branches and kinds to the sweep's grid"
     for row in study.rows[:-1]:
-        cells = (*_spread(row.amplitude_error, percent), *_spread(row.end_error, percent))
-        table.add_row(row.fidelity, *cells, percent(row.within) if isfinite(row.within) else "–")
+        cells = *_spread(row.amplitude_error, percent), *_spread(row.end_error, percent), percent(row.within)
+        table.add_row(row.fidelity, *cells)
     return table if table.rows else None
 
 
@@ -116,8 +116,7 @@ def changes(study: UncertaintyStudy) -> ReportTable | None:
         for name, words in CHANGES:
             each: Distribution = getattr(row, name)
             if each.share > 0:
-                cells = tuple(_spread(each, units.frequencies))
-                table.add_row(row.fidelity, words, *cells, percent(each.share))
+                table.add_row(row.fidelity, words, *_spread(each, units.frequencies), percent(each.share))
     return table if table.rows else None
 
 
