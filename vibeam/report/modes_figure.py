@@ -90,7 +90,7 @@ def _errors(axes: Any, found: ModesNeeded) -> None:
     names = ("amplitudes", "ends of branches, kinds")
     for colour, name, pick in zip(COLOURS, names, (_amplitude, _frequency), strict=False):
         times, sizes = [1e3 * row.seconds for row in rows], [100 * max(pick(row), LEAST) for row in rows]
-        axes.plot(times, sizes, "o-", color=colour, label=name, gid=f"errors-{name.split()[0]}")
+        axes.plot(times, sizes, "o", color=colour, label=name, gid=f"errors-{name.split()[0]}")
         allowed = found.asked.amplitude if pick is _amplitude else found.asked.frequency
         axes.axhline(100 * allowed, color=colour, linewidth=0.8, linestyle=":")
     for row in rows:
