@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from stand_in import curve
 
-from vibeam.runs.comparison.places import flown
+from vibeam.runs.comparison.places import simulated
 from vibeam.runs.comparison.responses import Response
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
@@ -25,7 +25,7 @@ class MadeBranch:
 
 
 @dataclass
-class MadeFlights:
+class MadeSimulator:
     """Steady points of a model with known branches, which a step of more than ``careful`` Hz throws off.
 
     Over the last ``early`` Hz of a branch, without it the last ``careful`` ones.
@@ -58,10 +58,10 @@ def made(
     branches: tuple[MadeBranch, ...], grid: np.ndarray, careful: float = np.inf, early: float | None = None
 ) -> Response:  # fmt: skip
     """Response of a model swept up over a grid."""
-    flights, places = MadeFlights(branches, careful, early), []
+    simulator, places = MadeSimulator(branches, careful, early), []
     for frequency in np.sort(grid).tolist():
-        places.append(flown(flights, frequency, places[-1] if places else None))
-    return Response({"up": places}, flights)
+        places.append(simulated(simulator, frequency, places[-1] if places else None))
+    return Response({"up": places}, simulator)
 
 
 def amplitudes(size: float, slope: float = 0.0) -> Callable[[float], float]:

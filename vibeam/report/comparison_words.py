@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import ceil, floor, log10
+from math import ceil, floor, inf, log10
 
 from vibeam.figures.units import DisplayUnits
 from vibeam.periodic.motion_kind import IRREGULAR, SteadyKind
@@ -82,7 +82,7 @@ def both_numbers(found: ResponseComparison, units: DisplayUnits) -> str:
 
 
 def _spread(found: AmplitudeError) -> str:
-    return size(found.error) + (f" ± {size(2 * found.scatter)}" if found.scatter else "")
+    return size(found.error) + (f" ± {size(2 * found.scatter)}" if 0 < found.scatter < inf else "")
 
 
 def gravest(who: Subject, other: Subject, found: ResponseComparison, asked: Asked, units: DisplayUnits) -> str:
@@ -114,8 +114,8 @@ def _open(found: ResponseComparison, asked: Asked, units: DisplayUnits) -> Itera
         yield f"{other.ours} or {other.reference} at {_range(other.low, other.high, units)}"
         return
     if found.scattered is not None and found.scattered.scatter:
-        at = units.frequencies(found.scattered.frequency)
-        yield f"motions that do not repeat scatter by {size(2 * found.scattered.scatter)} at {at}"
+        said = f"scatter by {size(2 * error)}" if (error := found.scattered.scatter) < inf else "were read but once"
+        yield f"motions that do not repeat {said} at {units.frequencies(found.scattered.frequency)}"
 
 
 def _is_known(end: EndError) -> bool:

@@ -14,7 +14,7 @@ from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.sheet import sheet_at
 from vibeam.periodic.motion_kind import IRREGULAR, UNKNOWN
-from vibeam.runs.comparison.places import Flights, SweptPlace, flown
+from vibeam.runs.comparison.places import Simulator, SweptPlace, simulated
 from vibeam.runs.comparison.responses import Response
 from vibeam.system.impact_system import ImpactSystem
 
@@ -62,18 +62,18 @@ def refined_peak(response: Response) -> RefinedPeak:
         return RefinedPeak(amplitude, frequency, CHANCE)
     if not 0 < i < len(places) - 1:
         return RefinedPeak(amplitude, frequency, EDGE)
-    if response.flights is None or places[i - 1].state() is None:
+    if response.simulator is None or places[i - 1].state() is None:
         return RefinedPeak(amplitude, frequency)
-    top = _top(response.flights, _narrowed(response.flights, places[i - 1 : i + 2]))
+    top = _top(response.simulator, _narrowed(response.simulator, places[i - 1 : i + 2]))
     return RefinedPeak(top.amplitude, top.frequency)
 
 
-def _narrowed(flights: Flights, three: Sequence[SweptPlace]) -> Sequence[SweptPlace]:
+def _narrowed(simulator: Simulator, three: Sequence[SweptPlace]) -> Sequence[SweptPlace]:
     """Three neighbours around the top; each finer place is reached from the one before it, as in the sweep."""
     for _ in range(ROUNDS):
         found = [three[0]]
         for frequency in np.linspace(three[0].frequency, three[2].frequency, FINER + 1)[1:-1].tolist():
-            found.append(flown(flights, frequency, found[-1]))
+            found.append(simulated(simulator, frequency, found[-1]))
         top = max(range(1, len(found)), key=lambda i: _height(found[i]))
         three = [*found, three[2]][top - 1 : top + 2]
     return three
@@ -84,8 +84,8 @@ def _height(place: SweptPlace) -> float:
     return -np.inf if place.kind.periods in (IRREGULAR, UNKNOWN) else place.amplitude
 
 
-def _top(flights: Flights, three: Sequence[SweptPlace]) -> SweptPlace:
-    """SweptPlace at the top of the parabola through three; the middle one where they are not on one smooth curve.
+def _top(simulator: Simulator, three: Sequence[SweptPlace]) -> SweptPlace:
+    """Place at the top of the parabola through three; the middle one where they are not on one smooth curve.
 
     At a jump a parabola has a top as well, but the motion there differs from it.
     """
@@ -94,7 +94,7 @@ def _top(flights: Flights, three: Sequence[SweptPlace]) -> SweptPlace:
         return three[1]
     aside = (y[0] - y[2]) / (2 * (y[0] - 2 * y[1] + y[2]))
     frequency = three[1].frequency + float(aside) * (three[2].frequency - three[0].frequency) / 2
-    found, height = flown(flights, frequency, three[0]), y[1] - (y[0] - y[2]) * aside / 4
+    found, height = simulated(simulator, frequency, three[0]), y[1] - (y[0] - y[2]) * aside / 4
     return found if abs(_height(found) - height) <= SMOOTH * (height - y.min()) else three[1]
 
 
@@ -152,9 +152,9 @@ def numbers_of(
 
 def _elsewhere(response: Response, top: RefinedPeak) -> str:
     """Reason why no motion is read at a peak: settled from rest, another one is reached; else empty."""
-    if response.flights is None or not np.isfinite(top.frequency):
+    if response.simulator is None or not np.isfinite(top.frequency):
         return "there is no motion to settle at the peak"
-    reached = flown(response.flights, top.frequency, None)
+    reached = simulated(response.simulator, top.frequency, None)
     same = abs(reached.amplitude - top.amplitude) <= SAME * top.amplitude
     return "" if same else "from rest another motion than that of the peak is reached: set influence.frequency"
 

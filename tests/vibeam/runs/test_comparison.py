@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_responses import MadeBranch, MadeFlights, amplitudes, made
+from made_responses import MadeBranch, MadeSimulator, amplitudes, made
 from stand_in import RIG, curve
 
 import vibeam
+from vibeam.figures.units import DisplayUnits
 from vibeam.periodic.motion_kind import FREE, IRREGULAR, UNKNOWN, SteadyKind, kinds_of
+from vibeam.report.comparison_words import open_points
 from vibeam.runs.comparison.beyond import WEARS, fuller_models, is_whole
 from vibeam.runs.comparison.errors import GIVEN, Asked, ResponseComparison, asked_of
-from vibeam.runs.comparison.places import flown
+from vibeam.runs.comparison.places import simulated
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.system.response import Branches
 
@@ -107,7 +109,7 @@ def test_a_branch_left_several_steps_of_the_grid_too_early_is_followed_to_its_en
 def test_a_model_without_contact_where_the_other_has_a_narrow_range_does_not_suffice(grid: np.ndarray) -> None:
     touching = branch(150.0, FREE, 0), branch(150.6, 1, 1), branch(500.0, FREE, 0)
     never, narrow = (made(each, grid) for each in ((branch(500.0, FREE, 0),), touching))
-    narrow.places["up"] = [*narrow.places["up"], flown(MadeFlights(touching), 150.3, None)]
+    narrow.places["up"] = [*narrow.places["up"], simulated(MadeSimulator(touching), 150.3, None)]
     narrow.places["up"].sort(key=lambda each: each.frequency)
     for ours, theirs in ((never, narrow), (narrow, never)):
         found = compared(ours, theirs)
@@ -167,8 +169,25 @@ def test_without_states_an_end_is_known_to_the_step_of_the_grid() -> None:
 def test_work_that_is_done_leaves_ends_open() -> None:
     ours, theirs = made(hardening(181.0), GRIDS[0]), made(hardening(180.0), GRIDS[0])
     for each in (ours, theirs):
-        each.flights.done = True  # type: ignore[union-attr,misc]
+        each.simulator.done = True  # type: ignore[union-attr,misc]
     assert compared(ours, theirs).suffices(FIVE) is None
+
+
+def test_one_reading_of_what_does_not_repeat_is_not_known() -> None:
+    """A single place, and no work left to read it again: its amplitude by chance is no error, nor agreement."""
+    branches = MadeBranch(500.0, 0, 3, lambda frequency: 1.0), MadeBranch(500.0, 0, 3, lambda frequency: 1.5)
+    ours, theirs = (made((each,), np.array([150.0])) for each in branches)
+    read = compared(ours, theirs)
+    assert read.amplitude is not None
+    ours, theirs = (made((each,), np.array([150.0])) for each in branches)
+    for each in (ours, theirs):
+        each.simulator.done = True  # type: ignore[union-attr,misc]
+    once = compared(ours, theirs)
+    assert once.suffices(FIVE) is None
+    assert (
+        open_points(once, FIVE, DisplayUnits("mm", 1e3, "Hz", 1.0))
+        == "motions that do not repeat were read but once at 150 Hz"
+    )
 
 
 def random_model(rng: np.random.Generator, moved: float) -> tuple[tuple[MadeBranch, ...], tuple[MadeBranch, ...]]:

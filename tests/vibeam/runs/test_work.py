@@ -11,7 +11,7 @@ from stand_in import RIG
 
 from vibeam.casefile.read import load
 from vibeam.runs.comparison.beyond import response_of
-from vibeam.runs.comparison.flights import CaseFlights, flights_of
+from vibeam.runs.comparison.simulator import CaseSimulator, simulator_of
 from vibeam.runs.comparison.work import PATIENCE, START, Work, WorkRate, WorkSpent
 
 SHORT: dict[str, Any] = {
@@ -24,9 +24,9 @@ LINEAR = {"stop.law": "linear", "stop.stiffness": "1e6 N/m", "stop.restitution_o
 @pytest.mark.parametrize("law", [{}, LINEAR, {"stop.second_gap": "2 mm"}])
 def test_work_does_not_depend_on_the_time_that_it_took(law: dict[str, Any]) -> None:
     case = load(RIG, set=SHORT | law)
-    flights = flights_of(case, "beam")
-    assert flights is not None
-    found, _ = flights.at(15.2, None)
+    simulator = simulator_of(case, "beam")
+    assert simulator is not None
+    found, _ = simulator.at(15.2, None)
     rate = WorkRate.of(case.scene_of("beam"))
     slow = replace(found, cpu_seconds=1000 * found.cpu_seconds)
     assert rate.seconds(slow, 45) == rate.seconds(found, 45) > 0
@@ -57,14 +57,14 @@ def test_a_long_point_is_broken_off_in_its_middle() -> None:
     case = load(RIG, set=SHORT | {"sweep.settle": 100_000})
     work = Work(1e-4, breaks=True)
     with pytest.raises(WorkSpent):
-        CaseFlights(case, "beam", work=work).at(15.2, None)
+        CaseSimulator(case, "beam", work=work).at(15.2, None)
     assert work.spent < 0.01
 
 
 def test_pieces_of_a_point_are_the_point() -> None:
     case = load(RIG, set=SHORT | {"sweep.settle": 700})
-    whole, _ = CaseFlights(case, "beam").at(15.2, None)
-    parts, _ = CaseFlights(case, "beam", work=Work(breaks=True)).at(15.2, None)
+    whole, _ = CaseSimulator(case, "beam").at(15.2, None)
+    parts, _ = CaseSimulator(case, "beam", work=Work(breaks=True)).at(15.2, None)
     np.testing.assert_allclose(parts.amplitude, whole.amplitude, rtol=1e-9)
 
 

@@ -11,7 +11,7 @@ from stand_in import HELD_AT_CONTACT, RIG, point
 
 import vibeam
 from vibeam.casefile.read import parse
-from vibeam.runs.comparison.places import flown
+from vibeam.runs.comparison.places import simulated
 from vibeam.runs.comparison.responses import Response
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.swept_numbers import period_one_end, refined_peak
@@ -38,14 +38,15 @@ class Drawn:
         self.law = law
 
     def at(self, frequency: float, state: State | None, settle: bool = True) -> tuple[FrequencyResponse, State]:
-        """See ``Flights``."""
+        """See ``Simulator``."""
         return self.law(frequency), State(np.zeros(1), np.zeros(1))
 
 
 def drawn(law: Law, ways: tuple[str, ...] = ("up", "down")) -> Response:
-    flights, grid = Drawn(law), np.linspace(14, 17, 13).tolist()
+    simulator, grid = Drawn(law), np.linspace(14, 17, 13).tolist()
     return Response(
-        {way: [flown(flights, each, None) for each in (grid if way == "up" else grid[::-1])] for way in ways}, flights
+        {way: [simulated(simulator, each, None) for each in (grid if way == "up" else grid[::-1])] for way in ways},
+        simulator,
     )
 
 
@@ -169,9 +170,9 @@ def test_a_motion_that_is_not_reached_from_rest_is_not_read() -> None:
     case = vibeam.load(RIG.parent / "dtu_tight.toml", {"sweep.frequency.points": 31})
     _, one = read(case, "peak_frequency", "apparent_restitution")
     assert one.response is not None
-    assert one.response.flights is not None
+    assert one.response.simulator is not None
     places = [each for several in one.response.places.values() for each in several]
     place = max(places, key=lambda each: each.amplitude)
-    rest = flown(one.response.flights, place.frequency, None)
+    rest = simulated(one.response.simulator, place.frequency, None)
     assert abs(rest.amplitude / place.amplitude - 1) > 0.02
     assert "from rest another motion" in one.why[AskedNumber("apparent_restitution")]

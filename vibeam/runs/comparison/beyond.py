@@ -12,9 +12,9 @@ import numpy as np
 from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, gap_wear, system
 from vibeam.runs.comparison.errors import GIVEN
-from vibeam.runs.comparison.flights import flights_of
-from vibeam.runs.comparison.places import Flights, SweptPlace, flown
+from vibeam.runs.comparison.places import Simulator, SweptPlace, simulated
 from vibeam.runs.comparison.responses import Response
+from vibeam.runs.comparison.simulator import simulator_of
 from vibeam.runs.comparison.work import Work, WorkSpent
 from vibeam.system.curves import evenly
 from vibeam.system.impact_system import ImpactSystem
@@ -115,27 +115,27 @@ def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work
     of branches.
     """
     work = work or Work()
-    flights = flights_of(case, name, made, work)
-    if flights is None:
+    simulator = simulator_of(case, name, made, work)
+    if simulator is None:
         raise ValueError(WEARS)
     grid = np.sort(case.sweep.frequency)
     up = grid[evenly(0, len(grid) - 1, most)].tolist()
     ways = {"up": {"up": up}, "down": {"down": up[::-1]}, "both": {"up": up, "down": up[::-1]}}[case.sweep.direction]
     work.breaks = True
     try:
-        found = _places(flights, ways, work)
+        found = _places(simulator, ways, work)
     except WorkSpent:
         return None
     work.breaks = False
-    return Response(found, flights)
+    return Response(found, simulator)
 
 
-def _places(flights: Flights, ways: Mapping[str, list[float]], work: Work) -> dict[str, list[SweptPlace]]:
+def _places(simulator: Simulator, ways: Mapping[str, list[float]], work: Work) -> dict[str, list[SweptPlace]]:
     """Places of the frequencies of a sweep in each direction; ``WorkSpent`` where it does not fit."""
     found, last, count, total = {way: list[SweptPlace]() for way in ways}, None, 0, sum(map(len, ways.values()))
     for way, frequencies in ways.items():
         for frequency in frequencies:
-            last, count = flown(flights, frequency, last), count + 1
+            last, count = simulated(simulator, frequency, last), count + 1
             found[way].append(last)
             if not work.fits(count, total):
                 raise WorkSpent

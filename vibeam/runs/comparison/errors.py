@@ -30,7 +30,7 @@ class Asked:
 class AmplitudeError:
     """Relative error of the amplitude at ``frequency`` in Hz, signed; ``ours`` and the ``reference``'s amplitude.
 
-    ``scatter``: standard error of the error, of motions that do not repeat; else 0.
+    ``scatter``: standard error of the error, of motions that do not repeat, ∞ of one reading alone; else 0.
     """
 
     error: float
@@ -121,8 +121,8 @@ class ResponseComparison:
 
     @property
     def amplitude_error(self) -> float:
-        """Size of the amplitude error; NaN without a place to compare."""
-        return float("nan") if self.amplitude is None else abs(self.amplitude.error)
+        """Size of the amplitude error; NaN without a place to compare, or with one reading alone."""
+        return float("nan") if self.amplitude is None or self.amplitude.scatter == inf else abs(self.amplitude.error)
 
     @property
     def frequency_error(self) -> float:

@@ -22,9 +22,7 @@ ITS_OWN = "the fidelity sets stop.restitution_of itself"
 DEAR = "its sweep takes longer than {:g} s"
 
 
-def comparisons(
-    case: Case, finest: Mapping[str, str], branches: Mapping[str, Branches]
-) -> tuple[HeldComparison, ...]:  # fmt: skip
+def comparisons(case: Case, finest: Mapping[str, str], branches: Mapping[str, Branches]) -> tuple[HeldComparison, ...]:
     """Comparisons of all fidelities with the ``finest`` of each, one for each of these that there is."""
     groups = {top: [name for name in finest if finest[name] == top != name] for top in dict.fromkeys(finest.values())}
     return tuple(_comparison(case, top, names, branches) for top, names in groups.items() if names)

@@ -11,8 +11,8 @@ from time import thread_time
 from vibeam.case.case import Case
 from vibeam.runs.comparison.beyond import fuller_response, further, is_whole
 from vibeam.runs.comparison.errors import Asked, ComparedFidelity, asked_of
-from vibeam.runs.comparison.flights import flights_of
 from vibeam.runs.comparison.responses import Response, compared
+from vibeam.runs.comparison.simulator import simulator_of
 from vibeam.runs.comparison.work import Work, WorkRate
 from vibeam.system.response import Branches, modes_of
 from vibeam.system.state import StatesAfter
@@ -37,8 +37,7 @@ def compared_fidelities(
             made = compared(responses[name], responses[top], allowed.frequency)
             found.append(ComparedFidelity(name, top, made, modes, cpu_seconds=thread_time() - begun))
         elif is_whole(case, name, modes):
-            solver = case.fidelities[name].solver
-            why = "" if solver == "flight" else INEXACT.format(solver)
+            why = "" if (solver := case.fidelities[name].solver) == "flight" else INEXACT.format(solver)
             found.append(ComparedFidelity(name, "", None, modes, whole=not why, why=why))
         else:
             found.append(_beyond(case, name, responses[name], modes, allowed))
@@ -49,8 +48,8 @@ def _response(case: Case, name: str, branches: Branches, after: Mapping[str, Sta
     """Response of a fidelity, which goes on from its states where they are known, for half of the work that it was."""
     rate, periods = WorkRate.of(case.scene_of(name)), case.sweep.settle + case.sweep.hold
     swept = sum(float(rate.seconds(each, periods).sum()) for _, each in branches.items())
-    flights = None if after is None else flights_of(case, name, work=Work(max(LEAST, SHARE * swept)))
-    return Response.of(branches, after, flights)
+    simulator = None if after is None else simulator_of(case, name, work=Work(max(LEAST, SHARE * swept)))
+    return Response.of(branches, after, simulator)
 
 
 def _beyond(case: Case, name: str, own: Response, size: int, asked: Asked) -> ComparedFidelity:
@@ -60,8 +59,6 @@ def _beyond(case: Case, name: str, own: Response, size: int, asked: Asked) -> Co
         model, reference = fuller_response(case, name, size)
     except ValueError as refusal:
         return ComparedFidelity(name, "", None, why=str(refusal), cpu_seconds=thread_time() - begun)
-    made = compared(own, reference, asked.frequency)
-    more, seconds = further(case, name, size, model.modes), thread_time() - begun
-    return ComparedFidelity(
-        name, "", made.carried_on(more), model.modes, model.elements, limit=more > 1, cpu_seconds=seconds
-    )
+    more = further(case, name, size, model.modes)
+    found = compared(own, reference, asked.frequency).carried_on(more)
+    return ComparedFidelity(name, "", found, model.modes, model.elements, more > 1, cpu_seconds=thread_time() - begun)

@@ -36,7 +36,7 @@ class SweptPlace:
     state: Callable[[], State | None] = field(default=lambda: None)
 
 
-class Flights(Protocol):
+class Simulator(Protocol):
     """Steady points of a model, one at a time."""
 
     @property
@@ -67,9 +67,9 @@ class _State:
         return None if self.after is None else self.after.at(self.point)
 
 
-def flown(flights: Flights, frequency: float, before: SweptPlace | None, settle: bool = True) -> SweptPlace:
-    """SweptPlace at a frequency, reached from the one ``before``, or from rest."""
-    response, state = flights.at(frequency, None if before is None else before.state(), settle)
+def simulated(simulator: Simulator, frequency: float, before: SweptPlace | None, settle: bool = True) -> SweptPlace:
+    """Place at a frequency, reached from the one ``before``, or from rest."""
+    response, state = simulator.at(frequency, None if before is None else before.state(), settle)
     [found] = places_of(response)
     return replace(found, frequency=frequency, state=lambda: state)
 
@@ -82,17 +82,17 @@ def apart(one: SweptPlace, other: SweptPlace) -> bool:
     return one.kind.repeats and abs(one.amplitude - other.amplitude) > JUMP * larger
 
 
-def bracketed(places: Sequence[SweptPlace], i: int, flights: Flights, tolerance: float) -> list[SweptPlace]:
+def bracketed(places: Sequence[SweptPlace], i: int, simulator: Simulator, tolerance: float) -> list[SweptPlace]:
     """The places, with further ones after the one at ``i`` that bracket the ends of branches there.
 
     Where the grid's step alone threw the motion off its branch, that is followed on to its own end.
     """
     found = list(places[: i + 1])
     for at in range(i, len(places) - 1):
-        more = _halved(found[-1], places[at + 1], flights, tolerance)
+        more = _halved(found[-1], places[at + 1], simulator, tolerance)
         found += more
         last = more[-1] if more else found[-1]
-        again = _reached(last, places[i], places[at + 1], flights) if more else None
+        again = _reached(last, places[i], places[at + 1], simulator) if more else None
         if again is None:
             return [*found, *places[at + 1 :]]
         found.append(again)
@@ -106,12 +106,12 @@ def is_open(one: SweptPlace, other: SweptPlace, tolerance: float) -> bool:
     return apart(one, other) and width(one.frequency, other.frequency) > tolerance
 
 
-def _halved(here: SweptPlace, there: SweptPlace, flights: Flights, tolerance: float) -> list[SweptPlace]:
+def _halved(here: SweptPlace, there: SweptPlace, simulator: Simulator, tolerance: float) -> list[SweptPlace]:
     """Places between two neighbours, which bracket all ends of branches that halving comes upon."""
     pending, found, count = [there], list[SweptPlace](), 0
     while True:
-        if is_open(here, pending[-1], tolerance) and count < MOST and not flights.done:
-            pending.append(flown(flights, 0.5 * (here.frequency + pending[-1].frequency), here))
+        if is_open(here, pending[-1], tolerance) and count < MOST and not simulator.done:
+            pending.append(simulated(simulator, 0.5 * (here.frequency + pending[-1].frequency), here))
             count += 1
         elif len(pending) == 1:
             return found
@@ -120,11 +120,11 @@ def _halved(here: SweptPlace, there: SweptPlace, flights: Flights, tolerance: fl
             found.append(here)
 
 
-def _reached(last: SweptPlace, first: SweptPlace, there: SweptPlace, flights: Flights) -> SweptPlace | None:
+def _reached(last: SweptPlace, first: SweptPlace, there: SweptPlace, simulator: Simulator) -> SweptPlace | None:
     """The next place of the grid from the ``last`` before it, where that is on the branch of the ``first`` still."""
-    if flights.done or not apart(last, there) or last.kind != first.kind or last.kind.periods == IRREGULAR:
+    if simulator.done or not apart(last, there) or last.kind != first.kind or last.kind.periods == IRREGULAR:
         return None
-    again = flown(flights, there.frequency, last)
+    again = simulated(simulator, there.frequency, last)
     return None if apart(last, again) else again
 
 
@@ -148,7 +148,7 @@ class SweptBranch:
         return width(self.start, self.end)
 
 
-def stretches(places: Sequence[SweptPlace], narrowest: float = 0.0) -> list[SweptBranch]:
+def swept_branches(places: Sequence[SweptPlace], narrowest: float = 0.0) -> list[SweptBranch]:
     """Branches of a response in the order swept; one narrower than ``narrowest`` goes to its wider neighbour.
 
     To one that has contact as it has, or has none as it: a narrow range with contact stays.

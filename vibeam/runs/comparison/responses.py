@@ -24,14 +24,14 @@ from vibeam.runs.comparison.ends import SweptEnd, ends_of, matched
 from vibeam.runs.comparison.errors import AmplitudeError, EndError, KindDifference, ResponseComparison
 from vibeam.runs.comparison.places import (
     TOLERANCE,
-    Flights,
+    Simulator,
     SweptBranch,
     SweptPlace,
     bracketed,
-    flown,
     is_open,
     places_of,
-    stretches,
+    simulated,
+    swept_branches,
 )  # fmt: skip
 from vibeam.system.response import Branches
 from vibeam.system.state import StatesAfter
@@ -48,21 +48,21 @@ MOVED = 0.7  # share of the range between two ends in which the motions differ, 
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Response of a model as places (in the order swept) by direction, with its ``flights`` where there are any.
+    """Response of a model as places (in the order swept) by direction, with its ``simulator`` where there are any.
 
     Comparisons put places between those that there are.
     """
 
     places: dict[str, list[SweptPlace]]
-    flights: Flights | None = None
+    simulator: Simulator | None = None
 
     @classmethod
     def of(
-        cls, branches: Branches, after: Mapping[str, StatesAfter] | None = None, flights: Flights | None = None
+        cls, branches: Branches, after: Mapping[str, StatesAfter] | None = None, simulator: Simulator | None = None
     ) -> Response:  # fmt: skip
-        """Response of branches, which ``flights`` go on with from the states ``after`` their points."""
+        """Response of branches, which ``simulator`` go on with from the states ``after`` their points."""
         known = after or {}
-        return cls({way: places_of(each, known.get(way)) for way, each in branches.items()}, flights)
+        return cls({way: places_of(each, known.get(way)) for way, each in branches.items()}, simulator)
 
     @property
     def largest(self) -> float:
@@ -81,9 +81,9 @@ class Response:
         ends = (sorted((one.frequency, other.frequency)) for one, other in pairwise(places))
         found = [i for i, (low, high) in enumerate(ends) if low <= frequency <= high]
         open_ = [i for i in found if is_open(places[i], places[i + 1], tolerance)]
-        if self.flights is None or self.flights.done or not open_:
+        if self.simulator is None or self.simulator.done or not open_:
             return False
-        self.places[way] = bracketed(places, open_[0], self.flights, tolerance)
+        self.places[way] = bracketed(places, open_[0], self.simulator, tolerance)
         return True
 
 
@@ -108,7 +108,7 @@ def _comparison(found: Sequence[_Direction], least: float) -> ResponseComparison
     ends = [each for one in found for each in one.end_errors]
     kinds = [each for one in found for each in one.kind_differences()]
     return ResponseComparison(
-        max(amplitudes, key=lambda each: (each.least, abs(each.error)), default=None),
+        max(amplitudes, key=lambda each: (each.least, each.scatter < np.inf, abs(each.error)), default=None),
         max(amplitudes, key=lambda each: each.most, default=None),
         tuple(sorted(ends, key=lambda each: -abs(each.error))),
         tuple(sorted(kinds, key=lambda each: (not each.alone, -each.width))),
@@ -131,8 +131,8 @@ class _Direction:
 
     def __init__(self, way: str, ours: Response, reference: Response, narrowest: float) -> None:
         self.way, self.both, self.narrowest = way, (ours, reference), narrowest
-        self.ours, self.theirs = (stretches(each.places[way]) for each in self.both)
-        self.wide = [stretches(each.places[way], narrowest) for each in self.both]
+        self.ours, self.theirs = (swept_branches(each.places[way]) for each in self.both)
+        self.wide = [swept_branches(each.places[way], narrowest) for each in self.both]
         self._wide_at = [_Branches(each) for each in self.wide]
         kinds = [{each.kind for each in side.places[way]} for side in self.both]
         free = [each == {SteadyKind(FREE)} for each in kinds]
@@ -222,7 +222,7 @@ class _Direction:
         for frequency in shared:
             yield self._error(frequency, ours[frequency], theirs[frequency], least)
         for frequency in self._outermost(pair, ours, theirs, shared):
-            places = [_reached(one, frequency, response.flights)
+            places = [_reached(one, frequency, response.simulator)
                       for one, response in zip((pair.ours, pair.reference), self.both, strict=True)]  # fmt: skip
             if places[0] is not None and places[1] is not None and places[0].kind == places[1].kind:
                 yield self._error(frequency, places[0], places[1], least)
@@ -248,35 +248,36 @@ class _Direction:
         for group in np.array_split(np.array(shared), max(1, len(shared) // GROUP)) if shared else []:
             pairs_ = [(ours[at], theirs[at]) for at in group.tolist()]
             error = self._mean_error(pairs_, least, 1)
-            if error.scatter > SCATTER and None not in (self.both[0].flights, self.both[1].flights):
+            if error.scatter > SCATTER and None not in (self.both[0].simulator, self.both[1].simulator):
                 error = self._mean_error(pairs_, least, READINGS)
-            if np.isfinite(error.scatter):
-                yield error
+            yield error
 
     def _mean_error(
         self, places: Sequence[tuple[SweptPlace, SweptPlace]], least: float, readings: int
     ) -> AmplitudeError:
         """Error of the mean amplitude over places, each read so many times."""
         sides = zip(zip(*places, strict=True), self.both, strict=True)
-        mine, other = (np.array([_readings(each, side.flights, readings) for each in own]) for own, side in sides)
-        size, at = max(float(other.mean()), least), places[len(places) // 2][0].frequency
-        off = (mine.mean(axis=1) - other.mean(axis=1)) / size
+        mine, other = (np.array([_readings(each, side.simulator, readings) for each in own]) for own, side in sides)
+        mean, at = float(np.nanmean(other)), places[len(places) // 2][0].frequency
+        size = max(mean, least)
+        off = (np.nanmean(mine, axis=1) - np.nanmean(other, axis=1)) / size
         scatter = float(off.std(ddof=1) / np.sqrt(len(off))) if len(off) > 1 else _scatter(mine - other) / size
-        return AmplitudeError(float(off.mean()), at, self.way, float(mine.mean()), float(other.mean()), scatter)
+        return AmplitudeError(float(off.mean()), at, self.way, float(np.nanmean(mine)), mean, scatter)
 
 
 def _scatter(values: Array) -> float:
     """Standard error of the mean of readings at one place; ∞ of a single one."""
-    return float(values.std(ddof=1) / np.sqrt(values.size)) if values.size > 1 else float("inf")
+    known = values[np.isfinite(values)]
+    return float(known.std(ddof=1) / np.sqrt(known.size)) if known.size > 1 else float("inf")
 
 
-def _readings(place: SweptPlace, flights: Flights | None, count: int) -> list[float]:
-    """Amplitudes of a motion that does not repeat, read so many times; the last again where it cannot go on."""
+def _readings(place: SweptPlace, simulator: Simulator | None, count: int) -> list[float]:
+    """Amplitudes of a motion that does not repeat, read so many times; NaN where it cannot go on."""
     found = [place.amplitude]
-    while len(found) < count and flights is not None and not flights.done and place.state() is not None:
-        place = flown(flights, place.frequency, place, settle=False)
+    while len(found) < count and simulator is not None and not simulator.done and place.state() is not None:
+        place = simulated(simulator, place.frequency, place, settle=False)
         found.append(place.amplitude)
-    return found + found[-1:] * (count - len(found))
+    return found + [float("nan")] * (count - len(found))
 
 
 def _end_error(ours: SweptEnd, reference: SweptEnd) -> EndError:
@@ -312,9 +313,11 @@ def _inside(stretch: SweptBranch, pair: _Pair) -> dict[float, SweptPlace]:
     return {each.frequency: each for each in stretch.places if pair.low <= each.frequency <= pair.high}
 
 
-def _reached(stretch: SweptBranch, frequency: float, flights: Flights | None) -> SweptPlace | None:
-    """SweptPlace of a branch at a frequency, from the nearest one of its places; None where it cannot be had."""
+def _reached(stretch: SweptBranch, frequency: float, simulator: Simulator | None) -> SweptPlace | None:
+    """Place of a branch at a frequency, from the nearest one of its places; None where it cannot be had."""
     nearest = min(stretch.places, key=lambda each: abs(each.frequency - frequency))
     if nearest.frequency == frequency:
         return nearest
-    return flown(flights, frequency, nearest) if flights is not None and nearest.state() is not None else None
+    if simulator is None or simulator.done or nearest.state() is None:
+        return None
+    return simulated(simulator, frequency, nearest)

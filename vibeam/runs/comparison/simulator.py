@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 PIECE = 300  # drive periods after which a point may be broken off
 
 
-class CaseFlights:
+class CaseSimulator:
     """Steady points of the sweep of one fidelity of a case, of its own system or of a ``system`` in its place.
 
     ``work``: what they may take, to which each is added. Without any point the fidelity's system is not made.
@@ -50,11 +50,11 @@ class CaseFlights:
 
     @property
     def done(self) -> bool:
-        """See ``Flights``."""
+        """See ``Simulator``."""
         return self._work.done
 
     def at(self, frequency: float, state: State | None, settle: bool = True) -> tuple[FrequencyResponse, State]:
-        """See ``Flights``."""
+        """See ``Simulator``."""
         omega, left = np.array([2 * np.pi * frequency]), settle * self._plan.settle
         while self._work.breaks and left > PIECE:
             _, state = self._steady(omega, state, PIECE - 1, 1)
@@ -62,12 +62,12 @@ class CaseFlights:
         return self._steady(omega, state, left, self._plan.hold)
 
     def _steady(self, omega: Array, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, State]:
-        found = self._flown(omega, state, settle, hold)
+        found = self._simulated(omega, state, settle, hold)
         counted, measured = self._rate.seconds(found[0], settle + hold), found[0].cpu_seconds
         self._work.add(float(counted.sum()), float(np.nansum(measured)))
         return found
 
-    def _flown(self, omega: Array, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, State]:
+    def _simulated(self, omega: Array, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, State]:
         base, plan = float(np.ravel(self._case.amplitude_of(self._name, omega))[0]), self._plan
         if self._runner is not None:
             return self._runner.steady(omega, base, state, settle, hold, plan.output)  # type: ignore[no-any-return]
@@ -79,8 +79,8 @@ class CaseFlights:
         return found
 
 
-def flights_of(
+def simulator_of(
     case: Case, name: str, system: ImpactSystem | None = None, work: Work | None = None
-) -> CaseFlights | None:  # fmt: skip
+) -> CaseSimulator | None:  # fmt: skip
     """Steady points of a fidelity; None where its points hang on those before them, by wear."""
-    return None if gap_wear(case.scene_of(name)) is not None else CaseFlights(case, name, system, work)
+    return None if gap_wear(case.scene_of(name)) is not None else CaseSimulator(case, name, system, work)
