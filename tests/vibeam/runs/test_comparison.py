@@ -184,6 +184,7 @@ def test_one_reading_of_what_does_not_repeat_is_not_known() -> None:
         each.simulator.done = True  # type: ignore[union-attr,misc]
     once = compared(ours, theirs)
     assert once.suffices(FIVE) is None
+    assert np.isnan(once.amplitude_error)
     assert (
         open_points(once, FIVE, DisplayUnits("mm", 1e3, "Hz", 1.0))
         == "motions that do not repeat were read but once at 150 Hz"
