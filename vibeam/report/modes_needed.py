@@ -161,7 +161,7 @@ def _table(found: ModesNeeded) -> ReportTable:
 
 def _notes(found: ModesNeeded) -> Iterator[str]:
     if found.modes < found.size:
-        yield f"{found.modes} of {found.size} modes stand for all: `vibeam verdict --only modes --budget` allows more"
+        yield f"{found.modes} of {found.size} modes stand for all; vibeam verdict --only modes --budget allows more"
     reasons: dict[str, list[str]] = {}
     for row in found.rows:
         if row.why:
