@@ -18,7 +18,7 @@ from vibeam.system.response import Branches, modes_of
 from vibeam.system.state import StatesAfter
 
 INEXACT = 'solver "{}" is not exact'
-LEAST, SHARE = 0.5, 0.5  # seconds of work, and share of that of its sweep, that a fidelity's ends may take
+LEAST, SHARE = 1.0, 1.0  # seconds of work, and share of that of its sweep, that a fidelity's ends may take
 
 
 def compared_fidelities(
@@ -45,7 +45,7 @@ def compared_fidelities(
 
 
 def _response(case: Case, name: str, branches: Branches, after: Mapping[str, StatesAfter] | None) -> Response:
-    """Response of a fidelity, which goes on from its states where they are known, for half of the work that it was."""
+    """Response of a fidelity, which goes on from its states where they are known, for as much work as that was."""
     rate, periods = WorkRate.of(case.scene_of(name)), case.sweep.settle + case.sweep.hold
     swept = sum(float(rate.seconds(each, periods).sum()) for _, each in branches.items())
     simulator = None if after is None else simulator_of(case, name, work=Work(max(LEAST, SHARE * swept)))
