@@ -17,9 +17,7 @@ PARAMETERS: Mapping[str, Key] = {
         "of craig_bampton: contact, masses, outputs by name; absent = contact, masses, sensor", ["contact", "sensor"],
         text=True, several=True,
     ),
-    "frequency": Key(
-        "of pod: of the drive that is flown", "15 Hz", "Hz", least=0,
-    ),
+    "frequency": Key("of pod: of the drive of that motion", "15 Hz", "Hz", above=0),
     "periods": Key(
         "of pod: drive periods that are flown from rest, absent = 50", 50, whole=True, least=1, most=1_000_000
     ),

@@ -104,8 +104,7 @@ class MapPlan:
     period; ``starts`` at random, from ``seed``, within ``spread`` (m). ``picture`` and the ``quantity`` that it shows;
     ``boundaries``: whether exact ones are laid over it. ``fidelities`` empty: those that the picture suits. Of a
     fidelity map ``accuracy`` of the quantity and ``frequency_accuracy`` of the ends of branches, as shares, and how
-    many places ``verify`` it; of a stability map
-    ``periods`` of the drive from impact to impact.
+    many places ``verify`` it; of a stability map ``periods`` of the drive from impact to impact.
     """
 
     name: str

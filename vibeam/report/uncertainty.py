@@ -95,11 +95,11 @@ def fidelities(study: UncertaintyStudy) -> ReportTable:
 def beside(study: UncertaintyStudy) -> ReportTable | None:
     """Table of the errors of each other fidelity in the samples; None without another one."""
     table = blank(f"Beside {study.finest.fidelity} in each sample", "fidelity", "amplitudes (%)|", "5 % … 95 %|")
-    table.add("ends, kinds (%)|", "5 % … 95 %|", "within both|")
-    table.caption = "first number: at the case's own values; ends of branches and kinds to the sweep's grid"
+    table.add("ends, kinds (%)|", "5 % … 95 %|", "suffices|")
+    table.caption = "first: at the case's own values; ends, kinds to the sweep's grid; suffices: surely … perhaps"
     for row in study.rows[:-1]:
-        cells = *_spread(row.amplitude_error, percent), *_spread(row.end_error, percent), percent(row.within)
-        table.add_row(row.fidelity, *cells)
+        cells = *_spread(row.amplitude_error, percent), *_spread(row.end_error, percent)
+        table.add_row(row.fidelity, *cells, " … ".join(dict.fromkeys(map(percent, row.suffices))))
     return table if table.rows else None
 
 

@@ -29,7 +29,7 @@ OF_SWEEPS = ("quantities", "frequency", "frequency_accuracy", "points", "settle"
 FREQUENCIES = ("peak_frequency", "period_one_from", "period_one_to")
 LEFT_OUT = "left out: "  # begin of the reasons that are not of the model
 SURE = 1e-4  # changes smaller than this share have no sign
-DEAREST, SHORT = 20.0, 1.0  # times the CPU time of the whole, and seconds, that a sweep may take
+DEAREST, SHORT = 20.0, 1.0  # times the work of the whole, and seconds of it, that a sweep may take
 Progress = Callable[[int, int], None]
 
 
@@ -163,7 +163,7 @@ class _EffectModels:
         told(0, 2 * len(sets.effects) + 1)
         [self.whole] = ensembles([(sets.case(sets.effects), sets.fidelity)], self.numbers)
         self.limits = limits_of(case, self.asked, self.whole)
-        self.limit = min(max(DEAREST * float(self.whole.seconds.sum()), SHORT), budget)
+        self.limit = min(max(DEAREST * self.whole.work, SHORT), budget)
         same = None if self.whole.response is None else ResponseComparison()
         self.known = {frozenset(sets.effects): self._variant(sets.effects, self.whole, same)}
 

@@ -53,13 +53,15 @@ class Ensemble(ValueRecord):
     """Motions of one variant over v values of the factor and s seeds; ``of`` a number (v, s), SI.
 
     NaN where a motion did not run to the record's end, or has no such number, for the reasons in ``why``. ``seconds``
-    (v, s): CPU time of the motion and of what is read off it. A sweep is one motion, with its ``response``.
+    (v, s): CPU time of the motion and of what is read off it. A sweep is one motion, with its ``response`` and
+    its ``work``, s, counted.
     """
 
     fidelity: str
     modes: int
     numbers: Mapping[AskedNumber, Array]
     seconds: Array
+    work: float = 0.0
     response: Response | None = field(default=None, compare=False)
     why: Mapping[AskedNumber, str] = field(default_factory=dict)
 
@@ -135,19 +137,19 @@ def _swept(case: Case, name: str, asked: Sequence[AskedNumber], limit: float) ->
     system = case.system(name)
     omega = 2 * np.pi * case.sweep.frequency[:1]
     warm_up_once("flight", system, float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]), "contact", {})
-    begun = time.thread_time()
+    begun, work = time.thread_time(), Work(limit)
     if gap_wear(case.scene_of(name)) is not None:
         worn: Any = run(case, show=False, fidelities=[name])
         response: Response | None = Response.of(worn[name])
     else:
-        response = response_of(case, name, system, len(case.sweep.frequency), Work(limit))
+        response = response_of(case, name, system, len(case.sweep.frequency), work)
     if response is None:
         raise DearSweep(f"its sweep takes longer than {limit:.2g} s")
-    seconds = np.array([[time.thread_time() - begun]])
+    seconds, spent = np.array([[time.thread_time() - begun]]), work.spent
     read = numbers_of(case, name, system, response, [each.quantity for each in asked], case.influence.frequency)
     values = {each: np.array([[read[each.quantity].number]]) for each in asked}
     why = {each: read[each.quantity].why for each in asked if read[each.quantity].why}
-    return Ensemble(name, system.size, values, seconds, response, why)
+    return Ensemble(name, system.size, values, seconds, spent, response, why)
 
 
 def _require_signals(maker: MotionMaker, asked: Sequence[AskedNumber]) -> None:

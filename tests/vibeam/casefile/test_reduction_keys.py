@@ -65,7 +65,7 @@ def test_parameters_decide_the_key_and_the_basis() -> None:
         ({"reduction": "residual_flexibility", "modes": 2, "boundary": ["contact"]}, 'boundary: goes with reduction = "craig_bampton" alone'),
         ({"reduction": "pod", "modes": 2}, 'frequency: missing: reduction = "pod" needs it; write frequency = "… Hz"'),
         ({"reduction": "pod", "modes": 2, "frequency": "15 Hz", "inner_product": "enrgy"}, "did you mean 'energy'?"),
-        ({"reduction": "pod", "modes": 2, "frequency": 0}, "frequency: must be > 0"),
+        ({"reduction": "pod", "modes": 2, "frequency": 0}, "frequency: 0 must be > 0"),
         ({"reduction": "residual_flexibility"}, 'modes: missing: reduction = "residual_flexibility" needs how many; write modes = 8'),
         ({"reduction": "residual_flexibility", "modes": 13}, "modes: 13 are more than the model has"),
     ],

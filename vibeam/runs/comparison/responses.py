@@ -60,7 +60,7 @@ class Response:
     def of(
         cls, branches: Branches, after: Mapping[str, StatesAfter] | None = None, simulator: Simulator | None = None
     ) -> Response:  # fmt: skip
-        """Response of branches, which ``simulator`` go on with from the states ``after`` their points."""
+        """Response of branches, which the ``simulator`` goes on with from the states ``after`` their points."""
         known = after or {}
         return cls({way: places_of(each, known.get(way)) for way, each in branches.items()}, simulator)
 

@@ -30,7 +30,7 @@ class WorkRate(NamedTuple):
 
     @classmethod
     def of(cls, scene: AnyScene) -> WorkRate:
-        """Rate of a scene's models, by its contacts; of 45 fidelities' sweeps it was within a factor of 2."""
+        """Rate of a scene's models, by its contacts: within a factor of 4 of CPU time (tests/benchmarks)."""
         stop: Any = scene.stop
         law = None if stop is None else stop.law
         if law is not None and not law.integrated:

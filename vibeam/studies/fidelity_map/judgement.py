@@ -147,9 +147,9 @@ def cheapest(models: Sequence[MappedMotions], asked: Asked, frequency: Array | N
     return label
 
 
-def doubtful(models: Sequence[MappedMotions], asked: Asked) -> Flags:
+def doubtful(models: Sequence[MappedMotions], asked: Asked, frequency: Array | None = None) -> Flags:
     """Places whose label hangs on scatter: a model up to the one chosen is within its noise of what is asked."""
-    label, finest = cheapest(models, asked), models[-1]
+    label, finest = cheapest(models, asked, frequency), models[-1]
     found = np.zeros(label.shape, dtype=bool)
     for index, model in enumerate(models[:-1]):
         noise = np.hypot(model.error, finest.error)

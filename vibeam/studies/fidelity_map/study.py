@@ -86,7 +86,7 @@ class FidelityMap(ComparedModels, ViewedTable):
     @property
     def doubtful(self) -> float:
         """Share of the places with impacts where the label hangs on the scatter of motions that do not repeat."""
-        return share(doubtful(self.models, self.asked), self.touched)
+        return share(doubtful(self.models, self.asked, self.frequency), self.touched)
 
     @property
     def shares(self) -> dict[str, float]:

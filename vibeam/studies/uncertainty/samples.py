@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system
-from vibeam.runs.comparison.errors import ResponseComparison
+from vibeam.runs.comparison.errors import Asked, ResponseComparison, asked_of
 from vibeam.runs.comparison.places import places_of
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.runs.parallel import heartbeat
@@ -52,7 +52,8 @@ class Responses:
     NaN where a point failed. ``peak`` (m,) and ``peak_frequency`` (m,) Hz; ``jump`` (m,) Hz: where period 1 around the
     peak ends in the way of the sweep; ``begin`` (m,) Hz: where impacts begin; ``doubling`` (m,) Hz: where period 1
     becomes 2; NaN where that does not happen, or before the first point. ``amplitude_error`` (m,) and ``end_error``
-    (m,): beside the finest fidelity, of ends of branches and kinds to the sweep's grid; NaN of the finest itself.
+    (m,): beside the finest fidelity, of ends of branches and kinds to the sweep's grid; ``suffices`` (m,) beside
+    that: 1 it does, 0 it does not, NaN: the grid leaves it open. Of the finest itself NaN, NaN and 1.
     ``seconds`` (m,): CPU time of each, the model's making included.
     """
 
@@ -65,6 +66,7 @@ class Responses:
     doubling: Array
     amplitude_error: Array
     end_error: Array
+    suffices: Array
     seconds: Array
 
     @property
@@ -89,7 +91,7 @@ class Sampler:
         begun = thread_time()
         asked = _sweep_of(self._models[fidelity], self.case)
         making = thread_time() - begun
-        row = _values({fidelity: asked.alone()}, making)
+        row = _values({fidelity: asked.alone()}, making, asked_of(self.case))
         return _gathered(fidelity, [{key: value[None] for key, value in row.items()}])
 
     def each(
@@ -132,7 +134,7 @@ class Sampler:
         making = (thread_time() - begun) / len(sweeps)
         swept = dict(zip(places, sweep_side_by_side(sweeps), strict=True))
         rows = [
-            _values({name: swept[at, name] for name in asked if (at, name) in swept}, making)
+            _values({name: swept[at, name] for name in asked if (at, name) in swept}, making, asked_of(self.case))
             for at in range(len(inputs))
         ]
         keys = {key for row in rows for key in row}
@@ -151,7 +153,7 @@ def _sweep_of(model: Model, case: Case) -> SystemSweep:
     return SystemSweep(made, points, settings.checked(made))
 
 
-def _values(responses: Mapping[str, FrequencyResponse], making: float) -> Values:
+def _values(responses: Mapping[str, FrequencyResponse], making: float, asked: Asked) -> Values:
     """Numbers kept of the responses of one sample by fidelity, the finest last; ``making``: CPU time of a model."""
     found: dict[str, Any] = {}
     places = {name: Response({"": places_of(each)}) for name, each in responses.items()}
@@ -159,20 +161,18 @@ def _values(responses: Mapping[str, FrequencyResponse], making: float) -> Values
     for name, response in responses.items():
         amplitude, top = np.where(complete(response), response.amplitude, np.nan), response.peak
         seconds = making + float(response.cpu_seconds.sum())
-        off = (np.nan, np.nan) if places[name] is top_places else _errors(places[name], top_places)
+        alone = places[name] is top_places
+        off = (np.nan, np.nan, 1.0) if alone else errors_of(compared(places[name], top_places, asked.frequency), asked)
         numbers = (top.amplitude, top.frequency, _jump(response), *_changes(response), *off, seconds)
         found[f"{name} amplitude"] = amplitude[np.argsort(response.frequency)]
         found[f"{name} numbers"] = np.array(numbers)
     return found
 
 
-def _errors(ours: Response, finest: Response) -> tuple[float, float]:
-    return both_errors(compared(ours, finest))
-
-
-def both_errors(found: ResponseComparison) -> tuple[float, float]:
-    """Amplitude error, and the larger of the frequency error and the width of the gravest difference in kind."""
-    return found.amplitude_error, max(found.frequency_error, found.kind_width)
+def errors_of(found: ResponseComparison, asked: Asked) -> tuple[float, float, float]:
+    """Amplitude error, the larger of frequency error and widest difference in kind; 1 where it suffices, NaN: open."""
+    enough = found.suffices(asked)
+    return found.amplitude_error, max(found.frequency_error, found.kind_width), np.nan if enough is None else enough
 
 
 def _gathered(fidelity: str, blocks: Sequence[Values]) -> Responses:

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.case.fineness import alike, finest
 from vibeam.case.source import of_source
-from vibeam.runs.comparison.errors import Asked, asked_of
 from vibeam.runs.parallel import EVERY, heartbeat
 from vibeam.studies.uncertainty.replicates import quantiles, replicates
-from vibeam.studies.uncertainty.samples import Responses, Sampler, both_errors, inputs_of
+from vibeam.studies.uncertainty.samples import Responses, Sampler, errors_of, inputs_of
 from vibeam.studies.uncertainty.statistics import (
     LEVELS,
     Distribution,
@@ -44,9 +42,9 @@ class FidelityUncertainty:
     """One fidelity: ``bands`` (5, points) of its amplitude at ``LEVELS``, ``nominal`` (points,); peak, its frequency.
 
     In the way of the sweep, Hz: ``jump``, where period 1 around the peak ends; ``begin``, where impacts begin;
-    ``doubling``, where period 1 becomes 2. ``amplitude_error`` and ``end_error`` beside the finest: of ends of branches
-    and kinds; ``within``: share of the samples where neither passes what is asked. ``failed`` of ``samples`` have a
-    point that failed; ``seconds``: CPU time a sample.
+    ``doubling``, where period 1 becomes 2. ``amplitude_error``, and ``end_error`` of ends and kinds, beside the finest;
+    ``suffices``: shares of the samples in which it surely and perhaps does. ``failed`` of ``samples`` have a point that
+    failed; ``seconds``: CPU time a sample.
     """
 
     fidelity: str
@@ -59,7 +57,7 @@ class FidelityUncertainty:
     doubling: Distribution
     amplitude_error: Distribution
     end_error: Distribution
-    within: float
+    suffices: tuple[float, float]
     samples: int
     failed: int
     seconds: float
@@ -154,10 +152,9 @@ def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintySt
         nominal: Any = run(case, show=False, compare=True)
     for each in nominal.compare():
         if each.reference == top and each.fidelity in own_row:
-            errors = dict(zip(ERRORS, np.array([both_errors(each.comparison)]).T, strict=True))
-            own_row[each.fidelity] = replace(own_row[each.fidelity], **errors)
-    count_of, allowed = replicates(samples), asked_of(case)
-    rows = tuple(_row(own_row[name], found[name], both[asked[name]], count_of, allowed) for name in names)
+            errors = np.array([errors_of(each.comparison, nominal.asked)[: len(ERRORS)]]).T
+            own_row[each.fidelity] = replace(own_row[each.fidelity], **dict(zip(ERRORS, errors, strict=True)))
+    rows = tuple(_row(own_row[name], found[name], both[asked[name]], replicates(samples)) for name in names)
     finest_one = found[top]
     return UncertaintyStudy(
         case,
@@ -172,7 +169,7 @@ def _study(case: Case, tell: Progress, samples: int, seed: int) -> UncertaintySt
     )
 
 
-def _row(nominal: Responses, found: Responses, both: Flags, count: int, asked: Asked) -> FidelityUncertainty:
+def _row(nominal: Responses, found: Responses, both: Flags, count: int) -> FidelityUncertainty:
     """A fidelity's spreads over the samples ``both``, which are ``count`` replicates."""
     amplitude = found.amplitude[both]
     bands = np.full((len(LEVELS), amplitude.shape[1]), np.nan)
@@ -183,10 +180,8 @@ def _row(nominal: Responses, found: Responses, both: Flags, count: int, asked: A
         of: Distribution.of(float(getattr(nominal, of)[0]), getattr(found, of)[both].reshape(count, -1))
         for of in ("peak", "peak_frequency", "jump", "begin", "doubling", *ERRORS)
     }
-    size, end = (getattr(found, name)[both] for name in ERRORS)
-    near = (np.nan_to_num(size) <= asked.amplitude) & (end <= asked.frequency)
-    within = float(near.mean()) if np.isfinite(end).any() else nan
+    surely, perhaps = (float(np.mean(each)) for each in (found.suffices[both] == 1, found.suffices[both] != 0))
     return FidelityUncertainty(
-        found.fidelity, nominal.amplitude[0], bands, **spreads, within=within, samples=len(amplitude),
+        found.fidelity, nominal.amplitude[0], bands, **spreads, suffices=(surely, perhaps), samples=len(amplitude),
         failed=found.failed, seconds=float(np.mean(found.seconds)),
     )  # fmt: skip
