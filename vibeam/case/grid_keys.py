@@ -140,15 +140,15 @@ class MapPlan:
         None,
     )
     accuracy: float = declare.quantity(
-        "", 'how near the finest fidelity a model of picture = "verdict" has to come; absent = 1 %', "1 %", None,
+        "", 'how near the reference a model of picture = "verdict" has to come; absent = 1 %', "1 %", None,
         above=0, most=0.999,
     )  # fmt: skip
     frequency_accuracy: float | None = declare.quantity(
-        "", "how near the finest's its branches have to end, of the frequency; absent = a fifth of accuracy", "0.2 %",
-        None, above=0, most=0.999,
+        "", "how near the reference's its branches have to end, of the frequency; absent = a fifth of accuracy",
+        "0.2 %", None, above=0, most=0.999,
     )  # fmt: skip
     verify: int = declare.count(
-        0, 100_000, 'at how many places, drawn at random, the map of picture = "verdict" is flown anew; absent = 24',
+        0, 100_000, 'at how many random places the map of picture = "verdict" is simulated anew; absent = 24',
         24, None,
     )  # fmt: skip
     periods: int = declare.count(
