@@ -230,6 +230,21 @@ def test_an_end_of_a_branch_may_lie_as_far_off_as_is_asked() -> None:
     assert not judgement.within(other, finest, asked, frequency)[0, 2:].any()
 
 
+def test_models_that_both_rest_on_the_stop_do_not_differ() -> None:
+    """With a gap below zero a weak drive moves neither."""
+    finest, other = motions([[1, 1]] * 2, [[0.0, 1.0]] * 2, [1, 1]), motions([[1, 1]] * 2, [[0.0, 1.1]] * 2, [1, 1])
+    assert judgement.relative(other, finest)[0] == pytest.approx([0.0, 0.1])
+    assert judgement.within(other, finest, Asked.of(0.01))[0].tolist() == [True, False]
+
+
+def test_a_place_of_rest_is_none_with_impacts() -> None:
+    """Pressed against its stop by a gap of −1 mm the relay rests under a drive this weak, whatever its modes."""
+    relay = CASES / "rigs" / "relay.toml"
+    changes = {"sweep.settle": 30, "sweep.hold": 5}
+    found = vibeam.fidelity_map(vibeam.load(relay, changes), "gap", "-1 mm", "0.1 mm", 2, 3, verify=0)
+    assert found.touched.tolist() == [[False] * 3, [True] * 3]
+
+
 def test_motions_that_do_not_repeat_are_of_one_kind() -> None:
     finest = motions([[CHAOTIC, IRREGULAR, 8, 4]] * 2, [[1.0] * 4] * 2, [1] * 4)
     other = motions([[IRREGULAR, CHAOTIC, CHAOTIC, CHAOTIC]] * 2, [[1.0] * 4] * 2, [1] * 4)

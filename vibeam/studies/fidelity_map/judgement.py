@@ -86,8 +86,9 @@ class ComparedModels(StudyOfMap, ValueRecord):
 
     @property
     def touched(self) -> Flags:
-        """Places (rows, columns) with impacts: where any of the models touches the stop, either way."""
-        return np.asarray(np.any([(model.kind != NO_CONTACT).any(axis=0) for model in self.models], axis=0))
+        """Places (rows, columns) with impacts: where any of the models moves and touches the stop, either way."""
+        moving = [(model.kind != NO_CONTACT) & (model.value != 0) for model in self.models]
+        return np.asarray(np.any(moving, axis=(0, 1)))
 
     @property
     def frequency(self) -> Array:
@@ -163,7 +164,7 @@ def doubtful(models: Sequence[MappedMotions], asked: Asked, frequency: Array | N
 def relative(model: MappedMotions, finest: MappedMotions) -> NDArray[np.float64]:
     """Relative difference (rows, columns), of the way where it is larger."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        shares = model.value / finest.value - 1
+        shares = np.where(model.value == finest.value, 0.0, model.value / finest.value - 1)  # at rest both
     filled = np.where(np.isfinite(shares), shares, 0.0)
     worst = np.abs(filled).argmax(axis=0)
     return np.asarray(np.take_along_axis(shares, worst[None], axis=0)[0])
@@ -203,9 +204,8 @@ class FidelityRow:
 
 def fidelity_row(model: MappedMotions, found: ComparedModels) -> FidelityRow:
     """The row of one model."""
-    finest = found.finest
+    finest, touched = found.finest, found.touched
     apart, near = difference(model, finest), within(model, finest, found.asked, found.frequency)
-    touched = found.touched
     alike = (model.kind == finest.kind) & (model.kind != FAILED) & (finest.value != 0) & touched
     shares = model.value[alike] / finest.value[alike] - 1
     bias = float(shares.mean()) if shares.size else float("nan")
