@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ FEW = 8  # modes of a model, up to which a fuller one has four times as many, el
 RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
 MANY = 41  # coordinates, the contact's residual flexibility among them, that stand for all modes of a solid
 PLACES = 31  # frequencies of its sweep
-WORK = 1.5  # seconds that its sweep may take, counted
+WORK = 1.5  # seconds that its sweep may take, counted; that with the other restitution too
 
 WEARS = "each impact widens the gap, so that no motion repeats"
 DEAR = "a sweep of {} modes takes longer than {:g} s"
@@ -121,7 +122,7 @@ def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work
     grid = np.sort(case.sweep.frequency)
     up = grid[evenly(0, len(grid) - 1, most)].tolist()
     ways = {"up": {"up": up}, "down": {"down": up[::-1]}, "both": {"up": up, "down": up[::-1]}}[case.sweep.direction]
-    work.breaks = True
+    work.breaks = work.most < inf
     try:
         found = _places(simulator, ways, work)
     except WorkSpent:

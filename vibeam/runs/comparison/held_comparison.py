@@ -10,13 +10,12 @@ from vibeam.case.case import Case
 from vibeam.case.held import Held, held_of, other_choice
 from vibeam.exchange.faults import reason_of
 from vibeam.periodic.motion_kind import UNKNOWN
-from vibeam.runs.comparison.beyond import response_of
+from vibeam.runs.comparison.beyond import WORK, response_of
 from vibeam.runs.comparison.differences import BothChoices, HeldComparison
 from vibeam.runs.comparison.work import Work
 from vibeam.system.curves import NAN
 from vibeam.system.response import Branches
 
-WORK = 1.5  # seconds that the sweep of a fidelity may take, counted
 ALONE = "a single degree of freedom given directly has no more modes"
 ITS_OWN = "the fidelity sets stop.restitution_of itself"
 DEAR = "its sweep takes longer than {:g} s"
