@@ -1,11 +1,8 @@
-"""What effects change: the case without them by hand, closed forms, effects that do nothing, effects that cancel, sets
-that make no sense, and the smallest set by an ordinary run.
-"""
+"""What effects change: closed forms, effects that do nothing or cancel, and the smallest set by an ordinary run."""
 
 from __future__ import annotations
 
 import csv
-import itertools
 import json
 from dataclasses import replace
 from math import inf, isfinite, isinf, nan
@@ -14,258 +11,40 @@ from typing import Any
 
 import numpy as np
 import pytest
+from effect_studies import (
+    ADDED,
+    BEAM,
+    CASES,
+    CLAMP,
+    FIDELITY,
+    GRAVITY,
+    PEAK,
+    QUICK,
+    TORSION,
+    by_name,
+    case_of,
+    study_of,
+)
 from scipy.optimize import brentq
-from stand_in import HELD_AT_CONTACT, RIG, SDOF, same
+from stand_in import RIG
 from typer.testing import CliRunner
 
 import vibeam
-from vibeam.casefile.documentation import reference_table
 from vibeam.casefile.read import parse
-from vibeam.casefile.tables.table import key, table
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
 from vibeam.report.effects import answer, bars, details, lines, sheet
 from vibeam.report.effects import table as effects_table
 from vibeam.report.tables import print_table
-from vibeam.runs.comparison.errors import Asked, ResponseComparison
-from vibeam.studies.changes import AMPLITUDES, ENDS, KINDS, changes
-from vibeam.studies.effect_sets import effects_of, is_effect, smallest, subsets
+from vibeam.runs.comparison.errors import Asked
+from vibeam.studies.changes import AMPLITUDES, ENDS, KINDS
+from vibeam.studies.effect_sets import subsets
 from vibeam.studies.effects import Effects, influence
 from vibeam.studies.recorded_numbers import AskedNumber
-from vibeam.studies.variants import Ensemble, ensembles
+from vibeam.studies.variants import ensembles
 from vibeam_models.beam import assemble
 
 pytestmark = pytest.mark.usefixtures("undrawn")
-
-CASES = RIG.parent
-PEAK = AskedNumber("peak")
-BEAM = HELD_AT_CONTACT.split("[fidelity.sdof]")[0]
-FIDELITY = '[fidelity.beam]\nreduction = "modal"\nmodes = 4\n'
-ADDED = '[[added_mass]]\nmass = "2.4 g"\nposition = "90 mm"\n'
-CLAMP = '[clamp]\nstiffness = "50 N m/rad"\n'
-GRAVITY = '[gravity]\ndirection = "hanging"\n'
-TORSION = '[torsion]\neccentricity = "1 mm"\npolar_inertia = "2.988e-5 kg m^2"\npoissons_ratio = 0.3\n'
-PLATFORM = (
-    '[platform]\nmass = "5 kg"\nfrequency = "3.25 Hz"\ndamping_ratio = 0.05\ncoupling = "one-way"\n'
-    'calibrated_at = "15.5 Hz"\n'
-)
-SHAKER = '[shaker]\nresistance = "4 ohm"\nforce_factor = "20 N/A"\n'
-QUICK: dict[str, Any] = {
-    "units": "SI",
-    "beam.elements": 8,
-    "sweep.frequency": {"from": "14 Hz", "to": "16.4 Hz", "points": 7},
-    "sweep.direction": "up",
-    "sweep.settle": 150,
-    "sweep.hold": 4,
-}
-
-
-def case_of(*tables: str, **settings: Any) -> Any:
-    """A quick case of the rig with further tables; settings by key with __ for dots."""
-    given = {name.replace("__", "."): value for name, value in settings.items()}
-    return parse(BEAM + FIDELITY + "\n".join(tables), RIG, QUICK | given)
-
-
-def study_of(*tables: str, **settings: Any) -> Effects:
-    return influence(case_of(*tables, **settings))
-
-
-def by_name(study: Effects) -> dict[str, Any]:
-    return {row.effect: row for row in study.rows}
-
-
-# --- which effects there are ------------------------------------------------------------------------------------------
-
-
-def test_every_effect_that_a_case_names_is_found() -> None:
-    every = BEAM.replace('gap = "0 mm"', 'gap = "0 mm"\nposition = "130 mm"') + ADDED + CLAMP + GRAVITY + TORSION
-    every = every.replace("elements = 36", "elements = 36\nmassless = true") + PLATFORM + FIDELITY.replace("4", "2")
-    declared = parse(every, RIG).keys.declared
-    names = {"beam.massless", "mass.rotary_inertia", "mass.rigid_half_width"}
-    assert set(effects_of(declared)) == names | {"added_mass", "clamp", "gravity", "torsion", "platform"}
-    absent = parse(every, RIG, {"beam.massless": False, "clamp": None}).keys.declared
-    assert set(effects_of(absent)) == set(effects_of(declared)) - {"beam.massless", "clamp"}
-    twice = parse(BEAM + ADDED + ADDED + FIDELITY, RIG).keys.declared
-    assert {"added_mass.0", "added_mass.1"} < set(effects_of(twice))
-
-
-@pytest.mark.parametrize("place", ["rigs/mems_switch", "rigs/pinned_bar", "rigs/afm_tip", "rigs/elastic_stop"])
-def test_what_says_the_rig_is_no_effect_of_it(place: str) -> None:
-    """Where the stop is, what it does, and how the ends are held: without these there is another rig, or none."""
-    declared = parse((CASES / f"{place}.toml").read_text(encoding="utf-8"), CASES / f"{place}.toml").keys.declared
-    assert declared.stop.law is not None
-    assert not {"stop.law", "stop.position", "beam.ends"} & set(effects_of(declared))
-    told = {(row.table, row.key): row.meaning for row in reference_table()}
-    assert not [key for key in ("law", "position") if told["[stop]", key].startswith("effect")]
-    assert not told["[beam]", "ends"].startswith("effect")
-    assert told["[beam]", "massless"].startswith("effect")
-
-
-def test_a_key_or_table_is_an_effect_by_its_declaration_not_by_its_words() -> None:
-    told = table("Told", "Effect: in words alone.", {"ghost": (Any, key("effect: in words alone", 1, None))})
-    meant = table("Meant", "Haunts the beam.", {"ghost": (Any, key("haunts the beam", 1, None, effect=True))})
-    assert not is_effect(told.model_fields["ghost"])
-    assert is_effect(meant.model_fields["ghost"])
-    assert meant.model_fields["ghost"].description == "effect: haunts the beam"
-
-
-# --- sets of effects --------------------------------------------------------------------------------------------------
-
-
-def test_a_set_is_the_case_with_the_rest_taken_away_by_hand_to_the_bit() -> None:
-    """Three ways to one model: the subset, a fidelity that goes ``without``, keys taken away."""
-    case = case_of(ADDED, CLAMP, influence__points=3)
-    sets = subsets(case)
-    ours = vibeam.run(sets.case({"mass.rotary_inertia", "added_mass"}))["beam"].up
-    grid = sets.case(sets.effects).sweep.frequency.tolist()
-    np.testing.assert_allclose(grid, [14.0, 15.2, 16.4])
-    text = BEAM + FIDELITY + 'without = ["clamp", "mass.rigid_half_width"]\n' + ADDED + CLAMP
-    without = vibeam.run(parse(text, RIG, QUICK | {"sweep.frequency": grid}))["beam"].up
-    away = {"clamp": None, "mass.rigid_half_width": None, "sweep.frequency": grid}
-    by_key = vibeam.run(case_of(ADDED, CLAMP, **{name.replace(".", "__"): value for name, value in away.items()}))
-    assert same(ours, without, ("cpu_seconds",))
-    assert same(ours, by_key["beam"].up, ("cpu_seconds",))
-    whole = vibeam.run(sets.case(sets.effects))["beam"].up
-    assert not same(ours, whole, ("cpu_seconds",))
-    [found] = ensembles([(sets.case({"mass.rotary_inertia", "added_mass"}), "beam")], [PEAK])
-    assert found.response is not None
-    assert [place.amplitude for place in found.response.places["up"]] == list(ours.amplitude)
-
-
-def test_of_several_added_masses_each_is_an_effect() -> None:
-    case = case_of(ADDED, ADDED.replace("2.4", "7"), ADDED.replace("2.4", "9"))
-    sets = subsets(case)
-    left = [mass.mass for mass in sets.case({"added_mass.1"}).scene.effects]
-    assert left == [pytest.approx(7e-3)]
-    assert sets.case(()).scene.effects == ()
-
-
-def test_modes_that_an_effect_brings_go_with_it() -> None:
-    """Without torsion the two modes of torsion are gone and bending keeps its own two: no change of reduction."""
-    sets = subsets(case_of(TORSION, ADDED))
-    assert sets.own_modes == {"torsion": 1}
-    with_it, without = (sets.case(kept) for kept in (sets.effects, set(sets.effects) - {"torsion"}))
-    assert without.fidelities["beam"].modes == 3
-    bending = without.system("beam").omega
-    whole = with_it.system("beam").omega
-    assert all(np.min(np.abs(whole / each - 1)) < 1e-9 for each in bending)
-
-
-def test_keys_that_mean_nothing_without_an_effect_go_with_it() -> None:
-    """The drift with its frequencies, and not the law's own keys, which are the stop's."""
-    drift = 'restitution_of = "contact"\ndrift_frequency = ["14 Hz", "17 Hz"]\ndrift = ["0 mm", "0.02 mm"]\n'
-    text = BEAM.replace('restitution_of = "contact"\n', drift + 'law = "linear"\nstiffness = "1e6 N/m"\n') + FIDELITY
-    sets = subsets(parse(text, RIG, QUICK))
-    assert "stop.drift_frequency" in sets.effects
-    left, kept = (sets.case(kept).scene.stop for kept in (sets.effects, ()))
-    assert left.drift is not None
-    assert (kept.drift, kept.law.stiffness) == (None, 1e6)
-
-
-def test_a_massless_beam_has_the_modes_that_are_left() -> None:
-    sets = subsets(case_of(beam__massless=True, fidelity__beam__modes=2))
-    assert sets.case({"beam.massless"}).fidelities["beam"].modes == 1
-    assert sets.case({"mass.rotary_inertia"}).fidelities["beam"].modes == 2
-
-
-def test_what_cannot_be_taken_away_is_told_with_its_reason_and_needed() -> None:
-    driven = 'voltage = "0.6 V"'
-    text = BEAM.replace(driven + '\ngain = "5.16e-4 1/V"', driven) + FIDELITY + PLATFORM + SHAKER
-    text = text.replace('calibrated_at = "15.5 Hz"\n', "")
-    study = influence(parse(text, RIG, QUICK))
-    platform, shaker = (by_name(study)[name] for name in ("platform", "shaker"))
-    assert isinf(platform.without.worst)
-    assert isinf(shaker.without.worst)
-    assert "drives a platform" in platform.without.why
-    assert "gain" in shaker.without.why
-    assert platform.needed
-    assert shaker.needed
-    said = "\n".join(details(study))
-    assert "platform cannot be left out of the case as it is (" in said
-    kept = {row["model"]: row["why"] for row in lines(study) if row["effect"] == "platform"}
-    assert "drives a platform" in kept["without"]
-
-
-def test_a_case_without_effects_says_so() -> None:
-    with pytest.raises(ValueError, match="names no effect"):
-        influence(parse(BEAM + FIDELITY, RIG, QUICK | {"mass.rotary_inertia": None, "mass.rigid_half_width": None}))
-    with pytest.raises(ValueError, match="single degree of freedom"):
-        influence(parse(SDOF))
-
-
-# --- changes ----------------------------------------------------------------------------------------------------------
-
-
-def ensemble(value: float) -> Ensemble:
-    """A motion of which one number is known."""
-    return Ensemble("", 1, {PEAK: np.array([[value]])}, np.zeros((1, 1)))
-
-
-@pytest.mark.parametrize(
-    ("ours", "whole", "share"),
-    [(1.03, 1.0, 3.0), (0.98, 1.0, 2.0), (nan, 1.0, inf), (1.0, nan, inf), (1.0, 0.0, inf), (0.0, 0.0, 0.0)],
-)
-def test_a_change_counts_in_units_of_what_is_allowed_and_is_never_dropped(
-    ours: float, whole: float, share: float
-) -> None:
-    *_, found = changes(ensemble(whole), ensemble(ours), ResponseComparison(), {PEAK: 0.01})
-    assert found.share == pytest.approx(share)
-
-
-def test_a_number_that_neither_has_is_no_change() -> None:
-    *_, found = changes(ensemble(nan), ensemble(nan), ResponseComparison(), {PEAK: 0.01})
-    assert not found.share > 0
-
-
-def test_of_a_comparison_what_it_may_be_off_at_most_counts() -> None:
-    """Two sweeps of one degree of freedom, whose own numbers are those of the comparison."""
-    case = case_of(sweep__direction="both")
-    ours, whole = (ensembles([(each, "beam")], [PEAK])[0] for each in (case_of(mass__rotary_inertia=None), case))
-    study = influence(case)
-    [row] = [each for each in study.rows if each.effect == "mass.rotary_inertia"]
-    found = row.without.comparison
-    assert found is not None
-    assert found.scattered is not None
-    by_number = {each.number: each for each in row.without.changes}
-    assert by_number[AMPLITUDES].size == pytest.approx(found.scattered.most)
-    assert by_number[ENDS].size == pytest.approx(max((abs(each.error) + each.open for each in found.ends), default=0))
-    assert by_number[KINDS].size == pytest.approx(max((each.width + each.open for each in found.kinds), default=0))
-    peaks = [float(each.of(PEAK)[0, 0]) for each in (ours, whole)]
-    assert by_number[PEAK].change == pytest.approx(peaks[0] / peaks[1] - 1)
-    assert by_number[PEAK].allowed == inf
-
-
-# --- the search -------------------------------------------------------------------------------------------------------
-
-
-def test_the_smallest_set_is_smallest_whatever_the_sets_are_worth() -> None:
-    random = np.random.default_rng(7)
-    for count in (1, 3, 5):
-        names = tuple("abcdef"[:count])
-        sets = [frozenset(n for n, bit in zip(names, bits, strict=True) if bit)
-                for bits in itertools.product((0, 1), repeat=count)]  # fmt: skip
-        for _ in range(40):
-            worth = {kept: float(random.choice([0.3, 0.9, 1.1, 5.0, inf])) for kept in sets} | {frozenset(names): 0.0}
-            found, exact = smallest(names, worth.__getitem__)
-            good = [kept for kept in sets if worth[kept] <= 1]
-            assert exact
-            assert found in good
-            assert len(found) == min(map(len, good))
-            assert worth[found] == min(worth[kept] for kept in good if len(kept) == len(found))
-
-
-def test_beyond_six_effects_one_after_another_is_left_out() -> None:
-    names = tuple("abcdefg")
-    cost = dict(zip(names, (0.1, 0.2, 0.3, 0.35, 5, 6, 7), strict=True))
-    found, exact = smallest(names, lambda kept: sum(cost[name] for name in names if name not in kept))
-    assert not exact
-    assert found == frozenset("efg")
-    assert smallest(names, lambda kept: 0.0)[0] == frozenset()
-    cancel = {frozenset(names): 0.0, frozenset("cdefg"): 0.0}
-    assert smallest(names, lambda kept: cancel.get(kept, 9.0))[0] == frozenset(names)
-
-
-# --- whole studies ----------------------------------------------------------------------------------------------------
 
 
 def test_effects_that_do_nothing_come_out_as_not_needed() -> None:
