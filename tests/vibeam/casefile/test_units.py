@@ -62,7 +62,7 @@ def test_a_quantity_in_si(value, kind, expected):
         ("5 mm", units.RATIO, "'5 mm' is a length, not a plain number"),
         ("5 m/s", units.LENGTH, "'5 m/s' is a speed, not a length"),
         ("5 m^2/s", units.LENGTH, "'5 m^2/s' is a quantity of dimension length^2 time^-1, not a length"),
-        ("180 MM", units.LENGTH, "'180 MM' has the unknown unit 'MM'; did you mean 'mm'?"),
+        ("180 mM", units.LENGTH, "'180 mM' has the unknown unit 'mM'; did you mean 'mm'?"),
         ("2 Gpa", units.PRESSURE, "'2 Gpa' has the unknown unit 'Gpa'; did you mean 'GPa'?"),
         ("0,1 mm", units.LENGTH, "'0,1 mm': write the decimal sign as a point"),
         ("180", units.LENGTH, "'180' has no unit: write '180 mm' or '180 m'"),
@@ -139,5 +139,5 @@ def test_units_are_what_their_definitions_say():
 
 
 def test_anything_else_is_no_unit():
-    wrong = ["", "1", "1/", "m//s", "parsec", "m^0", "m^", "m^12", "m s ", " m", "2/m", "m2", "1m", "Ns", "cc", "kkg"]
+    wrong = ["", "1", "1/", "m//s", "parsec", "m^0", "m^", "m^12", "m s ", " m", "2/m", "m22", "1m", "Ns", "cc", "kkg"]
     assert [unit for unit in wrong if unit_size(unit) is not None] == []

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
+from difflib import get_close_matches
 from math import isfinite
 
 import numpy as np
@@ -12,7 +14,6 @@ from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
 from vibeam.exchange.units import unit_size
-from vibeam.system.record_samples import GRAVITY
 from vibeam_models.arrays import Array
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
@@ -148,20 +149,50 @@ class ReferenceForm:
 def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
     """Factor from a column's unit, times ``scale_unit``, to the SI unit ``wanted``; ValueError where they do not suit.
 
-    A column without a unit is in ``wanted``; with a scale in volts.
+    A column without a unit is in ``wanted``; with a scale in volts. ``g`` and ``G``, with ``m`` or ``µ`` before it, are
+    of the acceleration of free fall where that makes it one of ``wanted``, else grams. How a value is taken, as in
+    ``mm rms``, is no part of its unit (``taking``).
     """
-    if unit in ("g", "gn") and wanted == "m/s^2":
-        return GRAVITY
-    size, dimension = _sized(unit.replace("μ", "µ") if unit else "V" if "V" in scale_unit else "")
     if not unit and not scale_unit:
         return 1.0
-    more, further = _sized(scale_unit)
-    aim, target = _sized(wanted)
-    product = _times(dimension, further)
-    if product != target:
-        by = f" times the scale's {scale_unit!r}" if scale_unit else ""
-        raise ValueError(f"the unit {unit!r}{by} is not one of {wanted or 'a plain number'}")
-    return float(size * more / aim)
+    plain = taking(unit)[0].strip(" .").replace("μ", "µ") if unit else "V" if "V" in scale_unit else ""
+    plain = plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
+    (more, further), (aim, target) = _sized(scale_unit), _sized(wanted)
+    known = list[str]()
+    for each in (plain, _FREE_FALL.sub(r"\1gn", plain)):
+        found = unit_size(each) if each not in PLAIN else (Decimal(1), {})
+        if found is not None and _times(found[1], further) == target:
+            return float(found[0] * more / aim)
+        known += [each] * (found is not None)
+    if not known:
+        raise ValueError(f"the unit {unit!r} is not known{meant(plain, wanted)}")
+    by = f" times the scale's {scale_unit!r}" if scale_unit else ""
+    raise ValueError(f"the unit {unit!r}{by} is not one of {wanted or 'a plain number'}")
+
+
+PLAIN = ("", "1", "-", "none", "ratio")  # units of a plain number
+USUAL = (
+    "m/s^2", "mm/s^2", "m/s", "mm/s", "m", "mm", "µm", "in", "N", "kN", "lbf", "N m", "s", "ms", "Hz", "kHz", "rpm",
+)  # fmt: skip
+_FREE_FALL = re.compile(r"(?<![A-Za-zµ])([mµu]?)[gG](?:'?s|n)?(?![A-Za-z])")
+_WORDS = r"rms|r\.m\.s\.|0-pk|pk-pk|peak-peak|p-p|pk|peak|pp"
+_TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gG]))({_WORDS})\)?", re.IGNORECASE)
+
+
+def taking(unit: str) -> tuple[str, str]:
+    """A unit, and how its values are taken: ``rms``, ``peak``, ``peak to peak``; empty: as they are."""
+    found = _TAKING.fullmatch(unit.strip())
+    if not found or not found[1]:
+        return unit, ""
+    word = found[2].casefold()
+    return found[1], "rms" if word[0] == "r" else "peak" if word in ("pk", "0-pk", "peak") else "peak to peak"
+
+
+def meant(unit: str, wanted: str) -> str:
+    """The unit of the quantity ``wanted`` that an unknown one may be meant as, as the end of a message."""
+    usual = [each for each in USUAL if (found := unit_size(each)) and found[1] == _sized(wanted)[1]]
+    near = get_close_matches(unit.casefold(), [each.casefold() for each in usual], 1, 0.5)
+    return f": {next(each for each in usual if each.casefold() == near[0])}?" if near else ""
 
 
 def _sized(unit: str) -> tuple[Decimal, dict[str, float]]:
@@ -180,4 +211,7 @@ def _times(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, fl
 
 def known_unit(unit: str) -> bool:
     """Test whether a unit is known, ``%`` and a plain number (``1``) among them."""
-    return unit in ("1", "%", "g") or unit_size(unit.replace("μ", "µ")) is not None
+    plain = taking(unit)[0].replace("μ", "µ")
+    return (
+        plain in (*PLAIN, "%") or unit_size(plain) is not None or unit_size(_FREE_FALL.sub(r"\1gn", plain)) is not None
+    )
