@@ -33,12 +33,17 @@ class WantedColumn:
 
 @dataclass(frozen=True, eq=False)
 class CurveColumn:
-    """Column that was found: its head, its unit (empty: not said), its values, NaN where empty; or its ``words``."""
+    """Column that was found: its head, its unit (empty: not said), its values, NaN where empty; or its ``words``.
+
+    ``place``: where it is in the file, ``"column 2"``; ``origin``: where the unit is from, empty: from the head.
+    """
 
     head: str
     unit: str
     values: Array
     words: tuple[str, ...] = ()
+    place: str = ""
+    origin: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,59 @@
+"""What was taken of a file of measured data, in one line: columns with their units, samples, rate, start."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vibeam.exchange.files import shown
+
+
+def grouped(value: float) -> str:
+    """A number with blanks between its thousands."""
+    return f"{value:,.6g}".replace(",", " ")
+
+
+@dataclass(frozen=True)
+class TakenColumn:
+    """Column that was taken: its ``place`` in the file (``"column 2"``), head, unit, and where the unit is from.
+
+    ``origin`` empty: from the head itself. A ``unit`` that the file does not say is the SI unit that it was taken as.
+    """
+
+    place: str
+    head: str
+    unit: str
+    origin: str = ""
+
+    def __str__(self) -> str:
+        named = f"{self.place} {shown(self.head)}" if self.head and self.head != self.place else self.place
+        origin = f" ({self.origin})" if self.origin else ""
+        return f"{named}, {self.unit or 'a plain number'}{origin}"
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What was taken of a ``file``: ``kind``, columns, number of ``samples``; ``notes`` on what was cut or shifted.
+
+    ``rate`` in Hz of samples in equal steps, else None; ``start``, ``end``: of the abscissa, in its SI unit ``over``.
+
+    >>> value = TakenColumn("column 2", "Acc", "g", "from the row below the heads")
+    >>> print(Taken("shock.csv", "time history", (value,), 100, 9000.0, 9000.495, "s", 20000.0))
+    taken: column 2 'Acc', g (from the row below the heads), 20 000 Hz from 9 000 s
+    """
+
+    file: str
+    kind: str
+    columns: tuple[TakenColumn, ...]
+    samples: int
+    start: float
+    end: float
+    over: str = "s"
+    rate: float | None = None
+    notes: tuple[str, ...] = ()
+
+    def __str__(self) -> str:
+        span = f"{self.samples} points from {grouped(self.start)} to {grouped(self.end)} {self.over}"
+        if self.rate is not None:
+            span = f"{grouped(self.rate)} Hz from {grouped(self.start)} {self.over}"
+        kind = "" if self.kind == "time history" else f"{self.kind}: "
+        return "; ".join([f"taken: {kind}{', '.join(map(str, self.columns))}, {span}", *self.notes])
