@@ -153,7 +153,7 @@ def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
     of the acceleration of free fall where that makes it one of ``wanted``, else grams. How a value is taken, as in
     ``mm rms``, is no part of its unit (``taking``).
     """
-    if not unit and not scale_unit:
+    if not taking(unit)[0] and not scale_unit:
         return 1.0
     plain = taking(unit)[0].strip(" .").replace("μ", "µ") if unit else "V" if "V" in scale_unit else ""
     plain = plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
@@ -175,14 +175,14 @@ USUAL = (
     "m/s^2", "mm/s^2", "m/s", "mm/s", "m", "mm", "µm", "in", "N", "kN", "lbf", "N m", "s", "ms", "Hz", "kHz", "rpm",
 )  # fmt: skip
 _FREE_FALL = re.compile(r"(?<![A-Za-zµ])([mµu]?)[gG](?:'?s|n)?(?![A-Za-z])")
-_WORDS = r"rms|r\.m\.s\.|0-pk|pk-pk|peak-peak|p-p|pk|peak|pp"
+_WORDS = r"rms|r\.m\.s\.|0-pk|pk-pk|peak[ -](?:to[ -])?peak|p-p|pk|peak|pp"
 _TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gG]))({_WORDS})\)?", re.IGNORECASE)
 
 
 def taking(unit: str) -> tuple[str, str]:
     """A unit, and how its values are taken: ``rms``, ``peak``, ``peak to peak``; empty: as they are."""
     found = _TAKING.fullmatch(unit.strip())
-    if not found or not found[1]:
+    if not found:
         return unit, ""
     word = found[2].casefold()
     return found[1], "rms" if word[0] == "r" else "peak" if word in ("pk", "0-pk", "peak") else "peak to peak"
