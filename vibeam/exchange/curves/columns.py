@@ -108,9 +108,9 @@ def _split(head: str) -> tuple[str, str]:
     groups = [(found, (found[1] or found[2] or "").strip()) for found in _BRACKETS.finditer(head)]
     known = [each for each in groups if is_unit(each[1]) or (_is_known(each[1]) and each[0].end() == len(head))]
     odd = [each for each in groups if each[0].end() == len(head) or re.search(r"[/^²³√·]", each[1])]
-    if found := known or odd[-1:]:
-        name = head.replace(found[0][0][0], " ", 1)
-        return " ".join(name.split()), " ".join(dict.fromkeys(unit for _, unit in found))
+    if said := known or odd[-1:]:
+        name = head.replace(said[0][0][0], " ", 1)
+        return " ".join(name.split()), " ".join(dict.fromkeys(unit for _, unit in said))
     if is_unit(head) and (len(head) > 1 or head in "gGNsV"):
         return head, head
     if unit := _last_word(head):

@@ -185,19 +185,20 @@ def _times(segment: Segment, written: Array, value: int) -> Array:
         if empty:
             raise FormatError("has no abscissa and no Delta_X above 0 in its head: say rate", segment.rows[0][0])
         return written
-    even = (0.0 if empty else written[0]) if first is None else first
-    even = even + np.arange(len(written)) * step
+    start = (0.0 if empty else float(written[0])) if first is None else first
+    even = np.asarray(start + np.arange(len(written)) * step)
     return even if empty or np.abs(written - even).max() < ROUNDED * step else written
 
 
 def _later(first: Segment, segment: Segment, before: Array, own: Array, value: int) -> float:
     """Shift of the abscissa of a further segment: none where it goes on, else by the time at which it was begun."""
     step = float(np.median(np.diff(before))) if len(before) > 1 else 0.0
-    due, stamps = before[-1] + step, [_stamp(each, value) for each in (first, segment)]
-    for shift in (0.0, None if None in stamps else stamps[1] - stamps[0]):
-        if shift is not None and abs(own[0] + shift - due) < 0.5 * step:
-            return due - own[0] if shift else 0.0
-    if shift is None or not own[0] + shift > before[-1]:
+    due, zero, now = float(before[-1]) + step, _stamp(first, value), _stamp(segment, value)
+    shift = 0.0 if zero is None or now is None else now - zero
+    for each in (0.0, shift):
+        if abs(own[0] + each - due) < 0.5 * step:
+            return due - float(own[0]) if each else 0.0
+    if not own[0] + shift > before[-1]:
         told = f"begins a segment at {own[0]:.6g}, before the end of the one ahead: keep one segment in the file"
         raise FormatError(told, segment.rows[0][0])
     return shift
@@ -210,7 +211,7 @@ def _stamp(segment: Segment, value: int) -> float | None:
     if not (date and time):
         return None
     with read_by("has no date", ValueError, segment.said["Date"][0]):
-        days = datetime(*map(int, date.groups())).toordinal()
+        days = datetime(int(date[1]), int(date[2]), int(date[3])).toordinal()
     return days * 86400 + int(time[1]) * 3600 + int(time[2]) * 60 + float(time[3].replace(",", "."))
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from difflib import get_close_matches
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,9 @@ from numpy.typing import ArrayLike
 from vibeam.exchange.faults import suggest
 from vibeam.exchange.units import unit_size
 from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from vibeam.exchange.curves.taken import Taken
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
 SAME_FREQUENCY = 1e-9  # relative tolerance
@@ -40,7 +44,7 @@ class Point:
 class ReferenceCurve:
     """Reference curve: ``points`` of one ``quantity``, and their ``source``.
 
-    ``recorded``: an earlier result of a model of ours, which is no reference.
+    ``recorded``: an earlier result of a model of ours, which is no reference. ``taken``: of which columns of its file.
 
     >>> import vibeam
     >>> curve = vibeam.ReferenceCurve.of([14.0, 15.0], [2e-4, 3.7e-4], direction="up")
@@ -52,6 +56,7 @@ class ReferenceCurve:
     points: tuple[Point, ...]
     source: str = ""
     recorded: bool = False
+    taken: Taken | None = field(default=None, compare=False, repr=False)
 
     @classmethod
     def of(
@@ -170,6 +175,7 @@ def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
     raise ValueError(f"the unit {unit!r}{by} is not one of {wanted or 'a plain number'}")
 
 
+CURES = {"rms": 1.41421, "peak to peak": 0.5}  # scale by which values become amplitudes
 PLAIN = ("", "1", "-", "none", "ratio")  # units of a plain number
 USUAL = (
     "m/s^2", "mm/s^2", "m/s", "mm/s", "m", "mm", "µm", "in", "N", "kN", "lbf", "N m", "s", "ms", "Hz", "kHz", "rpm",

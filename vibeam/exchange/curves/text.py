@@ -86,8 +86,8 @@ def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None =
     for role, column in places.items():
         own = [(line, cells[column]) for line, cells in kept]
         if wanted[role].words:
-            found = _column(heads, {}, column, np.full(len(own), np.nan))
-            columns[role] = replace(found, unit="", words=tuple(cell.strip() for _, cell in own))
+            words = tuple(cell.strip() for _, cell in own)
+            columns[role] = CurveColumn(split_head(heads[column])[0], "", np.full(len(own), np.nan), words)
         else:
             columns[role] = _column(heads, units, column, np.array([number(each, decimal) for each in own]))
     return Columns(columns, tuple(line for line, _ in kept), tuple(heads))
