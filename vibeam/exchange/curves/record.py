@@ -160,8 +160,7 @@ def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
     """
     if not taking(unit)[0] and not scale_unit:
         return 1.0
-    plain = taking(unit)[0].strip(" .").replace("μ", "µ") if unit else "V" if "V" in scale_unit else ""
-    plain = plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
+    plain = _plain(unit) if unit else "V" if "V" in scale_unit else ""
     (more, further), (aim, target) = _sized(scale_unit), _sized(wanted)
     known = list[str]()
     for each in (plain, _FREE_FALL.sub(r"\1gn", plain)):
@@ -182,7 +181,7 @@ USUAL = (
 )  # fmt: skip
 _FREE_FALL = re.compile(r"(?<![A-Za-zµ])([mµu]?)[gG](?:'?s|n)?(?![A-Za-z])")
 _WORDS = r"rms|r\.m\.s\.|0-pk|pk-pk|peak[ -](?:to[ -])?peak|p-p|pk|peak|pp"
-_TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gG]))({_WORDS})\)?", re.IGNORECASE)
+_TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gG_]))({_WORDS})\)?", re.IGNORECASE)
 
 
 def taking(unit: str) -> tuple[str, str]:
@@ -192,6 +191,12 @@ def taking(unit: str) -> tuple[str, str]:
         return unit, ""
     word = found[2].casefold()
     return found[1], "rms" if word[0] == "r" else "peak" if word in ("pk", "0-pk", "peak") else "peak to peak"
+
+
+def _plain(unit: str) -> str:
+    """A unit alone, out of brackets and blanks."""
+    plain = taking(unit)[0].strip(" .").replace("μ", "µ")
+    return plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
 
 
 def meant(unit: str, wanted: str) -> str:
@@ -217,7 +222,7 @@ def _times(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, fl
 
 def known_unit(unit: str) -> bool:
     """Test whether a unit is known, ``%`` and a plain number (``1``) among them."""
-    plain = taking(unit)[0].replace("μ", "µ")
-    return (
-        plain in (*PLAIN, "%") or unit_size(plain) is not None or unit_size(_FREE_FALL.sub(r"\1gn", plain)) is not None
+    plain = _plain(unit)
+    return plain in (*PLAIN, "%") or any(
+        unit_size(each) is not None for each in (plain, _FREE_FALL.sub(r"\1gn", plain))
     )
