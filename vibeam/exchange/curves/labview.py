@@ -114,6 +114,8 @@ def _segments(lines: Sequence[Line]) -> tuple[str, list[Segment]]:
         elif any(cells):
             _require_entry(cells, line, dict.fromkeys(SEGMENT, ()))
             if state == "rows":
+                if cells[0] not in SEGMENT and not cells[0].startswith(("Notes", "Test_", "UUT_")):
+                    raise FormatError(f"{shown(text)} is no row of numbers, and begins no segment: delete it", line)
                 segments.append(Segment(decimal=segments[0].decimal))
                 state = "head"
             segments[-1].said[cells[0]] = line, cells[1:]
