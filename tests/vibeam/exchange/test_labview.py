@@ -86,7 +86,7 @@ def test_digits_that_times_lost_are_those_of_the_step(tmp_path: Path) -> None:
 
 
 def test_a_short_file_and_an_empty_channel_are_said(tmp_path: Path) -> None:
-    assert "4 of the 9 samples that its head says" in str(read(tmp_path, content(Samples="9")).taken)
+    assert "4 samples for the 9 that its head says" in str(read(tmp_path, content(Samples="9")).taken)
     text = content("One").replace("\t3.000000", "\t").replace("\t1.000000", "\t").replace("\t0.500000", "\t")
     with pytest.raises(vibeam.CaseError, match="has no number in the column 'ay'"):
         read(tmp_path, text.replace("\t-2.000000", "\t"))

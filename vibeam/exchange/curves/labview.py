@@ -45,6 +45,7 @@ class Segment:
     heads: list[str] = field(default_factory=list)
     rows: list[Line] = field(default_factory=list)
     decimal: str = "."
+    alone: bool = True  # each segment has a head of its own
 
     def entry(self, name: str, column: int) -> str:
         """Entry of the head for a column; of all where there is one alone."""
@@ -81,8 +82,8 @@ def read(lines: Sequence[Line], wanted: Mapping[str, WantedColumn]) -> Columns:
         parts.append(found)
         lines_read += [line for line, _ in segment.rows[: len(next(iter(found.values())))]]
         samples = segment.number("Samples", value)
-        if samples and len(segment.rows) < samples:
-            notes.append(f"{len(segment.rows)} of the {samples:.0f} samples that its head says")
+        if samples and (len(segment.rows) < samples or (segment.alone and len(segment.rows) > samples)):
+            notes.append(f"{len(segment.rows)} samples for the {samples:.0f} that its head says")
     if len(segments) > 1:
         notes.append(f"{len(segments)} segments")
     whole = {role: np.concatenate([part[role] for part in parts]) for role in there}
@@ -99,7 +100,8 @@ def _segments(lines: Sequence[Line]) -> tuple[str, list[Segment]]:
         cells = [cell.strip() for cell in text.split(separator)]
         if cells[0] == END and state in ("file", "head"):
             if state == "file":
-                segments.append(Segment(decimal=said.get("Decimal_Separator", ".")))
+                alone = said.get("Multi_Headings") != "No"
+                segments.append(Segment(decimal=said.get("Decimal_Separator", "."), alone=alone))
             state = "head" if state == "file" else "names"
         elif cells[0].startswith("***"):
             raise FormatError(f"{shown(cells[0])} is not at its place in a LabVIEW file", line)
@@ -116,7 +118,7 @@ def _segments(lines: Sequence[Line]) -> tuple[str, list[Segment]]:
             if state == "rows":
                 if cells[0] not in SEGMENT and not cells[0].startswith(("Notes", "Test_", "UUT_")):
                     raise FormatError(f"{shown(text)} is no row of numbers, and begins no segment: delete it", line)
-                segments.append(Segment(decimal=segments[0].decimal))
+                segments.append(Segment(decimal=segments[0].decimal, alone=segments[0].alone))
                 state = "head"
             segments[-1].said[cells[0]] = line, cells[1:]
     if not segments or not all(each.rows for each in segments):

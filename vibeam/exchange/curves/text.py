@@ -233,15 +233,17 @@ def _named(lines: list[Line], table: Table, needed: Sequence[int], at: int | Non
 
 def _rows(lines: list[Line], heads: list[str], separator: str, needed: int) -> Iterator[Row]:
     """Rows of cells, as many as heads; FormatError where a row has more, or is cut off before the ``needed`` ones."""
+    before = 0
     for line, text in lines:
         raw = _cells_of(line, text, separator)
-        cells = _trimmed(raw)
+        cells, least = _trimmed(raw), max(needed, before) if line == lines[-1][0] else needed
+        before = len(raw)
         if not cells:
             continue
         if len(cells) > len(heads):
             why = ": decimal commas between commas? Export with semicolons" if separator == "," else ""
             raise FormatError(f"{len(cells)} cells for {len(heads)} columns{why}", line)
-        if len(raw) < needed:
+        if len(raw) < least:
             counted = f"{len(raw)} cell{'s' * (len(raw) != 1)} for {len(heads)} columns"
             raise FormatError(f"{counted}, {shown(text)}: complete the line, delete it, or begin it with #", line)
         yield line, cells + [""] * (len(heads) - len(cells))
