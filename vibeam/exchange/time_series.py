@@ -16,10 +16,19 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, in_si, split_head
+from vibeam.exchange.curves.columns import (
+    TIMES,
+    Columns,
+    CurveColumn,
+    HeadError,
+    WantedColumn,
+    in_si,
+    split_head,
+    taken_column,
+)
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import taking
-from vibeam.exchange.curves.taken import Taken, taken_column
+from vibeam.exchange.curves.taken import Taken
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, file_fault, read_by, require_samples
 from vibeam.system.record import Record

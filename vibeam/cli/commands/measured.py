@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -39,6 +39,8 @@ def fit(
     of: Annotated[str | None, option(_OF, "--of", metavar="KIND")] = None,
     x: Annotated[str | None, option("Its column of time or frequency.", "--x", metavar="HEAD")] = None,
     y: Annotated[str | None, option("Its column of values.", "--y", metavar="HEAD")] = None,
+    from_: Annotated[str | None, option("Its first time or frequency taken.", "--from", metavar="TIME")] = None,
+    to: Annotated[str | None, option("Its last time or frequency taken.", "--to", metavar="TIME")] = None,
     drive: Annotated[str | None, option(_DRIVE, "--drive", metavar="KIND")] = None,
     level: Annotated[float | None, option(_LEVEL, "--level", metavar="NUMBER")] = None,
     price: PriceOption = False,
@@ -58,14 +60,15 @@ def fit(
     from vibeam.studies.identification.modes import identify_keys
     from vibeam.studies.identification.signal_kind import identify_signal
 
-    of_signal = {"--of": of, "--x": x, "--y": y, "--drive": drive, "--level": level}
+    of_signal = {"--of": of, "--x": x, "--y": y, "--from": from_, "--to": to, "--drive": drive, "--level": level}
     of_modes = {"--key": key, "--measured": measured}
     shared = part_asked(price, part, gather)
     of_responses = {"--next": next_, "--write": write, "--price": price, "--part": part, "--gather": gather}
     if file.suffix != ".toml":
         of_cases = {**of_responses, **of_modes, "--set": set_}
         _require(file, of_cases, "is of a case, which ends in .toml", _faults(of, drive, level))
-        _show(file, lambda: identify_signal(file, of, x, y, drive=drive, level=level), out)
+        stretch, over = _stretch(from_, to)
+        _show(file, lambda: identify_signal(file, of, x, y, drive=drive, level=level, stretch=stretch), out, over)
     elif key or measured:
         faults = [] if key else ["--measured: name the keys that they give, --key beam.thickness"]
         _require(file, {**of_responses, **of_signal}, "does not go with --key", faults)
@@ -106,13 +109,29 @@ def _faults(of: str | None, drive: str | None, level: float | None) -> list[str]
     return found
 
 
-def _show(file: Path, identified: Callable[[], Identification], out: str | None) -> None:
+def _stretch(since: str | None, until: str | None) -> tuple[tuple[float | None, float | None], set[str]]:
+    """Ends of the stretch that is taken of a signal, in s or Hz, and which of these units they are in, if any."""
+    from vibeam.casefile.quantities import FREQUENCY, RATIO, TIME, suits
+    from vibeam.cli.arguments import number
+
+    def end(text: str | None) -> float | None:
+        kind = RATIO if text and suits(text, RATIO) and "%" not in text else FREQUENCY if "Hz" in (text or "") else TIME
+        over.update([kind.unit] * bool(text and kind.unit))
+        return None if text is None else number("--from, --to", text, kind)
+
+    over = set[str]()
+    return (end(since), end(until)), over
+
+
+def _show(file: Path, identified: Callable[[], Identification], out: str | None, over: Collection[str] = ()) -> None:
     """Print an identification; its table or page is written where a file is asked for."""
     from vibeam.case.plans import FigurePlan
     from vibeam.report.fit import identification_sheet
 
     path = None if out is None else output_path(out, f"{file.stem}_identified.csv", ENDINGS, "a table or page")
     found = of_case(file, identified)
+    if {*over} - {"s" if found.of == "decay" else "Hz"}:
+        raise UsageError(f"{file}: --from and --to are in {' and '.join(over)}, and it is a {found.of}")
     sheet = identification_sheet(found)
     print_sheet(sheet, [] if path is None else files_of(sheet, path, file.stem, found.method, FigurePlan()))
 

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from vibeam.exchange.curves.told import tell
 from vibeam.studies.identification.estimates import Identification
 from vibeam.studies.identification.response import DRIVES, identify_decay, identify_response, identify_spectrum, usable
 from vibeam.studies.identification.signals import NAMES, UNITS, Signal, ascends, name_in, read_signal, suits
@@ -43,14 +44,16 @@ class Clue:
 
 def identify_signal(
     path: Path, of: str | None = None, x: str | None = None, y: str | None = None, *, drive: str | None = None,
-    level: float | None = None,
+    level: float | None = None, stretch: tuple[float | None, float | None] = (None, None),
 ) -> Identification:  # fmt: skip
     """Natural frequency, damping ratio and gain from the signal of a file, with what it was taken as and why.
 
     ``of``: one of ``KINDS``; None: found out. ``x``, ``y``: heads of the columns, or numbers from 1. ``drive``,
-    ``level``: of a response. CaseError with the place and the cure; ValueError where it is none, or cannot be told.
+    ``level``: of a response. ``stretch``: times (s) or frequencies (Hz) from which and to which it is taken. CaseError
+    with the place and the cure; ValueError where it is none, or cannot be told.
     """
-    signal = read_signal(path, "" if of is None else "time" if of == KINDS[0] else "frequency", x, y)
+    signal = read_signal(path, "" if of is None else "time" if of == KINDS[0] else "frequency", x, y).within(stretch)
+    tell(signal.taken)
     if not usable(signal.value):
         raise ValueError("values are too large or too small; the largest lies between 1e-60 and 1e+60 in its unit")
     told = [*_of_abscissa(signal), *_of_value(signal), *_of_numbers(signal)]

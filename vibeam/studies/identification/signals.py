@@ -14,9 +14,18 @@ from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, split_head
+from vibeam.exchange.curves.columns import (
+    TIMES,
+    Columns,
+    CurveColumn,
+    HeadError,
+    WantedColumn,
+    split_head,
+    taken_column,
+)
 from vibeam.exchange.curves.read import BINARY, is_text, read_columns
 from vibeam.exchange.curves.record import factor
+from vibeam.exchange.curves.taken import Taken
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError
 from vibeam_models.arrays import Array
@@ -39,7 +48,8 @@ class Signal:
     """Signal of a file: ``at`` (n,) in s or Hz, ``value`` (n,), standard ``uncertainty`` (n,) or None.
 
     ``over``: ``"time"``, ``"frequency"``, empty where neither head nor unit says it. ``heads``, ``units`` of abscissa
-    and value as the file has them; ``parts``: heads of real and imaginary part, whose modulus is the value.
+    and value as the file has them; ``parts``: heads of real and imaginary part, whose modulus is the value. ``taken``:
+    which columns of its file.
     """
 
     at: Array
@@ -50,6 +60,19 @@ class Signal:
     units: tuple[str, str]
     parts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    taken: Taken | None = None
+
+    def within(self, stretch: tuple[float | None, float | None]) -> Signal:
+        """The part from one abscissa to another (None: to the end); ValueError where nothing is left."""
+        low, high = (end if each is None else each for each, end in zip(stretch, (-np.inf, np.inf), strict=True))
+        inside = (self.at >= low) & (self.at <= high)
+        if not inside.any():
+            raise ValueError(f"nothing lies from {low:g} to {high:g}: it has {self.at.min():g} to {self.at.max():g}")
+        uncertainty = None if self.uncertainty is None else self.uncertainty[inside]
+        taken, left = self.taken, int(np.sum(~inside))
+        if taken is not None and left:
+            taken = replace(taken, notes=(*taken.notes, f"{left} of {len(self.at)} points left out by --from and --to"))
+        return replace(self, at=self.at[inside], value=self.value[..., inside], uncertainty=uncertainty, taken=taken)
 
 
 def read_signal(path: Path, over: str = "", x: str | None = None, y: str | None = None) -> Signal:
@@ -59,9 +82,18 @@ def read_signal(path: Path, over: str = "", x: str | None = None, y: str | None 
     """
     try:
         found, parts = _columns(path, over, x, y)
-        return _signal(path, found.columns, over, parts)
+        signal = _signal(path, found.columns, over, parts)
+        return replace(signal, taken=_taken(path, found, signal))
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _cured(wrong.message))]) from None
+
+
+def _taken(path: Path, found: Columns, signal: Signal) -> Taken:
+    over = UNITS.get(signal.over, "")
+    units = {"value": "", "frequency": over, "uncertainty": signal.units[1]}
+    columns = tuple(taken_column(found.columns[role], units[role]) for role in units if role in found.columns)
+    ends = float(signal.at.min()), float(signal.at.max())
+    return Taken(path.name, "time history", columns, len(signal.at), *ends, over, notes=found.notes)
 
 
 def _cured(message: str) -> str:
