@@ -176,7 +176,7 @@ def _no_heads(lines: list[Line], wanted: Mapping[str, WantedColumn], separators:
     """The message for a file whose heads are other ones: those of the line that looks most like heads."""
     likely, line = list[str](), None
     for count, text in _first(lines):
-        heads = max((_trimmed(_cells_of(count, text, each)) for each in separators[:-1] or separators), key=len)
+        heads = max((_trimmed(_heads_of(count, text, each)) for each in separators[:-1] or separators), key=len)
         if sum(map(bool, heads)) > len(likely) and not any(
             re.fullmatch(r"[+-]?[0-9.,eE+-]+", each) for each in heads if each
         ):
