@@ -10,6 +10,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -29,8 +30,9 @@ from vibeam.exchange.curves.columns import (
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import taking
 from vibeam.exchange.curves.taken import Taken
+from vibeam.exchange.curves.told import tell
 from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError, file_fault, read_by, require_samples
+from vibeam.exchange.files import FormatError, State, file_fault, read_by, require_samples, state_of
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
 from vibeam_models.arguments import number, shown, word
@@ -116,9 +118,32 @@ def record_of_file(
     return _described(made, taken)
 
 
-def from_first_sample(record: Record) -> Record:
-    """The record of a file from its first sample on, which becomes 0, and so says what was taken of it."""
-    return _described(record.shifted(-record.start), replace(record.taken, zero=record.taken.start))
+def record_in_run(path: Path, duration: float | None, quote: bool, said: Mapping[str, Any]) -> Record:
+    """Record of a file by the keys of a case, in a run of ``duration`` s, None: as long as it is; CaseError as above.
+
+    Read once while the file is unchanged. A clock that begins before 0 or after the run begins at its first sample.
+    """
+    form = tuple(({"from": "since", "to": "until"}.get(name, name), value) for name, value in said.items())
+    try:
+        asked = path, state_of(path), quote, form
+    except FormatError as fault:
+        raise CaseError([fault_in(path, fault.line, fault.message)]) from None
+    made = _record_of(*asked)
+    if "start" not in said and not 0 <= made.start < (made.duration if duration is None else duration):
+        made = _from_first(*asked)
+    tell(made.taken)
+    return made
+
+
+@lru_cache(maxsize=4)
+def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any], ...]) -> Record:
+    return record_of_file(path, quote=quote, **dict(form))
+
+
+@lru_cache(maxsize=1)
+def _from_first(*asked: Any) -> Record:
+    made = _record_of(*asked)
+    return _described(made.shifted(-made.start), replace(made.taken, zero=made.taken.start))
 
 
 def _described(record: Record, taken: Taken) -> Record:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -58,7 +58,7 @@ def fit(
       vibeam fit decay.csv --x "t [s]" --y "u [mm]"
     """
     from vibeam.studies.identification.modes import identify_keys
-    from vibeam.studies.identification.signal_kind import identify_signal
+    from vibeam.studies.identification.stretch import identify_stretch
 
     of_signal = {"--of": of, "--x": x, "--y": y, "--from": from_, "--to": to, "--drive": drive, "--level": level}
     of_modes = {"--key": key, "--measured": measured}
@@ -67,8 +67,7 @@ def fit(
     if file.suffix != ".toml":
         of_cases = {**of_responses, **of_modes, "--set": set_}
         _require(file, of_cases, "is of a case, which ends in .toml", _faults(of, drive, level))
-        stretch, over = _stretch(from_, to)
-        _show(file, lambda: identify_signal(file, of, x, y, drive=drive, level=level, stretch=stretch), out, over)
+        _show(file, lambda: identify_stretch(file, from_, to, of=of, x=x, y=y, drive=drive, level=level), out)
     elif key or measured:
         faults = [] if key else ["--measured: name the keys that they give, --key beam.thickness"]
         _require(file, {**of_responses, **of_signal}, "does not go with --key", faults)
@@ -109,29 +108,13 @@ def _faults(of: str | None, drive: str | None, level: float | None) -> list[str]
     return found
 
 
-def _stretch(since: str | None, until: str | None) -> tuple[tuple[float | None, float | None], set[str]]:
-    """Ends of the stretch that is taken of a signal, in s or Hz, and which of these units they are in, if any."""
-    from vibeam.casefile.quantities import FREQUENCY, RATIO, TIME, suits
-    from vibeam.cli.arguments import number
-
-    def end(text: str | None) -> float | None:
-        kind = RATIO if text and suits(text, RATIO) and "%" not in text else FREQUENCY if "Hz" in (text or "") else TIME
-        over.update([kind.unit] * bool(text and kind.unit))
-        return None if text is None else number("--from, --to", text, kind)
-
-    over = set[str]()
-    return (end(since), end(until)), over
-
-
-def _show(file: Path, identified: Callable[[], Identification], out: str | None, over: Collection[str] = ()) -> None:
+def _show(file: Path, identified: Callable[[], Identification], out: str | None) -> None:
     """Print an identification; its table or page is written where a file is asked for."""
     from vibeam.case.plans import FigurePlan
     from vibeam.report.fit import identification_sheet
 
     path = None if out is None else output_path(out, f"{file.stem}_identified.csv", ENDINGS, "a table or page")
     found = of_case(file, identified)
-    if {*over} - {"s" if found.of == "decay" else "Hz"}:
-        raise UsageError(f"{file}: --from and --to are in {' and '.join(over)}, and it is a {found.of}")
     sheet = identification_sheet(found)
     print_sheet(sheet, [] if path is None else files_of(sheet, path, file.stem, found.method, FigurePlan()))
 

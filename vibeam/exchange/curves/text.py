@@ -31,7 +31,6 @@ SEPARATORS = (";", "\t", ",", "|", " ")
 LONGEST_HEAD = 500  # lines before the table begins
 LONGEST_LINE = 100_000  # characters of one, and of all that may be heads
 LINES = 2_100_000  # one for each direction of the longest sweep, and comments
-_FREQUENCY_UNIT = re.compile(r"[\[(]?\s*(k?hz|rad/s|rpm|1/min|[mµu]?s)\s*[\])]?", re.IGNORECASE)
 Line = tuple[int, str]  # line, text
 Row = tuple[int, list[str]]  # line, cells
 Units = Mapping[int, Sequence[tuple[str, str]]]  # by column: where, unit
