@@ -14,11 +14,10 @@ from vibeam.case.plans import moving
 from vibeam.casefile.fields import Entry, JsonSchema, ValueEntry
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import NUMBER_WITH_UNIT, SI, TIME, Dimension, UnitSystem, suits, to_si, with_unit
+from vibeam.casefile.tables.references import fault_of_file
 from vibeam.casefile.tables.table import Frequency
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, as_shown_in_message
-from vibeam.exchange.files import FormatError, state_of
-from vibeam.exchange.time_series import FIRST
 from vibeam.system.record_samples import GRAVITY, MOST
 from vibeam_models.base import Base
 from vibeam_models.keys import keys_of
@@ -114,8 +113,8 @@ def _head(value: Any) -> str | int | None:
 
 
 START = ValueEntry(
-    lambda value: value if value == FIRST else to_si(value, TIME), '"first sample" | time', {"type": "string"},
-    lambda value: value if value == FIRST else with_unit(value, TIME),
+    lambda value: value if value == "first sample" else to_si(value, TIME), '"first sample" | time',
+    {"type": "string"}, lambda value: value if value == "first sample" else with_unit(value, TIME),
 )  # fmt: skip
 COLUMN = ValueEntry(_head, "head in quotes | number from 1", {"type": ["string", "integer"]})
 
@@ -212,12 +211,8 @@ def _shape(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
 
 
 def _file(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
-    try:
-        state_of(folder / case.drive.file)
-    except FormatError as fault:
-        name = as_shown_in_message(case.drive.file)
-        none = f"no file {name} in the case file's folder"
-        yield ("drive", "file"), none if fault.message == "no such file" else f"{name} {fault.message}"
+    if fault := fault_of_file(folder, case.drive.file):
+        yield ("drive", "file"), fault
 
 
 def _random(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
