@@ -100,7 +100,8 @@ def record_of_file(
         _require_keys(quantity, column, time, unit, scale, start, since, until)
         found, own = _columns(path, column, time, quantity, rate, scale is not None)
         value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
-        clock = in_si(found.columns["frequency"], "s", None, SAY_RATE) if own is None else np.arange(len(value)) / own
+        clock = in_si(found.columns["frequency"], "s", None, SAY_RATE) if "frequency" in found.columns else np.zeros(1)
+        clock = clock if own is None else clock[:1] + np.arange(len(value)) / own
         kept = _stretch(clock, since, until)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
@@ -153,14 +154,14 @@ def _described(record: Record, taken: Taken) -> Record:
 
 def _stretch(clock: Array, since: float | None, until: float | None) -> slice:
     """Samples from one time on up to another; FormatError where there are none."""
-    if since is None and until is None:
+    if since is until is None:
         return slice(None)
+    low, high = -np.inf if since is None else since, np.inf if until is None else until
     near = 1e-6 * abs(float(np.median(np.diff(clock)))) if len(clock) > 1 else 0.0
-    inside = (clock >= -np.inf if since is None else clock >= since - near) & (until is None or clock <= until + near)
-    places = np.flatnonzero(inside)
+    places = np.flatnonzero((clock >= low - near) & (clock <= high + near))
     if not len(places):
-        asked = f"{'' if since is None else f' from {since:.6g} s'}{'' if until is None else f' to {until:.6g} s'}"
-        raise FormatError(f"has no sample{asked}: its clock goes from {clock[0]:.6g} to {clock[-1]:.6g} s")
+        told = f"has no sample from {low:.6g} s to {high:.6g} s"
+        raise FormatError(f"{told}: its clock goes from {clock[0]:.6g} to {clock[-1]:.6g} s")
     return slice(int(places[0]), int(places[-1]) + 1)
 
 
