@@ -80,9 +80,7 @@ def fit(
 
 def _require(file: Path, options: dict[str, Any], why: str, faults: list[str] | None = None) -> None:
     """UsageError with all options that are given in vain, and further ``faults``."""
-    given = [
-        f"{name} {why}: leave it out" for name, said in options.items() if said not in (None, []) and said is not False
-    ]
+    given = [f"{name} {why}: leave it out" for name, value in options.items() if value or type(value) in (float, str)]
     if found := [*given, *(faults or [])]:
         raise UsageError("\n".join(f"{file}: {each}" for each in found))
 

@@ -17,7 +17,7 @@ from vibeam.exchange.curves.units_said import one_unit
 from vibeam.exchange.files import FormatError, Line, read_by, shown
 from vibeam_models.arrays import Array
 
-TITLE, END, CLOCK = "LabVIEW Measurement", "***End_of_Header***", "X_Value"
+END, CLOCK = "***End_of_Header***", "X_Value"
 MARKS = {"Tab": "\t", "Comma": ","}
 FILE = {
     "Separator": tuple(MARKS), "Decimal_Separator": (".", ","), "Multi_Headings": ("Yes", "No"),

@@ -8,14 +8,17 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from difflib import get_close_matches
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.exchange.curves.taken import Taken
 from vibeam.exchange.faults import suggest
 from vibeam.exchange.units import unit_size
 from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from vibeam.exchange.curves.taken import Taken
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
 SAME_FREQUENCY = 1e-9  # relative tolerance

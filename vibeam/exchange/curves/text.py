@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves import labview
 from vibeam.exchange.curves.columns import (
     Columns,
     CurveColumn,
@@ -26,6 +25,7 @@ from vibeam.exchange.curves.numbers import decimal_sign, number, numeric
 from vibeam.exchange.curves.units_said import one_unit, settings, units_row
 from vibeam.exchange.files import FormatError, lines_of, read_by, shown, text_of
 from vibeam_models.arrays import Array
+from vibeam_models.registry import loaded
 
 SEPARATORS = (";", "\t", ",", "|", " ")
 LONGEST_HEAD = 500  # lines before the table begins
@@ -61,8 +61,9 @@ def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None =
     """The columns wanted; FormatError, with the line, where one is missing or a cell is no number."""
     form = form or TextForm()
     lines = list(lines_of(text_of(path), LONGEST_LINE, LINES))
-    if lines and lines[0][1].startswith(labview.TITLE):
-        return labview.read(lines, wanted)
+    if lines and lines[0][1].startswith("LabVIEW Measurement"):
+        columns_of: Callable[..., Columns] = loaded("vibeam.exchange.curves.labview:read")
+        return columns_of(lines, wanted)
     table = _head(lines, wanted, form)
     heads, separator = table.heads, table.separator
     places = {role: found for role, each in wanted.items() if (found := find(heads, each)) is not None}
