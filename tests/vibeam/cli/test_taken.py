@@ -123,7 +123,7 @@ def test_a_stretch_of_a_signal_is_fitted(decay: Path, ends: tuple[str, ...]) -> 
 
 @pytest.mark.parametrize(
     ("ends", "message"),
-    [(("--from", "1 Hz"), "--from in Hz, and it is a decay: say another unit"), (("--from", "9 s"), "nothing lies from 9"),
+    [(("--from", "1 Hz"), "--from in Hz, and it is a decay: say"), (("--from", "9 s"), "nothing lies from 9"),
      (("--to", "x"), "'x' is not a number with a unit"), (("--from", "50 %"), "is a plain number, not a time")],
 )  # fmt: skip
 def test_a_stretch_that_is_none_says_why(decay: Path, ends: tuple[str, ...], message: str) -> None:
