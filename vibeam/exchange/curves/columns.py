@@ -12,6 +12,7 @@ from vibeam.exchange.files import FormatError, shown
 from vibeam_models.arrays import Array
 
 UNSAID = "no unit in the file: taken so"
+LONGEST = 300  # characters of a head with a unit: some expressions below take time with their square
 SHOWN = 12  # heads named in a message
 #: usual heads of a column of times
 TIMES = ("time", "t", "zeit", "temps", "tiempo", "tempo", "seconds", "sec", "x_value", "x-axis")
@@ -105,6 +106,8 @@ def split_head(head: str) -> tuple[str, str]:
     A word on how values are taken (``taking``), ``acc rms [g]``, becomes part of the unit.
     """
     how = _HOW.search(head.strip())
+    if len(head) > LONGEST:
+        return head.strip(), ""
     if how is None:
         name, unit = _split(head.strip())
     else:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
-from vibeam.exchange.units import unit_size
+from vibeam.exchange.units import LONGEST, unit_size
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ _TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gG_]))({_WORDS})\)?", re.IGNORE
 
 def taking(unit: str) -> tuple[str, str]:
     """A unit, and how its values are taken: ``rms``, ``peak``, ``peak to peak``; empty: as they are."""
-    found = _TAKING.fullmatch(unit.strip())
+    found = _TAKING.fullmatch(unit.strip()) if len(unit) <= 2 * LONGEST else None
     if not found:
         return unit, ""
     word = found[2].casefold()

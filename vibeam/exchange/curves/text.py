@@ -113,7 +113,7 @@ def _units(lines: list[Line], table: Table, places: Mapping[str, int], needed: S
         elif table.head is not None and table.head < index < table.begin and not (row or comment):
             raise FormatError(f"{shown(text)} is no head, no unit, no number: delete it, or begin it with #", line)
         side = "above" if table.head is not None and index < table.head else "below"
-        where = f"from the row {side} the heads" if row else f"from line {line}"
+        where = f"from the row {side} the heads" if row and table.head is not None else f"from line {line}"
         free = index < rest or text.lstrip(' "')[:1].isalpha()
         for said in [row] if row else settings(text, table.heads, value, at) if free else []:
             for column, unit in said.items():

@@ -9,6 +9,7 @@ from vibeam.exchange.curves.columns import TIMES, bracketed, is_unit, split_head
 from vibeam.exchange.curves.numbers import numeric
 from vibeam.exchange.curves.record import factor
 
+LONGEST = 200  # characters of a setting
 COUNTS = ("sequence", "sample", "samples", "point", "points", "index")  # what stands in place of a unit of time
 QUANTITY = re.compile(r"acc|vel|disp|force|kraft|moment|torque|ampl|magn|value|signal|data", re.IGNORECASE)
 ABSCISSA = re.compile(r"hor|time|zeit|absc|freq|x\b|x[ _-]", re.IGNORECASE)
@@ -25,7 +26,7 @@ def units_row(cells: Sequence[str], needed: Sequence[int], at: int | None) -> Ma
     if any(map(numeric, cells)) or len(cells) <= max(needed, default=0):
         return {}
     sure = all(is_unit(cells[each]) or bracketed(cells[each]) or not cells[each] for each in needed)
-    first = "" if at is None else cells[at].strip("[]() ")
+    first = "" if at is None or at >= len(cells) else cells[at].strip("[]() ")
     clock = (is_unit(first) and first.casefold() not in TIMES) or first.casefold() in COUNTS
     if not (clock or (sure and any(cells[each] for each in needed))):
         return {}
@@ -34,7 +35,10 @@ def units_row(cells: Sequence[str], needed: Sequence[int], at: int | None) -> Ma
 
 def settings(text: str, heads: Sequence[str], value: int, at: int | None) -> Iterator[Mapping[int, str]]:
     """Units by column that a setting of an instrument, or a comment, says of the value and of the abscissa."""
-    text, places = text.replace('"', "").lstrip("#% "), {value: ORDINATE} | ({} if at is None else {at: ABSCISSA})
+    text, places = (
+        text[:LONGEST].replace('"', "").lstrip("#% "),
+        {value: ORDINATE} | ({} if at is None else {at: ABSCISSA}),
+    )
     if found := _SETTING.match(text):
         name, units = found[1], [each for each in re.split(r"[\s,;|)\]]+", found[2]) if each]
         of = [place for place, words in places.items() if words.match(name) or _is(name, heads[place])]
