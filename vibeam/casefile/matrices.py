@@ -72,7 +72,9 @@ class MatricesReading(StructureReading):
     def _file(self, key: str) -> FileMatrix | None:
         said = self.values[key]
         try:
-            return read_matrix(self.folder / said["file"], said.get("name", ""), CALLED[key])
+            found = read_matrix(self.folder / said["file"], said.get("name", ""), CALLED[key])
+            self.taken.append(found.taken(self._name(key)))
+            return found
         except FormatError as error:
             self.complain(key, f"{self._name(key)}: {error}")
             return None

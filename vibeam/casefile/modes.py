@@ -12,7 +12,8 @@ from vibeam.casefile.coordinates import ROWS, SHOWN, StructureReading, given, ou
 from vibeam.casefile.field_tables import DIRECTIONS, file_name
 from vibeam.exchange.faults import Complaint
 from vibeam.exchange.files import FormatError
-from vibeam.exchange.uff import FileModes, read_modes
+from vibeam.exchange.modes import read_modes
+from vibeam.exchange.uff import FileModes
 from vibeam_models.arrays import Array
 from vibeam_models.given import GivenStructure
 from vibeam_models.structure import Structure
@@ -60,7 +61,9 @@ class ModesReading(StructureReading):
         if self.values["file"] is None:
             return None
         try:
-            return read_modes(self.folder / self.values["file"])
+            found = read_modes(self.folder / self.values["file"])
+            self.taken.append(found.taken(file_name(self.values["file"])))
+            return found
         except FormatError as error:
             self.complain("file", f"{file_name(self.values['file'])}: {error}")
             return None

@@ -30,12 +30,21 @@ TWISTED = 0.1  # share of a complex shape that is out of phase, up to which it i
 
 @dataclass(frozen=True, eq=False)
 class FileModes:
-    """Modes (n,): ``frequency`` Hz, ``damping`` ratios, ``mass`` kg (0: not said), ``shapes`` by node and direction."""
+    """Modes (n,): ``frequency`` Hz, ``damping`` ratios (None: not said), ``mass`` kg (0: not said).
+
+    ``shapes`` by node and direction; ``format``: and what of the file was taken as what.
+    """
 
     frequency: Array
-    damping: Array
+    damping: Array | None
     mass: Array
     shapes: Mapping[Label, Array]
+    format: str = "universal file"
+
+    def taken(self, file: str) -> str:
+        """The line that says what was taken of the ``file``."""
+        nodes, (first, last) = len({node for node, _ in self.shapes}), self.frequency[[0, -1]]
+        return f"taken: {file}, {self.format}, {len(self.frequency)} modes, {first:.6g} to {last:.6g} Hz, {nodes} nodes"
 
 
 def read_modes(path: Path) -> FileModes:
