@@ -12,7 +12,7 @@ from vibeam.casefile.coordinates import ROWS, SHOWN, StructureReading, given, ou
 from vibeam.casefile.field_tables import DIRECTIONS, file_name
 from vibeam.exchange.faults import Complaint
 from vibeam.exchange.files import FormatError
-from vibeam.exchange.modes import read_modes
+from vibeam.exchange.output2 import read_modes
 from vibeam.exchange.uff import FileModes
 from vibeam_models.arrays import Array
 from vibeam_models.given import GivenStructure

@@ -37,9 +37,9 @@ LOWER = "1,1,1,1, 9.0\n2,1,1,1,-4.0\n2,1,2,1, 4.0\n"
 HALVES = {
     LOWER: ([[9, -4], [-4, 4]], "lower half, mirrored"),
     LOWER.replace("2,1,1,1", "1,1,2,1"): ([[9, -4], [-4, 4]], "upper half, mirrored"),
-    LOWER + "1,1,2,1,-4.0\n": ([[9, -4], [-4, 4]], "both halves, each pair taken once"),
+    LOWER + "1,1,2,1,-4.0\n": ([[9, -4], [-4, 4]], "both halves"),
     LOWER + "3,1,1,1,1.\n1,1,3,1,1.\n3,1,3,1,5.\n": (
-        [[9, -4, 1], [-4, 4, 0], [1, 0, 5]], "both halves in part, missing entries mirrored",
+        [[9, -4, 1], [-4, 4, 0], [1, 0, 5]], "both halves",
     ),
     "1,1,1,1,9.\n2,1,2,1,4.\n": ([[9, 0], [0, 4]], "diagonal"),
 }  # fmt: skip
@@ -95,19 +95,20 @@ def test_entries_beside_a_deck(tmp_path: Path) -> None:
 HEAD = "*MATRIX INPUT, NAME=K"
 REFUSED = {
     f"{HEAD}, SCALE FACTOR=0\n{LOWER}": "line 1: SCALE FACTOR is a number, not 0, and TYPE is SYMMETRIC or UNSYMMETRIC",
-    f"{HEAD}, SCALE FACTOR=1,5\n{LOWER}": "line 1: '5' of *MATRIX INPUT is not read",
+    f"{HEAD}, SCALE FACTOR=1,5\n{LOWER}": "line 1: '*MATRIX INPUT, NAME=K, SCALE FACTOR=1,5' is not read",
     f"{HEAD}, SCALE FACTOR=1.5N\n{LOWER}": "line 1: '1.5N' is no number",
     f"{HEAD}, TYPE=DIAGONAL\n{LOWER}": "line 1: SCALE FACTOR is a number",
-    f"{HEAD}, SCALE=1000.\n{LOWER}": "line 1: 'SCALE=1000.' of *MATRIX INPUT is not read: there are NAME, INPUT, TYPE",
-    f"{HEAD}, MATRIX=STIFFNESS\n": "line 1: 'MATRIX=STIFFNESS' of *MATRIX INPUT is not read",
-    f"{HEAD}, NAME=L\n{LOWER}": "line 1: 'NAME=L' of *MATRIX INPUT is not read: there are NAME, INPUT, TYPE, SCALE",
-    f"{HEAD}\n{LOWER}{HEAD}\n{LOWER}": "has two matrices of one NAME",
-    f"{LOWER}{HEAD}\n{LOWER}": "has entries above *MATRIX INPUT",
-    f"*NODE\n1, 0., 0., 0.\n{HEAD}\n{LOWER}": "line 1: '*NODE' is not read: keep *MATRIX INPUT, *MATRIX ASSEMBLE",
-    f"{HEAD}\n{LOWER}*MATRIX ASSEMBLE, MASS=K\n1,1,1,1, 2.\n": "line 6: '1 1 1 1  2.' stands below a keyword without",
+    f"{HEAD}, SCALE=1000.\n{LOWER}": "line 1: '*MATRIX INPUT, NAME=K, SCALE=1000.' is not read: keep",
+    f"{HEAD}, MATRIX=STIFFNESS\n": "line 1: '*MATRIX INPUT, NAME=K, MATRIX=STIFFNESS' is not read",
+    f"{HEAD}, NAME=L\n{LOWER}": "line 1: '*MATRIX INPUT, NAME=K, NAME=L' is not read: keep",
+    f"{HEAD}\n{LOWER}{HEAD}\n{LOWER}": "line 5: '*MATRIX INPUT, NAME=K': two matrices have one NAME",
+    f"{LOWER}{HEAD}\n{LOWER}": "has no *MATRIX INPUT, or entries above it",
+    f"*NODE\n1, 0., 0., 0.\n{HEAD}\n{LOWER}": "line 1: '*NODE' is not read: keep *MATRIX INPUT",
+    f"{HEAD}\n{LOWER}*MATRIX ASSEMBLE, MASS=K\n1,1,1,1, 2.\n": "MASS=K' has entries below it, and takes none",
     f"{HEAD}\n{LOWER}1,1,2,1,-5.\n": "has -5 at node 1 direction 1, node 2 direction 1 and -4 opposite",
     f"{HEAD}\n{LOWER}2,1,2,1,4.\n": "the entry of node 2 direction 1, node 2 direction 1 is there twice: add them up",
     f"{HEAD}\n": "holds no entries",
+    "*MATRIX INPUT\n" * 101: "line 100: has more than 100 keywords",
 }  # fmt: skip
 
 
@@ -131,8 +132,8 @@ def test_calculix_with_the_names_of_its_nodes(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("dof", "message"),
     [("1.1\n", "has the row 1, and they are 0 to 0"), ("1.1\n1.1\n", "rig.dof: names a node and direction twice"),
-     ("1.1\n2.7\n", "line 2: rig.dof: '2' and '7' are no node"), ("1.1\nx.1\n", "rig.dof: 'x' is no whole number"),
-     ("1.1\n2\n", "'2' and '' are no node and direction, 12.3")],
+     ("1.1\n2.7\n", "line 2: rig.dof: '2.7' is no node"), ("1.1\nx.1\n", "rig.dof: 'x' is no whole number"),
+     ("1.1\n2\n", "'2' is no node and direction, 12.3")],
 )  # fmt: skip
 def test_names_of_nodes_that_do_not_fit(dof: str, message: str, tmp_path: Path) -> None:
     (tmp_path / "rig.dof").write_text(dof)
@@ -160,9 +161,7 @@ def harwell_boeing(matrix: np.ndarray, kind: str, form: str = "(2E22.14)", write
     return "\n".join([*head, *chain.from_iterable(blocks)]) + "\n"
 
 
-FORMS = {
-    "(2E22.14)": "{:22.14E}", "(3e20.12)": "{:20.12E}", "(1P,4E13.6)": "{:13.6E}", "(4E12.6E2)": "{:12.5E}",
-}  # fmt: skip
+FORMS = {"(2E22.14)": "{:22.14E}", "(3e20.12)": "{:20.12E}", "(1P,4E15.6)": "{:15.6E}", "(4E14.6E2)": "{:14.6E}"}
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -175,10 +174,7 @@ def test_harwell_boeing(kind: str, form: str, tmp_path: Path) -> None:
     assert full(read(tmp_path / "K.rsa", text.replace("E+0", "D+0"))) == K.tolist()
 
 
-def test_harwell_boeing_with_numbers_that_touch_and_as_scipy_writes_it(tmp_path: Path) -> None:
-    text = harwell_boeing(K, "RSA", "(4E9.2)", "{:9.2E}")
-    assert "-4.00E+00 2.50E-01" in text
-    assert full(read(tmp_path / "touch.rb", text.replace("E+00 2.50E-01", "E+00+2.50E-01"))) == K.tolist()
+def test_harwell_boeing_as_scipy_writes_it(tmp_path: Path) -> None:
     hb_write(tmp_path / "scipy.hb", csc_array(K))
     assert full(read_matrix(tmp_path / "scipy.hb")) == K.tolist()
 
@@ -187,10 +183,10 @@ def test_harwell_boeing_that_is_not_read(tmp_path: Path) -> None:
     text = harwell_boeing(K, "RSA")
     for kind in ("CSA", "PSA", "RZA", "RSE", "RRA"):
         assert f"line 3: its matrix is '{kind}'" in refusal(tmp_path / "kind.hb", text.replace("RSA", kind))
-    assert "line 4: '(2F22.14)' is no form" in refusal(tmp_path / "form.hb", text.replace("2E22", "2F22"))
+    assert "cannot be read as a file of Harwell–Boeing" in refusal(tmp_path / "F.hb", text.replace("2E22", "2F22"))
+    assert "cannot be read as" in refusal(tmp_path / "touch.hb", harwell_boeing(K, "RSA", "(4E8.2)", "{:8.2E}"))
     assert "is it cut off?" in refusal(tmp_path / "cut.hb", text[:-2])
-    assert "is it cut off?" in refusal(tmp_path / "short.hb", text.rpartition("\n ")[0])
-    assert "has no decimal point" in refusal(tmp_path / "point.hb", text.replace("9.5", "095"))
+    assert "should have the same size" in refusal(tmp_path / "short.hb", text.rpartition("\n ")[0])
     assert "leave name = 'K' away" in refusal(tmp_path / "name.hb", text, "K")
 
 
@@ -200,7 +196,7 @@ MARKET = "%%MatrixMarket matrix coordinate {}\n2 2 {}\n1 1 9.0\n2 1 -4.0\n2 2 4.
 def test_matrix_market_by_its_kinds_of_symmetry(tmp_path: Path) -> None:
     both = MARKET.format("real symmetric", 4, "1 2 -4.0\n")
     found = read(tmp_path / "both.mtx", both)
-    assert (full(found), found.notes[1]) == ([[9, -4], [-4, 4]], "both halves, each pair taken once")
+    assert (full(found), found.notes[1]) == ([[9, -4], [-4, 4]], "both halves")
     julia = read(tmp_path / "julia.mtx", MARKET.format("real hermitian", 3, ""))
     assert (full(julia), julia.notes[1]) == ([[9, -4], [-4, 4]], "lower half, mirrored")
     assert (
@@ -238,7 +234,7 @@ def test_output4(kind: str, sparse: bool, big: bool, tmp_path: Path) -> None:
         assert full(read(path, content, "", "K")) == K.tolist()
         assert full(read_matrix(path, "", "M")) == M.tolist()
         assert full(read_matrix(path, "row")) == K[:, :1].tolist()
-        assert read_matrix(path, "KAA").notes == ("Nastran OUTPUT4", "both halves, each pair taken once")
+        assert read_matrix(path, "KAA").notes == ("Nastran OUTPUT4", "both halves")
         assert "holds KAA, MAA, ROW: say which by name" in refusal(path, content)
 
 
@@ -291,10 +287,10 @@ def test_output4_of_halves_and_other_forms(tmp_path: Path) -> None:
     content = op4_binary({"K": (6, K)})
     assert "has form 6 and type 4" in refusal(tmp_path / "type.op4", content[:16] + b"\4" + content[17:])
     assert "is it cut off" in refusal(tmp_path / "cut.op4", content[:-9])
-    assert "'K' does not end: is it cut off?" in refusal(
+    assert "has a matrix that does not end: is it cut off?" in refusal(
         tmp_path / "end.op4", op4_text({"K": (6, K)}).rpartition("       5")[0]
     )
-    assert "line 2: has 1 numbers below it in place of 4 words" in refusal(
+    assert "line 4: has 1 numbers above it in place of 4 words" in refusal(
         tmp_path / "narrow.op4", op4_text({"K": (6, SKEWED * 0 + 1)}).replace(f"{1.0:24.16E}" * 2, f"{1.0:24.16E}", 1)
     )  # fmt: skip
     assert "has an entry that is no finite number" in refusal(tmp_path / "inf.op4", op4_binary({"K": (6, K + np.inf)}))
@@ -311,6 +307,6 @@ def test_output2(kind: str, size: int, order: str, tmp_path: Path) -> None:
     file.matrix("MAA", 6, M, kind)
     found = read(tmp_path / "rig.op2", file.content, "", "K")
     assert full(found) == K.tolist()
-    assert found.notes == ("Nastran OUTPUT2", "both halves, each pair taken once")
+    assert found.notes == ("Nastran OUTPUT2", "both halves")
     assert full(read_matrix(tmp_path / "rig.op2", "maa")) == M.tolist()
     assert "is it cut off" in refusal(tmp_path / "cut.op2", file.content[:-30])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from io import BytesIO
@@ -72,20 +72,13 @@ def digest_with(path: Path) -> str:
     return " ".join(map(digest_of, (path, *_beside(path))))
 
 
-def _beside(path: Path) -> tuple[Path, ...]:
+def _beside(path: Path) -> Iterator[Path]:
     """Files that one is read with: CalculiX' names of nodes, and what a deck of Abaqus names by INPUT."""
-    return _named(path, state_of(path)) if path.suffix.lower() in (".inp", ".mtx", ".sti", ".mas") else ()
-
-
-@lru_cache(maxsize=32)
-def _named(path: Path, state: State) -> tuple[Path, ...]:
-    if path.suffix.lower() in (".sti", ".mas"):
-        found = [path.with_suffix(".dof")]
-    else:
+    names = [f"{path.stem}.dof"] if path.suffix.lower() in (".sti", ".mas") else []
+    if path.suffix.lower() in (".inp", ".mtx") and file_fault(path) is None:
         with read_by(refusal=OSError):
-            named = _INPUT.findall(path.read_bytes()) if file_fault(path) is None else []
-        found = [path.parent / each.decode("utf-8", "replace").strip(' "') for each in named]
-    return tuple(each for each in found if file_fault(each) is None)
+            names = [each.decode("utf-8", "replace").strip(' "') for each in _INPUT.findall(path.read_bytes())]
+    return (path.parent / each for each in names if file_fault(path.parent / each) is None)
 
 
 @lru_cache(maxsize=32)

@@ -12,6 +12,8 @@ from vibeam.exchange.files import FormatError, require_coordinates
 from vibeam_models.structure import SYMMETRIC
 
 Label = tuple[int, int]  # node, degree of freedom: 1 to 3 along x, y, z, 4 to 6 about them
+Labels = tuple[Label, ...]
+Shape = tuple[int, int]
 Whole = NDArray[np.int64]
 
 
@@ -24,7 +26,7 @@ class FileMatrix:
     """
 
     matrix: Any
-    labels: tuple[Label, ...] | None = None
+    labels: Labels | None = None
     held: frozenset[int] = frozenset()
     notes: tuple[str, ...] = ()
 
@@ -40,7 +42,7 @@ def numbers(array: Any) -> NDArray[np.float64]:
     return np.asarray(array, dtype=float)
 
 
-def scattered(values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> Any:
+def scattered(values: Any, rows: Any, columns: Any, shape: Shape) -> Any:
     """The sparse matrix of values at ``rows``, ``columns`` (from 0); FormatError where these are not in it.
 
     They go into compiled code, which looks at none of them.
@@ -53,7 +55,7 @@ def scattered(values: Any, rows: Any, columns: Any, shape: tuple[int, int]) -> A
     return coo_array(parts, shape=shape).tocsc()
 
 
-def compressed(values: Any, indices: Any, starts: Any, shape: tuple[int, int], *, by_rows: bool = False) -> Any:
+def compressed(values: Any, indices: Any, starts: Any, shape: Shape, *, by_rows: bool = False) -> Any:
     """The sparse matrix of compressed columns, or rows; FormatError as ``scattered``."""
     from scipy.sparse import csc_array, csr_array
 
@@ -84,12 +86,7 @@ def _indices(found: Any, size: int, what: str) -> Whole:
 
 
 def assembled(
-    rows: Whole,
-    columns: Whole,
-    values: NDArray[np.float64],
-    shape: tuple[int, int],
-    symmetric: bool | None = None,
-    labels: tuple[Label, ...] | None = None,
+    rows: Whole, columns: Whole, values: Any, shape: Shape, symmetric: bool | None = None, labels: Labels | None = None
 ) -> FileMatrix:
     """The sparse matrix of entries at ``rows``, ``columns`` (from 0), with the half that the file has of it.
 
@@ -97,52 +94,43 @@ def assembled(
     FormatError where an entry is there twice, or opposite ones differ in a symmetric matrix.
     """
     require_coordinates(*shape)
+    if not np.isfinite(values).all():
+        raise FormatError("has an entry that is no finite number")
     place = rows * shape[1] + columns
     order = np.argsort(place, kind="stable")
     again = order[1:][np.diff(place[order]) == 0]
     if len(again):
         where = _place(rows[again.min()], columns[again.min()], labels)
         raise FormatError(f"the entry of {where} is there twice: add them up")
-    if symmetric is False or shape[0] != shape[1]:
-        return FileMatrix(scattered(values, rows, columns, shape), labels, notes=("every entry as it stands",))
     aside = np.flatnonzero(rows != columns)
     alone = aside[~np.isin(columns[aside] * shape[1] + rows[aside], place, assume_unique=True)]
-    note = _half(len(alone), len(aside), int(np.count_nonzero(rows[alone] > columns[alone])))
-    if symmetric is None and len(alone) < len(aside):
-        alone, note = alone[:0], "both halves as they stand"
+    lower = rows[alone] > columns[alone]
+    half = "lower" if lower.all() else "one" if lower.any() else "upper"
+    note = "diagonal" if not len(aside) else "both halves" if len(alone) < len(aside) else f"{half} half, mirrored"
+    if symmetric is False or (symmetric is None and note == "both halves") or shape[0] != shape[1]:
+        alone, note = alone[:0], "every entry as it stands"
     both = np.append(rows, columns[alone]), np.append(columns, rows[alone])
     matrix = scattered(np.append(values, values[alone]), *both, shape)
-    if symmetric and len(alone) < len(aside):
+    if symmetric and note == "both halves":
         _require_symmetric(matrix, labels)
     return FileMatrix(matrix, labels, notes=(note,))
 
 
-def _half(alone: int, aside: int, lower: int) -> str:
-    """What a file has of a symmetric matrix: of ``aside`` entries off the diagonal so many are ``alone``."""
-    if not alone:
-        return "both halves, each pair taken once" if aside else "diagonal"
-    if alone < aside:
-        return "both halves in part, missing entries mirrored"
-    return f"{'one' if 0 < lower < alone else 'lower' if lower else 'upper'} half, mirrored"
-
-
-def _require_symmetric(matrix: Any, labels: tuple[Label, ...] | None) -> None:
+def _require_symmetric(matrix: Any, labels: Labels | None) -> None:
     apart = abs(matrix - matrix.T).tocoo()
     if apart.data.max(initial=0.0) > SYMMETRIC * abs(matrix.data).max():
         row, column = sorted(int(each[apart.data.argmax()]) for each in (apart.row, apart.col))
-        raise FormatError(
-            f"is symmetric by its head, but has {matrix[row, column]:.6g} at {_place(row, column, labels)} and "
-            f"{matrix[column, row]:.6g} opposite"
-        )
+        found = f"{matrix[row, column]:.6g} at {_place(row, column, labels)} and {matrix[column, row]:.6g} opposite"
+        raise FormatError(f"is symmetric by its head, but has {found}")
 
 
-def _place(row: int, column: int, labels: tuple[Label, ...] | None) -> str:
+def _place(row: int, column: int, labels: Labels | None) -> str:
     if labels is None:
         return f"row {row + 1}, column {column + 1}"
     return ", ".join("node {} direction {}".format(*labels[index]) for index in (row, column))
 
 
-def labelled(rows: Whole, columns: Whole, values: NDArray[np.float64], symmetric: bool | None = None) -> FileMatrix:
+def labelled(rows: Whole, columns: Whole, values: Any, symmetric: bool | None = None) -> FileMatrix:
     """The matrix of entries at labels (entries, 2), its coordinates in the order of node and direction."""
     both = np.concatenate([rows, columns])
     nodes, node = np.unique(both[:, 0], return_inverse=True)
@@ -154,7 +142,7 @@ def labelled(rows: Whole, columns: Whole, values: NDArray[np.float64], symmetric
     return assembled(place[: len(rows)], place[len(rows) :], values, shape, symmetric, labels)
 
 
-def in_labels(found: FileMatrix, labels: tuple[Label, ...]) -> Any:
+def in_labels(found: FileMatrix, labels: Labels) -> Any:
     """The matrix in the coordinates of ``labels``, which has all of its own and perhaps more."""
     place = {label: index for index, label in enumerate(labels)}
     own = np.array([place[label] for label in found.labels or ()], dtype=np.int64)

@@ -1,78 +1,49 @@
-"""Matrices of Harwell–Boeing and Rutherford–Boeing files: assembled and real, of a symmetric one one half.
+"""Matrices of Harwell–Boeing and Rutherford–Boeing files, by scipy: assembled and real, symmetric ones with one half.
 
-Four lines of head (a fifth for right-hand sides, which are no part of the matrix), then pointers, rows and values in
-fields as wide as the head says (Duff, Grimes & Lewis, Users' Guide for the Harwell–Boeing Sparse Matrix Collection,
-1992). Read here and not by scipy.io.hb_read, which refuses all symmetric ones, exponents with D and numbers that touch,
-and takes what is left of a last number that is cut off (1.17)."""
+scipy (1.17) reads unsymmetric ones alone, of exponents with E, and takes what is left of a last number that is cut off:
+a symmetric matrix is given to it as an unsymmetric one, and the other half is added here (Duff, Grimes & Lewis, Users'
+Guide for the Harwell–Boeing Sparse Matrix Collection, 1992). Numbers that touch, and right-hand sides, it refuses."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from itertools import pairwise
+import warnings
+from io import StringIO
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from vibeam.exchange.files import FormatError, Line, read_by, require_coordinates, shown, text_of, whole
+from vibeam.exchange.files import FormatError, read_by, require_coordinates, shown, text_of, whole
 from vibeam.exchange.matrices.entries import FileMatrix, assembled, compressed
-from vibeam.exchange.matrices.text import require_no_name, table
+from vibeam.exchange.matrices.text import require_no_name
 
 SYMMETRIC = {"RSA": True, "ISA": True, "RUA": False, "IUA": False}
-_FORMAT = re.compile(r"\((?:1P,?)?([0-9]*)([IED])([0-9]{1,2})(?:\.[0-9]+(?:E[0-9]+)?)?\)")
 
 
 def read_harwell_boeing(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix of a file."""
+    from scipy.io import hb_read
+
     require_no_name(name)
-    lines = text_of(path).upper().splitlines()
-    if len(lines) < 5:
+    title, *lines = [line.rstrip() for line in text_of(path).upper().splitlines()]
+    if len(lines) < 4:
         raise FormatError("has no head of four lines with numbers below: is it cut off?")
-    with read_by("", line=2):
-        *counts, aside = (whole(lines[1][at : at + 14].strip() or "0") for at in range(14, 70, 14))
-    kind = lines[2][:3]
+    kind = lines[1][:3]
     with read_by("", line=3):
         if kind not in SYMMETRIC:
             raise FormatError(f"its matrix is {shown(kind)}: one of {', '.join(SYMMETRIC)} is read, real and assembled")
-        rows, columns, count = (whole(lines[2][at : at + 14].strip()) for at in (14, 28, 42))
+        rows, columns, count = (whole(lines[1][at : at + 14].strip()) for at in (14, 28, 42))
         require_coordinates(rows, columns)
-    forms = [lines[3][start:end].strip() for start, end in pairwise((0, 16, 32, 52))]
-    first = 4 + (aside > 0)
-    parts = []
-    for form, size, length in zip(forms, (columns + 1, count, count), counts, strict=True):
-        parts.append(_numbers(list(enumerate(lines[first : first + length], first + 1)), form, size))
-        first += length
-    starts, indices = (part.astype(np.int64) - 1 for part in parts[:2])
-    entries = compressed(parts[2], indices, starts, (rows, columns)).tocoo()
+    lines[1] = f"{kind[0]}UA{lines[1][3:]:67}"
+    lines[2:] = (re.sub(r"\b1P,?", "", line).replace("D", "E") for line in lines[2:])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # of numbers that cannot be read
+        found = hb_read(StringIO("\n".join([f"{title:80}", *lines, ""])))
+    if len(found.data) != count or _is_cut(lines[-2:]):
+        raise FormatError(f"has not {count} whole numbers below, as its head says: is it cut off?")
+    entries = compressed(found.data, found.indices, found.indptr, (rows, columns)).tocoo()
     return assembled(entries.row, entries.col, entries.data, (rows, columns), SYMMETRIC[kind])
 
 
-def _numbers(lines: list[Line], form: str, size: int) -> NDArray[np.float64]:
-    """As many numbers as ``size`` says, of lines in a form of Fortran's."""
-    said = _FORMAT.fullmatch(form)
-    if said is None:
-        raise FormatError(f"{shown(form)} is no form of numbers that is read, (16I5) or (4E20.12)", 4)
-    found = table(lambda: _fields(lines, said, size), 1).ravel()
-    if len(found) != size or (said[2] == "I" and (found % 1).any()):
-        raise FormatError(f"has {len(found)} numbers {form}, and its head says {size}: is it cut off?")
-    return found
-
-
-def _fields(lines: list[Line], form: re.Match[str], size: int) -> Iterator[Line]:
-    """Fields one by one: between blanks (scipy writes them wider than it says), those that touch by their width."""
-    repeat, width, point = int(form[1] or 1), max(int(form[3]), 1), "." if form[2] != "I" else ""
-    first, left = 0, size
-    for number, line in lines:
-        text, count = line.rstrip(), max(min(repeat, left), 1)
-        fields = text.split()
-        if len(fields) < count:
-            fields = [text[at : at + width].strip() for at in range(0, len(text), width)]
-        first = first or len(text)
-        if len(fields) != count or len(text) * min(repeat, size) != first * count:
-            raise FormatError(f"{shown(text)} has not {count} numbers of one width: is it cut off?", number)
-        left -= count
-        for field in fields:
-            if point not in field:
-                raise FormatError(f"{shown(field)} has no decimal point", number)
-            yield number, field.replace("D", "E")
+def _is_cut(last: list[str]) -> bool:
+    """Test whether the last of two lines ends within a number: all are of the same width."""
+    full, end = ((len(line), len(line.split())) for line in last)
+    return full[0] * end[1] != end[0] * full[1] and end[1] <= full[1]

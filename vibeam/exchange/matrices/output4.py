@@ -1,9 +1,9 @@
 """Matrices of Nastran's OUTPUT4 files (.op4): text and binary, full and sparse, BIGMAT, single and double precision.
 
 A head has columns, rows (below 0: BIGMAT), form, type, name; then each column its number, its first row and its length
-in words, with the numbers below; where the first row is 0 the column is sparse, in strings with heads of their own: one
-word, 65536 (length + 1) + row, or of BIGMAT two, length + 1 and row (MSC Nastran Quick Reference Guide, OUTPUT4). One
-more column ends a matrix."""
+in words, with the numbers below; where the first row is 0 it is sparse, in strings with heads of their own: one word,
+65536 (length + 1) + row, or of BIGMAT two, length + 1 and row (MSC Nastran Quick Reference Guide, OUTPUT4). One more
+column ends a matrix. In text a full column may count numbers for words, and pyNastran (1.4.1) counts other ones."""
 
 from __future__ import annotations
 
@@ -26,11 +26,12 @@ FORMS = {1: False, 2: False, 6: True}  # square, rectangular, symmetric
 TYPES = {1: "f4", 2: "f8"}  # real: single, double
 SMALL = 65536  # rows, from which on a matrix is BIGMAT
 String = tuple[int, int, NDArray[Any]]  # column, first row, both from 1, and the numbers below
+_HEAD = re.compile(r"(.{8})(.{8})(.{8})(.{8})(.{8})\(?(?:1P,?)?[0-9]*[ED]([0-9]{1,2})\.[0-9]+.*", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class NastranMatrix:
-    """Head of a matrix and its strings."""
+    """Head of a matrix, and its strings."""
 
     name: str
     columns: int
@@ -42,37 +43,37 @@ class NastranMatrix:
     def made(self) -> FileMatrix:
         """The matrix itself; FormatError for one that is complex or of another form."""
         if self.type not in TYPES or self.form not in FORMS:
-            raise FormatError(
-                f"{self.name!r} has form {self.form} and type {self.type}: square (1), rectangular (2) or symmetric "
-                "(6), and real (1 or 2) are read"
-            )
-        if any(column > self.columns for column, _, _ in self.strings):
-            raise FormatError(f"{self.name!r} has entries beyond its {self.columns} columns")
-        lengths = [len(numbers) for _, _, numbers in self.strings]
-        firsts = np.array([row - 1 for _, row, _ in self.strings], dtype=np.int64)
-        before = np.concatenate([[0], np.cumsum(lengths, dtype=np.int64)])
-        rows = np.arange(before[-1]) + np.repeat(firsts - before[:-1], lengths)
-        columns = np.repeat(np.array([column - 1 for column, _, _ in self.strings], dtype=np.int64), lengths)
-        values = np.concatenate([np.zeros(0), *(numbers for _, _, numbers in self.strings)]).astype(float)
-        if not np.isfinite(values).all():
-            raise FormatError(f"{self.name!r} has an entry that is no finite number")
+            read = "square (1), rectangular (2) or symmetric (6), and real (1, 2), are read"
+            raise FormatError(f"{self.name!r} has form {self.form} and type {self.type}: {read}")
+        columns = np.array([column for column, _, numbers in self.strings for _ in numbers], dtype=np.int64)
+        rows = np.array([row + at for _, row, numbers in self.strings for at in range(len(numbers))], dtype=np.int64)
+        values = np.concatenate([np.zeros(0), *(numbers for _, _, numbers in self.strings)])
         there = values != 0
-        return assembled(rows[there], columns[there], values[there], (self.rows, self.columns), FORMS[self.form])
+        shape = self.rows, self.columns
+        return assembled(rows[there] - 1, columns[there] - 1, values[there], shape, FORMS[self.form])
 
 
 def read_output4(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix by that name; with none, the only one that begins with K, M or B (damping)."""
-    state_of(path, LARGEST_TEXT)
-    with read_by(refusal=OSError):
-        content = path.read_bytes()
+    content = content_of(path)
     found = _text(content.decode("ascii", "replace")) if content[:8].strip().isdigit() else _binary(content)
     return one_of(found, name, wanted)
 
 
+def content_of(path: Path) -> bytes:
+    """The bytes of a file."""
+    state_of(path, LARGEST_TEXT)
+    with read_by(refusal=OSError):
+        return path.read_bytes()
+
+
 def one_of(matrices: Iterable[NastranMatrix], name: str, wanted: str) -> FileMatrix:
-    """The matrix that is meant, as of ``read_output4``; the first one of its name."""
-    found = {each.name: each for each in reversed(list(matrices))}
-    return found[chosen(list(reversed(found)), name.upper(), alike(found, wanted))].made()
+    """The matrix that is meant, as of ``read_output4``."""
+    found: dict[str, NastranMatrix] = {}
+    for each in matrices:
+        if found.setdefault(each.name, each) is not each:
+            raise FormatError(f"holds two matrices {each.name!r}: write each to a file of its own")
+    return found[chosen(list(found), name.upper(), alike(found, wanted))].made()
 
 
 def _binary(content: bytes) -> Iterator[NastranMatrix]:
@@ -82,17 +83,18 @@ def _binary(content: bytes) -> Iterator[NastranMatrix]:
         if len(head) != 24:
             raise FormatError(f"has a head of {len(head)} bytes in place of 24: write it with words of 32 bits")
         columns, rows, form, kind = np.frombuffer(head, f"{order}i4", 4).tolist()
-        matrix = NastranMatrix(head[16:].decode("ascii", "replace").strip().upper(), columns, abs(rows), form, kind, [])
+        strings: list[String] = []
         for record in found:
             words = np.frombuffer(record, f"{order}i4")
             if len(words) > 3 and words[0] > columns:
                 break
             if len(words) < 3 or words[2] != len(words) - 3:
-                raise FormatError(f"{matrix.name!r} has a column whose length is not that of its record")
-            matrix.strings.extend(_column(words, order + TYPES.get(kind, "f4"), rows < 0 or rows >= SMALL))
+                raise FormatError("has a column whose length is not that of its record")
+            strings.extend(_column(words, order + TYPES.get(kind, "f4"), rows < 0 or rows >= SMALL))
         else:
-            raise FormatError(f"{matrix.name!r} does not end: is it cut off?")
-        yield matrix
+            raise FormatError("has a matrix that does not end: is it cut off?")
+        name = head[16:].decode("ascii", "replace").strip().upper()
+        yield NastranMatrix(name, columns, abs(rows), form, kind, strings)
 
 
 def _column(words: NDArray[np.int32], kind: str, big: bool) -> Iterator[String]:
@@ -103,56 +105,40 @@ def _column(words: NDArray[np.int32], kind: str, big: bool) -> Iterator[String]:
     while at < len(words):
         head = words[at : at + 1 + big].tolist()
         length, row = (head[0], head[-1]) if big else divmod(head[0], SMALL)
-        at += 1 + big
-        if length < 2 or len(head) < 1 + big or at + length - 1 > len(words):
+        at += big + length
+        if length < 2 or at > len(words):
             raise FormatError(f"column {column} has a string that does not lie in it")
-        yield column, row, words[at : at + length - 1].view(kind)
-        at += length - 1
-
-
-_HEAD = re.compile(r"(.{8})(.{8})(.{8})(.{8})(.{8})\(?(?:1P,?)?[0-9]*[ED]([0-9]{1,2})\.[0-9]+.*", re.IGNORECASE)
+        yield column, row, words[at - length + 1 : at].view(kind)
 
 
 def _text(content: str) -> Iterator[NastranMatrix]:
-    groups = _groups(content)
-    for number, line, below in groups:
+    found = _groups(content)
+    for number, line, below in found:
         said = _HEAD.fullmatch(line)
         if said is None or below:
             raise FormatError(f"{shown(line)} is no head of a matrix", number)
         with read_by("", line=number):
             columns, rows, form, kind = (whole(said[part].strip()) for part in range(1, 5))
-        matrix = NastranMatrix(said[5].strip().upper(), columns, abs(rows), form, kind, [])
-        column, lengths = 0, list[tuple[int, int, int, int]]()
-        for number, line, below in groups:
+        strings, (column, row, length), heads, count = list[String](), (0, 0, 0), 0, 0
+        for number, line, below in found:
             with read_by("", line=number):
-                words = [whole(word) for word in line.split()]
-                column = words[0] if len(words) == 3 else column
-                if column > columns:
-                    break
-                if len(words) == 3 and not words[1] and not below:
-                    continue
-                length, row = _string(words, rows < 0 or rows >= SMALL)
-                numbers = _fields(below, int(said[6]))
-                lengths.append((number, column, length, len(numbers)))
-                matrix.strings.append((column, row, numbers))
+                words, numbers = [whole(word) for word in line.split()], _fields(below, int(said[6]))
+                if len(words) == 3:
+                    known = (count, kind * count, kind * count + heads, kind * count + 1)
+                    if kind in TYPES and length not in known:
+                        raise FormatError(f"has {count} numbers above it in place of {length} words: is it cut off?")
+                    (column, row, length), heads, count = words, 0, 0
+                elif len(words) in (1, 2):
+                    row, heads = words[-1] % SMALL if len(words) == 1 else words[-1], heads + len(words)
+                else:
+                    raise FormatError(f"{shown(line)} is no head of a column or string")
+            if column > columns:
+                break
+            count += len(numbers)
+            strings.append((column, row, numbers))
         else:
-            raise FormatError(f"{matrix.name!r} does not end: is it cut off?")
-        if kind in TYPES and lengths:
-            _require_lengths(np.array(lengths).T, kind)
-        yield matrix
-
-
-def _require_lengths(found: NDArray[np.int64], words: int) -> None:
-    """FormatError where lengths are not those of the numbers below them, of so many words each: (4, strings).
-
-    Full columns may count numbers in place of words, and pyNastran (1.4.1) says of each string how long its column is.
-    """
-    lines, columns, said, counts = found
-    place = np.unique(columns, return_inverse=True)[1]
-    totals = np.bincount(place, counts)[place]
-    if not any((said == each).all() for each in (words * counts, counts, words * totals)):
-        first = int(np.flatnonzero(said != words * counts)[0])
-        raise FormatError(f"has {counts[first]} numbers below it in place of {said[first]} words", int(lines[first]))
+            raise FormatError("has a matrix that does not end: is it cut off?")
+        yield NastranMatrix(said[5].strip().upper(), columns, abs(rows), form, kind, strings)
 
 
 def _groups(content: str) -> Iterator[tuple[int, str, list[str]]]:
@@ -163,24 +149,12 @@ def _groups(content: str) -> Iterator[tuple[int, str, list[str]]]:
         if "." in line and not _HEAD.fullmatch(line):
             group[2].append(line)
             continue
-        if group[1]:
+        if group != (0, "", []):
             yield group
-        elif group[2]:
-            break
         group = number, line, []
     yield group
 
 
-def _string(words: list[int], big: bool) -> tuple[int, int]:
-    """Length in words and first row of what stands below a line of whole numbers."""
-    if len(words) == 3:
-        return words[2], words[1]
-    if len(words) != 1 + big:
-        raise FormatError(f"{len(words)} whole numbers are no head of a column or string")
-    length, row = words if big else divmod(words[0], SMALL)
-    return length - 1, row
-
-
 def _fields(lines: list[str], width: int) -> NDArray[np.float64]:
-    texts = (line[at : at + width] for line in lines for at in range(0, len(line), width))
+    texts = (line[at : at + width] for line in lines for at in range(0, len(line), max(width, 1)))
     return np.array([real_field(text.strip().upper()) for text in texts], dtype=float)
