@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from hashlib import sha256
@@ -55,6 +55,16 @@ class StructureReading(ABC):
     def complain(self, key: str, message: str) -> None:
         """Complain about a key of the table."""
         self.complaints.append(((self.kind, *key.split(".")), message))
+
+    def content(self, key: str, name: str, read: Callable[..., Any], *wanted: str) -> Any:
+        """What ``read`` takes of a file, with a line on that; None with a complaint where it cannot be read."""
+        try:
+            found = read(self.folder / name, *wanted)
+        except FormatError as error:
+            self.complain(key, f"{file_name(name)}: {error}")
+            return None
+        self.taken.append(found.taken(file_name(name)))
+        return found
 
     def rows_said(self) -> dict[str, Any]:
         """Rows that the table says, outputs among them."""

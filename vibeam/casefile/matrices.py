@@ -14,7 +14,6 @@ from vibeam.casefile.field_tables import file_name
 from vibeam.casefile.matrix_faults import damping_faults, entry_faults, mass_faults, stiffness_faults
 from vibeam.casefile.quantities import UNIT_SYSTEMS, UnitSystem
 from vibeam.exchange.faults import Complaint
-from vibeam.exchange.files import FormatError
 from vibeam.exchange.matrices.declaration import read_matrix
 from vibeam.exchange.matrices.entries import FileMatrix, Label, in_labels
 from vibeam_models.arrays import Array
@@ -71,13 +70,8 @@ class MatricesReading(StructureReading):
 
     def _file(self, key: str) -> FileMatrix | None:
         said = self.values[key]
-        try:
-            found = read_matrix(self.folder / said["file"], said.get("name", ""), CALLED[key])
-            self.taken.append(found.taken(self._name(key)))
-            return found
-        except FormatError as error:
-            self.complain(key, f"{self._name(key)}: {error}")
-            return None
+        found: FileMatrix | None = self.content(key, said["file"], read_matrix, said.get("name", ""), CALLED[key])
+        return found
 
     def _sized(self, files: Mapping[str, FileMatrix]) -> bool:
         """Test whether all are square and go together."""

@@ -94,17 +94,19 @@ def _mode(data: dict[str, Any]) -> tuple[float, float, float, dict[Label, float]
     }
     if data["analysis_type"] == NORMAL:
         damping = data["modal_damp_vis"] or data["modal_damp_his"] / 2
-        return float(data["freq"]), float(damping), float(data["modal_m"]), _real(shape)
+        return float(data["freq"]), float(damping), float(data["modal_m"]), _real(shape, float(data["freq"]))
     eigenvalue = complex(data["eig"])
     mass = complex(data["modal_a"]) / (2j * eigenvalue.imag) if eigenvalue.imag else 0j
-    return abs(eigenvalue) / (2 * np.pi), -eigenvalue.real / abs(eigenvalue), abs(mass), _real(shape)
+    frequency = abs(eigenvalue) / (2 * np.pi)
+    return frequency, -eigenvalue.real / abs(eigenvalue), abs(mass), _real(shape, frequency)
 
 
-def _real(shape: Mapping[Label, Any]) -> dict[Label, float]:
+def _real(shape: Mapping[Label, Any], frequency: float) -> dict[Label, float]:
     """A shape turned into phase; FormatError where it is too far from being real."""
     values = np.array(list(shape.values()), dtype=complex)
     turned = values * np.exp(-0.5j * np.angle(np.sum(values**2)))
     if np.linalg.norm(turned.imag) > TWISTED * np.linalg.norm(turned):
         share = np.linalg.norm(turned.imag) / np.linalg.norm(turned)
-        raise FormatError(f"a shape is complex, {100 * share:.2g} % of it out of phase: real modes are needed")
+        said = f"the shape at {frequency:.5g} Hz is complex, {100 * share:.2g} % of it out of phase"
+        raise FormatError(f"{said}: real modes are needed, export the file without this one")
     return dict(zip(shape, turned.real.tolist(), strict=True))

@@ -94,6 +94,8 @@ def assembled(
     FormatError where an entry is there twice, or opposite ones differ in a symmetric matrix.
     """
     require_coordinates(*shape)
+    if symmetric and shape[0] != shape[1]:
+        raise FormatError(f"is {shape[0]} × {shape[1]}, and symmetric by its head")
     if not np.isfinite(values).all():
         raise FormatError("has an entry that is no finite number")
     place = rows * shape[1] + columns

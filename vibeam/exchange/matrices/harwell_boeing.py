@@ -37,13 +37,9 @@ def read_harwell_boeing(path: Path, name: str, wanted: str) -> FileMatrix:
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # of numbers that cannot be read
         found = hb_read(StringIO("\n".join([f"{title:80}", *lines, ""])))
-    if len(found.data) != count or _is_cut(lines[-2:]):
-        raise FormatError(f"has not {count} whole numbers below, as its head says: is it cut off?")
+    total, below = (whole(lines[0][at : at + 14].strip()) for at in (0, 42))
+    widths = {len(line) / max(len(line.split()), 1) for line in lines[-below:]}
+    if len(found.data) != count or len(lines) != total + 3 or len(widths) > 1:
+        raise FormatError(f"has not {count} numbers of one width on {total} lines, as its head says: is it cut off?")
     entries = compressed(found.data, found.indices, found.indptr, (rows, columns)).tocoo()
     return assembled(entries.row, entries.col, entries.data, (rows, columns), SYMMETRIC[kind])
-
-
-def _is_cut(last: list[str]) -> bool:
-    """Test whether the last of two lines ends within a number: all are of the same width."""
-    full, end = ((len(line), len(line.split())) for line in last)
-    return full[0] * end[1] != end[0] * full[1] and end[1] <= full[1]
