@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.exchange.files import LARGEST_TEXT, FormatError, lines_of, read_by, shown, state_of, whole
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, lines_of, read_by, require_room, shown, state_of, whole
 from vibeam.exchange.matrices.declaration import chosen
 from vibeam.exchange.matrices.entries import FileMatrix, assembled
 from vibeam.exchange.matrices.nastran import alike
@@ -45,8 +45,11 @@ class NastranMatrix:
         if self.type not in TYPES or self.form not in FORMS:
             read = "square (1), rectangular (2) or symmetric (6), and real (1, 2), are read"
             raise FormatError(f"{self.name!r} has form {self.form} and type {self.type}: {read}")
-        columns = np.array([column for column, _, numbers in self.strings for _ in numbers], dtype=np.int64)
-        rows = np.array([row + at for _, row, numbers in self.strings for at in range(len(numbers))], dtype=np.int64)
+        lengths = [len(numbers) for _, _, numbers in self.strings]
+        require_room((5 * sum(lengths) // 2,))  # of entries with their places, and those of the other half
+        columns = np.repeat([column for column, _, _ in self.strings], lengths).astype(np.int64)
+        parts = (np.arange(row, row + len(numbers)) for _, row, numbers in self.strings)
+        rows = np.concatenate([np.zeros(0, np.int64), *parts])
         values = np.concatenate([np.zeros(0), *(numbers for _, _, numbers in self.strings)])
         there = values != 0
         shape = self.rows, self.columns
