@@ -57,7 +57,7 @@ class StructureReading(ABC):
         self.complaints.append(((self.kind, *key.split(".")), message))
 
     def content(self, key: str, name: str, read: Callable[..., Any], *wanted: str) -> Any:
-        """What ``read`` takes of a file, with a line on that; None with a complaint where it cannot be read."""
+        """Content of a file by ``read``, with the line that says so; None with a complaint where it cannot be read."""
         try:
             found = read(self.folder / name, *wanted)
         except FormatError as error:

@@ -68,10 +68,9 @@ class MatricesReading(StructureReading):
         whole = "contact" in rows and ("base" in rows or "force" in rows)
         return self._made(matrices, rows, coordinates) if sound and whole and not self.complaints else None
 
-    def _file(self, key: str) -> FileMatrix | None:
+    def _file(self, key: str) -> Any:
         said = self.values[key]
-        found: FileMatrix | None = self.content(key, said["file"], read_matrix, said.get("name", ""), CALLED[key])
-        return found
+        return self.content(key, said["file"], read_matrix, said.get("name", ""), CALLED[key])
 
     def _sized(self, files: Mapping[str, FileMatrix]) -> bool:
         """Test whether all are square and go together."""

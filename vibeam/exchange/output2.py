@@ -33,7 +33,7 @@ RIGID = 1e-6  # of the largest eigenvalue: so far below 0 may lie that of a rigi
 
 
 @dataclass(frozen=True)
-class Block:
+class DataBlock:
     """Data block: ``whole``, ``real``: words as numpy calls them; name, trailer, logical records from the fourth on."""
 
     whole: str
@@ -62,7 +62,7 @@ class Block:
         yield NastranMatrix(self.name, columns, rows, form, kind, strings)
 
 
-def blocks(path: Path) -> Iterator[Block]:
+def blocks(path: Path) -> Iterator[DataBlock]:
     """Data blocks of a file; FormatError where it is cut off."""
     content = content_of(path)
     order, size = "<" if content[1:4] == bytes(3) else ">", max(content[:4])
@@ -85,7 +85,7 @@ def blocks(path: Path) -> Iterator[Block]:
                 [[name], [trailer]] = logical[:2]
                 letters = name[:8] if name[4:8].strip() else name[:4] + name[size : size + 4]
                 called = letters.decode("ascii", "replace").strip().upper()
-                yield Block(whole, f"{order}f{size}", called, np.frombuffer(trailer, whole).tolist(), logical[3:])
+                yield DataBlock(whole, f"{order}f{size}", called, np.frombuffer(trailer, whole).tolist(), logical[3:])
             logical, parts = [], []
     if logical:
         raise FormatError("ends within a data block: is it cut off?")

@@ -36,7 +36,7 @@ SYMMETRIC = {"SYMMETRIC": True, "UNSYMMETRIC": False}
 
 
 @dataclass
-class Section:
+class DeckSection:
     """Keyword as it stands, on lines ``first`` to ``last``, with entries to line ``end``; empty above the first."""
 
     keyword: str = ""
@@ -64,16 +64,16 @@ class Section:
                 yield number, line.replace(",", " ")
 
 
-def _sections(text: str) -> list[Section]:
+def _sections(text: str) -> list[DeckSection]:
     """Sections of a deck: a keyword begins with one *, and goes on below a comma at its end."""
-    found = [Section()]
+    found = [DeckSection()]
     for number, line in lines_of(text):
         line, last = line.strip(), found[-1]
         if last.keyword.endswith(",") and last.last == number - 1:
             last.keyword, last.last = f"{last.keyword} {line}", number
         elif line[0] == "*" and line[:2] != "**":
             last.end = number
-            found.append(Section(line, number, number))
+            found.append(DeckSection(line, number, number))
         if len(found) > MOST:
             raise FormatError(f"has more than {MOST} keywords: keep those of its matrices", number)
     return found
@@ -83,7 +83,7 @@ def read_abaqus(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix by that name, the one that *MATRIX ASSEMBLE says is ``wanted``, or the only one."""
     text = text_of(path)
     loose, *sections = _sections(text)
-    found, assembles = dict[str, tuple[Section, dict[str, str]]](), dict[str, str]()
+    found, assembles = dict[str, tuple[DeckSection, dict[str, str]]](), dict[str, str]()
     for each in sections:
         said = each.parameters()
         if (said[""] != "MATRIX INPUT" or "INPUT" in said) and any(each.rows(text)):
@@ -101,7 +101,7 @@ def read_abaqus(path: Path, name: str, wanted: str) -> FileMatrix:
     return _declared(path, text, *found[chosen(list(found), name.upper(), alike)])
 
 
-def _declared(path: Path, text: str, section: Section, said: dict[str, str]) -> FileMatrix:
+def _declared(path: Path, text: str, section: DeckSection, said: dict[str, str]) -> FileMatrix:
     """The matrix of *MATRIX INPUT, whose entries may stand in a file beside the deck."""
     kind = said.get("TYPE", "SYMMETRIC").upper()
     with read_by("", line=section.first):
@@ -137,7 +137,7 @@ def _matrix(entries: np.ndarray, symmetric: bool | None, labels: Labels | None =
     return replace(found, held=frozenset(held.tolist()))
 
 
-def _entries(text: str, section: Section) -> np.ndarray:
+def _entries(text: str, section: DeckSection) -> np.ndarray:
     """The numbers (entries, 3 or 5)."""
     number, first = next(section.rows(text), (0, ""))
     if not first:
@@ -158,7 +158,7 @@ def _entries(text: str, section: Section) -> np.ndarray:
 def read_calculix(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix of a file, its coordinates named by the file .dof beside it where that is there."""
     require_no_name(name)
-    entries = _entries(text_of(path), Section())
+    entries = _entries(text_of(path), DeckSection())
     if entries.shape[1] != 3:
         raise FormatError('an entry of CalculiX is "row column value"')
     beside = path.with_suffix(".dof")
