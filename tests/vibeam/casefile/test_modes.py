@@ -192,7 +192,8 @@ def universal(path: Path, kind: str = "normal", modal_mass: float = 2.0) -> None
             turn = np.exp(0.7j)
             data |= {"analysis_type": 3, "data_type": 5, "eig": -zeta * omega + 1j * damped}
             data |= {"modal_a": 2j * damped * modal_mass * turn**2, "modal_b": 0j}
-            shape = shape * turn * (1 + (0.5j if kind == "twisted" else 0) * np.array([[0.0], [1.0]]))
+            turned = {"twisted": 0.5j, "nearly": 0.05j}.get(kind, 0)
+            shape = shape * turn * (1 + turned * np.array([[0.0], [1.0]]))
         data |= {f"r{direction + 1}": shape[:, direction] for direction in range(3)}
         pyuff.UFF(str(path))._write_set(data, "overwrite" if index == 0 else "add")
 
@@ -225,7 +226,13 @@ def test_faults_of_a_universal_file(tmp_path: Path) -> None:
     universal(tmp_path / "rig.uff", modal_mass=0.0)
     assert "modes.modal_mass: missing" in faults(tmp_path, PLACES)[0]
     universal(tmp_path / "rig.uff", "twisted")
-    assert "of it out of phase: real modes are needed" in faults(tmp_path, PLACES)[0]
+    said = faults(tmp_path, PLACES)[0]
+    assert "rig.uff: the shape at 5 Hz is complex, " in said
+    assert "of it out of phase: real modes are needed" in said
+    universal(tmp_path / "rig.uff", "nearly")
+    [taken] = case(tmp_path, PLACES).scene.assumed
+    assert taken.startswith("taken: rig.uff, universal file, shapes up to 2.")
+    assert taken.endswith("% out of phase taken as real, 3 modes, 5 to 40 Hz, 2 nodes")
     (tmp_path / "rig.uff").write_text("nothing of the kind\n")
     assert "rig.uff: " in faults(tmp_path, PLACES)[0]
 
