@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from hashlib import sha256
@@ -15,8 +15,8 @@ import numpy as np
 
 from vibeam.casefile.field_tables import DIRECTIONS, file_name
 from vibeam.exchange.faults import Complaint
-from vibeam.exchange.files import FormatError, digest_of
-from vibeam.exchange.matrices.declaration import read_matrix
+from vibeam.exchange.files import FormatError
+from vibeam.exchange.matrices.declaration import digest_with, read_matrix
 from vibeam.exchange.matrices.entries import Label
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
@@ -32,13 +32,14 @@ SHOWN = 6  # nodes in a message
 class StructureReading(ABC):
     """Files and rows of a given structure, read one after the other: complaints are collected, none hides another.
 
-    ``values``: of its table; ``carried``: mass that a platform carries, kg.
+    ``values``: of its table; ``carried``: mass that a platform carries, kg; ``taken``: what was taken of its files.
     """
 
     values: Mapping[str, Any]
     folder: File
     complaints: list[Complaint] = field(default_factory=list)
     carried: float | None = None
+    taken: list[str] = field(default_factory=list)
 
     kind: ClassVar[str]
     keys: ClassVar[tuple[str, ...]]
@@ -54,6 +55,16 @@ class StructureReading(ABC):
     def complain(self, key: str, message: str) -> None:
         """Complain about a key of the table."""
         self.complaints.append(((self.kind, *key.split(".")), message))
+
+    def content(self, key: str, name: str, read: Callable[..., Any], *wanted: str) -> Any:
+        """Content of a file by ``read``, with the line that says so; None with a complaint where it cannot be read."""
+        try:
+            found = read(self.folder / name, *wanted)
+        except FormatError as error:
+            self.complain(key, f"{file_name(name)}: {error}")
+            return None
+        self.taken.append(found.taken(file_name(name)))
+        return found
 
     def rows_said(self) -> dict[str, Any]:
         """Rows that the table says, outputs among them."""
@@ -72,7 +83,7 @@ def digests(named: Mapping[str, str], folder: File) -> dict[str, str]:
     found = {}
     for key, name in named.items():
         try:
-            found[key] = digest_of(folder / name)
+            found[key] = digest_with(folder / name)
         except FormatError:
             found[key] = ""
     return found
@@ -95,7 +106,7 @@ def _given(
     if structure is None or made.complaints:
         return None, tuple(made.complaints)
     digest = sha256(said.encode()).hexdigest()
-    return GivenStructure(digest, made.kind, structure, made.damping(), made.carried), ()
+    return GivenStructure(digest, made.kind, structure, made.damping(), made.carried, tuple(made.taken)), ()
 
 
 @dataclass(frozen=True)

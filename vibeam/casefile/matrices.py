@@ -14,7 +14,6 @@ from vibeam.casefile.field_tables import file_name
 from vibeam.casefile.matrix_faults import damping_faults, entry_faults, mass_faults, stiffness_faults
 from vibeam.casefile.quantities import UNIT_SYSTEMS, UnitSystem
 from vibeam.exchange.faults import Complaint
-from vibeam.exchange.files import FormatError
 from vibeam.exchange.matrices.declaration import read_matrix
 from vibeam.exchange.matrices.entries import FileMatrix, Label, in_labels
 from vibeam_models.arrays import Array
@@ -69,13 +68,9 @@ class MatricesReading(StructureReading):
         whole = "contact" in rows and ("base" in rows or "force" in rows)
         return self._made(matrices, rows, coordinates) if sound and whole and not self.complaints else None
 
-    def _file(self, key: str) -> FileMatrix | None:
+    def _file(self, key: str) -> Any:
         said = self.values[key]
-        try:
-            return read_matrix(self.folder / said["file"], said.get("name", ""), CALLED[key])
-        except FormatError as error:
-            self.complain(key, f"{self._name(key)}: {error}")
-            return None
+        return self.content(key, said["file"], read_matrix, said.get("name", ""), CALLED[key])
 
     def _sized(self, files: Mapping[str, FileMatrix]) -> bool:
         """Test whether all are square and go together."""

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from vibeam.casefile.coordinates import ROWS, SHOWN, StructureReading, given, outputs_of
-from vibeam.casefile.field_tables import DIRECTIONS, file_name
+from vibeam.casefile.field_tables import DIRECTIONS
 from vibeam.exchange.faults import Complaint
-from vibeam.exchange.files import FormatError
-from vibeam.exchange.uff import FileModes, read_modes
+from vibeam.exchange.output2 import read_modes
+from vibeam.exchange.uff import FileModes
 from vibeam_models.arrays import Array
 from vibeam_models.given import GivenStructure
 from vibeam_models.structure import Structure
@@ -39,7 +39,8 @@ class ModesReading(StructureReading):
     def structure(self) -> Structure | None:
         """As ``StructureReading.structure``."""
         self.carried = self.values["moving_mass"]
-        file = self._file()
+        said = self.values["file"]
+        file: FileModes | None = None if said is None else self.content("file", said, read_modes)
         frequency = self._each("frequency", None if file is None else file.frequency)
         if frequency is None:
             return None
@@ -56,20 +57,11 @@ class ModesReading(StructureReading):
         whole = "contact" in rows and ("base" in rows or "force" in rows)
         return _made(frequency, damping, rows) if whole and not self.complaints else None
 
-    def _file(self) -> FileModes | None:
-        if self.values["file"] is None:
-            return None
-        try:
-            return read_modes(self.folder / self.values["file"])
-        except FormatError as error:
-            self.complain("file", f"{file_name(self.values['file'])}: {error}")
-            return None
-
     def _each(self, key: str, known: Array | None, count: int | None = None) -> Array | None:
         """One number for each mode: the case's, or what is ``known`` without."""
         said = self.values[key]
         if said is None:
-            if known is None and self.values["file"] is None:
+            if known is None and (key != "frequency" or self.values["file"] is None):
                 self.complain(key, f"missing: write {key} = [{EXAMPLES[key]}], one for each mode")
             return known
         numbers = np.array(said, dtype=float)

@@ -30,12 +30,21 @@ TWISTED = 0.1  # share of a complex shape that is out of phase, up to which it i
 
 @dataclass(frozen=True, eq=False)
 class FileModes:
-    """Modes (n,): ``frequency`` Hz, ``damping`` ratios, ``mass`` kg (0: not said), ``shapes`` by node and direction."""
+    """Modes (n,): ``frequency`` Hz, ``damping`` ratios (None: not said), ``mass`` kg (0: not said).
+
+    ``shapes`` by node and direction; ``format``: and what of the file was taken as what.
+    """
 
     frequency: Array
-    damping: Array
+    damping: Array | None
     mass: Array
     shapes: Mapping[Label, Array]
+    format: str
+
+    def taken(self, file: str) -> str:
+        """The line that says what was taken of the ``file``."""
+        nodes, (first, last) = len({node for node, _ in self.shapes}), self.frequency[[0, -1]]
+        return f"taken: {file}, {self.format}, {len(self.frequency)} modes, {first:.5g} to {last:.5g} Hz, {nodes} nodes"
 
 
 def read_modes(path: Path) -> FileModes:
@@ -54,9 +63,14 @@ def _read(path: Path, state: State) -> FileModes:
     if any(set(mode[3]) != labels for mode in modes):
         raise FormatError("its modes are of different nodes: export them of the same")
     frequency, damping, mass = (np.array([mode[part] for mode in modes]) for part in range(3))
-    return FileModes(
-        frequency, damping, mass, {label: np.array([mode[3][label] for mode in modes]) for label in sorted(labels)}
+    shapes = {label: np.array([mode[3][label] for mode in modes]) for label in sorted(labels)}
+    twisted = 100 * max(mode[4] for mode in modes)
+    said = (
+        f"universal file, shapes up to {twisted:.2g} % out of phase taken as real"
+        if twisted > 1e-3
+        else "universal file"
     )
+    return FileModes(frequency, damping, mass, shapes, said)
 
 
 def data_sets(path: Path, cure: str) -> list[dict[str, Any]]:
@@ -76,8 +90,8 @@ def data_sets(path: Path, cure: str) -> list[dict[str, Any]]:
     return sets
 
 
-def _mode(data: dict[str, Any]) -> tuple[float, float, float, dict[Label, float]]:
-    """Frequency, damping ratio, modal mass, shape."""
+def _mode(data: dict[str, Any]) -> tuple[float, float, float, dict[Label, float], float]:
+    """Frequency, damping ratio, modal mass, shape, and the share of it that was out of phase."""
     shape = {
         (int(node), direction): value
         for direction in range(1, 7)
@@ -85,17 +99,19 @@ def _mode(data: dict[str, Any]) -> tuple[float, float, float, dict[Label, float]
     }
     if data["analysis_type"] == NORMAL:
         damping = data["modal_damp_vis"] or data["modal_damp_his"] / 2
-        return float(data["freq"]), float(damping), float(data["modal_m"]), _real(shape)
+        return float(data["freq"]), float(damping), float(data["modal_m"]), *_real(shape, float(data["freq"]))
     eigenvalue = complex(data["eig"])
     mass = complex(data["modal_a"]) / (2j * eigenvalue.imag) if eigenvalue.imag else 0j
-    return abs(eigenvalue) / (2 * np.pi), -eigenvalue.real / abs(eigenvalue), abs(mass), _real(shape)
+    frequency = abs(eigenvalue) / (2 * np.pi)
+    return frequency, -eigenvalue.real / abs(eigenvalue), abs(mass), *_real(shape, frequency)
 
 
-def _real(shape: Mapping[Label, Any]) -> dict[Label, float]:
-    """A shape turned into phase; FormatError where it is too far from being real."""
+def _real(shape: Mapping[Label, Any], frequency: float) -> tuple[dict[Label, float], float]:
+    """A shape turned into phase, and the share that is out of it; FormatError where it is too far from being real."""
     values = np.array(list(shape.values()), dtype=complex)
     turned = values * np.exp(-0.5j * np.angle(np.sum(values**2)))
-    if np.linalg.norm(turned.imag) > TWISTED * np.linalg.norm(turned):
-        share = np.linalg.norm(turned.imag) / np.linalg.norm(turned)
-        raise FormatError(f"a shape is complex, {100 * share:.2g} % of it out of phase: real modes are needed")
-    return dict(zip(shape, turned.real.tolist(), strict=True))
+    share = float(np.linalg.norm(turned.imag) / (np.linalg.norm(turned) or 1.0))
+    if share > TWISTED:
+        said = f"the shape at {frequency:.5g} Hz is complex, {100 * share:.2g} % of it out of phase"
+        raise FormatError(f"{said}: real modes are needed, export the file without this one")
+    return dict(zip(shape, turned.real.tolist(), strict=True)), share

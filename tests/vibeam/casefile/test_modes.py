@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nastran_files import Output2
 
 import vibeam
 from vibeam.casefile.examples import texts
@@ -191,7 +192,8 @@ def universal(path: Path, kind: str = "normal", modal_mass: float = 2.0) -> None
             turn = np.exp(0.7j)
             data |= {"analysis_type": 3, "data_type": 5, "eig": -zeta * omega + 1j * damped}
             data |= {"modal_a": 2j * damped * modal_mass * turn**2, "modal_b": 0j}
-            shape = shape * turn * (1 + (0.5j if kind == "twisted" else 0) * np.array([[0.0], [1.0]]))
+            turned = {"twisted": 0.5j, "nearly": 0.05j}.get(kind, 0)
+            shape = shape * turn * (1 + turned * np.array([[0.0], [1.0]]))
         data |= {f"r{direction + 1}": shape[:, direction] for direction in range(3)}
         pyuff.UFF(str(path))._write_set(data, "overwrite" if index == 0 else "add")
 
@@ -224,7 +226,13 @@ def test_faults_of_a_universal_file(tmp_path: Path) -> None:
     universal(tmp_path / "rig.uff", modal_mass=0.0)
     assert "modes.modal_mass: missing" in faults(tmp_path, PLACES)[0]
     universal(tmp_path / "rig.uff", "twisted")
-    assert "of it out of phase: real modes are needed" in faults(tmp_path, PLACES)[0]
+    said = faults(tmp_path, PLACES)[0]
+    assert "rig.uff: the shape at 5 Hz is complex, " in said
+    assert "of it out of phase: real modes are needed" in said
+    universal(tmp_path / "rig.uff", "nearly")
+    [taken] = case(tmp_path, PLACES).scene.assumed
+    assert taken.startswith("taken: rig.uff, universal file, shapes up to 2.")
+    assert taken.endswith("% out of phase taken as real, 3 modes, 5 to 40 Hz, 2 nodes")
     (tmp_path / "rig.uff").write_text("nothing of the kind\n")
     assert "rig.uff: " in faults(tmp_path, PLACES)[0]
 
@@ -241,3 +249,52 @@ def test_a_number_that_no_double_holds_is_a_fault(key):
     case = Path(__file__).parents[3] / "cases" / "matrices" / "dtu_modes.toml"
     with pytest.raises(CaseError, match=rf"--set modes\.{key}: "):
         vibeam.load(case, set={f"modes.{key}": [1.0, 10**400]})
+
+
+def output2(path: Path, modal_mass: list[float] | None, twisted: bool = False) -> None:
+    """The modes in OUTPUT2, at point 3 (contact, z), 9 (sensor, y; force, z), and scalar point 12 (contact)."""
+    shapes = np.zeros((3, 3, 6))
+    scale = np.sqrt(1.0 if modal_mass is None else np.array(modal_mass))
+    shapes[:, 0, 2] = shapes[:, 2, 0] = CONTACT * scale
+    shapes[:, 1, 1], shapes[:, 1, 2] = SENSOR * scale, BASE * scale
+    file = Output2()
+    file.head()
+    squares = ((2 * np.pi * FREQUENCY) ** 2).tolist()
+    points = [(3, 1), (9, 1), (12, 2)]
+    file.modes(squares, shapes, points, masses=modal_mass, approach=9 if twisted else 2)
+    path.write_bytes(file.content)
+
+
+OUTPUT2 = PLACES.replace("rig.uff", "rig.op2").replace("[modes]", "[modes]\ndamping_ratio = [0.01, 0.02, 0.03]")
+
+
+@pytest.mark.parametrize("node", ['node = 3, direction = "z"', "node = 12, direction = 1"])
+def test_modes_of_output2(node: str, tmp_path: Path) -> None:
+    """Its numbers are of single precision."""
+    output2(tmp_path / "rig.op2", [2.0, 0.5, 3.0])
+    made = case(tmp_path, OUTPUT2.replace('node = 3, direction = "z"', node))
+    system = made.system("whole")
+    np.testing.assert_allclose(system.omega, 2 * np.pi * FREQUENCY, rtol=1e-6)
+    np.testing.assert_allclose(system.zeta, DAMPING, rtol=1e-6)
+    np.testing.assert_allclose(np.abs(system.contact), np.abs(CONTACT), rtol=1e-6)
+    np.testing.assert_allclose(system.outputs["sensor"], signed(SENSOR), rtol=1e-6)
+    np.testing.assert_allclose(system.load, signed(BASE), rtol=1e-6)
+    said = "taken: rig.op2, Nastran OUTPUT2, table OUGV1, modal masses as kg, 3 modes, 5 to 40 Hz, 3 nodes"
+    assert made.scene.assumed == (said,)
+
+
+def test_what_output2_does_not_say_is_asked_for(tmp_path: Path) -> None:
+    output2(tmp_path / "rig.op2", None)
+    assert 'write modal_mass = "1 kg" if they are mass-normalised' in faults(tmp_path, OUTPUT2)[0]
+    assert case(tmp_path, OUTPUT2.replace("[modes]", '[modes]\nmodal_mass = "1 t"')).system("whole").contact == (
+        pytest.approx(signed(CONTACT) / np.sqrt(1000), rel=1e-6)
+    )
+    output2(tmp_path / "rig.op2", [1.0, 1.0, 1.0])
+    [said] = faults(tmp_path, OUTPUT2.replace("damping_ratio = [0.01, 0.02, 0.03]", ""))
+    assert "modes.damping_ratio: missing: write damping_ratio = […, …], one for each mode" in said
+    output2(tmp_path / "rig.op2", None, twisted=True)
+    assert "rig.op2: has no real modes (SOL 103)" in faults(tmp_path, OUTPUT2)[0]
+    content = (tmp_path / "rig.op2").read_bytes()
+    for size in (3, 100, len(content) - 30):
+        (tmp_path / "rig.op2").write_bytes(content[:size])
+        assert "modes.file: rig.op2: " in faults(tmp_path, OUTPUT2)[0]

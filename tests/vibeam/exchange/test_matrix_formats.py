@@ -144,7 +144,7 @@ REAL, ARRAY = (b"%%MatrixMarket matrix " + kind + b" real general\n" for kind in
 
 FAULTS = {
     "none.npz": (None, "no such file"),
-    "a.xyz": (b"1", ".xyz is no format of matrices: there are .mtx, .inp, .npy"),
+    "a.xyz": (b"1", ".xyz is no format of matrices: there are .mtx, .inp, .sti"),
     "b.npz": (b"PK nothing", "cannot be read as a file of NumPy"),
     "c.mat": (b"nothing at all" * 20, "is no MATLAB file that can be read"),
     "d.h5": (b"nothing", "cannot be read as a file of HDF5"),
@@ -171,7 +171,7 @@ FAULTS = {
     "eg.mtx": (ARRAY + b"2 1\n4.0 1.0\n2.0", "line 3: '4.0 1.0' has more numbers in place of 1"),
     "g.mtx": (b"** nothing\n", "holds no entries"),
     "h.mtx": (b"1,1,1,1,2.0\n1,1,2,1\n", "line 2: '1 1 2 1' has 4 numbers in place of 5"),
-    "i.mtx": (b"1,1,1,1,2.0\n1,1,1,1,2.0\n", "the entry of row 1, column 1 is there twice"),
+    "i.mtx": (b"1,1,1,1,2.0\n1,1,1,1,2.0\n", "the entry of node 1 direction 1, node 1 direction 1 is there twice"),
     "j.mtx": (b"1,1,1,1,2.0\n1.5,1,1,1,2.0\n", "line 2: nodes, degrees of freedom, rows and columns are whole numbers"),
     "k.mtx": (b"1,1,1,1,2.0\n1,1,2,1,x\n", "line 2: 'x' is no number"),
     "l.mtx": (b"0 1 2.0\n", "rows and columns are counted from 1"),

@@ -157,9 +157,9 @@ def matrices_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
 class MatricesTable(Table):
     """A structure by its own mass and stiffness matrix, in place of beam, mass and sensor.
 
-    Files: Matrix Market (.mtx), NumPy and SciPy (.npy, .npz), HDF5 (.h5), MATLAB (.mat), text of Abaqus (.mtx, .inp)
-    and Nastran's DMIG (.pch, .bdf). Coordinates are counted from 1, as rows of the matrices; where a file has nodes,
-    they may be said by node and direction.
+    Files: Matrix Market (.mtx), Harwell–Boeing (.hb, .rsa), NumPy and SciPy (.npy, .npz), HDF5 (.h5), MATLAB (.mat),
+    Abaqus (.mtx, .inp), CalculiX (.sti, .mas), Nastran (.op4, .op2; DMIG: .pch, .bdf). Coordinates are counted from 1,
+    as rows of the matrices; where a file has nodes, they may be said by node and direction.
     """
 
     mass: Annotated[dict[str, str], MATRIX_FILE] = key(
@@ -207,11 +207,13 @@ def modes_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
 class ModesTable(Table):
     """A structure by its modes, measured or computed, in place of beam, mass and sensor.
 
-    Shapes are one number for each mode, mass-normalised (kg^-½), as vibeam modes prints them; or, with a universal
-    file of modes (data set 55; needs pip install 'vibeam[lab]'), a node and its direction.
+    Shapes are one number for each mode, mass-normalised (kg^-½), as vibeam modes prints them; or, with a file of modes
+    (Nastran's .op2; universal, data set 55: pip install 'vibeam[lab]'), a node and its direction.
     """
 
-    file: Annotated[str | None, TEXT] = key("universal file with the modes; absent = they stand here", "rig.uff", None)
+    file: Annotated[str | None, TEXT] = key(
+        "file with the modes, .op2 or universal; absent = they stand here", "rig.uff", None
+    )
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
         "natural frequencies; absent = the file's", ["5.2754 Hz", "12.398 Hz"], None
     )

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from io import BytesIO
 from pathlib import Path
@@ -12,13 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.exchange.files import FormatError, State, read_by, require_coordinates, state_of
+from vibeam.exchange.files import FormatError, State, digest_of, file_fault, read_by, require_coordinates, state_of
 from vibeam.exchange.matrices.entries import FileMatrix
 from vibeam.exchange.whole_files import beside, write_whole
 from vibeam_models.registry import Registry, loaded
 
 HEAD = 512  # bytes by which a format is told where the ending does not
 SHOWN = 12  # names in a message
+_INPUT = re.compile(rb"(?i)\bINPUT\s*=\s*([^,\r\n]+)")  # of *MATRIX INPUT: a file beside the deck
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,11 @@ _HOME = "vibeam.exchange.matrices"
 FORMATS = Registry(
     "format of matrices",
     MatrixFormat("Matrix Market", (".mtx",), f"{_HOME}.text:read_matrix_market", b"%%MatrixMarket"),
-    MatrixFormat("Abaqus", (".mtx", ".inp"), f"{_HOME}.text:read_abaqus"),
+    MatrixFormat("Abaqus", (".mtx", ".inp"), f"{_HOME}.abaqus:read_abaqus"),
+    MatrixFormat("CalculiX", (".sti", ".mas"), f"{_HOME}.abaqus:read_calculix"),
+    MatrixFormat("Harwell–Boeing", (".hb", ".rb", ".rsa", ".rua"), f"{_HOME}.harwell_boeing:read_harwell_boeing"),
+    MatrixFormat("Nastran OUTPUT4", (".op4",), f"{_HOME}.output4:read_output4"),
+    MatrixFormat("Nastran OUTPUT2", (".op2",), "vibeam.exchange.output2:read_output2"),
     MatrixFormat("NumPy", (".npy", ".npz"), f"{_HOME}.binary:read_numpy"),
     MatrixFormat("HDF5", (".h5", ".hdf5"), f"{_HOME}.binary:read_hdf5"),
     MatrixFormat("MATLAB 7.3", (".mat",), f"{_HOME}.binary:read_hdf5", b"MATLAB 7.3"),
@@ -58,11 +64,25 @@ def read_matrix(path: Path, name: str = "", wanted: str = "") -> FileMatrix:
     FormatError, without the file's name, for a file that is missing or holds no such thing. What was read is kept for
     as long as the file stays as it is.
     """
-    return _read(path, name, wanted, state_of(path))
+    return _read(path, name, wanted, tuple(map(state_of, (path, *_beside(path)))))
+
+
+def digest_with(path: Path) -> str:
+    """SHA-256 of a file, and of those beside it that it is read with; FormatError as ``state_of``."""
+    return " ".join(map(digest_of, (path, *_beside(path))))
+
+
+def _beside(path: Path) -> Iterator[Path]:
+    """Files that one is read with: CalculiX' names of nodes, and what a deck of Abaqus names by INPUT."""
+    names = [f"{path.stem}.dof"] if path.suffix.lower() in (".sti", ".mas") else []
+    if path.suffix.lower() in (".inp", ".mtx") and file_fault(path) is None:
+        with read_by(refusal=OSError):
+            names = [each.decode("utf-8", "replace").strip(' "') for each in _INPUT.findall(path.read_bytes())]
+    return (path.parent / each for each in names if file_fault(path.parent / each) is None)
 
 
 @lru_cache(maxsize=32)
-def _read(path: Path, name: str, wanted: str, state: State) -> FileMatrix:
+def _read(path: Path, name: str, wanted: str, states: tuple[State, ...]) -> FileMatrix:
     kind = _format_of(path)
     with read_by(f"cannot be read as a file of {kind.name}"):
         found: FileMatrix = loaded(kind.read)(path, name, wanted)
@@ -70,7 +90,7 @@ def _read(path: Path, name: str, wanted: str, state: State) -> FileMatrix:
         told = "a single number" if found.matrix.ndim == 0 else f"an array of {found.matrix.ndim} dimensions"
         raise FormatError(f"holds {told}: a matrix or a row is needed")
     require_coordinates(*found.matrix.shape)
-    return found
+    return replace(found, notes=(kind.name, *found.notes))
 
 
 def _format_of(path: Path) -> MatrixFormat:

@@ -6,7 +6,7 @@ Reference Guide, DMIG). Of a symmetric matrix (IFO 6) an entry off the diagonal 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -31,8 +31,13 @@ def read_nastran(path: Path, name: str, wanted: str) -> FileMatrix:
         if not (fields[0] and fields[1]):
             raise FormatError("a DMIG card without a name or a column", number)
         found.setdefault(fields[0], []).append((number, fields))
-    alike = [each for each in found if each.startswith(ALIKE.get(wanted, ()))]
-    return _matrix(found[chosen(list(found), name.upper(), alike[0] if len(alike) == 1 else "")])
+    return _matrix(found[chosen(list(found), name.upper(), alike(found, wanted))])
+
+
+def alike(names: Iterable[str], wanted: str) -> str:
+    """The only one of the names of Nastran that begins as what is ``wanted`` does; empty where it is not one."""
+    found = [each for each in names if each.startswith(ALIKE.get(wanted, ()))]
+    return found[0] if len(found) == 1 else ""
 
 
 def _matrix(found: list[Card]) -> FileMatrix:
@@ -53,7 +58,7 @@ def _matrix(found: list[Card]) -> FileMatrix:
     if not entries:
         raise FormatError("the matrix has no columns", number)
     rows, columns, values = map(np.array, zip(*entries, strict=True))
-    return labelled(rows, columns, values)
+    return labelled(rows, columns, values, form == SYMMETRIC)
 
 
 def _column(card: list[str]) -> Iterator[tuple[Label, Label, float]]:

@@ -1,25 +1,21 @@
-"""Matrices in text: rows of numbers, Abaqus' files, Matrix Market.
+"""Matrices in text: rows of numbers, Matrix Market.
 
 Matrix Market (Boisvert, Pozo & Remington, The Matrix Market Exchange Formats, NISTIR 5935, 1996) is read here and not
-by scipy, whose reader ends the whole process at a file that is cut off within a number (1.17).
-
-Of Abaqus, from *MATRIX GENERATE and *MATRIX OUTPUT, a line is "row node, its degree of freedom, column node, its degree
-of freedom, value" (FORMAT=MATRIX INPUT, LABELS) or "row, column, value" (FORMAT=COORDINATE); of a symmetric matrix one
-half may stand for both (Abaqus Keywords Reference Guide, *MATRIX INPUT). Internal nodes have negative numbers. A degree
-of freedom that a boundary condition holds has 1e36 on the diagonal of the stiffness."""
+by scipy, whose reader ends the whole process at a file that is cut off within a number, takes 4.0e+ for 4, and doubles
+what stands in both halves of a symmetric matrix (1.17). Julia calls a real symmetric matrix hermitian."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.exchange.files import FormatError, Line, lines_of, read_by, real, require_room, shown, text_of
-from vibeam.exchange.matrices.entries import FileMatrix, assembled, labelled, scattered
+from vibeam.exchange.matrices.entries import FileMatrix, assembled
 
 
 def read_text(path: Path, name: str, wanted: str) -> FileMatrix:
@@ -71,51 +67,9 @@ def _refuse(rows: Iterable[Line], width: int) -> NoReturn:
     raise FormatError("cannot be read as rows of numbers")
 
 
-HELD = 1e35  # on the diagonal
-EXACT = 2.0**53  # up to which a double is any whole number
-
-
-def read_abaqus(path: Path, name: str, wanted: str) -> FileMatrix:
-    """The matrix of a file; lines that begin with * are keywords and comments."""
-    require_no_name(name)
-    entries = _entries(text_of(path))
-    places, values = entries[:, :-1].astype(np.int64), entries[:, -1]
-    if places.shape[1] == 2:
-        if places.min(initial=1) < 1:
-            raise FormatError("rows and columns are counted from 1")
-        found = FileMatrix(assembled(places[:, 0] - 1, places[:, 1] - 1, values))
-    else:
-        found = labelled(places[:, :2], places[:, 2:], values)
-    held = np.flatnonzero(found.matrix.diagonal() >= HELD)
-    return FileMatrix(found.matrix, found.labels, frozenset(held.tolist()))
-
-
-def _entries(text: str) -> np.ndarray:
-    """The numbers (entries, 3 or 5)."""
-
-    def rows() -> Iterator[Line]:
-        for number, line in lines_of(text):
-            if line.lstrip()[0] != "*":
-                yield number, line.replace(",", " ")
-
-    number, first = next(rows(), (0, ""))
-    if not first:
-        raise FormatError("holds no entries")
-    width = len(first.split(maxsplit=5))
-    if width not in (3, 5):
-        raise FormatError(
-            f'{width} numbers: an entry is "row node, dof, column node, dof, value", or "row, column, value"', number
-        )
-    found = table(rows, width)
-    wrong = ((found[:, :-1] % 1 != 0) | (np.abs(found[:, :-1]) > EXACT)).any(axis=1)
-    if wrong.any():
-        number = next(islice(rows(), int(wrong.argmax()), None))[0]
-        raise FormatError("nodes, degrees of freedom, rows and columns are whole numbers", number)
-    return found
-
-
 BANNER = "%%matrixmarket"
-LAYOUTS, FIELDS, SYMMETRIES = ("coordinate", "array"), ("real", "integer", "double"), ("general", "symmetric")
+LAYOUTS, FIELDS = ("coordinate", "array"), ("real", "integer", "double")
+SYMMETRIES = ("general", "symmetric", "hermitian")
 Rows = Callable[[], Iterator[Line]]
 
 
@@ -130,7 +84,9 @@ def read_matrix_market(path: Path, name: str, wanted: str) -> FileMatrix:
 
     sizes = _sizes(next(data(), None), 3 if layout == "coordinate" else 2)
     shape, made = (sizes[0], sizes[1]), _coordinate if layout == "coordinate" else _array
-    return FileMatrix(made(lambda: islice(data(), 1, None), shape, sizes[-1], symmetric))
+    if symmetric and shape[0] != shape[1]:
+        raise FormatError(f"is {shape[0]} × {shape[1]}, and symmetric by its head", 1)
+    return made(lambda: islice(data(), 1, None), shape, sizes[-1], symmetric)
 
 
 def _head(line: str) -> tuple[str, bool]:
@@ -141,7 +97,7 @@ def _head(line: str) -> tuple[str, bool]:
     for word, known in zip(words[2:], (LAYOUTS, FIELDS, SYMMETRIES), strict=True):
         if word not in known:
             raise FormatError(f"its matrix is {shown(word)}: {' or '.join(known)} is needed", 1)
-    return words[2], words[4] == "symmetric"
+    return words[2], words[4] != "general"
 
 
 def _sizes(line: Line | None, count: int) -> list[int]:
@@ -153,7 +109,7 @@ def _sizes(line: Line | None, count: int) -> list[int]:
     return [int(word) for word in words]
 
 
-def _coordinate(rows: Rows, shape: tuple[int, int], count: int, symmetric: bool) -> Any:
+def _coordinate(rows: Rows, shape: tuple[int, int], count: int, symmetric: bool) -> FileMatrix:
     entries = table(rows, 3)
     if len(entries) != count:
         raise FormatError(f"has {len(entries)} entries, and its line of sizes says {count}: is it cut off?")
@@ -163,15 +119,10 @@ def _coordinate(rows: Rows, shape: tuple[int, int], count: int, symmetric: bool)
         number, line = next(islice(rows(), int(wrong.argmax()), None))
         raise FormatError(f"{shown(line)} is outside the matrix, {shape[0]} × {shape[1]}", number)
     row, column = (places.astype(np.int64) - 1).T
-    values = entries[:, 2]
-    if symmetric:
-        aside = row != column
-        row, column = np.append(row, column[aside]), np.append(column, row[aside])
-        values = np.append(values, values[aside])
-    return scattered(values, row, column, shape)
+    return assembled(row, column, entries[:, 2], shape, symmetric)
 
 
-def _array(rows: Rows, shape: tuple[int, int], _: int, symmetric: bool) -> Any:
+def _array(rows: Rows, shape: tuple[int, int], _: int, symmetric: bool) -> FileMatrix:
     """A full matrix, column by column; of a symmetric one from the diagonal down."""
     require_room(shape)
     count, columns = shape
@@ -180,8 +131,8 @@ def _array(rows: Rows, shape: tuple[int, int], _: int, symmetric: bool) -> Any:
     if len(values) != wanted:
         raise FormatError(f"has {len(values)} numbers, and its line of sizes says {wanted}: is it cut off?")
     if not symmetric:
-        return values.reshape(columns, count).T.copy()
+        return FileMatrix(values.reshape(columns, count).T.copy())
     full = np.zeros((count, count))
     lower = np.triu_indices(count)  # columns of the lower half are rows of the upper one
     full[lower] = values
-    return full + np.triu(full, 1).T
+    return FileMatrix(full + np.triu(full, 1).T, notes=("lower half, mirrored",))

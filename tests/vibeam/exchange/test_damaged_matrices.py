@@ -1,0 +1,123 @@
+"""Files of finite-element programs that are damaged: no crash, no memory, no other number because of a head."""
+
+import random
+import tracemalloc
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from nastran_files import Output2, op4_binary, op4_text
+from test_fe_matrices import DECK, LOWER, MARKET, K, M, full, harwell_boeing
+
+from vibeam.exchange.files import FormatError
+from vibeam.exchange.matrices.declaration import read_matrix
+from vibeam.exchange.output2 import read_modes
+
+BOTH = {"KAA": (6, K), "MAA": (6, M)}
+MOST = 50_000_000  # bytes that a file of a few kB may take
+
+
+def output2(*, modal: bool) -> bytes:
+    file = Output2()
+    file.head()
+    if modal:
+        shapes = np.arange(36.0).reshape(2, 3, 6)
+        file.modes([100.0, 2500.0], shapes, [(1, 1), (2, 1), (7, 2)], masses=[1.0, 2.0])
+    else:
+        file.matrix("KAA", 6, K)
+        file.matrix("MAA", 6, M)
+    return file.content
+
+
+FILES = {
+    "deck.inp": DECK.encode() + b"*MATRIX ASSEMBLE, STIFFNESS=one, MASS=Two\n",
+    "scaled.inp": b"*MATRIX INPUT, NAME=K, TYPE=SYMMETRIC, SCALE FACTOR=1e3\n" + LOWER.encode(),
+    "rig.sti": b"1 1 9.0\n2 2 4.\n3 3 1.\n1 2 -4.\n",
+    "rig.hb": harwell_boeing(K, "RSA").encode(),
+    "rig.mtx": MARKET.format("real symmetric", 3, "").encode(),
+    "binary.op4": op4_binary(BOTH),
+    "big.op4": op4_binary(BOTH, sparse=True, big=True),
+    "text.op4": op4_text(BOTH).encode(),
+    "sparse.op4": op4_text(BOTH, sparse=True).encode(),
+    "matrices.op2": output2(modal=False),
+    "modes.op2": output2(modal=True),
+}
+HEADS = {  # the bytes of a head, in which no number of the matrix is said
+    "scaled.inp": range(52), "rig.hb": range(324), "rig.mtx": range(47), "binary.op4": range(8, 32),
+    "big.op4": range(8, 32), "text.op4": range(53), "sparse.op4": range(53), "matrices.op2": range(300),
+}  # fmt: skip
+
+
+def taken(path: Path) -> Any:
+    """Numbers that are taken of a file."""
+    if path.name.endswith("modes.op2"):
+        found = read_modes(path)
+        shapes = {label: shape.tolist() for label, shape in found.shapes.items()}
+        return found.frequency.tolist(), found.mass.tolist(), shapes
+    return full(read_matrix(path, "", "K"))
+
+
+def damaged(content: bytes, chance: random.Random) -> bytes:
+    """The content with one to three changes: a byte, some taken out or doubled, the end cut off, a large number."""
+    found = bytearray(content)
+    for _ in range(chance.randint(1, 3)):
+        at, kind = chance.randrange(len(found)), chance.randrange(6)
+        if kind == 0:
+            found[at] = chance.randrange(256)
+        elif kind == 1:
+            found[at] = chance.choice(b"0123456789-+.eED,*= \n")
+        elif kind == 2:
+            del found[at : at + chance.randint(1, 8)]
+        elif kind == 3:
+            found[at:at] = found[at : at + chance.randint(1, 40)]
+        elif kind == 4:
+            del found[at + 1 :]
+        else:
+            found[at : at + 4] = chance.choice([b"\xff\xff\xff\x7f", b"\0\0\0\0", b"\xff" * 4, b"\0\0\0\1", b"9999"])
+        found = found or bytearray(b"\n")
+    return bytes(found)
+
+
+def run(name: str, folder: Path, count: int) -> None:
+    chance, said = random.Random(name), list[str]()
+    tracemalloc.start()
+    for number in range(count):
+        path = folder / f"{number}{name}"
+        path.write_bytes(damaged(FILES[name], chance))
+        try:
+            taken(path)
+        except FormatError as fault:
+            said.append(str(fault))
+    assert all("\n" not in each and len(each) < 400 for each in said)
+    assert tracemalloc.get_traced_memory()[1] < MOST
+    tracemalloc.stop()
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_damaged_file_is_read_or_refused(name: str, tmp_path: Path) -> None:
+    run(name, tmp_path, 40)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FILES)
+def test_many_damaged_files_are_read_or_refused(name: str, tmp_path: Path) -> None:
+    run(name, tmp_path, 500)
+
+
+@pytest.mark.parametrize("name", HEADS)
+def test_a_damaged_head_changes_no_number(name: str, tmp_path: Path) -> None:
+    """Every byte in turn becomes another: the matrix is the same or refused; one of another shape is none of a rig."""
+    (tmp_path / name).write_bytes(FILES[name])
+    right = taken(tmp_path / name)
+    for at in HEADS[name]:
+        for other in b"x7 ":
+            content = bytearray(FILES[name])
+            content[at] = other
+            path = tmp_path / f"{at}_{other}_{name}"
+            path.write_bytes(content)
+            try:
+                found = taken(path)
+            except FormatError:
+                continue
+            assert found == right or len(found) != len(right)
