@@ -122,6 +122,8 @@ def _columns(
     clock = found.columns.get("frequency")
     if clock is not None and clock.unit == "Hz":
         raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
+    if found.kind not in ("", "time history", "impulse response"):
+        raise FormatError(f"has a {found.kind}: a record is a time history")
     if clock is not None:
         _require_times(clock, found.columns["value"], rate)
     return found, rate
