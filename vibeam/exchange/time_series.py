@@ -7,7 +7,6 @@ rate must be said in its place.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -17,8 +16,9 @@ import numpy as np
 
 from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, in_si, split_head
 from vibeam.exchange.curves.read import is_text, read_columns
+from vibeam.exchange.curves.waves import SHARES
 from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError, file_fault, read_by, require_samples
+from vibeam.exchange.files import FormatError, file_fault
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
 from vibeam_models.arguments import number, shown, word
@@ -33,7 +33,6 @@ HEADS = {
     "force": ("force", "f"),
     "moment": ("moment", "torque", "m"),
 }
-WAVES = (".wav", ".wave")
 EVEN, ROUNDED = 1e-3, 0.3  # of a step: times taken as equal steps; times that were written with too few digits
 LONGER = 0.01  # share by which a record may last longer or shorter by a rate that is said than by its own times
 SAY_UNIT, SAY_RATE = 'say it: unit = "…"', 'say it: rate = "…"'
@@ -77,14 +76,18 @@ def record_of_file(
         raise CaseError([fault_in(path, None, fault)])
     try:
         _require_keys(quantity, column, time, unit, scale)
-        found, own = _columns(path, column, time, quantity, rate, scale is not None)
+        found = _columns(path, column, time, quantity, rate)
+        if found.columns["value"].unit == SHARES:
+            unit = unit or ""
+            if scale is None:
+                raise FormatError(f"holds {SHARES}: say scale, the value of the full scale")
         value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
-        times = in_si(found.columns["frequency"], "s", None, SAY_RATE) if own is None else None
+        times = in_si(found.columns["frequency"], "s", None, SAY_RATE) if rate is None else None
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
     _require_sound(path, found, value, times, 2 if interpolation == "linear" else LEAST[JOINED[quantity][0]])
     try:
-        start, even = (0.0, own) if times is None else (float(times[0]), _even(times))
+        start, even = (0.0, rate) if times is None else (float(times[0]), _even(times))
         when: dict[str, Any] = {"times": times} if even is None else {"rate": even, "start": start}
         return Record.sampled(value, **when, quantity=quantity, interpolation=interpolation, remove=remove)
     except ValueError as wrong:
@@ -107,13 +110,9 @@ def _require_keys(quantity: Any, column: Any, time: Any, unit: Any, scale: Any) 
 
 
 def _columns(
-    path: Path, column: str | int | None, time: str | int | None, quantity: str, rate: float | None, scaled: bool
-) -> tuple[Columns, float | None]:
-    """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, or the rate in its place."""
-    if path.suffix.lower() in WAVES:
-        found, own = _read_wav(path, column, scaled)
-        _require_rate(rate, own, len(found.lines), "the file")
-        return found, own if rate is None else rate
+    path: Path, column: str | int | None, time: str | int | None, quantity: str, rate: float | None
+) -> Columns:
+    """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, which may be absent with a rate."""
     wanted = {
         "frequency": WantedColumn(TIMES if time is None else (time,), needed=rate is None),
         "value": WantedColumn(HEADS[quantity] if column is None else (column,)),
@@ -126,7 +125,7 @@ def _columns(
         raise FormatError(f"has a {found.kind}: a record is a time history")
     if clock is not None:
         _require_times(clock, found.columns["value"], rate)
-    return found, rate
+    return found
 
 
 def _require_times(clock: CurveColumn, value: CurveColumn, rate: float | None) -> None:
@@ -159,38 +158,13 @@ def _read(path: Path, wanted: Mapping[str, WantedColumn], any_head: bool) -> Col
 
 def _require_sound(path: Path, found: Columns, value: Array, times: Array | None, least: int) -> None:
     """CaseError with all faults of samples and times, by line or row."""
-    word = "line" if is_text(path) and path.suffix.lower() not in WAVES else "row"
+    word = "line" if is_text(path) else "row"
     faults: list[str] = []
     samples_of(value, least, faults, lambda row: f"{word} {found.lines[row]}")
     if times is not None:
         times_of(len(value), None, times, None, faults, lambda row: f"{word} {found.lines[row]}")
     if faults:
         raise CaseError([fault_in(path, None, each) for each in faults])
-
-
-def _read_wav(path: Path, column: str | int | None, scaled: bool) -> tuple[Columns, float]:
-    """One channel of a WAV file, as shares of the full scale where it is of whole numbers, and its rate, Hz."""
-    from scipy.io import wavfile
-
-    with read_by("is no WAV file that can be read"), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        own, data = wavfile.read(path)
-    require_samples(data.shape)
-    table = data.reshape(len(data), -1)
-    channels = table.shape[1]
-    if column is None and channels > 1:
-        raise FormatError(f"has {channels} channels: say which, column = 1 … {channels}")
-    channel = 1 if column is None else column
-    if not isinstance(channel, int) or channel > channels:
-        there = "is 1" if channels == 1 else f"are {channels}"
-        raise FormatError(f"has no channel {channel}: there {there}, from 1 on")
-    values = table[:, channel - 1]
-    if data.dtype.kind in "iu":
-        if not scaled:
-            raise FormatError("holds shares of its full scale: say scale, the value of the full scale")
-        values = (values - (128.0 if data.dtype.kind == "u" else 0.0)) / 2.0 ** (8 * data.dtype.itemsize - 1)
-    columns = {"value": CurveColumn(f"channel {channel}", "", np.asarray(values, dtype=float))}
-    return Columns(columns, range(1, len(values) + 1)), float(own)
 
 
 def _even(times: Array) -> float | None:

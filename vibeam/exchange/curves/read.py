@@ -16,7 +16,11 @@ BINARY = {
     ".mat": f"{HERE}.arrays:read_matlab",
     **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), f"{HERE}.arrays:read_hdf5"),
 }
-READERS = BINARY | dict.fromkeys((".uff", ".unv", ".uf", ".58"), f"{HERE}.universal:read")
+READERS = (
+    BINARY
+    | dict.fromkeys((".uff", ".unv", ".uf", ".58"), f"{HERE}.universal:read")
+    | dict.fromkeys((".wav", ".wave"), f"{HERE}.waves:read")
+)
 
 
 def read_columns(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None = None) -> Columns:
