@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -75,11 +75,35 @@ def values_of(dataset: h5py.Dataset) -> Any:
 
 def text_at(item: Any, *names: str) -> str:
     """The text of the first attribute of these names that there is, empty without one or where it is no short text."""
-    for name in names:
-        if name in item.attrs and item.attrs.get_id(name).shape in ((), (1,)):
-            found = np.asarray(item.attrs[name]).item()
-            return (found.decode("utf-8", "replace") if isinstance(found, bytes) else str(found))[:WORD]
-    return ""
+    found = words_of([item], names)
+    return next((str(found[name]) for name in names if name in found), "")
+
+
+def words_of(items: Sequence[Any], words: Collection[str]) -> dict[str, Any]:
+    """Numbers and texts of the attributes of these names, in small letters, of the first item that has each."""
+    found: dict[str, Any] = {}
+    for item in items:
+        for name in item.attrs:
+            if name.casefold() in words and item.attrs.get_id(name).shape in ((), (1,)):
+                value = np.asarray(item.attrs[name]).item()
+                text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+                found.setdefault(name.casefold(), text[:WORD] if isinstance(text, str) else text)
+    return found
+
+
+def referred(place: str, dataset: h5py.Dataset) -> Iterator[tuple[str, h5py.Dataset]]:
+    """A dataset by its path; of MATLAB's cells and arrays of structures what they refer to, as ``run(2)/acc``."""
+    import h5py
+
+    if h5py.check_ref_dtype(dataset.dtype) is not h5py.Reference or not is_own(dataset) or dataset.size > WORD:
+        yield place, dataset
+        return
+    above, _, name = place.rpartition("/")
+    cells = not above or words_of([dataset], ("matlab_class",))
+    for number, reference in enumerate(np.ravel(dataset[()]), 1):
+        inner = dataset.file[reference] if reference else None
+        if isinstance(inner, h5py.Dataset):
+            yield f"{place}({number})" if cells else f"{above}({number})/{name}", inner
 
 
 def _words(dataset: h5py.Dataset) -> Any:

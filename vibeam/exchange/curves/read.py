@@ -14,6 +14,7 @@ from vibeam_models.registry import loaded
 HERE = "vibeam.exchange.curves"
 BINARY = {
     ".mat": f"{HERE}.arrays:read_matlab",
+    ".tdms": f"{HERE}.tdms:read",
     **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), f"{HERE}.arrays:read_hdf5"),
 }
 READERS = (
