@@ -94,7 +94,7 @@ def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn], what: str = "datas
             if not again and isinstance(item, h5py.Dataset) and item.ndim <= 2 and not place.startswith("#refs#/"):
                 for name, each in referred(place, item):
                     said = words_of([each], UNITS) | words_of([each, each.parent, file], CLOCKS)
-                    found[name] = Held(partial(_of_hdf5, name, each), said, _scale(each))
+                    found[name] = Held(partial(_of_hdf5, name, each, what == "variable"), said, _scale(each))
                     if len(found) > MOST:
                         raise FormatError(f"has more than {MOST} datasets")
         return of(found, wanted, what)
@@ -106,14 +106,16 @@ def _scale(dataset: Any) -> str:
     return str(scales[0].name).strip("/") if len(scales) == 1 else ""
 
 
-def _of_hdf5(name: str, dataset: Any) -> Any:
+def _of_hdf5(name: str, dataset: Any, turned: bool) -> Any:
+    """Values of a dataset; of MATLAB's, whose columns are rows of HDF5, ``turned``."""
     made = words_of([dataset], ("matlab_class", "matlab_object_decode"))
     if made.get("matlab_object_decode"):
         _refuse_object(name, str(made.get("matlab_class")))
     require_samples(dataset.shape)
     array = np.asarray(values_of(dataset))
+    array = array.T if turned else array
     if made.get("matlab_class") == "char":
-        return "".join(map(chr, array.ravel(order="F")))
+        return "".join(map(chr, array.ravel()))
     fields = array.dtype.names  # MATLAB 7.3 keeps complex numbers as pairs of fields
     return array["real"] + 1j * array["imag"] if fields and {"real", "imag"} <= set(fields) else array
 
