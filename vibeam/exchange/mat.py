@@ -20,6 +20,7 @@ from typing import Any, BinaryIO
 from vibeam.exchange.files import BYTES, FormatError, require_coordinates, require_room, state_of
 
 MATRIX, PACKED = 14, 15  # types of elements
+TYPES = (*range(1, 8), 9, *range(12, 19))
 NESTED, SPARSE, NUMERIC = (1, 2, 3), 5, range(6, 16)  # classes: cells, structs and objects; sparse; full
 TEXT, OBJECT = 4, 17  # classes of texts, and of objects of MATLAB's classdef
 FILE_HEAD = 128  # bytes
@@ -168,6 +169,8 @@ def _check(content: Content, at: int, end: int, order: str, met: list[int], dept
     inside, at = 0, start
     while at < end:
         kind, _, _, behind = _tag(content, at, end, order)
+        if kind not in TYPES:  # scipy would look it up beyond its table
+            raise FormatError(f"is damaged: there is no type {kind} of elements")
         if kind == MATRIX:
             inside += 1
             _check(content, at, end, order, met, depth + 1)

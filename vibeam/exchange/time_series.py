@@ -35,6 +35,7 @@ HEADS = {
 }
 EVEN, ROUNDED = 1e-3, 0.3  # of a step: times taken as equal steps; times that were written with too few digits
 LONGER = 0.01  # share by which a record may last longer or shorter by a rate that is said than by its own times
+SHORTEST = 1e-12  # s, a step; the longest is one over it
 SAY_UNIT, SAY_RATE = 'say it: unit = "…"', 'say it: rate = "…"'
 ANONYMOUS = "cannot be read as a record; its lines are not shown, since it lies outside the case's folder"
 
@@ -89,7 +90,8 @@ def record_of_file(
     try:
         start, even = (0.0, rate) if times is None else (float(times[0]), _even(times))
         when: dict[str, Any] = {"times": times} if even is None else {"rate": even, "start": start}
-        return Record.sampled(value, **when, quantity=quantity, interpolation=interpolation, remove=remove)
+        with np.errstate(over="ignore", invalid="ignore"):  # loads beyond any quantity are refused by their peak
+            return Record.sampled(value, **when, quantity=quantity, interpolation=interpolation, remove=remove)
     except ValueError as wrong:
         raise CaseError([fault_in(path, None, str(wrong).removeprefix("record: "))]) from None
 
@@ -163,6 +165,8 @@ def _require_sound(path: Path, found: Columns, value: Array, times: Array | None
     samples_of(value, least, faults, lambda row: f"{word} {found.lines[row]}")
     if times is not None:
         times_of(len(value), None, times, None, faults, lambda row: f"{word} {found.lines[row]}")
+        if not faults and not SHORTEST < (mean := float(times[-1] - times[0]) / len(times)) < 1 / SHORTEST:
+            faults.append(f"times: steps of {mean:.3g} s are those of no record: correct its rate, or their unit")
     if faults:
         raise CaseError([fault_in(path, None, each) for each in faults])
 

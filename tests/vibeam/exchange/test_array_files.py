@@ -168,6 +168,13 @@ def test_channels_of_tdms(
     assert record.at(record.times) == pytest.approx(scale * VALUES, rel=1e-12, abs=1e-3 if "scale" in form else 0)
 
 
+def test_a_tdms_file_that_was_cut_off_is_refused(tmp_path: Path) -> None:
+    path = tdms(tmp_path / "a.tdms", {"rig/acc": (VALUES, WAVEFORM)})
+    path.write_bytes(path.read_bytes()[:-80])
+    with pytest.raises(vibeam.CaseError, match="is cut off: of its last segment 50 of 60 samples are there"):
+        vibeam.record_of_file(path)
+
+
 def test_a_decay_with_a_clock_is_fitted(tmp_path: Path) -> None:
     time = np.arange(4000) / 1000
     decay = np.exp(-0.02 * 2 * np.pi * 20 * time) * np.cos(2 * np.pi * 20 * np.sqrt(1 - 0.02**2) * time)

@@ -136,6 +136,16 @@ def test_a_matlab_variable_whose_content_is_no_array_of_its_size(tmp_path: Path,
         read_matrix(tmp_path / "packed.mat")
 
 
+def test_a_matlab_element_of_no_known_type(tmp_path: Path) -> None:
+    """Of the type 44 scipy would take what lies behind its table of types, and crash."""
+    savemat(tmp_path / "a.mat", {"run": {"acc": np.arange(5.0), "unit": "g"}})
+    whole = (tmp_path / "a.mat").read_bytes()
+    assert whole.count(b"\x10\0\x01\0g") == 1
+    (tmp_path / "a.mat").write_bytes(whole.replace(b"\x10\0\x01\0g", b"\x2c\0\x01\0g"))
+    with pytest.raises(vibeam.CaseError, match="is damaged: there is no type 44 of elements"):
+        vibeam.record_of_file(tmp_path / "a.mat", rate=1.0)
+
+
 def test_a_directory_of_many_arrays_is_not_read_whole(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "many.npz", "w") as file:
         for name in range(2000):

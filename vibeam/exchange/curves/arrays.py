@@ -26,6 +26,7 @@ STEPS = ("dt", "delta_t", "wf_increment", "sampling_interval")
 STARTS = ("t0", "x0", "wf_start_offset")
 CLOCKS = (*RATES, *STEPS, *STARTS)
 CLOCK = "time"  # column of times that are made of a rate or step
+COLUMNS = 33  # of an array whose units stand in cells, from 1
 ROUNDED = 1e-3  # relative difference of a rate and a step that are both said
 
 
@@ -188,12 +189,15 @@ def _said(
     known = {each.casefold(): each for each in held}
     places = [f"{name}_{word}" for word in words]
     places += [above + word for above in (stem, "") for word in words] if beside else []
-    for place in (known[each.casefold()] for each in places if each.casefold() in known and each != name):
-        found = np.ravel(np.asarray(held[place].read()))
+    for place in (each.casefold() for each in places):
+        cells = [known[each] for each in (place, *(f"{place}({n})" for n in range(1, COLUMNS))) if each in known]
+        if not cells or name in cells:
+            continue
+        found = np.concatenate([np.ravel(np.asarray(held[each].read())) for each in cells])
         if column is not None and len(found) >= column:
             found = found[column - 1 : column]
         if len(found) == 1 or (words is UNITS and 0 < len(found) < MOST):
-            return (found[0] if len(found) == 1 else ", ".join(map(str, found))), f"from {place} beside it"
+            return (found[0] if len(found) == 1 else ", ".join(map(str, found))), f"from {cells[0]} beside it"
     return None, ""
 
 

@@ -6,6 +6,8 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from vibeam.exchange.curves.record import factor
 from vibeam.exchange.files import FormatError, shown
 from vibeam_models.arrays import Array
@@ -64,7 +66,8 @@ class Columns:
 def in_si(column: CurveColumn, wanted: str, unit: str | None, cure: str, scale_unit: str = "") -> Array:
     """Values of a column in SI; a ``unit`` that is said goes before the file's; FormatError with the ``cure``."""
     try:
-        return column.values * factor(column.unit if unit is None else unit, wanted, scale_unit)
+        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is said of samples and points
+            return column.values * factor(column.unit if unit is None else unit, wanted, scale_unit)
     except ValueError as fault:
         raise FormatError(f"column {column.head!r}: {fault}; {cure}") from None
 

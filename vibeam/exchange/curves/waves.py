@@ -35,7 +35,8 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     if not 0 < channel <= channels:
         there = "is 1" if channels == 1 else f"are {channels}"
         raise FormatError(f"has no channel {channel}: there {there}, from 1 on")
-    values = table[:, channel - 1].astype(float)
+    with np.errstate(invalid="ignore"):  # a number that is none is said of the samples
+        values = table[:, channel - 1].astype(float)
     if whole := data.dtype.kind in "iu":
         values = (values - (128.0 if data.dtype.kind == "u" else 0.0)) / 2.0 ** (8 * data.dtype.itemsize - 1)
     columns = {
