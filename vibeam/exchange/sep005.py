@@ -7,14 +7,15 @@ https://github.com/sdypy/sdypy/blob/main/docs/seps/sep-0005.rst, which the packa
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from datetime import datetime
 from typing import Any
 
 import numpy as np
 
+from vibeam.exchange.curves.columns import size_in
 from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import suggest
+from vibeam.exchange.files import read_by
 from vibeam.exchange.time_series import UNITS
 from vibeam.system.record import Record
 from vibeam_models.arguments import number, refuse
@@ -82,12 +83,11 @@ def _chosen(channels: Sequence[Channel], name: str | None) -> Channel:
     for each in channels:
         _require_rules(each)
     names = [str(each["name"]) for each in channels]
-    if name is None and len(channels) == 1:
-        return channels[0]
-    if names.count(str(name)) != 1:
-        told = "say its name" if name is None else f"{names.count(name)} are called {name!r}: {suggest(name, names)}"
+    fitting = [each for each in channels if name in (None, each["name"])]
+    if len(fitting) != 1:
+        told = "say its name" if name is None else f"{len(fitting)} are called {name!r}: {suggest(name, names)}"
         raise ValueError(f"{len(channels)} channels, {', '.join(names[:12]) or 'none'}: {told}")
-    return channels[names.index(str(name))]
+    return fitting[0]
 
 
 def _require_rules(one: Channel) -> None:
@@ -98,26 +98,20 @@ def _require_rules(one: Channel) -> None:
     missing += [] if "time" in one or "fs" in one else ["fs or time"]
     if missing:
         raise ValueError(f"channel {one.get('name', '')!r}: without {', '.join(missing)}; it has {', '.join(one)}")
-    if "timestamp" in {key.lower() for key in one}:
-        raise ValueError(f"channel {one['name']!r}: 'timestamp' is none of the keys: write start_timestamp")
-    for key in (key for key in one if key.endswith("timestamp")):
-        try:
+    for key in (key for key in one if key.lower().endswith("timestamp")):
+        if key.lower() == "timestamp":
+            raise ValueError(f"channel {one['name']!r}: 'timestamp' is none of the keys: write start_timestamp")
+        with read_by(f"channel {one['name']!r}: {key} {one[key]!r} is not as ISO 8601 writes it", ValueError):
             datetime.fromisoformat(str(one[key]))
-        except ValueError:
-            raise ValueError(f"channel {one['name']!r}: {key} {one[key]!r} is not as ISO 8601 writes it") from None
 
 
 def _quantity(one: Channel, unit: str) -> str:
     """Quantity of a channel: the one that it says, or that its unit is of; ValueError where they differ."""
-    fitting = []
-    for quantity, si in UNITS.items():
-        with suppress(ValueError):
-            factor(unit, si)
-            fitting.append(quantity)
-    said = str(one.get("quantity") or "").casefold()
-    known = [quantity for quantity in UNITS if said and quantity.startswith(said[:3])]
-    if said and known and known[0] not in fitting:
-        raise ValueError(f"channel {one['name']!r}: the quantity {said!r} is not in {unit!r}: say unit = …")
+    said = str(one.get("quantity") or "").casefold()[:3]
+    fitting = [quantity for quantity, si in UNITS.items() if size_in(unit, si) is not None]
+    known = [quantity for quantity in UNITS if said and quantity.startswith(said)]
+    if known and known[0] not in fitting:
+        raise ValueError(f"channel {one['name']!r}: the quantity {known[0]!r} is not in {unit!r}: say unit = …")
     if not known and len(fitting) != 1:
         raise ValueError(f"channel {one['name']!r}: its unit {unit!r} is of no quantity of a record: say quantity = …")
-    return known[0] if known else fitting[0]
+    return (known or fitting)[0]

@@ -31,7 +31,7 @@ ROUNDED = 1e-3  # relative difference of a rate and a step that are both said
 
 
 @dataclass(frozen=True)
-class Held:
+class Stored:
     """Variable of a file: how it is read, what is ``said`` of it by small words, the name of its abscissa."""
 
     read: Callable[[], Any]
@@ -46,13 +46,13 @@ def read_matlab(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     if h5py.is_hdf5(path):
         return read_hdf5(path, wanted, "variable")
     with read_by("is no MATLAB file that can be read"):
-        found: dict[str, Held] = {}
+        found: dict[str, Stored] = {}
         for each in variables(path):
             if each.plain or each.object:
-                found[each.name] = Held(partial(_of_matlab, each))
+                found[each.name] = Stored(partial(_of_matlab, each))
             else:
                 inside = _inside(each.name, each.read(simplify_cells=True))
-                found |= {name: Held(partial(_dense, value)) for name, value in inside}
+                found |= {name: Stored(partial(_dense, value)) for name, value in inside}
         return of(found, wanted, "variable")
 
 
@@ -90,12 +90,12 @@ def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn], what: str = "datas
     import h5py
 
     with read_by("is no HDF5 file that can be read"), opened(path) as file:
-        found: dict[str, Held] = {}
+        found: dict[str, Stored] = {}
         for place, item, again in contents(file):
             if not again and isinstance(item, h5py.Dataset) and item.ndim <= 2 and not place.startswith("#refs#/"):
                 for name, each in referred(place, item):
                     said = words_of([each], UNITS) | words_of([each, each.parent, file], CLOCKS)
-                    found[name] = Held(partial(_of_hdf5, name, each, what == "variable"), said, _scale(each))
+                    found[name] = Stored(partial(_of_hdf5, name, each, what == "variable"), said, _scale(each))
                     if len(found) > MOST:
                         raise FormatError(f"has more than {MOST} datasets")
         return of(found, wanted, what)
@@ -121,7 +121,7 @@ def _of_hdf5(name: str, dataset: Any, turned: bool) -> Any:
     return array["real"] + 1j * array["imag"] if fields and {"real", "imag"} <= set(fields) else array
 
 
-def of(held: Mapping[str, Held], wanted: Mapping[str, WantedColumn], what: str) -> Columns:
+def of(held: Mapping[str, Stored], wanted: Mapping[str, WantedColumn], what: str) -> Columns:
     """Columns of variables with their units; FormatError where one is missing, no numbers, or of another length.
 
     Those alone that are wanted are read, and what stands beside them. Times are made of a step or rate where no
@@ -176,9 +176,9 @@ def _place(names: list[str], wanted: WantedColumn) -> tuple[int, str, int | None
 
 
 def _said(
-    held: Mapping[str, Held], name: str, words: tuple[str, ...], column: int | None = None, beside: bool = True
+    held: Mapping[str, Stored], name: str, words: tuple[str, ...], column: int | None = None, beside: bool = True
 ) -> tuple[Any, str]:
-    """What is said of a variable by one of these words, and where: of itself, ``beside`` it, at the top; or None.
+    """Words on a variable under one of these names, and where: of itself, ``beside`` it, at the top; or None.
 
     Of several texts the one of the ``column``, or all of them.
     """
@@ -201,7 +201,7 @@ def _said(
     return None, ""
 
 
-def _abscissa(held: Mapping[str, Held], name: str, count: int, what: str) -> CurveColumn | None:
+def _abscissa(held: Mapping[str, Stored], name: str, count: int, what: str) -> CurveColumn | None:
     """Abscissa of a variable: the one that it names, or times of a rate or step; None where neither is said."""
     place = held[name].at
     if place in held:
@@ -232,7 +232,7 @@ def _number(value: Any, origin: str, least: float) -> float:
 
 
 def _read(
-    held: Mapping[str, Held], place: tuple[int, str, int | None], wanted: WantedColumn, what: str, beside: bool
+    held: Mapping[str, Stored], place: tuple[int, str, int | None], wanted: WantedColumn, what: str, beside: bool
 ) -> CurveColumn:
     """One column with its unit: what is said of it, ``beside`` it too, or by its name."""
     _, name, column = place

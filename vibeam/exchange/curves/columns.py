@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -70,6 +71,13 @@ def in_si(column: CurveColumn, wanted: str, unit: str | None, cure: str, scale_u
             return column.values * factor(column.unit if unit is None else unit, wanted, scale_unit)
     except ValueError as fault:
         raise FormatError(f"column {column.head!r}: {fault}; {cure}") from None
+
+
+def size_in(unit: str, wanted: str) -> float | None:
+    """Factor from a unit to the SI unit ``wanted``; None where it is not one of that."""
+    with suppress(ValueError):
+        return factor(unit, wanted)
+    return None
 
 
 _UNIT = r"[A-Za-zµμ%][\w%µμ²³⁻¹*/·^ -]{0,39}|1 ?/ ?[A-Za-z]+"

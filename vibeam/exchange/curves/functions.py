@@ -31,7 +31,7 @@ _NUMBER = re.compile(rb"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True)
-class Axis:
+class FunctionAxis:
     """Axis: its specific data ``type``, exponents of length, force and temperature, the label of its unit, the line."""
 
     type: int
@@ -48,7 +48,7 @@ class Function:
     called: str
     at: Array
     value: Array
-    axes: tuple[Axis, Axis, Axis]
+    axes: tuple[FunctionAxis, FunctionAxis, FunctionAxis]
 
 
 def function_of(one: DataSet) -> Function:
@@ -78,10 +78,10 @@ def _whole(text: str, line: int) -> int:
         return whole(text) if text else 0
 
 
-def _axis(head: bytes, line: int) -> Axis:
+def _axis(head: bytes, line: int) -> FunctionAxis:
     *numbers, label = _fields(_AXIS, head)
     type_, *exponents = (_whole(each, line) for each in numbers)
-    return Axis(type_, tuple(exponents), "" if label.upper() in ("NONE", "-") else label, line)
+    return FunctionAxis(type_, tuple(exponents), "" if label.upper() in ("NONE", "-") else label, line)
 
 
 def _numbers(one: DataSet, points: list[str], body: bytes) -> tuple[Array, Array]:

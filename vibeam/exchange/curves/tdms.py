@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.arrays import CLOCKS, UNITS, Held, of
+from vibeam.exchange.curves.arrays import CLOCKS, UNITS, Stored, of
 from vibeam.exchange.curves.columns import Columns, WantedColumn
 from vibeam.exchange.files import FormatError, read_by, require_samples
 from vibeam_models.registry import loaded
@@ -28,7 +28,7 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     with read_by("is no TDMS file that can be read"), path.open("rb") as raw, files.open(raw) as file:
         _require_whole(file)
         channels = [(f"{group.name}/{each.name}", each) for group in file.groups() for each in group.channels()]
-        return of({name: Held(partial(_values, each), _said(each)) for name, each in channels}, wanted, "channel")
+        return of({name: Stored(partial(_values, each), _said(each)) for name, each in channels}, wanted, "channel")
 
 
 def _require_whole(file: Any) -> None:

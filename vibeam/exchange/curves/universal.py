@@ -7,16 +7,15 @@ made SI. A label that is not of its type, and one that data set 164 contradicts,
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from math import isclose
 from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn
+from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, size_in
 from vibeam.exchange.curves.data_sets import ROUNDED, FileUnits, data_sets, units_of
-from vibeam.exchange.curves.functions import Axis, Function, function_of
-from vibeam.exchange.curves.record import factor, known_unit
+from vibeam.exchange.curves.functions import Function, FunctionAxis, function_of
+from vibeam.exchange.curves.record import known_unit
 from vibeam.exchange.files import FormatError
 
 AUTO, CROSS, DENSITY, ENERGY = 2, 3, 9, 10
@@ -74,11 +73,11 @@ def _chosen(curves: list[Function], wanted: WantedColumn) -> tuple[str, Function
     return f"data set 58 number {number}", curves[number - 1]
 
 
-def _abscissa(axis: Axis) -> tuple[str, str]:
+def _abscissa(axis: FunctionAxis) -> tuple[str, str]:
     """``time`` or ``frequency``, and the unit, by type and label; FormatError for another one."""
     said = TYPES.get(axis.type, "")
-    fits = {over for over, unit in ABSCISSAE.items() if said and _factor(said, unit)}
-    named = {over for over, unit in ABSCISSAE.items() if axis.label and _factor(axis.label, unit)}
+    fits = {over for over, unit in ABSCISSAE.items() if said and size_in(said, unit)}
+    named = {over for over, unit in ABSCISSAE.items() if axis.label and size_in(axis.label, unit)}
     if axis.type > GENERAL and axis.label and known_unit(axis.label) and not fits & named:
         raise FormatError(f"the abscissa is of type {axis.type}, and its label is {axis.label!r}: {_CURE}", axis.line)
     over = fits or named
@@ -91,19 +90,13 @@ def _abscissa(axis: Axis) -> tuple[str, str]:
 _CURE = "correct one of both (type 17 is time, 18 frequency, 0 unknown)"
 
 
-def _factor(unit: str, wanted: str) -> float | None:
-    with suppress(ValueError):
-        return factor(unit, wanted)
-    return None
-
-
 def _ordinate(one: Function, units: FileUnits) -> tuple[str, float, str]:
     """Unit of the ordinate, factor that makes its values of this unit, and where the unit is from."""
     _, upper, lower = one.axes
     made = [] if "R" in one.called else _forms(one.type, TYPES.get(upper.type, ""), lower)
     for wanted, spelt in made if upper.label else ():
         label = spelt.format(upper.label)
-        if (by_label := _factor(label, wanted)) is not None:
+        if (by_label := size_in(label, wanted)) is not None:
             agreed = not units.words or isclose(by_label, units.size(wanted), rel_tol=ROUNDED)
             return label if agreed else f"{label} by its label, {units.words} by data set 164", 1.0, "by its label"
     if made and upper.label and known_unit(upper.label):
@@ -120,7 +113,7 @@ def _ordinate(one: Function, units: FileUnits) -> tuple[str, float, str]:
     return "" if units.is_si else f"not said{by}", 1.0, ""
 
 
-def _forms(function: int, above: str, lower: Axis) -> list[tuple[str, str]]:
+def _forms(function: int, above: str, lower: FunctionAxis) -> list[tuple[str, str]]:
     """SI units that an ordinate of this type may have, the usual one first, each with how a label may spell it."""
     square = {DENSITY: "({})^2/Hz", ENERGY: "({})^2 s/Hz"}.get(function)
     if not above:
