@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import mmap
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
+from struct import unpack_from
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +26,24 @@ def opened(path: Path) -> h5py.File:
     import h5py
 
     state_of(path)
+    _require_heaps(path)
     return h5py.File(path, "r")
+
+
+def _require_heaps(path: Path) -> None:
+    """FormatError for a heap of texts with an empty piece, at which the library would never go on.
+
+    Layout: HDF5 File Format Specification 3.0, III.E "Global Heap".
+    """
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        at = -1
+        while (at := content.find(b"GCOL\1\0\0\0", at + 1)) >= 0:
+            place, end = at + 16, min(at + int.from_bytes(content[at + 8 : at + 16], "little"), len(content))
+            while place + 16 <= end:
+                index, size = unpack_from("<H6xQ", content, place)
+                if not index and size < 16:
+                    raise FormatError(f"is damaged: the heap at byte {at} has an empty piece")
+                place += size if not index else 16 + size + -size % 8
 
 
 def contents(file: h5py.File) -> Iterator[Place]:

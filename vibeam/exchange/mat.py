@@ -20,6 +20,7 @@ from typing import Any, BinaryIO
 from vibeam.exchange.files import BYTES, FormatError, require_coordinates, require_room, state_of
 
 MATRIX, PACKED = 14, 15  # types of elements
+PARTS = 4  # elements of an array: flags, dimensions, name, content
 TYPES = (*range(1, 8), 9, *range(12, 19))
 NESTED, SPARSE, NUMERIC = (1, 2, 3), 5, range(6, 16)  # classes: cells, structs and objects; sparse; full
 TEXT, OBJECT = 4, 17  # classes of texts, and of objects of MATLAB's classdef
@@ -166,15 +167,18 @@ def _check(content: Content, at: int, end: int, order: str, met: list[int], dept
     if start == end:
         return
     made, dimensions, _ = _head(content, start, end, order)
-    inside, at = 0, start
+    inside, parts, at = 0, 0, start
     while at < end:
         kind, _, _, behind = _tag(content, at, end, order)
         if kind not in TYPES:  # scipy would look it up beyond its table
             raise FormatError(f"is damaged: there is no type {kind} of elements")
+        parts += 1
         if kind == MATRIX:
             inside += 1
             _check(content, at, end, order, met, depth + 1)
         at = behind
+    if made not in NESTED and (inside or parts < PARTS):  # scipy would go on in the next variable
+        raise FormatError(f"is damaged: a variable has {parts} elements")
     if made == SPARSE:
         require_coordinates(*dimensions)
     elif min(dimensions, default=1) < 0 or prod(dimensions) > (max(inside, 1) if made in NESTED else end - start):

@@ -239,6 +239,7 @@ WRONG: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     ({"acc": VALUES}, {}, "has no column 'time': there are 'acc'; say column and time by head"),
     ({"acc": VALUES, "unit": "g"}, {}, "'acc' has no times, and neither a rate nor a step is said of it: say the rate"),
     ({"acc": VALUES, "fs": RATE, "dt": 1.0}, {}, "'acc' has 500 samples a second and steps of 1 s: delete one of both"),
+    ({"acc": VALUES, "fs": RATE}, {"column": "time"}, "has no column 'time': there are 'acc', 'time'"),
     ({"acc": VALUES, "fs": 0.0}, {}, "'0.0', from fs beside it, is no number that can be used"),
     ({"acc": VALUES, "fs": "fast"}, {}, "'fast', from fs beside it, is no number that can be used"),
     ({"acc": VALUES, "fs": RATE}, {"rate": 2 * RATE}, "rate is 1000 Hz, and column 'time' has 500 samples a second"),

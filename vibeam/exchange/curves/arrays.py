@@ -6,7 +6,7 @@ Units, steps and starts are attributes of a variable or its groups, or stand bes
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from math import inf, isfinite
 from pathlib import Path
@@ -25,6 +25,8 @@ RATES = ("fs", "sampling_rate", "sample_rate", "samplerate", "sampling_frequency
 STEPS = ("dt", "delta_t", "wf_increment", "sampling_interval")
 STARTS = ("t0", "x0", "wf_start_offset")
 CLOCKS = (*RATES, *STEPS, *STARTS)
+SCALE = "scale"
+LOOKED_AT = 100  # variables, for a clock, where none is asked for
 CLOCK = "time"  # column of times that are made of a rate or step
 COLUMNS = 33  # of an array whose units stand in cells, from 1
 ROUNDED = 1e-3  # relative difference of a rate and a step that are both said
@@ -32,11 +34,10 @@ ROUNDED = 1e-3  # relative difference of a rate and a step that are both said
 
 @dataclass(frozen=True)
 class Stored:
-    """Variable of a file: how it is read, what is ``said`` of it by small words, the name of its abscissa."""
+    """Variable of a file: how it is read, and how what is ``said`` of it, by small words, ``SCALE`` its abscissa."""
 
     read: Callable[[], Any]
-    said: Mapping[str, Any] = field(default_factory=dict)
-    at: str = ""
+    said: Callable[[], Mapping[str, Any]] = dict
 
 
 def read_matlab(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
@@ -94,17 +95,17 @@ def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn], what: str = "datas
         for place, item, again in contents(file):
             if not again and isinstance(item, h5py.Dataset) and item.ndim <= 2 and not place.startswith("#refs#/"):
                 for name, each in referred(place, item):
-                    said = words_of([each], UNITS) | words_of([each, each.parent, file], CLOCKS)
-                    found[name] = Stored(partial(_of_hdf5, name, each, what == "variable"), said, _scale(each))
+                    found[name] = Stored(partial(_of_hdf5, name, each, what == "variable"), partial(_attributes, each))
                     if len(found) > MOST:
                         raise FormatError(f"has more than {MOST} datasets")
         return of(found, wanted, what)
 
 
-def _scale(dataset: Any) -> str:
-    """Path of the dataset that is the scale of a column's dimension."""
+def _attributes(dataset: Any) -> dict[str, Any]:
+    """Unit of a dataset, clock of it or its groups, and the path of the one scale of its dimension."""
+    said = words_of([dataset], UNITS) | words_of([dataset, dataset.parent, dataset.file], CLOCKS)
     scales: Any = dataset.dims[0].values() if dataset.ndim == 1 else ()
-    return str(scales[0].name).strip("/") if len(scales) == 1 else ""
+    return said | ({SCALE: str(scales[0].name).strip("/")} if len(scales) == 1 else {})
 
 
 def _of_hdf5(name: str, dataset: Any, turned: bool) -> Any:
@@ -129,9 +130,11 @@ def of(held: Mapping[str, Stored], wanted: Mapping[str, WantedColumn], what: str
     """
     names, heads = list(held), [name for name in held if _last(name).casefold() not in (*UNITS, *CLOCKS)]
     timed = any(_last(name).casefold() in TIMES for name in names)
-    if not timed and (len(heads) < len(names) or any(each.at or {*each.said} & {*CLOCKS} for each in held.values())):
+    value = _place(names, wanted["value"]) if "value" in wanted else None
+    asked = [value[1]] if value else names[:LOOKED_AT]
+    if not timed and (len(heads) < len(names) or any(held[each].said().keys() - {*UNITS} for each in asked)):
         names, heads = [*names, CLOCK], [*heads, CLOCK]
-    places = {role: _place(names, each) for role, each in wanted.items()}
+    places = {role: _place(names if role == "frequency" else list(held), each) for role, each in wanted.items()}
     if fault := missing(heads, wanted, {role: place and place[0] + 1 for role, place in places.items()}):
         raise fault
     columns = {
@@ -139,7 +142,7 @@ def of(held: Mapping[str, Stored], wanted: Mapping[str, WantedColumn], what: str
         for role, place in places.items()
         if place and place[1] in held
     }
-    at, value = places.get("frequency"), places.get("value")
+    at = places.get("frequency")
     if at and value and at[1] not in held:
         made = _abscissa(held, value[1], len(columns["value"].values), what)
         if made is None and wanted["frequency"].needed:
@@ -182,9 +185,10 @@ def _said(
 
     Of several texts the one of the ``column``, or all of them.
     """
+    own = held[name].said()
     for word in words:
-        if word in held[name].said:
-            return held[name].said[word], f"from its attribute {word}"
+        if word in own:
+            return own[word], f"from its attribute {word}"
     stem = name[: len(name) - len(_last(name))]
     known = {each.casefold(): each for each in held}
     places = [f"{name}_{word}" for word in words]
@@ -203,7 +207,7 @@ def _said(
 
 def _abscissa(held: Mapping[str, Stored], name: str, count: int, what: str) -> CurveColumn | None:
     """Abscissa of a variable: the one that it names, or times of a rate or step; None where neither is said."""
-    place = held[name].at
+    place = str(held[name].said().get(SCALE, ""))
     if place in held:
         return _read(held, (0, place, None), WantedColumn((place,)), what, False)
     said = {}

@@ -28,7 +28,9 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     with read_by("is no TDMS file that can be read"), path.open("rb") as raw, files.open(raw) as file:
         _require_whole(file)
         channels = [(f"{group.name}/{each.name}", each) for group in file.groups() for each in group.channels()]
-        return of({name: Stored(partial(_values, each), _said(each)) for name, each in channels}, wanted, "channel")
+        return of(
+            {name: Stored(partial(_values, each), partial(_said, each)) for name, each in channels}, wanted, "channel"
+        )
 
 
 def _require_whole(file: Any) -> None:

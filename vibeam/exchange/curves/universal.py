@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, size_in
-from vibeam.exchange.curves.data_sets import ROUNDED, FileUnits, data_sets, units_of
+from vibeam.exchange.curves.data_sets import ROUNDED, DataSet, FileUnits, data_sets, units_of
 from vibeam.exchange.curves.functions import Function, FunctionAxis, function_of
 from vibeam.exchange.curves.record import known_unit
 from vibeam.exchange.files import FormatError
@@ -40,7 +40,7 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     Time and value where ``wanted["frequency"]`` may be called time.
     """
     sets = data_sets(path)
-    place, one = _chosen([function_of(each) for each in sets if each.kind in ("58", "58b")], wanted["value"])
+    place, one = _chosen([each for each in sets if each.kind in ("58", "58b")], wanted["value"])
     over, unit = _abscissa(one.axes[0])
     timed = "time" in wanted["frequency"].names
     if over == "time" and not timed:
@@ -58,19 +58,21 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     return Columns(columns, range(1, len(values) + 1), kind=kind)
 
 
-def _chosen(curves: list[Function], wanted: WantedColumn) -> tuple[str, Function]:
+def _chosen(curves: list[DataSet], wanted: WantedColumn) -> tuple[str, Function]:
     """Place of the function that is wanted, by its number or its name ``2Z/1Z``, and itself."""
     if not curves:
         raise FormatError("is no universal file with a curve: a data set 58 is needed")
-    name = wanted.names[0]
-    if isinstance(name, int) and not 0 < name <= len(curves):
+    name = wanted.names[0] if len(curves) > 1 or isinstance(wanted.names[0], int) else 1
+    if not isinstance(name, int):
+        called = [function_of(each).called for each in curves]
+        if called.count(name) != 1:
+            told = ", ".join(f"{number}: {each}" for number, each in enumerate(called[:8], 1))
+            cure = "say which by its number, columns = { value = 1 }"
+            raise FormatError(f"has {len(curves)} data sets 58, {told}: {cure}")
+        name = 1 + called.index(name)
+    if not 0 < name <= len(curves):
         raise FormatError(f"has {len(curves)} data sets 58: there is no number {name}")
-    alike = [number for number, each in enumerate(curves, 1) if each.called in wanted.names]
-    number = name if isinstance(name, int) else 1 if len(curves) == 1 else alike[0] if len(alike) == 1 else 0
-    if not number:
-        told = ", ".join(f"{number}: {each.called}" for number, each in enumerate(curves[:8], 1))
-        raise FormatError(f"has {len(curves)} data sets 58, {told}: say which by its number, columns = {{ value = 1 }}")
-    return f"data set 58 number {number}", curves[number - 1]
+    return f"data set 58 number {name}", function_of(curves[name - 1])
 
 
 def _abscissa(axis: FunctionAxis) -> tuple[str, str]:
