@@ -1,4 +1,4 @@
-"""Time series in files as records: columns of text, WAV, MATLAB and HDF5, universal files (data set 58).
+"""Time series in files as records: columns of text, WAV, MATLAB, HDF5 and TDMS, universal files (data set 58).
 
 A column of times that are equal steps to 10⁻³ of one is taken as equal steps, which is less than what interpolation
 leaves open; one that is off by more, and by less than 0.3 of a step throughout, lost digits when it was written: the
@@ -53,10 +53,10 @@ def record_of_file(
     remove: str | None = None,
     quote: bool = True,
 ) -> Record:
-    """Record of a file, by its ending: text (CSV and tables of instruments), .wav, .mat, .h5, universal files.
+    """Record of a file, by its ending: text (CSV and tables of instruments), .wav, .mat, .h5, .tdms, universal files.
 
     - ``column``: head of the samples, or number from 1 (text); variable or dataset, ``"name:2"`` for its second column
-      (.mat, .h5); number of the data set 58 (universal files) or of the channel (.wav). None: a usual head of the
+      (.mat, .h5); channel (.tdms); number of the data set 58 (universal files) or of the channel (.wav). None: a usual head of the
       ``quantity``, or the only one.
     - ``time``: the same of the times; None: a usual head as ``"t"``. ``rate`` (Hz): samples per second, where
       there are no times, or they lost digits, as universal files have six; times that differ by more are a fault.
