@@ -55,9 +55,9 @@ def record_of_file(
 ) -> Record:
     """Record of a file, by its ending: text (CSV and tables of instruments), .wav, .mat, .h5, .tdms, universal files.
 
-    - ``column``: head of the samples, or number from 1 (text); variable or dataset, ``"name:2"`` for its second column
-      (.mat, .h5); channel (.tdms); number of the data set 58 (universal files) or of the channel (.wav). None: a usual head of the
-      ``quantity``, or the only one.
+    - ``column``: head of the samples, or number from 1 (text); variable, dataset or channel, ``"name:2"`` for its
+      second column (.mat, .h5, .tdms); number of the data set 58 (universal files) or of the channel (.wav). None: a
+      usual head of the ``quantity``, or the only one.
     - ``time``: the same of the times; None: a usual head as ``"t"``. ``rate`` (Hz): samples per second, where
       there are no times, or they lost digits, as universal files have six; times that differ by more are a fault.
     - ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``. ``unit`` goes before the one that the file
