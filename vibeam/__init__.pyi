@@ -13,6 +13,8 @@ from vibeam.exchange.curves.record import ReferenceCurve as ReferenceCurve
 from vibeam.exchange.curves.record import ReferenceForm as ReferenceForm
 from vibeam.exchange.curves.reference import read_curve as read_curve
 from vibeam.exchange.faults import CaseError as CaseError
+from vibeam.exchange.sep005 import record_of_sep005 as record_of_sep005
+from vibeam.exchange.sep005 import to_sep005 as to_sep005
 from vibeam.exchange.time_series import record_of_file as record_of_file
 from vibeam.figures import register_figure as register_figure
 from vibeam.figures.declaration import FigureKind as FigureKind

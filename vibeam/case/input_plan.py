@@ -62,7 +62,7 @@ class InputPlan:
     """
 
     file: str | None = declare.text(
-        "input measured over time, from the case file's folder: CSV, WAV, MATLAB (.mat), HDF5 (.h5), universal file 58",
+        "input measured over time, from the case file's folder: CSV, WAV, MATLAB, HDF5, TDMS, universal file 58",
         "shock.csv", None,
     )  # fmt: skip
     column: Any = declare.text(

@@ -202,7 +202,7 @@ class Reference:
 
     name: str
     file: Path = declare.text(
-        "from the case file's folder: CSV or other text, MATLAB (.mat), HDF5 (.h5), universal file (.uff, .unv)",
+        "from the case file's folder: CSV or other text, MATLAB, HDF5, TDMS, universal file (.uff, .unv)",
         "references/dtu_neutral_sdof.csv",
     )
     fidelity: str = declare.text("the fidelity that must meet it", "sdof")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import mmap
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
+from struct import unpack_from
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,7 +26,24 @@ def opened(path: Path) -> h5py.File:
     import h5py
 
     state_of(path)
+    _require_heaps(path)
     return h5py.File(path, "r")
+
+
+def _require_heaps(path: Path) -> None:
+    """FormatError for a heap of texts with an empty piece, at which the library would never go on.
+
+    Layout: HDF5 File Format Specification 3.0, III.E "Global Heap".
+    """
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        at = -1
+        while (at := content.find(b"GCOL\1\0\0\0", at + 1)) >= 0:
+            place, end = at + 16, min(at + int.from_bytes(content[at + 8 : at + 16], "little"), len(content))
+            while place + 16 <= end:
+                index, size = unpack_from("<H6xQ", content, place)
+                if not index and size < 16:
+                    raise FormatError(f"is damaged: the heap at byte {at} has an empty piece")
+                place += size if not index else 16 + size + -size % 8
 
 
 def contents(file: h5py.File) -> Iterator[Place]:
@@ -75,11 +94,35 @@ def values_of(dataset: h5py.Dataset) -> Any:
 
 def text_at(item: Any, *names: str) -> str:
     """The text of the first attribute of these names that there is, empty without one or where it is no short text."""
-    for name in names:
-        if name in item.attrs and item.attrs.get_id(name).shape in ((), (1,)):
-            found = np.asarray(item.attrs[name]).item()
-            return (found.decode("utf-8", "replace") if isinstance(found, bytes) else str(found))[:WORD]
-    return ""
+    found = words_of([item], names)
+    return next((str(found[name]) for name in names if name in found), "")
+
+
+def words_of(items: Sequence[Any], words: Collection[str]) -> dict[str, Any]:
+    """Numbers and texts of the attributes of these names, in small letters, of the first item that has each."""
+    found: dict[str, Any] = {}
+    for item in items:
+        for name in item.attrs:
+            if name.casefold() in words and item.attrs.get_id(name).shape in ((), (1,)):
+                value = np.asarray(item.attrs[name]).item()
+                text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+                found.setdefault(name.casefold(), text[:WORD] if isinstance(text, str) else text)
+    return found
+
+
+def referred(place: str, dataset: h5py.Dataset) -> Iterator[tuple[str, h5py.Dataset]]:
+    """A dataset by its path; of MATLAB's cells and arrays of structures what they refer to, as ``run(2)/acc``."""
+    import h5py
+
+    if h5py.check_ref_dtype(dataset.dtype) is not h5py.Reference or not is_own(dataset) or dataset.size > WORD:
+        yield place, dataset
+        return
+    above, _, name = place.rpartition("/")
+    cells = not above or words_of([dataset], ("matlab_class",))
+    for number, reference in enumerate(np.ravel(dataset[()]), 1):
+        inner = dataset.file[reference] if reference else None
+        if isinstance(inner, h5py.Dataset):
+            yield f"{place}({number})" if cells else f"{above}({number})/{name}", inner
 
 
 def _words(dataset: h5py.Dataset) -> Any:

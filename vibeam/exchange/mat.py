@@ -20,7 +20,10 @@ from typing import Any, BinaryIO
 from vibeam.exchange.files import BYTES, FormatError, require_coordinates, require_room, state_of
 
 MATRIX, PACKED = 14, 15  # types of elements
+PARTS = 4  # elements of an array: flags, dimensions, name, content
+TYPES = (*range(1, 8), 9, *range(12, 19))
 NESTED, SPARSE, NUMERIC = (1, 2, 3), 5, range(6, 16)  # classes: cells, structs and objects; sparse; full
+TEXT, OBJECT = 4, 17  # classes of texts, and of objects of MATLAB's classdef
 FILE_HEAD = 128  # bytes
 LONGEST_HEAD = 1000  # bytes that hold the flags, dimensions and name of a variable
 DEEPEST, MOST = 16, 100_000  # variables in variables
@@ -29,7 +32,10 @@ Content = bytes | mmap.mmap
 
 @dataclass(frozen=True)
 class Variable:
-    """Variable at bytes of a file, not read yet; ``plain``: a full or sparse array, ``packed`` or not."""
+    """Variable at bytes of a file, not read yet; ``plain``: a full or sparse array, ``packed`` or not.
+
+    ``object``: class of an object of MATLAB's own, which cannot be read.
+    """
 
     path: Path
     name: str
@@ -37,6 +43,7 @@ class Variable:
     start: int = 0
     end: int = 0
     packed: bool = False
+    object: str = ""
 
     def read(self, **how: Any) -> Any:
         """Its value by ``loadmat`` with the options ``how``; FormatError for one that is damaged, or too large."""
@@ -93,7 +100,11 @@ def _level_5(path: Path, content: mmap.mmap) -> Iterator[Variable]:
         if kind == PACKED:
             head = _inflated(content[start : min(end, start + LONGEST_HEAD)], LONGEST_HEAD, whole=False)
         made, dimensions, name = _head(head, 8, len(head), order)
-        if name and made in (*NESTED, SPARSE, *NUMERIC):
+        if made == OBJECT:
+            name, _, own = _words(head, order)
+            yield Variable(path, name, plain=False, object=own)
+            name = ""
+        if name and made in (*NESTED, TEXT, SPARSE, *NUMERIC):
             if made in NUMERIC:
                 require_room(dimensions, 1)
             place = (start, end) if kind == PACKED else (at, end)
@@ -138,6 +149,15 @@ def _head(content: Content, at: int, end: int, order: str) -> tuple[int, tuple[i
     return made, dimensions, content[start:stop].decode("latin1")
 
 
+def _words(head: Content, order: str) -> list[str]:
+    """Name, system and class of an object, whose head has no dimensions."""
+    found, at = list[str](), _tag(head, 8, len(head), order)[3]
+    for _ in range(3):
+        _, start, stop, at = _tag(head, at, len(head), order)
+        found.append(head[start:stop].decode("latin1"))
+    return found
+
+
 def _check(content: Content, at: int, end: int, order: str, met: list[int], depth: int = 0) -> None:
     """FormatError for the variable at a byte where it, or one inside, says that it is more than is there."""
     _, start, end, _ = _tag(content, at, end, order)
@@ -147,13 +167,18 @@ def _check(content: Content, at: int, end: int, order: str, met: list[int], dept
     if start == end:
         return
     made, dimensions, _ = _head(content, start, end, order)
-    inside, at = 0, start
+    inside, parts, at = 0, 0, start
     while at < end:
         kind, _, _, behind = _tag(content, at, end, order)
+        if kind not in TYPES:  # scipy would look it up beyond its table
+            raise FormatError(f"is damaged: there is no type {kind} of elements")
+        parts += 1
         if kind == MATRIX:
             inside += 1
             _check(content, at, end, order, met, depth + 1)
         at = behind
+    if made not in NESTED and (inside or parts < PARTS):  # scipy would go on in the next variable
+        raise FormatError(f"is damaged: a variable has {parts} elements")
     if made == SPARSE:
         require_coordinates(*dimensions)
     elif min(dimensions, default=1) < 0 or prod(dimensions) > (max(inside, 1) if made in NESTED else end - start):

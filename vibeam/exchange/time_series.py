@@ -1,4 +1,4 @@
-"""Time series in files as records: columns of text, WAV, MATLAB and HDF5, universal files (data set 58).
+"""Time series in files as records: columns of text, WAV, MATLAB, HDF5 and TDMS, universal files (data set 58).
 
 A column of times that are equal steps to 10⁻³ of one is taken as equal steps, which is less than what interpolation
 leaves open; one that is off by more, and by less than 0.3 of a step throughout, lost digits when it was written: the
@@ -7,7 +7,6 @@ rate must be said in its place.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -31,8 +30,9 @@ from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import taking
 from vibeam.exchange.curves.taken import Taken
 from vibeam.exchange.curves.told import tell
+from vibeam.exchange.curves.waves import SHARES
 from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError, State, file_fault, read_by, require_samples, state_of
+from vibeam.exchange.files import FormatError, State, file_fault, state_of
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
 from vibeam_models.arguments import number, shown, word
@@ -47,10 +47,10 @@ HEADS = {
     "force": ("force", "f"),
     "moment": ("moment", "torque", "m"),
 }
-WAVES = (".wav", ".wave")
 FIRST = "first sample"
 EVEN, ROUNDED = 1e-3, 0.3  # of a step: times taken as equal steps; times that were written with too few digits
 LONGER = 0.01  # share by which a record may last longer or shorter by a rate that is said than by its own times
+SHORTEST = 1e-12  # s, a step; the longest is one over it
 SAY_UNIT, SAY_RATE = 'say it: unit = "…"', 'say it: rate = "…"'
 ANONYMOUS = "cannot be read as a record; its lines are not shown, since it lies outside the case's folder"
 
@@ -71,11 +71,11 @@ def record_of_file(
     until: float | None = None,
     quote: bool = True,
 ) -> Record:
-    """Record of a file, by its ending: text (CSV and tables of instruments), .wav, .mat, .h5, universal files.
+    """Record of a file, by its ending: text (CSV and tables of instruments), .wav, .mat, .h5, .tdms, universal files.
 
-    - ``column``: head of the samples, or number from 1 (text); variable or dataset, ``"name:2"`` for its second column
-      (.mat, .h5); number of the data set 58 (universal files) or of the channel (.wav). None: a usual head of the
-      ``quantity``, or the only one.
+    - ``column``: head of the samples, or number from 1 (text); variable, dataset or channel, ``"name:2"`` for its
+      second column (.mat, .h5, .tdms); number of the data set 58 (universal files) or of the channel (.wav). None: a
+      usual head of the ``quantity``, or the only one.
     - ``time``: the same of the times; None: a usual head as ``"t"``. ``rate`` (Hz): samples per second, where
       there are no times, or they lost digits, as universal files have six; times that differ by more are a fault.
     - ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``. ``unit`` goes before the one that the file
@@ -98,21 +98,26 @@ def record_of_file(
         raise CaseError([fault_in(path, None, fault)])
     try:
         _require_keys(quantity, column, time, unit, scale, start, since, until)
-        found, own = _columns(path, column, time, quantity, rate, scale is not None)
+        found = _columns(path, column, time, quantity, rate)
+        if found.columns["value"].unit == SHARES:
+            unit = unit or ""
+            if scale is None:
+                raise FormatError(f"holds {SHARES}: say scale, the value of the full scale")
         value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
         clock = in_si(found.columns["frequency"], "s", None, SAY_RATE) if "frequency" in found.columns else np.zeros(1)
-        clock = clock if own is None else clock[:1] + np.arange(len(value)) / own
+        clock = clock if rate is None else clock[:1] + np.arange(len(value)) / rate
         kept = _stretch(clock, since, until)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
     value, clock, lines = value[kept], clock[kept], found.lines[kept]
     least = 2 if interpolation == "linear" else LEAST[JOINED[quantity][0]]
-    _require_sound(path, lines, value, clock if own is None else None, least)
+    _require_sound(path, lines, value, clock if rate is None else None, least)
     try:
-        even = _even(clock) if own is None else own
+        even = _even(clock) if rate is None else rate
         zero = float(clock[0]) if start == FIRST else 0.0 if start is None else float(start)
         when: dict[str, Any] = {"times": clock - zero} if even is None else {"rate": even, "start": clock[0] - zero}
-        made = Record.sampled(value, **when, quantity=quantity, interpolation=interpolation, remove=remove)
+        with np.errstate(over="ignore", invalid="ignore"):  # loads beyond any quantity are refused by their peak
+            made = Record.sampled(value, **when, quantity=quantity, interpolation=interpolation, remove=remove)
     except ValueError as wrong:
         raise CaseError([fault_in(path, None, str(wrong).removeprefix("record: "))]) from None
     taken = _taken(path, found, UNITS[quantity], unit, clock, even, None if start is None else zero)
@@ -206,13 +211,9 @@ def _require_keys(
 
 
 def _columns(
-    path: Path, column: str | int | None, time: str | int | None, quantity: str, rate: float | None, scaled: bool
-) -> tuple[Columns, float | None]:
-    """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, or the rate in its place."""
-    if path.suffix.lower() in WAVES:
-        found, own = _read_wav(path, column, scaled)
-        _require_rate(rate, own, len(found.lines), "the file")
-        return found, own if rate is None else rate
+    path: Path, column: str | int | None, time: str | int | None, quantity: str, rate: float | None
+) -> Columns:
+    """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, which may be absent with a rate."""
     wanted = {
         "frequency": WantedColumn(TIMES if time is None else (time,), needed=rate is None),
         "value": WantedColumn(HEADS[quantity] if column is None else (column,)),
@@ -221,9 +222,11 @@ def _columns(
     clock = found.columns.get("frequency")
     if clock is not None and clock.unit == "Hz":
         raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
+    if found.kind not in ("", "time history", "impulse response"):
+        raise FormatError(f"has a {found.kind}: a record is a time history")
     if clock is not None:
         _require_times(clock, found.columns["value"], rate)
-    return found, rate
+    return found
 
 
 def _require_times(clock: CurveColumn, value: CurveColumn, rate: float | None) -> None:
@@ -256,38 +259,15 @@ def _read(path: Path, wanted: Mapping[str, WantedColumn], any_head: bool) -> Col
 
 def _require_sound(path: Path, lines: Sequence[int], value: Array, times: Array | None, least: int) -> None:
     """CaseError with all faults of samples and times, by line or row."""
-    word = "line" if is_text(path) and path.suffix.lower() not in WAVES else "row"
+    word = "line" if is_text(path) else "row"
     faults: list[str] = []
     samples_of(value, least, faults, lambda row: f"{word} {lines[row]}")
     if times is not None:
         times_of(len(value), None, times, None, faults, lambda row: f"{word} {lines[row]}")
+        if not faults and not SHORTEST < (mean := float(times[-1] - times[0]) / len(times)) < 1 / SHORTEST:
+            faults.append(f"times: steps of {mean:.3g} s are those of no record: correct its rate, or their unit")
     if faults:
         raise CaseError([fault_in(path, None, each) for each in faults])
-
-
-def _read_wav(path: Path, column: str | int | None, scaled: bool) -> tuple[Columns, float]:
-    """One channel of a WAV file, as shares of the full scale where it is of whole numbers, and its rate, Hz."""
-    from scipy.io import wavfile
-
-    with read_by("is no WAV file that can be read"), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        own, data = wavfile.read(path)
-    require_samples(data.shape)
-    table = data.reshape(len(data), -1)
-    channels = table.shape[1]
-    if column is None and channels > 1:
-        raise FormatError(f"has {channels} channels: say which, column = 1 … {channels}")
-    channel = 1 if column is None else column
-    if not isinstance(channel, int) or channel > channels:
-        there = "is 1" if channels == 1 else f"are {channels}"
-        raise FormatError(f"has no channel {channel}: there {there}, from 1 on")
-    values = table[:, channel - 1]
-    if data.dtype.kind in "iu":
-        if not scaled:
-            raise FormatError("holds shares of its full scale: say scale, the value of the full scale")
-        values = (values - (128.0 if data.dtype.kind == "u" else 0.0)) / 2.0 ** (8 * data.dtype.itemsize - 1)
-    columns = {"value": CurveColumn(f"channel {channel}", "", np.asarray(values, dtype=float))}
-    return Columns(columns, range(1, len(values) + 1)), float(own)
 
 
 def _even(times: Array) -> float | None:

@@ -18,13 +18,13 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.exchange.curves.data_sets import FileUnits, data_sets, units_of
 from vibeam.exchange.files import LARGEST_TEXT, FormatError, State, read_by, state_of
 from vibeam.exchange.matrices.entries import Label
 from vibeam_models.arrays import Array
 
-MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or "
+MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or write frequencies and shapes in the case"
 NORMAL, COMPLEX = 2, (3, 7)  # analysis types
-SI = 1  # code of the units data set, 164
 TWISTED = 0.1  # share of a complex shape that is out of phase, up to which it is taken as real
 
 
@@ -54,8 +54,8 @@ def read_modes(path: Path) -> FileModes:
 
 @lru_cache(maxsize=8)
 def _read(path: Path, state: State) -> FileModes:
-    sets = data_sets(path, "write frequencies and shapes in the case")
-    modes = [_mode(each) for each in sets if each["type"] == 55 and each["analysis_type"] in (NORMAL, *COMPLEX)]
+    units = units_of(data_sets(path))
+    modes = [_mode(each, units) for each in _at_nodes(path) if each["analysis_type"] in (NORMAL, *COMPLEX)]
     if not modes:
         raise FormatError("has no modes: a data set 55 of analysis type 2, 3 or 7 is needed")
     modes.sort(key=lambda mode: float(mode[0]))
@@ -73,37 +73,37 @@ def _read(path: Path, state: State) -> FileModes:
     return FileModes(frequency, damping, mass, shapes, said)
 
 
-def data_sets(path: Path, cure: str) -> list[dict[str, Any]]:
-    """Data sets of a file in SI; FormatError of another one, and, with the ``cure``, where pyuff is not installed."""
+def _at_nodes(path: Path) -> list[dict[str, Any]]:
+    """Data sets 55 of a file; FormatError of another one, and where pyuff is not installed."""
     try:
         import pyuff
     except ImportError:
-        raise FormatError(MISSING + cure) from None
+        raise FormatError(MISSING) from None
     quiet = contextlib.redirect_stdout(io.StringIO())
     with read_by("is no universal file that can be read"), quiet, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        found: Any = pyuff.UFF(str(path)).read_sets()
-    sets = found if isinstance(found, list) else [found]
-    for each in sets:
-        if each["type"] == 164 and each["units_code"] != SI:
-            raise FormatError(f"its units have the code {each['units_code']}: export it in SI (code {SI})")
-    return sets
+        file = pyuff.UFF(str(path))
+        return [file.read_sets(int(each)) for each in np.flatnonzero(file.get_set_types() == 55)]
 
 
-def _mode(data: dict[str, Any]) -> tuple[float, float, float, dict[Label, float], float]:
-    """Frequency, damping ratio, modal mass, shape, and the share of it that was out of phase."""
+def _mode(
+    data: dict[str, Any], units: FileUnits
+) -> tuple[float, float, float, dict[Label, float], float]:  # fmt: skip
+    """Frequency, damping ratio, modal mass, shape, the share of it that was out of phase; receptances are in SI."""
     shape = {
-        (int(node), direction): value
+        (int(node), direction): value * (units.length if direction > 3 else 1.0)
         for direction in range(1, 7)
         for node, value in zip(data["node_nums"], data.get(f"r{direction}", ()), strict=False)
     }
+    scale = units.length / units.force
     if data["analysis_type"] == NORMAL:
         damping = data["modal_damp_vis"] or data["modal_damp_his"] / 2
-        return float(data["freq"]), float(damping), float(data["modal_m"]), *_real(shape, float(data["freq"]))
+        mass, frequency = float(data["modal_m"]) * scale, float(data["freq"])
+        return frequency, float(damping), mass, *_real(shape, frequency)
     eigenvalue = complex(data["eig"])
-    mass = complex(data["modal_a"]) / (2j * eigenvalue.imag) if eigenvalue.imag else 0j
+    mass = abs(complex(data["modal_a"]) / (2j * eigenvalue.imag)) * scale if eigenvalue.imag else 0.0
     frequency = abs(eigenvalue) / (2 * np.pi)
-    return frequency, -eigenvalue.real / abs(eigenvalue), abs(mass), *_real(shape, frequency)
+    return frequency, -eigenvalue.real / abs(eigenvalue), mass, *_real(shape, frequency)
 
 
 def _real(shape: Mapping[Label, Any], frequency: float) -> tuple[dict[Label, float], float]:

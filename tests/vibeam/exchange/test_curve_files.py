@@ -189,7 +189,7 @@ def universal(path: Path, values: Any = X, kind: int = 18, count: int = 1) -> No
     data = {
         "type": 58, "func_type": 1, "rsp_node": 2, "rsp_dir": 3, "ref_node": 1, "ref_dir": 3, "data": np.array(values),
         "x": np.array(F), "id1": "FRF", "ordinate_spec_data_type": 8, "ordinate_axis_units_lab": "mm",
-        "abscissa_spec_data_type": kind, "abscissa_axis_units_lab": "Hz", "binary": 0,
+        "abscissa_spec_data_type": kind, "abscissa_axis_units_lab": "Hz" if kind == 18 else "s", "binary": 0,
         "orddenom_spec_data_type": 0, "z_axis_value": 0, "z_axis_axis_units_lab": "NONE", "z_axis_spec_data_type": 0,
     }  # fmt: skip
     writer = pyuff.UFF(str(path))
@@ -215,11 +215,11 @@ def damaged(path: Path, change: Callable[[bytes], bytes]) -> Path:
     [
         (lambda raw: raw.replace(b"\n", b"\r\n"), ""),
         (lambda raw: raw.replace(b"FRF", b"Gr\xf6\xdfe"), ""),
-        (lambda raw: raw.replace(b"  1.25", b"  1.2x"), "universal file that can be read"),
-        (lambda raw: raw.replace(b"e+01   2.5", b"e+012.5"), "blanks are missing between numbers"),
-        (lambda raw: raw[: len(raw) * 3 // 4], "universal file"),
-        (lambda raw: b"no such thing\n", "universal file"),
-        (lambda raw: b"", "universal file"),
+        (lambda raw: raw.replace(b"  1.25", b"  1.2x"), "a.uff:14: '1.2x"),
+        (lambda raw: raw.replace(b"e+01   2.5", b"e+012.5"), "a.uff:14: '1.45000e+012.5"),
+        (lambda raw: raw[: len(raw) * 3 // 4], "a.uff:2: its data set 58 does not end: is the file cut off?"),
+        (lambda raw: b"no such thing\n", "a.uff: is no universal file with a curve: a data set 58 is needed"),
+        (lambda raw: b"", "a.uff: is empty"),
     ],
 )
 def test_a_damaged_universal_file_is_read_or_refused(tmp_path: Path, change: Any, message: str) -> None:
@@ -231,7 +231,7 @@ def test_a_damaged_universal_file_is_read_or_refused(tmp_path: Path, change: Any
     with pytest.raises(CaseError) as caught:
         read_curve(path, "amplitude", ReferenceForm(unit="m"))
     assert len(caught.value.faults) == 1
-    assert "a.uff: " in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_which_curve_of_a_universal_file(tmp_path: Path) -> None:

@@ -136,6 +136,39 @@ def test_a_matlab_variable_whose_content_is_no_array_of_its_size(tmp_path: Path,
         read_matrix(tmp_path / "packed.mat")
 
 
+TEXT = struct.pack("<IIiiII", 5, 8, 1, 1, 1, 0)  # dimensions and no name, before a text
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (b"\x10\0\x01\0g", b"\x2c\0\x01\0g", "there is no type 44 of elements"),
+        (TEXT + b"\x10", struct.pack("<IIiiII", 5, 12, 1, 1, 1, 0) + b"\x10", "a variable has 3 elements"),
+    ],
+)
+def test_matlab_elements_that_scipy_would_not_survive(tmp_path: Path, old: bytes, new: bytes, said: str) -> None:
+    """Of the type 44 it takes what lies behind its table of types; without its content, the next variable's."""
+    savemat(tmp_path / "a.mat", {"run": {"acc": np.arange(5.0), "unit": "g"}})
+    whole = (tmp_path / "a.mat").read_bytes()
+    assert whole.count(old) == 1
+    (tmp_path / "a.mat").write_bytes(whole.replace(old, new))
+    with pytest.raises(vibeam.CaseError, match=f"is damaged: {said}"):
+        vibeam.record_of_file(tmp_path / "a.mat", rate=1.0)
+
+
+def test_a_heap_of_hdf5_with_an_empty_piece(tmp_path: Path) -> None:
+    """The library takes the free space behind the texts, of 0 bytes, again and again."""
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["acc"] = np.arange(5.0)
+        file["acc"].attrs["units"] = "g"
+    whole = (tmp_path / "a.h5").read_bytes()
+    free = struct.pack("<QQ", 0, 4096 - 16 - 24)
+    assert whole.count(free) == 1
+    (tmp_path / "a.h5").write_bytes(whole.replace(free, bytes(16)))
+    with pytest.raises(vibeam.CaseError, match=r"is damaged: the heap at byte \d+ has an empty piece"):
+        vibeam.record_of_file(tmp_path / "a.h5", rate=1.0)
+
+
 def test_a_directory_of_many_arrays_is_not_read_whole(tmp_path: Path) -> None:
     with zipfile.ZipFile(tmp_path / "many.npz", "w") as file:
         for name in range(2000):

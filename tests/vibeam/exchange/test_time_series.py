@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 import wave
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ import pyuff
 from scipy.io import savemat, wavfile
 
 import vibeam
+from vibeam.studies.identification.signal_kind import identify_signal
 
 RATE = 1000.0
 TIME = np.arange(40) / RATE
@@ -93,6 +95,79 @@ def test_floats_of_a_wav_file_are_values(tmp_path: Path, kind: Any) -> None:
     record = read(tmp_path / "a.wav", quantity="force")
     assert record.quantity == "force"
     assert record.at(record.times) == pytest.approx(VALUES, abs=1e-7)
+
+
+SAMPLES = np.round(VALUES / 2 * 32767).astype("<i2")
+
+
+def riff(
+    data: bytes = SAMPLES.tobytes(), size: int | None = None, whole: int | None = None, before: bytes = b"",
+    behind: bytes = b"", channels: int = 1, form: bytes = b"", kind: bytes = b"RIFF",
+) -> bytes:  # fmt: skip
+    """A WAV file by its layout; ``size``, ``whole``: what its head says in place of its sizes."""
+    order = ">" if kind == b"RIFX" else "<"
+    form = form or struct.pack(f"{order}HHIIHH", 1, channels, 1000, 2000 * channels, 2 * channels, 16)
+    size = len(data) if size is None else size
+    parts = b"WAVE" + before + b"fmt " + struct.pack(f"{order}I", len(form)) + form
+    parts += b"data" + struct.pack(f"{order}I", size) + data + behind
+    return kind + struct.pack(f"{order}I", len(parts) if whole is None else whole) + parts
+
+
+LIST = b"LIST" + struct.pack("<I", 5) + b"INFOx\0"
+GUID = b"\0\0\0\0\x10\0\x80\0\0\xaa\0\x38\x9b\x71"
+EXTENSIBLE = struct.pack("<HHIIHHHHIH", 0xFFFE, 1, 1000, 2000, 2, 16, 22, 16, 4, 1) + GUID
+DS64 = b"ds64" + struct.pack("<IQQQI", 28, 0, 2 * len(SAMPLES), len(SAMPLES), 0)
+
+
+@pytest.mark.parametrize(
+    "raw",
+    [
+        riff(),
+        riff(size=0xFFFFFFFF, whole=0xFFFFFFFF),
+        riff(size=0x7FFFFFFF, whole=0x7FFFFFFF),
+        riff(size=0, whole=0),
+        riff(size=0, whole=36),
+        riff(size=0xFFFFFFFF, data=SAMPLES.tobytes() + b"\1"),
+        riff(whole=4),
+        riff(before=LIST, behind=LIST),
+        riff(behind=b"some text"),
+        riff(form=EXTENSIBLE),
+        riff(data=SAMPLES.astype(">i2").tobytes(), kind=b"RIFX"),
+        riff(before=DS64, size=0xFFFFFFFF, whole=0xFFFFFFFF, behind=LIST, kind=b"RF64"),
+    ],
+)
+def test_wav_files_as_recorders_and_pipes_leave_them(tmp_path: Path, raw: bytes) -> None:
+    record = read(tmp_path / "a.wav", raw, scale=2.0)
+    assert (len(record.times), record.spacing) == (40, pytest.approx(1 / RATE, rel=1e-12))
+    assert record.at(record.times) == pytest.approx(VALUES, abs=1e-4)
+
+
+CUT = [
+    (riff()[:-20], "is cut off: its head says 40 samples, and 30 are there: record it again, or correct the size"),
+    (riff(np.repeat(SAMPLES, 2).tobytes(), channels=2)[:-20], "says 40 samples, and 35 are there"),
+    (riff(size=82), "its head says 41 samples, and 40 are there"),
+    (riff()[:46], "its head says 40 samples, and 1 are there"),
+    (riff(b""), "holds 0 samples, 1000 a second: record it again"),
+    (riff(b"", size=0, whole=0), "holds 0 samples, 1000 a second: record it again"),
+    (riff(form=struct.pack("<HHIIHH", 1, 1, 0, 0, 2, 16)), "holds 40 samples, 0 a second: record it again"),
+    (riff(form=struct.pack("<HHIIHH", 7, 1, 1000, 1000, 1, 8)), "is no WAV file that can be read: Unknown wave file"),
+    (riff()[:40], "is no WAV file that can be read"),
+]
+
+
+@pytest.mark.parametrize(("raw", "message"), CUT)
+def test_wav_files_that_are_cut_off_or_empty_are_refused(tmp_path: Path, raw: bytes, message: str) -> None:
+    with pytest.raises(vibeam.CaseError, match=message) as caught:
+        read(tmp_path / "a.wav", raw, scale=1.0)
+    assert len(caught.value.faults) == 1
+
+
+def test_a_decay_in_a_wav_file_is_fitted(tmp_path: Path) -> None:
+    time = np.arange(4000) / 1000
+    decay = np.exp(-0.02 * 2 * np.pi * 20 * time) * np.cos(2 * np.pi * 20 * np.sqrt(1 - 0.02**2) * time)
+    (tmp_path / "a.wav").write_bytes(riff(np.round(32767 * decay).astype("<i2").tobytes()))
+    found = identify_signal(tmp_path / "a.wav")
+    assert (found.of, found["natural frequency"].value) == ("decay", pytest.approx(20, rel=1e-3))
 
 
 def test_variables_and_datasets_are_records(tmp_path: Path) -> None:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+
+import numpy as np
 
 from vibeam.exchange.curves.record import PLAIN, factor, known_unit, taking
 from vibeam.exchange.curves.taken import TakenColumn
@@ -40,6 +43,7 @@ class CurveColumn:
     """Column that was found: its head, its unit (empty: not said), its values, NaN where empty; or its ``words``.
 
     ``place``: where it is in the file, ``"column 2"``; ``origin``: where the unit is from, empty: from the head.
+    ``complex_values``: those whose moduli the values are; None: the file has real ones.
     """
 
     head: str
@@ -48,22 +52,28 @@ class CurveColumn:
     words: tuple[str, ...] = ()
     place: str = ""
     origin: str = ""
+    complex_values: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Columns by role, of equal length, line or row of each entry, all ``heads`` of a text, ``notes`` on the file."""
+    """Columns by role, of equal length, line or row of each entry, all ``heads`` of a text, ``notes`` on the file.
+
+    ``kind``: what the file says that they are, ``"power spectral density"``; empty: it does not.
+    """
 
     columns: Mapping[str, CurveColumn]
     lines: Sequence[int]
     heads: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    kind: str = ""
 
 
 def in_si(column: CurveColumn, wanted: str, unit: str | None, cure: str, scale_unit: str = "") -> Array:
     """Values of a column in SI; a ``unit`` that is said goes before the file's; FormatError with the ``cure``."""
     try:
-        return column.values * factor(column.unit if unit is None else unit, wanted, scale_unit)
+        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite is said of samples and points
+            return column.values * factor(column.unit if unit is None else unit, wanted, scale_unit)
     except ValueError as fault:
         raise FormatError(f"column {column.head!r}: {fault}; {cure}") from None
 
@@ -74,6 +84,13 @@ def taken_column(column: CurveColumn, si: str, said: str | None = None) -> Taken
         origin = "as said" + (f", not {column.unit}" if column.unit not in ("", said) else "")
         return TakenColumn(column.place, column.head, said, origin)
     return TakenColumn(column.place, column.head, column.unit or si, column.origin if column.unit else UNSAID)
+
+
+def size_in(unit: str, wanted: str) -> float | None:
+    """Factor from a unit to the SI unit ``wanted``; None where it is not one of that."""
+    with suppress(ValueError):
+        return factor(unit, wanted)
+    return None
 
 
 def is_unit(text: str) -> bool:

@@ -14,9 +14,14 @@ from vibeam_models.registry import loaded
 HERE = "vibeam.exchange.curves"
 BINARY = {
     ".mat": f"{HERE}.arrays:read_matlab",
+    ".tdms": f"{HERE}.tdms:read",
     **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), f"{HERE}.arrays:read_hdf5"),
 }
-READERS = BINARY | dict.fromkeys((".uff", ".unv", ".uf", ".58"), f"{HERE}.universal:read")
+READERS = (
+    BINARY
+    | dict.fromkeys((".uff", ".unv", ".uf", ".58"), f"{HERE}.universal:read")
+    | dict.fromkeys((".wav", ".wave"), f"{HERE}.waves:read")
+)
 
 
 def read_columns(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None = None) -> Columns:

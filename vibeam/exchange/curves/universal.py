@@ -1,24 +1,37 @@
-"""Curves in universal files: functions at nodal degrees of freedom (data set 58), read by pyuff, the extra ``lab``."""
+"""Curves in universal files: a function at nodal degrees of freedom (data set 58) with units by types and labels.
+
+The label of an axis says its unit; without one its type does, in the units of data set 164, of which values are then
+made SI. A label that is not of its type, and one that data set 164 contradicts, is a fault.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isclose
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn
+from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, size_in
+from vibeam.exchange.curves.data_sets import ROUNDED, DataSet, FileUnits, data_sets, units_of
+from vibeam.exchange.curves.functions import Function, FunctionAxis, function_of
+from vibeam.exchange.curves.record import known_unit
 from vibeam.exchange.files import FormatError
-from vibeam.exchange.uff import data_sets
 
-ABSCISSAE = {17: "time", 18: "frequency"}  # specific data types
+AUTO, CROSS, DENSITY, ENERGY = 2, 3, 9, 10
 FUNCTIONS = {
-    2: "power spectrum", 3: "power spectrum", 4: "frequency response", 5: "transmissibility", 9: "power density",
-    10: "power density", 12: "spectrum",
+    1: "time history", AUTO: "auto power spectrum", CROSS: "cross power spectrum", 4: "frequency response",
+    5: "transmissibility", 6: "coherence", 7: "autocorrelation", 8: "cross-correlation",
+    DENSITY: "power spectral density", ENERGY: "energy spectral density", 12: "spectrum", 25: "impulse response",
+    26: "multiple coherence", 27: "order function",
 }  # fmt: skip
-UNITS = {8: "m", 11: "m/s", 12: "m/s^2"}  # specific data types of an ordinate
-AXES = {1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
+GENERAL = 1  # specific data type of what has its exponents beside it
+#: SI units by specific data types
+TYPES = {
+    2: "Pa", 3: "1", 8: "m", 9: "N", 11: "m/s", 12: "m/s^2", 13: "N", 15: "Pa", 16: "kg", 17: "s", 18: "Hz", 19: "rpm",
+    21: "Pa",
+}  # fmt: skip
+ABSCISSAE = {"time": "s", "frequency": "Hz"}
 
 
 def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
@@ -26,58 +39,91 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
 
     Time and value where ``wanted["frequency"]`` may be called time.
     """
-    sets = data_sets(path, "export the curve as CSV")
-    curves = [each for each in sets if each["type"] == 58]
-    one = curves[_chosen(curves, wanted["value"])]
-    frequency, ordinate = np.asarray(one["x"], dtype=float), np.asarray(one["data"])
-    over = ABSCISSAE.get(int(one.get("abscissa_spec_data_type") or 0), "")
+    sets = data_sets(path)
+    place, one = _chosen([each for each in sets if each.kind in ("58", "58b")], wanted["value"])
+    over, unit = _abscissa(one.axes[0])
     timed = "time" in wanted["frequency"].names
-    if over not in ("frequency", *(["time"] if timed else [])):
-        cure = "over time" if timed else "over frequency: export a frequency response or an order"
-        raise FormatError(f"its data set 58 is not {cure}")
-    if not len(frequency) == len(ordinate) == int(one.get("num_pts") or len(ordinate)) > 0:
-        told = f"{len(frequency)} frequencies and {len(ordinate)} values for {one.get('num_pts')} points"
-        raise FormatError(f"its data set 58 has {told}: blanks are missing between numbers, or lines?")
-    values = np.abs(ordinate) if np.iscomplexobj(ordinate) else np.asarray(ordinate, dtype=float)
-    if not (np.isfinite(frequency).all() and np.isfinite(values).all()):
-        raise FormatError("its data set 58 has entries that are no numbers: blanks are missing between numbers?")
-    head = f"{FUNCTIONS.get(int(one.get('func_type') or 0), '')} {_called(one)}".strip()
+    if over == "time" and not timed:
+        raise FormatError("its data set 58 is not over frequency: export a frequency response or an order")
+    kind = FUNCTIONS.get(one.type, "")
+    ordinate, size, origin = _ordinate(one, units_of(sets))
+    values = one.value * size
     columns = {
-        "frequency": CurveColumn(over, "s" if over == "time" else "Hz", frequency),
-        "value": CurveColumn(head, _unit(one), values),
-    }
-    return Columns(columns, tuple(range(1, len(frequency) + 1)))
+        "frequency": CurveColumn(over, unit, one.at, place=place),
+        "value": CurveColumn(
+            f"{kind} {one.called}".strip(), ordinate, np.abs(values) if np.iscomplexobj(values) else values,
+            place=place, origin=origin, complex_values=values if np.iscomplexobj(values) else None,
+        ),
+    }  # fmt: skip
+    return Columns(columns, range(1, len(values) + 1), kind=kind)
 
 
-def _chosen(curves: list[dict[str, Any]], wanted: WantedColumn) -> int:
+def _chosen(curves: list[DataSet], wanted: WantedColumn) -> tuple[str, Function]:
+    """Place of the function that is wanted, by its number or its name ``2Z/1Z``, and itself."""
     if not curves:
-        raise FormatError("has no curve: a data set 58 is needed")
-    if isinstance(wanted.names[0], int):
-        number = wanted.names[0]
-        if not 0 < number <= len(curves):
-            raise FormatError(f"has {len(curves)} data sets 58: there is no number {number}")
-        return number - 1
-    if len(curves) > 1:
-        told = ", ".join(f"{number}: {_called(each)}" for number, each in enumerate(curves[:8], 1))
-        raise FormatError(f"has {len(curves)} data sets 58, {told}: say which by its number, columns = {{ value = 1 }}")
-    return 0
+        raise FormatError("is no universal file with a curve: a data set 58 is needed")
+    name = wanted.names[0] if len(curves) > 1 or isinstance(wanted.names[0], int) else 1
+    if not isinstance(name, int):
+        called = [function_of(each).called for each in curves]
+        if called.count(name) != 1:
+            told = ", ".join(f"{number}: {each}" for number, each in enumerate(called[:8], 1))
+            cure = "say which by its number, columns = { value = 1 }"
+            raise FormatError(f"has {len(curves)} data sets 58, {told}: {cure}")
+        name = 1 + called.index(name)
+    if not 0 < name <= len(curves):
+        raise FormatError(f"has {len(curves)} data sets 58: there is no number {name}")
+    return f"data set 58 number {name}", function_of(curves[name - 1])
 
 
-def _called(one: Mapping[str, Any]) -> str:
-    """Response and reference degree of freedom: ``2Z/1Z``."""
-    parts = []
-    for part in ("rsp", "ref"):
-        direction = int(one.get(f"{part}_dir") or 0)
-        sign = "-" if direction < 0 else ""
-        parts.append(f"{one.get(f'{part}_node', 0)}{sign}{AXES.get(abs(direction), '')}")
-    return "/".join(parts)
+def _abscissa(axis: FunctionAxis) -> tuple[str, str]:
+    """``time`` or ``frequency``, and the unit, by type and label; FormatError for another one."""
+    said = TYPES.get(axis.type, "")
+    fits = {over for over, unit in ABSCISSAE.items() if said and size_in(said, unit)}
+    named = {over for over, unit in ABSCISSAE.items() if axis.label and size_in(axis.label, unit)}
+    if axis.type > GENERAL and axis.label and known_unit(axis.label) and not fits & named:
+        raise FormatError(f"the abscissa is of type {axis.type}, and its label is {axis.label!r}: {_CURE}", axis.line)
+    over = fits or named
+    if not over:
+        told = f"the abscissa, of type {axis.type} with the label {axis.label!r}, is neither time nor frequency"
+        raise FormatError(f"{told}: {_CURE}", axis.line)
+    return over.pop(), axis.label or said
 
 
-def _unit(one: Mapping[str, Any]) -> str:
-    """Unit of the ordinate: its label, or by its type; of a ratio over a denominator, empty where it is not said."""
-    label = str(one.get("ordinate_axis_units_lab") or "").strip()
-    if label and label.upper() != "NONE":
-        return label
-    if int(one.get("orddenom_spec_data_type") or 0):
-        return ""
-    return UNITS.get(int(one.get("ordinate_spec_data_type") or 0), "")
+_CURE = "correct one of both (type 17 is time, 18 frequency, 0 unknown)"
+
+
+def _ordinate(one: Function, units: FileUnits) -> tuple[str, float, str]:
+    """Unit of the ordinate, factor that makes its values of this unit, and where the unit is from."""
+    _, upper, lower = one.axes
+    made = [] if "R" in one.called else _forms(one.type, TYPES.get(upper.type, ""), lower)
+    for wanted, spelt in made if upper.label else ():
+        label = spelt.format(upper.label)
+        if (by_label := size_in(label, wanted)) is not None:
+            agreed = not units.words or isclose(by_label, units.size(wanted), rel_tol=ROUNDED)
+            return label if agreed else f"{label} by its label, {units.words} by data set 164", 1.0, "by its label"
+    if made and upper.label and known_unit(upper.label):
+        told = f"the ordinate is of type {upper.type}, {made[0][0]}, and its label is {upper.label!r}"
+        raise FormatError(f"{told}: correct one of both (type 0 is unknown)", upper.line)
+    if upper.label:
+        return upper.label, 1.0, "by its label"
+    by = "" if units.is_si else f", made SI of {units.words} by data set 164"
+    if made and one.type not in (AUTO, CROSS):
+        return made[0][0], units.size(made[0][0]), f"by its type {upper.type}{by}"
+    if upper.type == GENERAL and any(upper.exponents):
+        powers = [one - other for one, other in zip(upper.exponents, lower.exponents, strict=True)]
+        return "", units.of_powers(powers[0], powers[1]), f"by its exponents{by}"
+    return "" if units.is_si else f"not said{by}", 1.0, ""
+
+
+def _forms(function: int, above: str, lower: FunctionAxis) -> list[tuple[str, str]]:
+    """SI units that an ordinate of this type may have, the usual one first, each with how a label may spell it."""
+    square = {DENSITY: "({})^2/Hz", ENERGY: "({})^2 s/Hz"}.get(function)
+    if not above:
+        return []
+    if square:
+        return [(square.format(above), each) for each in ("{}", square)]
+    if function in (AUTO, CROSS):
+        return [(above, "{}"), (f"({above})^2", "{}")]
+    below = TYPES.get(lower.type, "") or lower.label
+    under, spelt = (each and (f"/({each})" if "/" in each else f"/{each}") for each in (below, lower.label or below))
+    return [(above + under, "{}"), (above + under, "{}" + spelt)]

@@ -46,7 +46,7 @@ TOPIC = "packages"
 MODULES = {"scikit-fem": "skfem"}
 
 #: extras that a user has a use for, and that
-EXTRAS = {"jit": "compiles kernels where there is no library of them", "lab": "reads universal files"}
+EXTRAS = {"jit": "compiles kernels where there is no library of them", "lab": "reads universal files, TDMS"}
 
 #: a requirement in the metadata of the project: a name, its least version, the extra that wants it
 _REQUIRED = re.compile(r"""([\w.-]+)>=([\d.]+)(?:; extra == ['"](\w+)['"])?""")

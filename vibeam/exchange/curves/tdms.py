@@ -1,0 +1,51 @@
+"""Curves in LabVIEW's TDMS files: channels by name or ``group/name``, read by npTDMS, which is the extra ``lab``."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibeam.exchange.curves.arrays import CLOCKS, UNITS, Stored, of
+from vibeam.exchange.curves.columns import Columns, WantedColumn
+from vibeam.exchange.files import FormatError, read_by, require_samples
+from vibeam_models.registry import loaded
+
+MISSING = "npTDMS reads it, and is not installed: pip install 'vibeam[lab]', or export the channels as CSV"
+
+
+def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
+    """The channels wanted; their steps and starts are those of their waveforms, the time of day does not count."""
+    try:
+        loaded("nptdms.log:log_manager").set_level(logging.CRITICAL)  # what it prints of damage is a fault here
+        files = loaded("nptdms:TdmsFile")
+    except ImportError:
+        raise FormatError(MISSING) from None
+    with read_by("is no TDMS file that can be read"), path.open("rb") as raw, files.open(raw) as file:
+        _require_whole(file)
+        channels = [(f"{group.name}/{each.name}", each) for group in file.groups() for each in group.channels()]
+        return of(
+            {name: Stored(partial(_values, each), partial(_said, each)) for name, each in channels}, wanted, "channel"
+        )
+
+
+def _require_whole(file: Any) -> None:
+    """FormatError for a file whose last segment was cut off."""
+    last = file.file_status
+    if last.incomplete_final_segment:
+        told = [f"{each.read_length} of {each.expected_length}" for each in (last.channel_statuses or {}).values()]
+        raise FormatError(f"is cut off: of its last segment {', '.join(told[:3]) or 'no'} samples are there")
+
+
+def _values(channel: Any) -> Any:
+    require_samples((len(channel),))
+    return np.asarray(channel[:])
+
+
+def _said(channel: Any) -> dict[str, Any]:
+    found = {name.casefold(): value for name, value in channel.properties.items()}
+    return {name: value for name, value in found.items() if name in (*UNITS, *CLOCKS) and value not in ("", None)}
