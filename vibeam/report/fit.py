@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.held import PLACES, held_of
+from vibeam.case.plans import FigurePlan
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import listed
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 CURVE = 121  # frequencies of a fitted branch
+MANY = 4  # parameters above which a sentence has the frequencies alone
 PANEL_MOST = 4  # references with a panel
 
 
@@ -88,7 +90,8 @@ def _value(row: FitRow | Estimate) -> str:
 
 def identification_sheet(found: Identification) -> StudySheet:
     """Sheet of an identification: values with intervals, what a file was taken as, what is not fixed."""
-    known = [f"{row.name} {_value(row)}" for row in found.rows if row.determined]
+    shown = [row for row in found.rows if len(found.rows) <= MANY or row.name.startswith("natural")]
+    known = [f"{row.name} {_value(row)}" for row in shown if row.determined]
     unknown = listed([row.name for row in found.rows if not row.determined])
     of = f"the {found.points} {f'points of the {found.of}' if found.of else 'measured modal frequencies'}"
     told = f"{listed(known)} describe{'s' * (len(known) == 1)} {of} (± at 95 %; rms residual "
@@ -96,8 +99,28 @@ def identification_sheet(found: Identification) -> StudySheet:
     told = told if known else f"{of} do not fix {unknown}"
     because = f"; taken as a {found.of}, since {found.why}" if found.of else ""
     answer = f"{begun(told) if found.of or not known else told}{because}."
-    data = {each.name: held for each in fields(found) if (held := getattr(found, each.name)) != ""}
-    return StudySheet(answer, [_identified(found)], [*found.directions, *found.notes], data=data, rows=found.rows)
+    data = {
+        each.name: held for each in fields(found) if (held := getattr(found, each.name)) != "" and each.name != "fit"
+    }
+    notes = [*filter(None, [found.taken]), *found.directions, *found.notes, *filter(None, [found.shapes])]
+    draw = partial(identified_figure, found) if len(found.orders) > 1 else None
+    return StudySheet(answer, [_identified(found)], notes, data=data, rows=found.rows, draw=draw)
+
+
+def identified_figure(found: Identification) -> Figure:
+    """Moduli, measured and fitted, and the modes of fits with more and more of them."""
+    from vibeam.figures.page import blank_page
+
+    figure = blank_page((4.3, 3.4), FigurePlan())
+    axes, (frequency, measured, fitted) = figure.add_subplot(), found.fit or ()
+    axes.semilogy(frequency, measured.T, ".", color="0.6", markersize=2)
+    axes.semilogy(frequency, fitted.T, color="C0", linewidth=1)
+    orders = axes.twinx()
+    orders.plot(*zip(*((mode[0], n) for n, modes in enumerate(found.orders, 1) for mode in modes), strict=True), "k+")
+    orders.set_ylabel("modes in the fit (+)")
+    axes.set_xlabel("frequency in Hz")
+    axes.set_ylabel(f"modulus of the {found.of or 'response'}, measured and fitted")
+    return figure
 
 
 def _identified(found: Identification) -> ReportTable:

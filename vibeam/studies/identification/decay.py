@@ -1,8 +1,8 @@
 """Natural frequency and damping of a free decay, and the stretch of a record in which it is free.
 
 A decay is x(t) = Σ_k e^(−ζ_kω_kt)(a_k cos ω_dk t + b_k sin ω_dk t) + c, ω_d = ω√(1 − ζ²). Least squares over all
-samples (maximum likelihood for white noise). For given ω and ζ the problem is linear in a, b, c (variable projection; Golub &
-Pereyra, SIAM J. Numer. Anal. 10 (1973)), so that two parameters of each mode are searched. Started at the peak of the
+samples (maximum likelihood for white noise). For given ω and ζ the problem is linear in a, b, c (variable projection;
+Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973)), so that two parameters of each mode are searched. Started at the peak of the
 spectrum and at the slope of the envelope, the modulus of the analytic signal, whose logarithmic decrement is what
 Fig. 30(a) of the paper reads; that is told beside it.
 
@@ -11,6 +11,8 @@ free the fit is followed to both sides, as far as its residual there is as small
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -61,7 +63,7 @@ def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
     begun, t, x = t[first], t[first:last] - t[first], x[first:last]
     envelope = _first_guess(t, x)[1]
     poles = _poles(t, x)
-    if not ((poles[:, 1] > 1e-7) & (poles[:, 1] < 0.9)).all():
+    if not ((poles[:, 1] > 1e-7) & (poles[:, 1] < 0.9)).any():
         raise ValueError("the motion does not decay as one mode does: take a record from the release to rest")
     basis = _basis(t, poles)
     linear = np.linalg.lstsq(basis, x, rcond=None)[0]
@@ -97,7 +99,7 @@ def _checked(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Array]:
     return t - t[0], x / 2.0 ** np.frexp(np.max(np.abs(x)))[1]  # exact; tolerances of the fit are absolute
 
 
-def _clipped(x: Array) -> Array:
+def _clipped(x: Array) -> Any:
     """Samples (n,) that lie cut off at an end of the range: several equal ones in a row, with a step beside them."""
     found = np.zeros(len(x), dtype=bool)
     steps = np.abs(np.diff(x))
@@ -112,7 +114,7 @@ def _clipped(x: Array) -> Array:
     return found
 
 
-def _of_clipped(clipped: Array) -> list[str]:
+def _of_clipped(clipped: Any) -> list[str]:
     count = int(np.sum(clipped))
     return [f"{counted(count, 'sample')} cut off at an end of the range: left out"] if count else []
 
@@ -150,7 +152,7 @@ def _follows(t: Array, x: Array, poles: Array | None = None) -> bool:
     return bool(rough.max() <= small or (white and rough.max() <= ROUGH[0] * np.median(rough)))
 
 
-def _pairs(poles: Array) -> Array:
+def _pairs(poles: Array) -> Any:
     """Test of each two of the modes (k, k) whether they are close."""
     return np.abs(np.subtract.outer(*[np.log(poles[:, 0])] * 2)) + np.eye(len(poles)) < CLOSE
 
@@ -253,10 +255,10 @@ def _apart(t: Array, x: Array, poles: Array) -> bool:
     """Test whether all modes have a part in the motion, swing more than once, decay, and two at most are close."""
     linear = np.linalg.lstsq(_basis(t, poles), x, rcond=None)[0]
     size = np.hypot(linear[:-1:2], linear[1:-1:2])
-    swinging = (poles[:, 0] * t[-1] > 1) & (poles[:, 1] < 0.2) & (poles[:, 1] > 1e-6)
+    swinging = (poles[:, 0] * t[-1] > 1) & (poles[:, 1] < 0.2)
     near = _pairs(poles)
     alike = np.abs(np.subtract.outer(*[np.log(poles[:, 1])] * 2)) < np.log(3)
-    if (near & ~alike).any() or near.sum() > 2:  # what a beginning or an event looks like
+    if bool((near & ~alike).any()) or near.sum() > 2:  # what a beginning or an event looks like
         return False
     return bool(swinging.all() and size.min() > SMALL * size.max() and size.max() < 10 * np.max(np.abs(x)))
 
@@ -275,10 +277,14 @@ def _searched(t: Array, x: Array, start: Array) -> Array:
     from scipy.optimize import least_squares
 
     found = least_squares(
-        lambda p: _left(t, x, np.exp(p.reshape(-1, 2))), np.log(start.ravel()), max_nfev=200,
+        lambda p: _left(t, x, _exp(p)), np.log(start.ravel()), max_nfev=200,
         x_scale=np.tile([1e-3, 0.1], len(start)), xtol=1e-13, ftol=1e-14, gtol=1e-14,
     )  # fmt: skip
-    return np.asarray(np.exp(found.x.reshape(-1, 2)))
+    return _exp(found.x)
+
+
+def _exp(p: Array) -> Array:
+    return np.exp(np.clip(p.reshape(-1, 2), -40, 40))
 
 
 def _first_guess(t: Array, x: Array) -> tuple[float, float]:

@@ -48,7 +48,8 @@ class Identification:
     ``directions``: what the data do not fix. ``method``: what was fitted to what. ``notes``: what limits the numbers.
     Of a file ``of``: ``"decay"``, ``"spectrum"``, ``"receptance"`` …, and ``why`` it is taken as one; ``taken``: its
     columns, in one line. ``orders``: frequency and damping ratio of each mode of a fit with 1, 2, … modes. ``shapes``:
-    a table [modes] of several responses. ``stretch``: the part of a record that was fitted, in s.
+    a table [modes] of several responses. ``stretch``: the part of a record that was fitted, in s. ``fit``: frequencies
+    (n,), and moduli (m, n) measured and fitted.
     """
 
     rows: tuple[Estimate, ...]
@@ -63,6 +64,7 @@ class Identification:
     orders: tuple[tuple[tuple[float, float], ...], ...] = ()
     shapes: str = ""
     stretch: tuple[float, float] | None = None
+    fit: tuple[Array, Array, Array] | None = None
 
     def __getitem__(self, name: str) -> Estimate:
         for row in self.rows:
@@ -179,7 +181,13 @@ def estimates(names: Sequence[str], values: Sequence[float], half: Array, units:
     """Rows of parameters that keep their sign: value, and the interval in proportion; NaN where not determined."""
     rows = zip(names, values, half, units, strict=True)
     return tuple(
-        Estimate(name, value, *sorted((float(value * np.exp(-width)), float(value * np.exp(width)))), unit)
+        Estimate(
+            name,
+            value,
+            float(value * np.exp(-np.sign(value) * width)),
+            float(value * np.exp(np.sign(value) * width)),
+            unit,
+        )
         if np.isfinite(width)
         else Estimate(name, nan, nan, nan, unit)
         for name, value, width, unit in rows

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -36,8 +37,8 @@ class Response:
     ``scatter`` (m, n): standard deviations, known; None: found with the fit.
     """
 
-    s: Complex
-    values: Array | Complex
+    s: Any
+    values: Any
     power: int = 0
     offset: float = 0.0
     scatter: Array | None = None
@@ -47,9 +48,9 @@ class Response:
         """Test whether the phase is not known."""
         return not np.iscomplexobj(self.values)
 
-    def parts(self, values: Array | Complex) -> Array:
+    def parts(self, values: Any) -> Array:
         """Real numbers (parts, m, n) of values."""
-        return np.stack([values.real, values.imag]) if np.iscomplexobj(values) else values[None]
+        return np.stack([values.real, values.imag]) if np.iscomplexobj(values) else np.asarray(values[None], float)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,14 +114,15 @@ class Fit:
         left = self.residual()
         if self.data.scatter is not None:
             return float(np.sum(left**2))
-        floor = np.mean((FLOOR * np.abs(self.data.values) / self.scatter) ** 2)
-        spread = np.mean(left**2) + floor
+        floor = float(np.mean((FLOOR * np.abs(self.data.values) / self.scatter) ** 2))
+        spread = float(np.mean(left**2) + floor)
         return float(left.size * np.log(max(spread, 1e-300)) + 2 * len(left) * np.sum(np.log(self.scatter)))
 
     @property
     def criterion(self) -> float:
-        """Schwarz' criterion, to be small."""
-        return self.misfit + (self.poles.size + self.weights.size) * float(np.log(self.residual().size))
+        """Schwarz' criterion, to be small, with a larger price where there are few points for the parameters."""
+        size, count = self.data.parts(self.data.values).size, self.poles.size + self.weights.size
+        return self.misfit + count * float(np.log(size)) * size / max(size - count - 2, 1)
 
 
 def fitted(data: Response, most: int = MOST, terms: bool = True, twisted: bool | None = None) -> tuple[Fit, ...]:
@@ -254,7 +256,7 @@ def _least_squares(fit: Fit) -> Fit:
     band = np.abs(data.s)
     if not data.moduli:
         fit = replace(fit, weights=_linear(fit))
-    low, high = np.log(np.maximum(band[band > 0].min() / 2, 1e-12)), np.log(2 * band.max())
+    low, high = np.log(band.min() / 10), np.log(10 * band.max())
     bounds = np.tile([[low, np.log(RATIOS[0])], [high, np.log(RATIOS[1])]], k)
     free = np.full(fit.weights.size, np.inf)
 

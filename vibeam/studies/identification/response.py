@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
-from vibeam.studies.identification.estimates import Identification, estimates, spread_of
+from vibeam.studies.identification.estimates import Estimate, Identification, estimates, spread_of
 from vibeam.studies.identification.residues import MOST, Fit, Response, fitted
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
@@ -221,9 +221,39 @@ def _modes(frequency: ArrayLike, response: ArrayLike, uncertainty: ArrayLike | N
     orders = tuple(
         tuple((float(np.exp(w) * unit / (2 * np.pi)), float(np.exp(z))) for w, z in each.poles) for each in path
     )
-    return Identification(
-        rows, _method(best), a.size, share, spread.directions, tuple(notes_on(residual.ravel(), share)), orders=orders
-    )
+    found = Identification(
+        rows, _method(best), a.size, share, spread.directions, tuple(notes_on(residual.ravel(), share)), orders=orders,
+        fit=(f, np.abs(a), np.abs(best.model) * top),
+    )  # fmt: skip
+    shapes = best.weights[: len(order)][order] * top * unit ** (2 - wanted.power) * wanted.factor
+    return _with_shapes(found, shapes) if wanted.unit == "1/kg" else found
+
+
+def _with_shapes(found: Identification, residues: Array) -> Identification:
+    """Modal masses at a driving point, and of residues (k, m) of several responses a table [modes].
+
+    A residue is the product of the mode's values at output and input: all are positive where these are one point.
+    """
+    rows = [list(found.rows[at : at + 3]) for at in range(0, len(found.rows), 3)]
+    if residues.shape[1] == 1:
+        for mode in rows:
+            one = mode[2]
+            name = one.name.replace("residue", "modal mass")
+            value, low, high = (1 / abs(each) for each in (one.value, one.high, one.low))
+            mode.append(Estimate(name, value, min(low, high), max(low, high), "kg"))
+        return replace(found, rows=tuple(row for mode in rows for row in mode))
+    driven = np.flatnonzero((residues > 0).all(axis=0))
+    if not len(driven):
+        told = "no response is of the driving point, where all residues are positive: the shapes have no scale"
+        return replace(found, notes=(*found.notes, told))
+    point = int(driven[0])
+    shapes = residues / np.sqrt(residues[:, [point]])
+    values = {"frequency": [f'"{row.value:.6g} Hz"' for row in found.rows[::2]]}
+    values["damping_ratio"] = [f"{row.value:.4g}" for row in found.rows[1::2]]
+    values |= {f"outputs.response_{k}": [f"{each:.5g}" for each in shape] for k, shape in enumerate(shapes.T, 1)}
+    values["force"] = values[f"outputs.response_{point + 1}"]
+    lines = [f"{key} = [{', '.join(each)}]" for key, each in values.items()]
+    return replace(found, shapes="\n".join(["[modes]", 'modal_mass = "1 kg"', *lines]))
 
 
 def numbered(names: Sequence[str], count: int) -> list[str]:
@@ -231,7 +261,7 @@ def numbered(names: Sequence[str], count: int) -> list[str]:
     return [f"{name} {k}" if count > 1 else name for k in range(1, count + 1) for name in names]
 
 
-def _by_names(fit: Fit, order: Array, wanted: _Wanted) -> tuple[Array, Array]:
+def _by_names(fit: Fit, order: Any, wanted: _Wanted) -> tuple[Array, Array]:
     """Jacobian by the logarithms of what is asked for, then the rest; and residues, of one response."""
     whole, k, count = fit.jacobian(), len(order), fit.weights.shape[1]
     whole = whole.reshape(-1, whole.shape[-1])

@@ -169,14 +169,20 @@ def reading(clues: Sequence[Clue], methods: Mapping[str, Callable[[], Identifica
             f"cannot tell what it is: {_told(clues, ', but ', True)}: name other columns, --x HEAD --y HEAD, or say "
             f"which it is, --of {', '.join(KINDS[:-1])} or {KINDS[-1]}"
         )
+    left = _plainly(left)
     would = " or ".join(f"a {each}{_would(methods[each])}" for each in left)
     seen = f"{_told(clues)}; " if clues else ""
     cure = " or ".join(f"--of {each}" for each in left)
     raise ValueError(f"may be {would}: {seen}no head, unit or number says which: say {cure}")
 
 
+def _plainly(kinds: Sequence[str]) -> list[str]:
+    """Kinds without those that are responses, where a response of any form is among them."""
+    return [each for each in kinds if each not in FORMS or "response" not in kinds]
+
+
 def _told(clues: Sequence[Clue], between: str = ", ", meaning: bool = False) -> str:
-    allowed = (" or ".join(f"a {kind}" for kind in each.allows) for each in clues)
+    allowed = (" or ".join(f"a {kind}" for kind in _plainly(each.allows)) for each in clues)
     return between.join(
         each.words + (f" (of {kinds})" if meaning and kinds else "") for each, kinds in zip(clues, allowed, strict=True)
     )

@@ -119,8 +119,8 @@ def _columns(path: Path, over: str, x: str | None, y: str | None) -> list[Mappin
     wanted = _head(several[0] if several else "")
     heads = _heads(path, {"frequency": WantedColumn(overs), "value": WantedColumn((wanted,))})
     if isinstance(heads, Columns):
-        at = WantedColumn(overs)
-        rest = (read_columns(path, {"frequency": at, "value": WantedColumn((_head(n),))}) for n in several[1:])
+        role = {"frequency": WantedColumn(overs)}
+        rest = (read_columns(path, role | {"value": WantedColumn((_head(n),))}) for n in several[1:])
         return [heads.columns, *(each.columns for each in rest)]
     if y in heads:
         several = [str(y)]
@@ -128,8 +128,10 @@ def _columns(path: Path, over: str, x: str | None, y: str | None) -> list[Mappin
     if at is None:
         return [_by_numbers(path, heads, overs, y).columns]
     return [
-        read_columns(path, _wanted(at, *map(_head, names), role=role)).columns
-        for *names, role in _responses(several or [each for each in heads if each != at], heads, at, bool(several))
+        read_columns(path, _wanted(at, _head(value), _head("".join(second)), role)).columns
+        for value, *second, role in _responses(
+            several or [each for each in heads if each != at], heads, at, bool(several)
+        )
     ]
 
 
