@@ -71,11 +71,11 @@ def declared(key: Key, default: Any = MISSING) -> Any:
 
 
 def keys_of(kind: type[Any]) -> dict[str, Key]:
-    """The keys of a declaration by name, in their order."""
-    return {each.name: each.metadata["key"] for each in fields(kind) if "key" in each.metadata}
+    """The keys of a declaration by name, in their order; a field ``from_`` is the key ``from``."""
+    return {each.name.rstrip("_"): each.metadata["key"] for each in fields(kind) if "key" in each.metadata}
 
 
 def defaults_of(kind: type[Any]) -> dict[str, Any]:
     """The defaults of those keys that may be absent."""
-    made = {each.name: each.default_factory() for each in fields(kind) if each.default_factory is not MISSING}
-    return made | {each.name: each.default for each in fields(kind) if each.default is not MISSING}
+    made = {each.name.rstrip("_"): each.default_factory() for each in fields(kind) if each.default_factory is not MISSING}
+    return made | {each.name.rstrip("_"): each.default for each in fields(kind) if each.default is not MISSING}

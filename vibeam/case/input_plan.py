@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vibeam.exchange.curves.told import tell
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, State, state_of
 from vibeam.system.record_pieces import BASELINES
@@ -46,7 +47,7 @@ SHAPES = {
 }
 #: keys by which an input is said, and those that go with each
 WAYS = {
-    "file": ("column", "time", "unit", "remove", "scale", "rate", "interpolation", "quantity"),
+    "file": ("column", "time", "unit", "remove", "scale", "rate", "interpolation", "quantity", "start", "from", "to"),
     "shape": ("duration", "rise", "fall", "cycles", "window", "beats", "pause", "delay"),
     "density": ("band", "seed", "rate", "interpolation", "quantity"),
 }
@@ -77,6 +78,12 @@ class InputPlan:
     )  # fmt: skip
     unit: str | None = declare.text("of the file's values, where its head does not say it; absent = SI", "g", None)
     scale: float | None = declare.quantity("", "factor of the file's values", 2.0, None)
+    start: Any = declare.text(
+        "time of the file that becomes 0; absent = as the file has it, its first sample where its clock begins before "
+        "0 or after the run", "first sample", None,
+    )  # fmt: skip
+    from_: float | None = declare.quantity("s", "first time of the file that is taken, by its clock", "0.2 s", None)
+    to: float | None = declare.quantity("s", "last time of the file that is taken, by its clock", "1.5 s", None)
     remove: str | None = declare.word(
         tuple(BASELINES),
         "drift taken off a file: mean of the load, slope of the line nearest to the base's velocity, or the "
@@ -129,7 +136,7 @@ class InputPlan:
         ``seed``: of a random input, None: its own first. ValueError for what no record can be.
         """
         own = self.seed if seed is None else seed
-        made = _made(self, duration * speed, own) if self.file is None else self.measured()
+        made = _made(self, duration * speed, own) if self.file is None else self.measured(duration * speed)
         return made if level == speed == 1.0 else made.scaled(level=level, speed=speed)
 
     def said(self, *names: str) -> dict[str, Any]:
@@ -147,11 +154,18 @@ class InputPlan:
         made: Record = make(self.peak, quantity=self.quantity, start=self.delay or 0.0, **said, **shape.fixed)
         return made
 
-    def measured(self) -> Record:
-        """Record of the file, which is read once while it is unchanged; CaseError for a faulty one."""
+    def measured(self, duration: float | None = None) -> Record:
+        """Record of the file, which is read once while it is unchanged; CaseError for a faulty one.
+
+        From its first sample on where its clock is none of a run of ``duration`` s, None: as long as the record.
+        """
         file = Path(self.file or "")
         try:
-            return _record_of(self, state_of(file))
+            made = _record_of(self, state := state_of(file))
+            own = 0 <= made.start < (made.duration if duration is None else duration)
+            made = made if own or self.start is not None else _from_first(self, state)
+            tell(made.taken)
+            return made
         except FormatError as fault:
             raise CaseError([fault_in(file, fault.line, fault.message)]) from None
 
@@ -175,4 +189,13 @@ def _made(plan: InputPlan, duration: float, seed: int | None) -> Record:
 def _record_of(plan: InputPlan, state: State) -> Record:
     from vibeam.exchange.time_series import record_of_file
 
-    return record_of_file(plan.file or "", quote=plan.quote, **plan.said(*WAYS["file"]))
+    names = {"from_": "since", "to": "until"}
+    said = plan.said(*(name for name in WAYS["file"] if name != "from"), "from_")
+    return record_of_file(plan.file or "", quote=plan.quote, **{names.get(name, name): said[name] for name in said})
+
+
+@lru_cache(maxsize=1)
+def _from_first(plan: InputPlan, state: State) -> Record:
+    from vibeam.exchange.time_series import from_first_sample
+
+    return from_first_sample(_record_of(plan, state))

@@ -21,6 +21,7 @@ from vibeam.cli.commands import case_files, checks, maps, measured, modes, pages
 from vibeam.cli.errors import UsageError, mistakes
 from vibeam.cli.streams import put, standard_streams
 from vibeam.cli.verbosity import with_verbosity
+from vibeam.exchange.curves.told import taken_told
 from vibeam_models.phases import phases_told
 
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
@@ -94,7 +95,7 @@ def _options(
         raise typer.Exit
 
 
-def _tell_phase(said: str) -> None:
+def _tell(said: str) -> None:
     from vibeam.cli.progress import stderr
 
     stderr().print(said)
@@ -103,5 +104,5 @@ def _tell_phase(said: str) -> None:
 for group in GROUPS.values():
     for each in group:
         if each is not studies.study:
-            app.command()(with_verbosity(phases_told(_tell_phase)(mistakes()(each))))
+            app.command()(with_verbosity(taken_told(_tell)(phases_told(_tell)(mistakes()(each)))))
 app.add_typer(studies.registered, name="study")

@@ -22,9 +22,11 @@ NOTES = 5  # remarks on a screen, a sentence each
 
 def print_json(data: dict[str, Any]) -> None:
     """Print data as one object, its ``schema`` with name and version first."""
+    from vibeam.exchange.curves.told import all_taken
     from vibeam.report.output import to_json
 
-    put_json(to_json({"schema": f"vibeam.{verbosity().command}/1"} | data))
+    taken = {"taken": all_taken()} if all_taken() else {}
+    put_json(to_json({"schema": f"vibeam.{verbosity().command}/1"} | data | taken))
 
 
 def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), whole: bool = False) -> None:

@@ -8,7 +8,8 @@ rate must be said in its place.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ import numpy as np
 
 from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, in_si, split_head
 from vibeam.exchange.curves.read import is_text, read_columns
+from vibeam.exchange.curves.record import taking
+from vibeam.exchange.curves.taken import Taken, taken_column
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, file_fault, read_by, require_samples
 from vibeam.system.record import Record
@@ -34,6 +37,7 @@ HEADS = {
     "moment": ("moment", "torque", "m"),
 }
 WAVES = (".wav", ".wave")
+FIRST = "first sample"
 EVEN, ROUNDED = 1e-3, 0.3  # of a step: times taken as equal steps; times that were written with too few digits
 LONGER = 0.01  # share by which a record may last longer or shorter by a rate that is said than by its own times
 SAY_UNIT, SAY_RATE = 'say it: unit = "…"', 'say it: rate = "…"'
@@ -51,6 +55,9 @@ def record_of_file(
     scale: float | None = None,
     interpolation: str | None = None,
     remove: str | None = None,
+    start: str | float | None = None,
+    since: float | None = None,
+    until: float | None = None,
     quote: bool = True,
 ) -> Record:
     """Record of a file, by its ending: text (CSV and tables of instruments), .wav, .mat, .h5, universal files.
@@ -63,8 +70,11 @@ def record_of_file(
     - ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``. ``unit`` goes before the one that the file
       says (``g`` is 9.80665 m/s²); without any: SI. ``scale``: factor on top of it; of a WAV file of whole numbers the
       value of its full scale, which must be said.
+    - ``since``, ``until``: stretch of the file that is taken, s by its own clock, which begins at 0 where it has none.
+      ``start``: time of the file that becomes 0, or ``"first sample"``; None: its clock stays.
 
-    CaseError names file, line or row, and cure of every fault. ``quote``: whether messages may quote the file.
+    ``taken`` of the record says what was read. CaseError names file, line or row, and cure of every fault. ``quote``:
+    whether messages may quote the file.
 
     >>> import vibeam
     >>> with open("shock.csv", "w") as file:
@@ -76,22 +86,73 @@ def record_of_file(
     if fault := file_fault(path):
         raise CaseError([fault_in(path, None, fault)])
     try:
-        _require_keys(quantity, column, time, unit, scale)
+        _require_keys(quantity, column, time, unit, scale, start, since, until)
         found, own = _columns(path, column, time, quantity, rate, scale is not None)
         value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
-        times = in_si(found.columns["frequency"], "s", None, SAY_RATE) if own is None else None
+        clock = in_si(found.columns["frequency"], "s", None, SAY_RATE) if own is None else np.arange(len(value)) / own
+        kept = _stretch(clock, since, until)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
-    _require_sound(path, found, value, times, 2 if interpolation == "linear" else LEAST[JOINED[quantity][0]])
+    value, clock, lines = value[kept], clock[kept], found.lines[kept]
+    least = 2 if interpolation == "linear" else LEAST[JOINED[quantity][0]]
+    _require_sound(path, lines, value, clock if own is None else None, least)
     try:
-        start, even = (0.0, own) if times is None else (float(times[0]), _even(times))
-        when: dict[str, Any] = {"times": times} if even is None else {"rate": even, "start": start}
-        return Record.sampled(value, **when, quantity=quantity, interpolation=interpolation, remove=remove)
+        even = _even(clock) if own is None else own
+        zero = float(clock[0]) if start == FIRST else 0.0 if start is None else float(start)
+        when: dict[str, Any] = {"times": clock - zero} if even is None else {"rate": even, "start": clock[0] - zero}
+        made = Record.sampled(value, **when, quantity=quantity, interpolation=interpolation, remove=remove)
     except ValueError as wrong:
         raise CaseError([fault_in(path, None, str(wrong).removeprefix("record: "))]) from None
+    taken = _taken(path, found, UNITS[quantity], unit, clock, even, None if start is None else zero)
+    return _described(made, taken)
 
 
-def _require_keys(quantity: Any, column: Any, time: Any, unit: Any, scale: Any) -> None:
+def from_first_sample(record: Record) -> Record:
+    """The record of a file from its first sample on, which becomes 0, and so says what was taken of it."""
+    return _described(record.shifted(-record.start), replace(record.taken, zero=record.taken.start))
+
+
+def _described(record: Record, taken: Taken) -> Record:
+    object.__setattr__(record, "taken", taken)
+    return record
+
+
+def _stretch(clock: Array, since: float | None, until: float | None) -> slice:
+    """Samples from one time on up to another; FormatError where there are none."""
+    if since is None and until is None:
+        return slice(None)
+    near = 1e-6 * abs(float(np.median(np.diff(clock)))) if len(clock) > 1 else 0.0
+    inside = (clock >= -np.inf if since is None else clock >= since - near) & (until is None or clock <= until + near)
+    places = np.flatnonzero(inside)
+    if not len(places):
+        asked = f"{'' if since is None else f' from {since:.6g} s'}{'' if until is None else f' to {until:.6g} s'}"
+        raise FormatError(f"has no sample{asked}: its clock goes from {clock[0]:.6g} to {clock[-1]:.6g} s")
+    return slice(int(places[0]), int(places[-1]) + 1)
+
+
+def _taken(
+    path: Path, found: Columns, si: str, unit: str | None, clock: Array, even: float | None, zero: float | None
+) -> Taken:  # fmt: skip
+    columns = [taken_column(found.columns["value"], si, unit)]
+    if "frequency" in found.columns:
+        columns.append(taken_column(found.columns["frequency"], "s"))
+    notes = list(found.notes)
+    if len(clock) < len(found.lines):
+        notes.append(f"{len(found.lines) - len(clock)} of {len(found.lines)} samples left out by from and to")
+    if even is None:
+        steps = np.diff(clock)
+        notes.append(f"uneven steps of {steps.min():.4g} to {steps.max():.4g} s")
+    if how := taking(found.columns["value"].unit)[1]:
+        notes.append(f"its head says {how} values, and samples are taken as they are")
+    return Taken(
+        path.name, "time history", tuple(columns), len(clock), float(clock[0]), float(clock[-1]), "s", even,
+        tuple(notes), zero,
+    )  # fmt: skip
+
+
+def _require_keys(
+    quantity: Any, column: Any, time: Any, unit: Any, scale: Any, start: Any, since: Any, until: Any
+) -> None:  # fmt: skip
     """FormatError for what no file can have."""
     faults: list[str] = []
     word("quantity", quantity, JOINED, faults)
@@ -100,8 +161,11 @@ def _require_keys(quantity: Any, column: Any, time: Any, unit: Any, scale: Any) 
             faults.append(f"{name}: {shown(each)} must be a head, or a number from 1")
     if not (unit is None or isinstance(unit, str)):
         faults.append(f"unit: {shown(unit)} must be text")
-    if scale is not None:
-        number("scale", scale, faults)
+    for name, each in (("scale", scale), ("start", start), ("since", since), ("until", until)):
+        if each is not None and not (name == "start" and each == FIRST):
+            number(name, each, faults)
+    if isinstance(since, float | int) and isinstance(until, float | int) and since >= until:
+        faults.append(f"until: {until:g} s is not after since, {since:g} s")
     if faults:
         raise FormatError("; ".join(faults))
 
@@ -155,13 +219,13 @@ def _read(path: Path, wanted: Mapping[str, WantedColumn], any_head: bool) -> Col
         return read_columns(path, {**wanted, "value": WantedColumn((left[0],))})
 
 
-def _require_sound(path: Path, found: Columns, value: Array, times: Array | None, least: int) -> None:
+def _require_sound(path: Path, lines: Sequence[int], value: Array, times: Array | None, least: int) -> None:
     """CaseError with all faults of samples and times, by line or row."""
     word = "line" if is_text(path) and path.suffix.lower() not in WAVES else "row"
     faults: list[str] = []
-    samples_of(value, least, faults, lambda row: f"{word} {found.lines[row]}")
+    samples_of(value, least, faults, lambda row: f"{word} {lines[row]}")
     if times is not None:
-        times_of(len(value), None, times, None, faults, lambda row: f"{word} {found.lines[row]}")
+        times_of(len(value), None, times, None, faults, lambda row: f"{word} {lines[row]}")
     if faults:
         raise CaseError([fault_in(path, None, each) for each in faults])
 

@@ -51,7 +51,7 @@ UNITS = {
     ("Nm",): ("1", "newton*meter"),
     ("kgf", "kp"): ("9.80665", "newton"),
     ("lbf",): ("1", "pound*gn"),
-    ("kip",): ("1000", "lbf"),
+    ("kip", "kips"): ("1000", "lbf"),
     ("joule", "J"): ("1", "newton*meter"),
     ("pascal", "Pa"): ("1", "newton/meter^2"),
     ("bar",): ("100000", "pascal"),
@@ -66,7 +66,7 @@ UNITS = {
 
 #: words with prefixes that have one reading in capitals too: MM, but not MPA, which may be mPa
 PREFIXED = ("mm", "cm", "um", "µm", "ms", "us", "µs", "kg", "kN", "kHz", "kPa", "msec", "usec", "µsec", "mbar")
-CAPITALS = {"M": "m", "S": "s"}  # in products of capitals alone, as M/S^2
+CAPITALS = {"M": "m", "S": "s"}  # where all are capitals, as M/S^2
 
 _TOKEN = re.compile(r" ?(?:([A-Za-zµ%°]+)(?:'s)?|([()/])|([*·×]|[.-](?=[A-Za-zµ(]))|(1)(?= ?/))")
 _POWER = re.compile(r" ?(?:\^|\*\*) ?(?:\(([+-]?[0-9])\)|([+-]?[0-9]))|(-?[1-9])(?![0-9])|(⁻?[¹²³⁴])")
@@ -84,7 +84,7 @@ def unit_size(unit: str) -> Size | None:
     found = None if len(unit) > LONGEST or unit != unit.strip() else _product(unit)
     if not found or len(found) > MOST:
         return None
-    size, dimension, capitals = Decimal(1), dict[str, float](), unit.isupper() and len(found) > 1
+    size, dimension, capitals = Decimal(1), dict[str, float](), unit.isupper()
     for name, exponent in found:
         one = _named(CAPITALS.get(name, name) if capitals else name)
         if one is None:
@@ -140,7 +140,8 @@ def _named(name: str) -> Size | None:
                     return Decimal(factor) * found[0], found[1]
     small = name.casefold()
     plain = _small_letters().get(small) or _small_letters().get(small.removesuffix("s"), name)
-    alike = name.isupper() or name.istitle() or plain in ("Hz", "kHz")
+    mixed = plain in ("Hz", "kHz") or (len(plain) > 2 and name == plain[:1] + plain[1:].title())  # mSec, but not mM
+    alike = name.isupper() or name.istitle() or mixed
     return _named(plain) if alike and plain != name else None
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from typing import Any, Self
@@ -30,7 +30,7 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
     - ``quantity``: ``"acceleration"`` of the base b̈ (m/s²), ``"force"`` (N) or ``"moment"`` (N m);
     - ``initial``: velocity and displacement of the base at the start (m/s, m), which no motion depends on;
     - ``samples``: what the samples were that it interpolates, ``"linear"`` or ``"cubic"`` between values of the load,
-      ``"velocity"`` or ``"displacement"`` of the base; None: the pieces are the load itself, as of shapes and noise.
+      ``"velocity"`` or ``"displacement"`` of the base; None: the pieces are the load itself; ``taken``: of a file, how.
 
     A system moves by η'' + 2ζωη' + ω²η = load · (∓u) + static, with − for an acceleration: where ``Drive`` has
     Ω²B sin Ωt, it is −b̈. ``sampled``, ``random``, ``half_sine``, ``saw_tooth``, ``trapezoid``, ``step``, ``sine``,
@@ -48,6 +48,7 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
     quantity: str = "acceleration"
     initial: tuple[float, float] = (0.0, 0.0)
     samples: str | None = None
+    taken: Any = field(default=None, init=False, compare=False)
 
     def __post_init__(self) -> None:
         faults: list[str] = []
@@ -59,8 +60,11 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
             faults.append("times: must be two or more numbers, s")
         else:
             faults.extend(ascent_faults(times))
-        known = 0 if times is None else times.size
-        if coefficients is None or coefficients.shape != (known - 1, 4) or not np.isfinite(coefficients).all():
+        if (
+            coefficients is None
+            or coefficients.shape != (np.size(self.times) - 1, 4)
+            or not np.isfinite(coefficients).all()
+        ):
             faults.append("coefficients: must be (K, 4) finite numbers for K + 1 times")
         start = read_only(self.initial)
         if start is None or start.shape != (2,) or not np.isfinite(start).all():

@@ -11,7 +11,7 @@ from vibeam.case.input_plan import InputPlan
 from vibeam.casefile.field_tables import flat
 from vibeam.casefile.fields import Entry, OneOrSeveral, Quantity, Several
 from vibeam.casefile.quantities import ANY
-from vibeam.casefile.tables.input import COLUMN, LOADS, PEAKS, DensityEntry
+from vibeam.casefile.tables.input import COLUMN, LOADS, PEAKS, START, DensityEntry
 from vibeam.casefile.tables.table import Frequency, declared_entry, less, plan_keys, table
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.figures import FIGURES
@@ -233,6 +233,6 @@ _NUMBERS = {name: cast(Quantity, declared_entry(keys_of(Base)[name])) for name i
 _SIGNED = {name: replace(_NUMBERS[name], range=ANY) for name in PEAKS}  # a pulse has a direction
 _LISTS: dict[str, Entry] = {name: OneOrSeveral(each) for name, each in (_NUMBERS | _SIGNED).items()}
 _FREQUENCY = Several(Frequency, alone=True, ascending=True)
-_INPUT = plan_keys(InputPlan, column=COLUMN, time=COLUMN, density=DensityEntry())
+_INPUT = plan_keys(InputPlan, column=COLUMN, time=COLUMN, start=START, density=DensityEntry())
 DriveTable: Any = table("DriveTable", DRIVE, plan_keys(Base, frequency=_FREQUENCY, **_LISTS), _INPUT)
 SdofDriveTable: Any = less(DriveTable, "SdofDriveTable", SDOF_DRIVE, "voltage", "gain", *LOADS, "at", plain=True)

@@ -13,7 +13,7 @@ from vibeam.case.input_plan import SHAPES, WAYS, InputPlan
 from vibeam.case.plans import moving
 from vibeam.casefile.fields import Entry, JsonSchema, ValueEntry
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.quantities import NUMBER_WITH_UNIT, SI, Dimension, UnitSystem, suits, to_si, with_unit
+from vibeam.casefile.quantities import NUMBER_WITH_UNIT, SI, TIME, Dimension, UnitSystem, suits, to_si, with_unit
 from vibeam.casefile.tables.table import Frequency
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, as_shown_in_message
@@ -22,6 +22,7 @@ from vibeam.system.record_samples import GRAVITY, MOST
 from vibeam_models.base import Base
 from vibeam_models.keys import keys_of
 
+FIRST = "first sample"
 MOTIONS = ("acceleration", "velocity", "displacement")  # of the base
 LOADS = ("force", "moment")
 PEAKS = ("acceleration", *LOADS)  # what a shape's peak is said by
@@ -112,6 +113,13 @@ def _head(value: Any) -> str | int | None:
     return value if number or (isinstance(value, str) and value) else None
 
 
+def _start(value: Any) -> Any:
+    return value if value == FIRST else to_si(value, TIME)
+
+
+START = ValueEntry(
+    _start, '"first sample" | time', {"type": "string"}, lambda at: at if at == FIRST else with_unit(at, TIME)
+)
 COLUMN = ValueEntry(_head, "head in quotes | number from 1", {"type": ["string", "integer"]})
 
 
@@ -297,6 +305,7 @@ def input_plan(case: Any, folder: File) -> InputPlan:
     """The plan of the input of a checked record case."""
     drive, of = case.drive, said_of(case) or _load_of(case)
     own = {name: getattr(drive, name, None) for name in keys_of(InputPlan)}
+    own["from_"] = own.pop("from")
     own["density"] = None if drive.density is None else drive.density[0]
     own["file"] = None if drive.file is None else str((folder / drive.file).absolute())
     return InputPlan(

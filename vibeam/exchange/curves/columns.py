@@ -6,12 +6,13 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from vibeam.exchange.curves.record import factor
+from vibeam.exchange.curves.record import PLAIN, factor, known_unit, taking
 from vibeam.exchange.files import FormatError, shown
 from vibeam_models.arrays import Array
 
 SHOWN = 12  # heads named in a message
-TIMES = ("time", "t", "zeit", "temps", "tiempo", "tempo", "seconds", "sec")  # usual heads of a column of times
+#: usual heads of a column of times
+TIMES = ("time", "t", "zeit", "temps", "tiempo", "tempo", "seconds", "sec", "x_value", "x-axis")
 
 
 class HeadError(FormatError):
@@ -48,11 +49,12 @@ class CurveColumn:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Columns by role, of equal length, the line or row of each entry, and all ``heads`` of a text."""
+    """Columns by role, of equal length, line or row of each entry, all ``heads`` of a text, ``notes`` on the file."""
 
     columns: Mapping[str, CurveColumn]
     lines: Sequence[int]
     heads: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 def in_si(column: CurveColumn, wanted: str, unit: str | None, cure: str, scale_unit: str = "") -> Array:
@@ -63,21 +65,75 @@ def in_si(column: CurveColumn, wanted: str, unit: str | None, cure: str, scale_u
         raise FormatError(f"column {column.head!r}: {fault}; {cure}") from None
 
 
-_UNIT = r"[A-Za-zµμ%][\w%µμ²³⁻¹*/·^ -]{0,39}|1 ?/ ?[A-Za-z]+"
+def is_unit(text: str) -> bool:
+    """Test whether a word of a file is a unit that is known, and no usual name of a column or of a channel."""
+    return text.strip() not in NO_UNITS and _is_known(text)
 
-_HEADS = (
-    re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*?)\s*[\])]\s*", re.DOTALL),
-    re.compile(rf"(?P<name>[^/]*?)\s*[/,]\s*(?P<unit>{_UNIT})\s*"),
-    re.compile(r"(?P<name>.*?)_(?P<unit>k?[Hh]z|[muµ]?m)"),
-)
+
+def _is_known(text: str) -> bool:
+    plain = taking((text.strip()[1:-1] if bracketed(text) else text).strip().replace("μ", "µ"))[0]
+    return bool(re.search(r"[^\W\d]|%", plain)) and plain.casefold() not in PLAIN and known_unit(plain)
+
+
+def bracketed(text: str) -> bool:
+    """Test whether all of a text stands in brackets."""
+    return bool(re.fullmatch(r"\s*(\[[^\[\]]+\]|\([^()]+\))\s*", text))
+
+
+#: names of columns and channels that are units too: ampere, hour, minute, tonne … of a channel A, an amplitude, a least
+NO_UNITS = ("A", "H", "J", "t", "amp", "Amp", "min", "Min", "MIN", "bar", "rev", "turn")
+_UNIT = r"[A-Za-zµμ%][\w%µμ²³⁻¹*/·^ -]{0,39}|1 ?/ ?[A-Za-z]+"
+_BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(((?:[^()]|\([^()]*\))*)\)(?![/*·^])")
+_DIVIDED = re.compile(rf"(?P<name>[^/]*?)\s*[/,]\s*(?P<unit>{_UNIT})\s*")
+_CHANNEL = re.compile(r"(ai|ao|ch|in|out|port|line)\d+(/.*)?", re.IGNORECASE)  # Dev1/ai0
+_HOW = re.compile(r"(?<![^\W_])(rms|r\.m\.s\.|pk-pk|p-p|pp|peak[ -](?:to[ -])?peak)(?![^\W_])", re.IGNORECASE)
 
 
 def split_head(head: str) -> tuple[str, str]:
-    """Name and unit of a head: ``f [Hz]``, ``x (mm)``, ``x / mm``, ``f, Hz``, ``frequency_hz``; unit empty if none."""
-    for form in _HEADS:
-        if found := form.fullmatch(head.strip()):
-            return found["name"].strip(), found["unit"].replace("μ", "µ").replace("hz", "Hz")
-    return head.strip(), ""
+    """Name and unit of a head: ``f [Hz]``, ``x / mm``, ``(g) ch1``, ``acc_g``, ``frequency_hz``; unit empty if none.
+
+    A word on how values are taken (``taking``), ``acc rms [g]``, becomes part of the unit.
+    """
+    how = _HOW.search(head.strip())
+    if how is None:
+        name, unit = _split(head.strip())
+    else:
+        plain = f"{head.strip()[: how.start()]}{head.strip()[how.end() :]}"
+        name, unit = _split(plain.strip(" _,") if how.end() == len(head.strip()) else head.strip())
+        unit = f"{_split(plain.strip(' _,'))[1]} {how[1]}".strip()
+    return name or head, unit.replace("μ", "µ").replace("hz", "Hz")
+
+
+def _split(head: str) -> tuple[str, str]:
+    groups = [(found, (found[1] or found[2] or "").strip()) for found in _BRACKETS.finditer(head)]
+    known = [each for each in groups if is_unit(each[1]) or (_is_known(each[1]) and each[0].end() == len(head))]
+    odd = [each for each in groups if each[0].end() == len(head) or re.search(r"[/^²³√·]", each[1])]
+    if said := known or odd[-1:]:
+        name = head.replace(said[0][0][0], " ", 1)
+        return " ".join(name.split()), " ".join(dict.fromkeys(unit for _, unit in said))
+    if is_unit(head) and " " not in head and (len(head) > 1 or head in "gGNsV"):
+        return head, head
+    if unit := _last_word(head):
+        return re.sub(r"(\s+in|[\s_/,]+)$", "", head.removesuffix(unit).rstrip(" _/,")), unit.replace("_", "/")
+    found = _DIVIDED.fullmatch(head)
+    if found and not _CHANNEL.match(found["unit"]):
+        return found["name"].strip(), found["unit"]
+    return head, ""
+
+
+def _last_word(head: str) -> str:
+    """Unit that ends a head, behind a blank, a comma or a stroke below: ``acc_g``, ``acc_m_s2``, ``time in ms``."""
+    for form in (r"[\s_,/](mm?_s(?:\^?2)?)$", r"[\s_,]([^\s_,]+)$", r"/\s*([^\s/]+)$"):
+        if not (found := re.search(form, head)) or not found.start():
+            continue
+        word, name = found[1], head[: found.start()]
+        if word == "m" or word.casefold() == "min":
+            ended = head[found.start()] == "_" if word == "m" else name.casefold() in TIMES
+        else:
+            ended = (len(word) > 1 or word in "gGNsV") and is_unit(word.replace("_", "/"))
+        if ended:
+            return word
+    return ""
 
 
 def find(heads: Sequence[str], wanted: WantedColumn) -> int | None:

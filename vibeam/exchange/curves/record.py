@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from difflib import get_close_matches
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,9 @@ from numpy.typing import ArrayLike
 from vibeam.exchange.faults import suggest
 from vibeam.exchange.units import unit_size
 from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from vibeam.exchange.curves.taken import Taken
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
 SAME_FREQUENCY = 1e-9  # relative tolerance
@@ -40,7 +44,7 @@ class Point:
 class ReferenceCurve:
     """Reference curve: ``points`` of one ``quantity``, and their ``source``.
 
-    ``recorded``: an earlier result of a model of ours, which is no reference.
+    ``recorded``: an earlier result of a model of ours, which is no reference. ``taken``: of which columns of its file.
 
     >>> import vibeam
     >>> curve = vibeam.ReferenceCurve.of([14.0, 15.0], [2e-4, 3.7e-4], direction="up")
@@ -52,6 +56,7 @@ class ReferenceCurve:
     points: tuple[Point, ...]
     source: str = ""
     recorded: bool = False
+    taken: Taken | None = field(default=None, compare=False, repr=False)
 
     @classmethod
     def of(
@@ -153,10 +158,9 @@ def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
     of the acceleration of free fall where that makes it one of ``wanted``, else grams. How a value is taken, as in
     ``mm rms``, is no part of its unit (``taking``).
     """
-    if not unit and not scale_unit:
+    if not taking(unit)[0] and not scale_unit:
         return 1.0
-    plain = taking(unit)[0].strip(" .").replace("μ", "µ") if unit else "V" if "V" in scale_unit else ""
-    plain = plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
+    plain = _plain(unit) if unit else "V" if "V" in scale_unit else ""
     (more, further), (aim, target) = _sized(scale_unit), _sized(wanted)
     known = list[str]()
     for each in (plain, _FREE_FALL.sub(r"\1gn", plain)):
@@ -170,22 +174,29 @@ def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
     raise ValueError(f"the unit {unit!r}{by} is not one of {wanted or 'a plain number'}")
 
 
+CURES = {"rms": 1.41421, "peak to peak": 0.5}  # scale by which values become amplitudes
 PLAIN = ("", "1", "-", "none", "ratio")  # units of a plain number
 USUAL = (
     "m/s^2", "mm/s^2", "m/s", "mm/s", "m", "mm", "µm", "in", "N", "kN", "lbf", "N m", "s", "ms", "Hz", "kHz", "rpm",
 )  # fmt: skip
 _FREE_FALL = re.compile(r"(?<![A-Za-zµ])([mµu]?)[gG](?:'?s|n)?(?![A-Za-z])")
-_WORDS = r"rms|r\.m\.s\.|0-pk|pk-pk|peak-peak|p-p|pk|peak|pp"
-_TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gG]))({_WORDS})\)?", re.IGNORECASE)
+_WORDS = r"rms|r\.m\.s\.|0-pk|pk-pk|peak[ -](?:to[ -])?peak|p-p|pk|peak|pp"
+_TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gG_]))({_WORDS})\)?", re.IGNORECASE)
 
 
 def taking(unit: str) -> tuple[str, str]:
     """A unit, and how its values are taken: ``rms``, ``peak``, ``peak to peak``; empty: as they are."""
     found = _TAKING.fullmatch(unit.strip())
-    if not found or not found[1]:
+    if not found:
         return unit, ""
     word = found[2].casefold()
     return found[1], "rms" if word[0] == "r" else "peak" if word in ("pk", "0-pk", "peak") else "peak to peak"
+
+
+def _plain(unit: str) -> str:
+    """A unit alone, out of brackets and blanks."""
+    plain = taking(unit)[0].strip(" .").replace("μ", "µ")
+    return plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
 
 
 def meant(unit: str, wanted: str) -> str:
@@ -211,7 +222,7 @@ def _times(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, fl
 
 def known_unit(unit: str) -> bool:
     """Test whether a unit is known, ``%`` and a plain number (``1``) among them."""
-    plain = taking(unit)[0].replace("μ", "µ")
-    return (
-        plain in (*PLAIN, "%") or unit_size(plain) is not None or unit_size(_FREE_FALL.sub(r"\1gn", plain)) is not None
+    plain = _plain(unit)
+    return plain in (*PLAIN, "%") or any(
+        unit_size(each) is not None for each in (plain, _FREE_FALL.sub(r"\1gn", plain))
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -11,8 +12,19 @@ import numpy as np
 
 from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn, in_si
 from vibeam.exchange.curves.read import read_columns
-from vibeam.exchange.curves.record import COLUMNS, Point, ReferenceCurve, ReferenceForm, given
+from vibeam.exchange.curves.record import (
+    COLUMNS,
+    CURES,
+    QUANTITIES,
+    Point,
+    ReferenceCurve,
+    ReferenceForm,
+    given,
+    taking,
+)
+from vibeam.exchange.curves.taken import Taken, taken_column
 from vibeam.exchange.curves.text import TextForm
+from vibeam.exchange.curves.told import tell
 from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in, suggest
 from vibeam.exchange.files import FormatError, file_fault, read_by
 from vibeam_models.arrays import Array
@@ -43,9 +55,14 @@ def read_curve(
     ('amplitude', 402)
     """
     form, path = form or ReferenceForm(), Path(path)
-    points = _read_points(path, quantity, form, quote)
+    points, taken = _read_points(path, quantity, form, quote)
     treated = tuple(_treated(point, form) for point in points if _inside(point, form))
-    return ReferenceCurve(quantity, treated, str(path), _is_recorded(path))
+    left = len(points) - len(treated)
+    notes = (*taken.notes, f"{left} of {len(points)} points left out by window") if left else taken.notes
+    recorded = _is_recorded(path)
+    if not recorded:
+        tell(replace(taken, notes=notes))
+    return ReferenceCurve(quantity, treated, str(path), recorded, replace(taken, notes=notes))
 
 
 def _treated(point: Point, form: ReferenceForm) -> Point:
@@ -68,15 +85,25 @@ def _is_recorded(path: Path) -> bool:
         return file.read(len(RECORDED)) == RECORDED.encode()
 
 
-def _read_points(path: Path, quantity: str, form: ReferenceForm, quote: bool) -> list[Point]:
-    """Read the points of a file of any form; CaseError with the place and the cure."""
+def _read_points(path: Path, quantity: str, form: ReferenceForm, quote: bool) -> tuple[list[Point], Taken]:
+    """The points of a file of any form, and what was taken of it; CaseError with the place and the cure."""
     if fault := file_fault(path):
         raise CaseError([fault_in(path, None, fault)])
     try:
         found = read_columns(path, _wanted(quantity, form), TextForm(form.separator, form.decimal))
-        return _points(found, quantity, form)
+        points = _points(found, quantity, form)
+        return points, _taken(path, found, quantity, form, points)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quantity, form, quote))]) from None
+
+
+def _taken(path: Path, found: Columns, quantity: str, form: ReferenceForm, points: Sequence[Point]) -> Taken:
+    units = {"value": (form.unit, form.units.get(quantity)), "frequency": ("Hz", form.units.get("frequency"))}
+    if "uncertainty" in found.columns:
+        units["uncertainty"] = units["value"][0], form.units.get("uncertainty")
+    columns = tuple(taken_column(found.columns[role], *units[role]) for role in units)
+    at = [point.frequency for point in points] or [0.0]
+    return Taken(path.name, "response curve", columns, len(points), min(at), max(at), "Hz", notes=found.notes)
 
 
 def _told(wrong: FormatError, quantity: str, form: ReferenceForm, quote: bool) -> str:
@@ -113,6 +140,10 @@ def _points(found: Columns, quantity: str, form: ReferenceForm) -> list[Point]:
         periods = None  # of other programs, a column of this name may hold seconds
     frequency = _in_si(columns["frequency"], "frequency", "Hz", form.units.get("frequency"), "")
     column = columns["value"]
+    how = taking(form.units.get(quantity) or column.unit)[1]
+    if how in CURES and form.scale == 1 and quantity in QUANTITIES[:4]:
+        told = f"column {column.head!r} holds {how} values, and {quantity} is one from the middle"
+        raise FormatError(f"{told}: say scale = {CURES[how]} in the case")
     value = _in_si(column, quantity, form.unit, form.units.get(quantity), form.scale_unit)
     uncertainty = _uncertainty(columns.get("uncertainty"), column, value, quantity, form)
     points = []

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vibeam.exchange.curves.columns import CurveColumn
 from vibeam.exchange.files import shown
+
+UNSAID = "no unit in the file: taken so"
 
 
 def grouped(value: float) -> str:
@@ -25,16 +28,17 @@ class TakenColumn:
     origin: str = ""
 
     def __str__(self) -> str:
-        named = f"{self.place} {shown(self.head)}" if self.head and self.head != self.place else self.place
+        named = f"{self.place} {shown(self.head)}" if self.head and self.place not in ("", self.head) else self.place
         origin = f" ({self.origin})" if self.origin else ""
-        return f"{named}, {self.unit or 'a plain number'}{origin}"
+        return f"{named or self.head}, {self.unit or 'a plain number'}{origin}"
 
 
 @dataclass(frozen=True)
 class Taken:
     """What was taken of a ``file``: ``kind``, columns, number of ``samples``; ``notes`` on what was cut or shifted.
 
-    ``rate`` in Hz of samples in equal steps, else None; ``start``, ``end``: of the abscissa, in its SI unit ``over``.
+    ``rate`` in Hz of samples in equal steps, else None; ``start``, ``end``: of the abscissa, in its SI unit ``over``;
+    ``zero``: the time of the file that became 0, None: its own.
 
     >>> value = TakenColumn("column 2", "Acc", "g", "from the row below the heads")
     >>> print(Taken("shock.csv", "time history", (value,), 100, 9000.0, 9000.495, "s", 20000.0))
@@ -50,10 +54,21 @@ class Taken:
     over: str = "s"
     rate: float | None = None
     notes: tuple[str, ...] = ()
+    zero: float | None = None
 
     def __str__(self) -> str:
         span = f"{self.samples} points from {grouped(self.start)} to {grouped(self.end)} {self.over}"
         if self.rate is not None:
             span = f"{grouped(self.rate)} Hz from {grouped(self.start)} {self.over}"
+        if self.zero is not None:
+            span += f", {'which' if self.zero == self.start else f'of which {grouped(self.zero)} s'} is taken as 0"
         kind = "" if self.kind == "time history" else f"{self.kind}: "
         return "; ".join([f"taken: {kind}{', '.join(map(str, self.columns))}, {span}", *self.notes])
+
+
+def taken_column(column: CurveColumn, si: str, said: str | None = None) -> TakenColumn:
+    """Column as it is taken: in the unit that is ``said`` for it, in its own, else in ``si``."""
+    if said is not None:
+        origin = "as said" + (f", not {column.unit}" if column.unit not in ("", said) else "")
+        return TakenColumn(column.place, column.head, said, origin)
+    return TakenColumn(column.place, column.head, column.unit or si, column.origin if column.unit else UNSAID)

@@ -1,29 +1,29 @@
-"""Curves in text: CSV and the tables of instruments, any heads, separators, decimal signs, line ends.
-
-Numbers as instruments and spreadsheets write them: decimal commas, thousands separators, D exponents.
-"""
+"""Curves in text: CSV and the tables of instruments, any heads, separators, decimal signs, line ends."""
 
 from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import accumulate
-from math import isfinite, nan
 from pathlib import Path
 
 import numpy as np
 
+from vibeam.exchange.curves import labview
 from vibeam.exchange.curves.columns import (
     Columns,
     CurveColumn,
     HeadError,
     WantedColumn,
     find,
+    is_unit,
     missing,
     split_head,
 )
+from vibeam.exchange.curves.numbers import decimal_sign, number, numeric
+from vibeam.exchange.curves.units_said import one_unit, settings, units_row
 from vibeam.exchange.files import FormatError, lines_of, read_by, shown, text_of
 from vibeam_models.arrays import Array
 
@@ -32,7 +32,9 @@ LONGEST_HEAD = 500  # lines before the table begins
 LONGEST_LINE = 100_000  # characters of one, and of all that may be heads
 LINES = 2_100_000  # one for each direction of the longest sweep, and comments
 _FREQUENCY_UNIT = re.compile(r"[\[(]?\s*(k?hz|rad/s|rpm|1/min|[mµu]?s)\s*[\])]?", re.IGNORECASE)
+Line = tuple[int, str]  # line, text
 Row = tuple[int, list[str]]  # line, cells
+Units = Mapping[int, Sequence[tuple[str, str]]]  # by column: where, unit
 
 
 @dataclass(frozen=True)
@@ -43,24 +45,38 @@ class TextForm:
     decimal: str = ""
 
 
+@dataclass(frozen=True)
+class Table:
+    """Heads and the separator between them; index of their line (None: none), and of the first line below.
+
+    Where columns are told by number the first line below is that of the first numbers.
+    """
+
+    head: int | None
+    heads: list[str]
+    separator: str
+    begin: int
+
+
 def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None = None) -> Columns:
     """The columns wanted; FormatError, with the line, where one is missing or a cell is no number."""
     form = form or TextForm()
     lines = list(lines_of(text_of(path), LONGEST_LINE, LINES))
-    place, heads, separator = _head(lines, wanted, form)
+    if lines and lines[0][1].startswith(labview.TITLE):
+        return labview.read(lines, wanted)
+    table = _head(lines, wanted, form)
+    heads, separator = table.heads, table.separator
     places = {role: found for role, each in wanted.items() if (found := find(heads, each)) is not None}
-    below = [(line, text) for line, text in lines[place:] if text.lstrip()[0] not in "#%"]
+    needed = [column for role, column in places.items() if wanted[role].needed]
+    units, rest = _units(lines, table, places, needed)
+    below = [(line, text) for line, text in lines[rest:] if text.lstrip()[0] not in "#%"]
     if below and not form.separator:
         separator = _of_rows(*below[0], len(heads), separator)
-    needed = 1 + max(places[role] for role in places if wanted[role].needed)
-    units, rows = _units_line(list(_rows(below[:1], heads, separator, needed)), places, wanted)
-    below = below if rows else below[1:]
     plain = not form.decimal and not any(wanted[role].words for role in places)
-    if plain and (table := _table(below, heads, separator)) is not None:
-        said = {role: (*split_head(heads[column]), table[:, column].copy()) for role, column in places.items()}
-        numbers = {role: CurveColumn(name, units.get(role, unit), kept) for role, (name, unit, kept) in said.items()}
+    if plain and (all_numbers := _table(below, heads, separator)) is not None:
+        numbers = {role: _column(heads, units, place, all_numbers[:, place].copy()) for role, place in places.items()}
         return Columns(numbers, tuple(line for line, _ in below), tuple(heads))
-    rows = list(_rows(below, heads, separator, needed))
+    rows = list(_rows(below, heads, separator, 1 + max(needed)))
     kept = [row for row in rows if any(row[1][places[role]].strip() for role in places if wanted[role].needed)]
     if not kept:
         raise FormatError("has no line of numbers below its heads")
@@ -68,16 +84,53 @@ def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None =
     decimal = form.decimal or decimal_sign(cells)
     columns = {}
     for role, column in places.items():
-        name, unit = split_head(heads[column])
         own = [(line, cells[column]) for line, cells in kept]
         if wanted[role].words:
-            columns[role] = CurveColumn(name, "", np.full(len(own), np.nan), tuple(cell.strip() for _, cell in own))
+            words = tuple(cell.strip() for _, cell in own)
+            columns[role] = CurveColumn(split_head(heads[column])[0], "", np.full(len(own), np.nan), words)
         else:
-            columns[role] = CurveColumn(name, units.get(role, unit), np.array([number(each, decimal) for each in own]))
+            columns[role] = _column(heads, units, column, np.array([number(each, decimal) for each in own]))
     return Columns(columns, tuple(line for line, _ in kept), tuple(heads))
 
 
-def _table(below: list[tuple[int, str]], heads: list[str], separator: str) -> Array | None:
+def _column(heads: list[str], units: Units, column: int, values: Array) -> CurveColumn:
+    name, own = split_head(heads[column])
+    unit, origin = one_unit(own, units.get(column, ()))
+    return CurveColumn(name, unit, values, (), f"column {column + 1}", origin)
+
+
+def _units(lines: list[Line], table: Table, places: Mapping[str, int], needed: Sequence[int]) -> tuple[Units, int]:
+    """Units by column that are said outside its head, each with where, and the index of the line after the last row."""
+    at, value = places.get("frequency"), places.get("value", next(iter(places.values())))
+    units, rest = dict[int, list[tuple[str, str]]](), table.begin
+    for index, (line, text) in enumerate(_first(lines)):
+        if index == table.head:
+            continue
+        comment = text.lstrip()[0] in "#%"
+        row = units_row(_cells_like(line, text, table), needed, at) if index <= rest else {}
+        if index == rest and (row or comment):
+            rest += 1
+        elif table.head is not None and table.head < index < table.begin and not (row or comment):
+            raise FormatError(f"{shown(text)} is no head, no unit, no number: delete it, or begin it with #", line)
+        side = "above" if table.head is not None and index < table.head else "below"
+        where = f"from the row {side} the heads" if row else f"from line {line}"
+        free = index < rest or text.lstrip(' "')[:1].isalpha()
+        for said in [row] if row else settings(text, table.heads, value, at) if free else []:
+            for column, unit in said.items():
+                units.setdefault(column, []).append((where, unit))
+    return units, rest
+
+
+def _cells_like(line: int, text: str, table: Table) -> list[str]:
+    """Cells of a line by the separator that gives as many as there are heads, else by that of the heads."""
+    for separator in (table.separator, *SEPARATORS):
+        cells = _heads_of(line, text, separator)
+        if len(_trimmed(cells)) <= len(table.heads) <= len(cells):
+            return cells
+    return _heads_of(line, text, table.separator)
+
+
+def _table(below: list[Line], heads: list[str], separator: str) -> Array | None:
     """All lines as one table, where each cell is a plain finite number with a decimal point; None where one is not."""
     lines = [text for _, text in below]
     if not lines or (separator != " " and any(line.count(separator) != len(heads) - 1 for line in lines)):
@@ -89,27 +142,25 @@ def _table(below: list[tuple[int, str]], heads: list[str], separator: str) -> Ar
     return table if table.shape[1] == len(heads) and np.isfinite(table).all() else None
 
 
-def _head(
-    lines: list[tuple[int, str]], wanted: Mapping[str, WantedColumn], form: TextForm
-) -> tuple[int, list[str], str]:
-    """Index of the first line below the heads, the heads, the separator between them."""
+def _head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> Table:
+    """The heads that have all columns that are needed."""
     if all(isinstance(name, int) for each in wanted.values() for name in each.names if each.needed):
         return _without_head(lines, wanted, form)
     separators = (form.separator,) if form.separator else SEPARATORS
-    best: tuple[int, list[str], str] | None = None
+    best: Table | None = None
     for place, (line, text) in enumerate(_first(lines)):
         for separator in separators:
             heads = _heads_of(line, text, separator)
-            if best and (separator == " " or len(heads) <= len(best[1])):
+            if best and (separator == " " or len(heads) <= len(best.heads)):
                 continue
             if all(find(heads, each) is not None for each in wanted.values() if each.needed):
-                best = place + 1, heads, separator
+                best = Table(place, heads, separator, place + 1)
         if best:
-            return best[0], _trimmed(best[1]), best[2]
+            return replace(best, heads=_trimmed(best.heads))
     raise _no_heads(lines, wanted, separators)
 
 
-def _first(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
+def _first(lines: list[Line]) -> list[Line]:
     """The lines that may be heads."""
     lengths = accumulate(len(text) for _, text in lines[:LONGEST_HEAD])
     return [line for line, length in zip(lines, lengths, strict=False) if length <= LONGEST_LINE]
@@ -121,9 +172,7 @@ def _heads_of(line: int, text: str, separator: str) -> list[str]:
     return re.split(r"\s+(?![\[(])", heads.strip()) if separator == " " else _cells_of(line, heads, separator)
 
 
-def _no_heads(
-    lines: list[tuple[int, str]], wanted: Mapping[str, WantedColumn], separators: tuple[str, ...]
-) -> HeadError:
+def _no_heads(lines: list[Line], wanted: Mapping[str, WantedColumn], separators: tuple[str, ...]) -> HeadError:
     """The message for a file whose heads are other ones: those of the line that looks most like heads."""
     likely, line = list[str](), None
     for count, text in _first(lines):
@@ -153,36 +202,48 @@ def _trimmed(cells: list[str]) -> list[str]:
     return cells
 
 
-def _without_head(
-    lines: list[tuple[int, str]], wanted: Mapping[str, WantedColumn], form: TextForm
-) -> tuple[int, list[str], str]:
+def _without_head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> Table:
     """As ``_head`` of a file whose columns are told by number: numbers begin where all of these are numbers."""
     needed = [name for each in wanted.values() if each.needed for name in each.names if isinstance(name, int)]
     for place, (line, text) in enumerate(_first(lines)):
         for separator in (form.separator,) if form.separator else SEPARATORS:
             cells = _cells_of(line, text, separator)
-            if len(cells) >= max(needed) and all(_numeric(cells[each - 1]) for each in needed):
-                heads = _cells_of(*lines[place - 1], separator) if place else []
-                named = len(heads) == len(cells)
-                return place, heads if named else [f"column {each + 1}" for each in range(len(cells))], separator
+            if len(cells) >= max(needed) and all(numeric(cells[each - 1]) for each in needed):
+                plain = Table(None, [f"column {each + 1}" for each in range(len(cells))], separator, place)
+                at = [name for name in wanted["frequency"].names if isinstance(name, int)]
+                return _named(lines, plain, [each - 1 for each in needed], at[0] - 1 if at else None)
     raise FormatError(f"has no line with numbers in the columns {' and '.join(map(str, needed))}")
 
 
-def _numeric(text: str) -> bool:
-    return len(text) <= LONGEST and bool(re.fullmatch(r"\s*[+-]?[0-9.,'  ]*[0-9][0-9.,]*([eEdD][+-]?[0-9]+)?\s*", text))
+def _named(lines: list[Line], table: Table, needed: Sequence[int], at: int | None) -> Table:
+    """The table with its heads, where the line above its numbers, or above the row of units there, has as many."""
+    for index in range(table.begin - 1, -1, -1):
+        line, text = lines[index]
+        cells = _cells_like(line, text, table)
+        if len(cells) == len(table.heads) and not any(map(numeric, cells)):
+            if not units_row(cells, needed, at):
+                return replace(table, head=index, heads=cells)
+        elif text.lstrip()[0] not in "#%":
+            if any(map(is_unit, cells)) and not any(map(numeric, cells)):
+                told = f"{len(cells)} cells above {len(table.heads)} columns of numbers"
+                raise FormatError(f"{told}, {shown(text)}: complete the line, delete it, or begin it with #", line)
+            break
+    return table
 
 
-def _rows(lines: list[tuple[int, str]], heads: list[str], separator: str, needed: int) -> Iterator[Row]:
+def _rows(lines: list[Line], heads: list[str], separator: str, needed: int) -> Iterator[Row]:
     """Rows of cells, as many as heads; FormatError where a row has more, or is cut off before the ``needed`` ones."""
+    before = 0
     for line, text in lines:
         raw = _cells_of(line, text, separator)
-        cells = _trimmed(raw)
+        cells, least = _trimmed(raw), max(needed, before) if line == lines[-1][0] else needed
+        before = len(raw)
         if not cells:
             continue
         if len(cells) > len(heads):
             why = ": decimal commas between commas? Export with semicolons" if separator == "," else ""
             raise FormatError(f"{len(cells)} cells for {len(heads)} columns{why}", line)
-        if len(raw) < needed:
+        if len(raw) < least:
             counted = f"{len(raw)} cell{'s' * (len(raw) != 1)} for {len(heads)} columns"
             raise FormatError(f"{counted}, {shown(text)}: complete the line, delete it, or begin it with #", line)
         yield line, cells + [""] * (len(heads) - len(cells))
@@ -194,80 +255,3 @@ def _of_rows(line: int, text: str, count: int, separator: str) -> str:
         return separator
     fitting = [each for each in SEPARATORS if len(_trimmed(_cells_of(line, text, each))) == count]
     return fitting[0] if fitting else separator
-
-
-def _units_line(
-    rows: list[Row], places: Mapping[str, int], wanted: Mapping[str, WantedColumn]
-) -> tuple[dict[str, str], list[Row]]:
-    """Units from a line of their own below the heads, and the rows after it."""
-    if not rows or "frequency" not in places or not _FREQUENCY_UNIT.fullmatch(rows[0][1][places["frequency"]].strip()):
-        return {}, rows
-    cells = rows[0][1]
-    units = {role: cells[place].strip().strip("[]()").strip() for role, place in places.items()}
-    return {role: unit for role, unit in units.items() if not wanted[role].words}, rows[1:]
-
-
-LONGEST = 100  # characters of a number: some expressions below take time with their square
-EMPTY = ("", "-", "--", "n/a", "na", "nan", "null", "none")
-_GROUPED = re.compile(r"([+-]?[0-9]{1,3})((?:[ \u00a0\u202f'’][0-9]{3})+)(?![0-9])")
-_LIKELY = re.compile(r"[+-]?[0-9.,'’ \u00a0\u202f]+([eEdD][+-]?[0-9]+)?")
-_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?")
-_EITHER = re.compile(r"[+-]?[1-9][0-9]{0,2}[.,][0-9]{3}")  # 1,234: a thousand and more, or one and a bit
-_THOUSANDS = {mark: re.compile(rf"[+-]?[0-9]{{1,3}}(?:{re.escape(mark)}[0-9]{{3}})+") for mark in ".,"}
-Cell = tuple[int, str]  # line, text
-
-
-def decimal_sign(cells: Iterable[Cell]) -> str:
-    """The decimal sign that all cells have; FormatError where they differ, or where it cannot be told."""
-    proof, doubt, grouped = dict[str, Cell](), dict[str, Cell](), False
-    for line, text in cells:
-        signs = re.sub(r"[^.,]", "", text[:LONGEST])
-        if not signs or len(text) > LONGEST or not _LIKELY.fullmatch(text.strip()):
-            continue
-        both, last = len(set(signs)) == 2, signs[-1]
-        grouped |= both
-        if len(signs) > 1 and not both:  # 1.234.567: a thousands separator
-            last = "," if last == "." else "."
-        kind = doubt if _EITHER.fullmatch(text.strip()) else proof
-        kind.setdefault(last, (line, text.strip()))
-    if len(proof) == 2:
-        (_, one), (line, other) = sorted(proof.values())
-        raise FormatError(f"{one!r} and {other!r} have different decimal signs: write all numbers alike", line)
-    sign = next(iter(proof), ".")
-    other = "," if sign == "." else "."
-    if other in doubt and not (grouped and proof):
-        line, text = doubt[other]
-        either = f"{text.replace(',', '').replace('.', '')} or {text.replace(',', '.')}"
-        raise FormatError(f'{text!r} may be {either}: say decimal = "," or decimal = "." in the case', line)
-    return sign
-
-
-def number(cell: Cell, decimal: str) -> float:
-    """A cell as a number, NaN where it is empty; FormatError where it is none."""
-    line, text = cell[0], cell[1].strip()
-    if text.casefold() in EMPTY:
-        return nan
-    if len(text) > LONGEST:
-        raise FormatError(f"{shown(text)} is not a number: it has {len(text)} characters", line)
-    plain = _GROUPED.sub(lambda found: found[1] + re.sub("[^0-9]", "", found[2]), text.replace("−", "-"))
-    mark = "." if decimal == "," else ","
-    whole, sign, rest = plain.partition(decimal)
-    if mark in whole:
-        if not _THOUSANDS[mark].fullmatch(whole):
-            raise FormatError(f"{shown(text)} is not a number with the decimal sign {decimal!r}", line)
-        whole = whole.replace(mark, "")
-    written = whole + ("." if sign else "") + rest
-    if not _NUMBER.fullmatch(written):
-        raise FormatError(f"{shown(text)} is not a number{_hint(text)}", line)
-    value = float(written.replace("D", "e").replace("d", "e"))
-    if not isfinite(value):
-        raise FormatError(f"{shown(text)} is not a finite number", line)
-    return value
-
-
-def _hint(text: str) -> str:
-    if len(re.findall(r"[0-9][.,]?[0-9]*[eEdD]?[+-]?[0-9]*", text)) and re.search(r"[0-9][+-][0-9.]", text):
-        return ": two numbers without a blank between them?"
-    if re.match(r"[+-]?[0-9.,]+\s*[A-Za-zµ%/]+", text):
-        return ": write the unit into the head, or into units of the case"
-    return ": delete the line, or begin it with #"

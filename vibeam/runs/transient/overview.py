@@ -75,7 +75,7 @@ def remarks_on(record: Record, system: ImpactSystem, duration: float) -> Iterato
     if record.start < 0:
         yield f"the input begins at {record.start:.6g} s, the motion at 0: what comes before is left out"
     elif record.start >= duration:
-        yield f"the input begins at {record.start:.6g} s, when the motion is over: set record.duration"
+        yield f"the input begins at {record.start:.6g} s, when the motion is over: say drive.start or record.duration"
     rates = sorted(float(each) for each in system.omega if each > 0)
     if not rates:
         return

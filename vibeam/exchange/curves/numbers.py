@@ -1,0 +1,79 @@
+"""Numbers in text as instruments and spreadsheets write them: decimal commas, thousands separators, D exponents."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from math import isfinite, nan
+
+from vibeam.exchange.files import FormatError, shown
+
+LONGEST = 100  # characters of a number: some expressions below take time with their square
+EMPTY = ("", "-", "--", "n/a", "na", "nan", "null", "none")
+_GROUPED = re.compile(r"([+-]?[0-9]{1,3})((?:[ \u00a0\u202f'’][0-9]{3})+)(?![0-9])")
+_LIKELY = re.compile(r"[+-]?[0-9.,'’ \u00a0\u202f]+([eEdD][+-]?[0-9]+)?")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?")
+_EITHER = re.compile(r"[+-]?[1-9][0-9]{0,2}[.,][0-9]{3}")  # 1,234: a thousand and more, or one and a bit
+_THOUSANDS = {mark: re.compile(rf"[+-]?[0-9]{{1,3}}(?:{re.escape(mark)}[0-9]{{3}})+") for mark in ".,"}
+Cell = tuple[int, str]  # line, text
+
+
+def decimal_sign(cells: Iterable[Cell]) -> str:
+    """The decimal sign that all cells have; FormatError where they differ, or where it cannot be told."""
+    proof, doubt, grouped = dict[str, Cell](), dict[str, Cell](), False
+    for line, text in cells:
+        signs = re.sub(r"[^.,]", "", text[:LONGEST])
+        if not signs or len(text) > LONGEST or not _LIKELY.fullmatch(text.strip()):
+            continue
+        both, last = len(set(signs)) == 2, signs[-1]
+        grouped |= both
+        if len(signs) > 1 and not both:  # 1.234.567: a thousands separator
+            last = "," if last == "." else "."
+        kind = doubt if _EITHER.fullmatch(text.strip()) else proof
+        kind.setdefault(last, (line, text.strip()))
+    if len(proof) == 2:
+        (_, one), (line, other) = sorted(proof.values())
+        raise FormatError(f"{one!r} and {other!r} have different decimal signs: write all numbers alike", line)
+    sign = next(iter(proof), ".")
+    other = "," if sign == "." else "."
+    if other in doubt and not (grouped and proof):
+        line, text = doubt[other]
+        either = f"{text.replace(',', '').replace('.', '')} or {text.replace(',', '.')}"
+        raise FormatError(f'{text!r} may be {either}: say decimal = "," or decimal = "." in the case', line)
+    return sign
+
+
+def number(cell: Cell, decimal: str) -> float:
+    """A cell as a number, NaN where it is empty; FormatError where it is none."""
+    line, text = cell[0], cell[1].strip()
+    if text.casefold() in EMPTY:
+        return nan
+    if len(text) > LONGEST:
+        raise FormatError(f"{shown(text)} is not a number: it has {len(text)} characters", line)
+    plain = _GROUPED.sub(lambda found: found[1] + re.sub("[^0-9]", "", found[2]), text.replace("−", "-"))
+    mark = "." if decimal == "," else ","
+    whole, sign, rest = plain.partition(decimal)
+    if mark in whole:
+        if not _THOUSANDS[mark].fullmatch(whole):
+            raise FormatError(f"{shown(text)} is not a number with the decimal sign {decimal!r}", line)
+        whole = whole.replace(mark, "")
+    written = whole + ("." if sign else "") + rest
+    if not _NUMBER.fullmatch(written):
+        raise FormatError(f"{shown(text)} is not a number{_hint(text)}", line)
+    value = float(written.replace("D", "e").replace("d", "e"))
+    if not isfinite(value):
+        raise FormatError(f"{shown(text)} is not a finite number", line)
+    return value
+
+
+def numeric(text: str) -> bool:
+    """Test whether a cell looks like a number."""
+    return len(text) <= LONGEST and bool(re.fullmatch(r"\s*[+-]?[0-9.,'  ]*[0-9][0-9.,]*([eEdD][+-]?[0-9]+)?\s*", text))
+
+
+def _hint(text: str) -> str:
+    if len(re.findall(r"[0-9][.,]?[0-9]*[eEdD]?[+-]?[0-9]*", text)) and re.search(r"[0-9][+-][0-9.]", text):
+        return ": two numbers without a blank between them?"
+    if re.match(r"[+-]?[0-9.,]+\s*[A-Za-zµ%/]+", text):
+        return ": write the unit into the head, or into units of the case"
+    return ": delete the line, or begin it with #"
