@@ -37,6 +37,7 @@ class CurveColumn:
     """Column that was found: its head, its unit (empty: not said), its values, NaN where empty; or its ``words``.
 
     ``place``: where it is in the file, ``"column 2"``; ``origin``: where the unit is from, empty: from the head.
+    ``complex_values``: those whose moduli the values are; None: the file has real ones.
     """
 
     head: str
@@ -45,16 +46,21 @@ class CurveColumn:
     words: tuple[str, ...] = ()
     place: str = ""
     origin: str = ""
+    complex_values: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Columns by role, of equal length, line or row of each entry, all ``heads`` of a text, ``notes`` on the file."""
+    """Columns by role, of equal length, line or row of each entry, all ``heads`` of a text, ``notes`` on the file.
+
+    ``kind``: what the file says that they are, ``"power spectral density"``; empty: it does not.
+    """
 
     columns: Mapping[str, CurveColumn]
     lines: Sequence[int]
     heads: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    kind: str = ""
 
 
 def in_si(column: CurveColumn, wanted: str, unit: str | None, cure: str, scale_unit: str = "") -> Array:
