@@ -97,12 +97,12 @@ def identification_sheet(found: Identification) -> StudySheet:
     told = f"{listed(known)} describe{'s' * (len(known) == 1)} {of} (± at 95 %; rms residual "
     told += f"{percent(found.residual)}){f', which do not fix {unknown}' if unknown else ''}"
     told = told if known else f"{of} do not fix {unknown}"
-    because = f"; taken as a {found.of}, since {found.why}" if found.of else ""
+    because = f"; taken as {'an' if found.of[0] == 'a' else 'a'} {found.of}, since {found.why}" if found.of else ""
     answer = f"{begun(told) if found.of or not known else told}{because}."
     data = {
         each.name: held for each in fields(found) if (held := getattr(found, each.name)) != "" and each.name != "fit"
     }
-    notes = [*filter(None, [found.taken]), *found.directions, *found.notes, *filter(None, [found.shapes])]
+    notes = [*found.directions, *found.notes, *filter(None, [found.shapes])]
     draw = partial(identified_figure, found) if len(found.orders) > 1 else None
     return StudySheet(answer, [_identified(found)], notes, data=data, rows=found.rows, draw=draw)
 
@@ -112,14 +112,16 @@ def identified_figure(found: Identification) -> Figure:
     from vibeam.figures.page import blank_page
 
     figure = blank_page((4.3, 3.4), FigurePlan())
-    axes, (frequency, measured, fitted) = figure.add_subplot(), found.fit or ()
+    axes, (frequency, measured, fitted) = figure.add_subplot(), found.fit or [np.empty(0)] * 3
     axes.semilogy(frequency, measured.T, ".", color="0.6", markersize=2)
-    axes.semilogy(frequency, fitted.T, color="C0", linewidth=1)
+    axes.semilogy(frequency, fitted.T, linewidth=1)
     orders = axes.twinx()
-    orders.plot(*zip(*((mode[0], n) for n, modes in enumerate(found.orders, 1) for mode in modes), strict=True), "k+")
+    modes = [(mode[0], n) for n, modes in enumerate(found.orders, 1) for mode in modes]
+    orders.plot(*np.transpose(modes), "k+")
+    orders.set_yticks(range(len(found.orders) + 2))
     orders.set_ylabel("modes in the fit (+)")
     axes.set_xlabel("frequency in Hz")
-    axes.set_ylabel(f"modulus of the {found.of or 'response'}, measured and fitted")
+    axes.set_ylabel(f"modulus of the {found.of}, measured and fitted")
     return figure
 
 

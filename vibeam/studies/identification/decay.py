@@ -2,9 +2,9 @@
 
 A decay is x(t) = Σ_k e^(−ζ_kω_kt)(a_k cos ω_dk t + b_k sin ω_dk t) + c, ω_d = ω√(1 − ζ²). Least squares over all
 samples (maximum likelihood for white noise). For given ω and ζ the problem is linear in a, b, c (variable projection;
-Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973)), so that two parameters of each mode are searched. Started at the peak of the
-spectrum and at the slope of the envelope, the modulus of the analytic signal, whose logarithmic decrement is what
-Fig. 30(a) of the paper reads; that is told beside it.
+Golub & Pereyra, SIAM J. Numer. Anal. 10 (1973)), so that two parameters of each mode are searched. Started at the peak
+of the spectrum and at the slope of the envelope, the modulus of the analytic signal, whose logarithmic decrement is
+what Fig. 30(a) of the paper reads; that is told beside it.
 
 Before the release a record is at rest, held, driven or struck; later it may be struck again. From a part that is surely
 free the fit is followed to both sides, as far as its residual there is as small: the rest is cut, and said.

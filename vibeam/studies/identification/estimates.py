@@ -46,10 +46,10 @@ class Identification:
     """Result of an identification: ``rows`` of estimates; ``residual``: rms over the largest value of the data.
 
     ``directions``: what the data do not fix. ``method``: what was fitted to what. ``notes``: what limits the numbers.
-    Of a file ``of``: ``"decay"``, ``"spectrum"``, ``"receptance"`` …, and ``why`` it is taken as one; ``taken``: its
-    columns, in one line. ``orders``: frequency and damping ratio of each mode of a fit with 1, 2, … modes. ``shapes``:
-    a table [modes] of several responses. ``stretch``: the part of a record that was fitted, in s. ``fit``: frequencies
-    (n,), and moduli (m, n) measured and fitted.
+    Of a file ``of``: ``"decay"``, ``"spectrum"``, ``"receptance"`` …, and ``why`` it is taken as one. ``orders``:
+    frequency and damping ratio of each mode of a fit with 1, 2, … modes. ``shapes``: a table [modes] of several
+    responses. ``stretch``: the part of a record that was fitted, in s. ``fit``: frequencies (n,), moduli (m, n)
+    measured and fitted.
     """
 
     rows: tuple[Estimate, ...]
@@ -60,7 +60,6 @@ class Identification:
     notes: tuple[str, ...] = ()
     of: str = ""
     why: str = ""
-    taken: str = ""
     orders: tuple[tuple[tuple[float, float], ...], ...] = ()
     shapes: str = ""
     stretch: tuple[float, float] | None = None

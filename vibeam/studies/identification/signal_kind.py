@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.exchange.curves.record import factor
+from vibeam.exchange.units import unit_size
 from vibeam.studies.identification.decay import identify_decay
 from vibeam.studies.identification.estimates import Identification
 from vibeam.studies.identification.residues import MOST
@@ -83,9 +84,14 @@ def identify_signal(
     kind, why = (of, _against(of, told)) if of else reading(told, methods)
     found = methods[kind]()
     if kind == RATIOS[0] and not of and all(RATIOS[1] in each.allows for each in told):
-        kind, found = min(((each, methods[each]()) for each in RATIOS), key=lambda each: each[1].residual)
+        kind, found = min(((each, methods[each]()) for each in RATIOS), key=lambda each: _parameters(each[1]))
     notes = (*signal.notes, *found.notes, *_of_drive(kind, signal, drive, level))
-    return replace(found, of=kind, why=why, notes=notes, taken=signal.taken)
+    return replace(found, of=kind, why=why, notes=notes)
+
+
+def _parameters(found: Identification) -> tuple[int, bool, float]:
+    """Order of fits by what they need, and leave."""
+    return len(found.rows), "no residual term" not in found.method, found.residual
 
 
 def _methods(signal: Signal, drive: str | None, level: float | None) -> Mapping[str, Callable[[], Identification]]:
@@ -143,7 +149,8 @@ def _motion(unit: str) -> int:
 def _is_power(signal: Signal) -> bool:
     """Test whether values are squares, by their unit or, without one, by their head; decibels are of amplitudes."""
     unit, words = signal.units[1], _words(signal.heads[1])
-    square = re.search(r"(\^2|²|2)\)?\s*(/\s*Hz)?$", unit) and not re.search(r"s(\^2|²|2)$", unit)
+    size = unit_size(re.sub(r"\s*/\s*\(?Hz\)?$", "", unit))
+    square = size is not None and size[1] and all(power % 2 == 0 for power in size[1].values())
     return not signal.decibels and bool(square or (words & POWERS and not unit))
 
 
@@ -167,13 +174,17 @@ def reading(clues: Sequence[Clue], methods: Mapping[str, Callable[[], Identifica
     if not left:
         raise ValueError(
             f"cannot tell what it is: {_told(clues, ', but ', True)}: name other columns, --x HEAD --y HEAD, or say "
-            f"which it is, --of {', '.join(KINDS[:-1])} or {KINDS[-1]}"
+            f"which it is, --of {', '.join(KINDS[:2])}, {KINDS[2]} or its form, {', '.join(FORMS)}"
         )
     left = _plainly(left)
-    would = " or ".join(f"a {each}{_would(methods[each])}" for each in left)
+    would = " or ".join(f"{_a(each)}{_would(methods[each])}" for each in left)
     seen = f"{_told(clues)}; " if clues else ""
     cure = " or ".join(f"--of {each}" for each in left)
     raise ValueError(f"may be {would}: {seen}no head, unit or number says which: say {cure}")
+
+
+def _a(kind: str) -> str:
+    return f"{'an' if kind[0] == 'a' else 'a'} {kind}"
 
 
 def _plainly(kinds: Sequence[str]) -> list[str]:
@@ -182,7 +193,7 @@ def _plainly(kinds: Sequence[str]) -> list[str]:
 
 
 def _told(clues: Sequence[Clue], between: str = ", ", meaning: bool = False) -> str:
-    allowed = (" or ".join(f"a {kind}" for kind in _plainly(each.allows)) for each in clues)
+    allowed = (" or ".join(_a(kind) for kind in _plainly(each.allows)) for each in clues)
     return between.join(
         each.words + (f" (of {kinds})" if meaning and kinds else "") for each, kinds in zip(clues, allowed, strict=True)
     )
@@ -229,9 +240,9 @@ def _of_value(signal: Signal) -> Iterator[Clue]:
         yield Clue(f"{head!r} is called a response", RESPONSES[word])
     forms = [form for form in FORMS if _suits(unit, FORMS[form][0])]
     if forms:
-        yield Clue(f"{unit} is the unit of a {forms[0]}", tuple(forms))
-    elif inverse := next((name for each, name in INVERSE.items() if _suits(unit, each)), ""):
-        yield Clue(f"{unit} is the unit of a {inverse}, of which the reciprocal is fitted", ())
+        yield Clue(f"{unit} is of {_a(forms[0])}", tuple(forms))
+    elif inverse := "/" in unit and next((name for each, name in INVERSE.items() if _suits(unit, each)), ""):
+        yield Clue(f"{unit} is of {_a(inverse)}, whose reciprocal is fitted", ())
     elif "Hz" in unit or re.search(r"[·*\s]s$", unit):
         yield Clue(f"{unit} is the unit of a Fourier transform", ("spectrum",))
     elif not all(suits(re.sub(r"\^?[23²³]$", "", each), "time") for each in below):

@@ -18,7 +18,8 @@ import numpy as np
 from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, split_head
 from vibeam.exchange.curves.read import BINARY, is_text, read_columns
 from vibeam.exchange.curves.record import factor
-from vibeam.exchange.curves.taken import Taken, TakenColumn
+from vibeam.exchange.curves.taken import Taken, taken_column
+from vibeam.exchange.curves.told import tell
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError
 from vibeam_models.arrays import Array
@@ -58,7 +59,6 @@ class Signal:
     units: tuple[str, str]
     parts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    taken: str = ""
     decibels: bool = False
 
     def within(self, stretch: tuple[float | None, float | None]) -> Signal:
@@ -79,8 +79,9 @@ def read_signal(path: Path, over: str = "", x: str | None = None, y: str | None 
     """
     try:
         found = _columns(path, over, x, y)
-        signals = [_signal(path, each, over) for each in found]
-        return replace(_together(signals), taken=_taken(path, found, signals[0]))
+        signals = [_signal(path, each.columns, over) for each in found]
+        tell(_taken(path, found, signals[0]))
+        return _together(signals)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _cured(wrong.message))]) from None
 
@@ -102,33 +103,37 @@ def _together(signals: Sequence[Signal]) -> Signal:
     return replace(first, value=values, parts=tuple(name for each in signals for name in each.parts or each.heads[1:]))
 
 
-def _taken(path: Path, found: Sequence[Mapping[str, CurveColumn]], signal: Signal) -> str:
-    """Columns that were taken, in one line."""
-    columns = {(each.place, each.head): each for one in found for role, each in one.items() if role != "uncertainty"}
-    rows = [TakenColumn(each.place or "its", each.head, each.unit, each.origin) for each in columns.values()]
+def _taken(path: Path, found: Sequence[Columns], signal: Signal) -> Taken:
     over, ends = UNITS.get(signal.over, ""), (float(signal.at.min()), float(signal.at.max()))
-    return str(Taken(path.name, "time history", tuple(rows), len(signal.at), *ends, over))
+    units = {"value": "", "imaginary": "", "phase": "rad", "frequency": over, "uncertainty": signal.units[1]}
+    columns = [
+        taken_column(each.columns[role], units[role]) for each in found for role in units if role in each.columns
+    ]
+    return Taken(
+        path.name, found[0].kind or "time history", tuple(dict.fromkeys(columns)), len(signal.at), *ends, over,
+        notes=found[0].notes,
+    )  # fmt: skip
 
 
-def _columns(path: Path, over: str, x: str | None, y: str | None) -> list[Mapping[str, CurveColumn]]:
+def _columns(path: Path, over: str, x: str | None, y: str | None) -> list[Columns]:
     """Columns by role of each response: the abscissa as ``frequency``; ``value``, and ``phase`` or ``imaginary``."""
     several = [each.strip() for each in y.split(",")] if y else []
     if x and len(several) == 1:
-        return [read_columns(path, _wanted(_head(x), _head(several[0]))).columns]
+        return [read_columns(path, _wanted(_head(x), _head(several[0])))]
     overs = (over,) if over else tuple(UNITS)
     wanted = _head(several[0] if several else "")
     heads = _heads(path, {"frequency": WantedColumn(overs), "value": WantedColumn((wanted,))})
     if isinstance(heads, Columns):
         role = {"frequency": WantedColumn(overs)}
         rest = (read_columns(path, role | {"value": WantedColumn((_head(n),))}) for n in several[1:])
-        return [heads.columns, *(each.columns for each in rest)]
+        return [heads, *rest]
     if y in heads:
         several = [str(y)]
     at = _head(x) if x else _abscissa(heads, overs)
     if at is None:
-        return [_by_numbers(path, heads, overs, y).columns]
+        return [_by_numbers(path, heads, overs, y)]
     return [
-        read_columns(path, _wanted(at, _head(value), _head("".join(second)), role)).columns
+        read_columns(path, _wanted(at, _head(value), _head("".join(second)), role))
         for value, *second, role in _responses(
             several or [each for each in heads if each != at], heads, at, bool(several)
         )
@@ -265,6 +270,8 @@ def _signal(path: Path, found: Mapping[str, CurveColumn], over: str) -> Signal:
     notes = [] if at.unit else [f"{heads[0]!r} has no unit: it is taken in {UNITS.get(over, 's or Hz')}"]
     size, unit = _sizes(value, notes)
     parts = tuple(found[role].head for role in ("value", "imaginary", "phase") if role in found)
+    if value.complex_values is not None and not value.unit.casefold().startswith("db"):
+        size = value.complex_values
     if "imaginary" in found:
         size = size + 1j * _sizes(found["imaginary"], [])[0]
     elif "phase" in found:
