@@ -17,7 +17,7 @@ from vibeam_models.arrays import Array
 from vibeam_models.given import GivenStructure
 from vibeam_models.structure import Structure
 
-KEYS = (*ROWS, "outputs", "file", "frequency", "damping_ratio", "modal_mass", "moving_mass")
+KEYS = (*ROWS, "outputs", "file", "skip", "frequency", "damping_ratio", "modal_mass", "moving_mass")
 
 
 def files_of(table: Any) -> dict[str, str]:
@@ -58,9 +58,11 @@ class ModesReading(StructureReading):
 
     def _file(self) -> FileModes | None:
         if self.values["file"] is None:
+            if self.values["skip"]:
+                self.complain("skip", "omits modes of a file, and there is none: leave it out")
             return None
         try:
-            return read_modes(self.folder / self.values["file"])
+            return read_modes(self.folder / self.values["file"], self.values["skip"])
         except FormatError as error:
             self.complain("file", f"{file_name(self.values['file'])}: {error}")
             return None
