@@ -62,7 +62,7 @@ class ModesReading(StructureReading):
                 self.complain("skip", "omits modes of a file, and there is none: leave it out")
             return None
         try:
-            return read_modes(self.folder / self.values["file"], self.values["skip"])
+            return read_modes(self.folder / self.values["file"], self.values["skip"] or ())
         except FormatError as error:
             self.complain("file", f"{file_name(self.values['file'])}: {error}")
             return None

@@ -102,7 +102,7 @@ def identification_sheet(found: Identification) -> StudySheet:
     data = {
         each.name: held for each in fields(found) if (held := getattr(found, each.name)) != "" and each.name != "fit"
     }
-    notes = [*found.directions, *found.notes, *filter(None, [found.shapes])]
+    notes = [*found.directions, *found.notes]
     draw = partial(identified_figure, found) if len(found.orders) > 1 else None
     return StudySheet(answer, [_identified(found)], notes, data=data, rows=found.rows, draw=draw)
 
@@ -128,13 +128,13 @@ def identified_figure(found: Identification) -> Figure:
 def _identified(found: Identification) -> ReportTable:
     """Identified parameters: value and 95 % interval, a dash where the data do not fix it."""
     table = blank("Identified", "parameter", "value|", "95 % interval|", "±|", "unit")
-    table.caption = found.method
+    table.caption = "\n".join(filter(None, [found.method, found.shapes]))
     for row in found.rows:
         half = 0.5 * (row.high - row.low)
         digits = 4 if not half > 0 else max(2, min(9, 2 + floor(log10(abs(row.value) / half))))
         unit, factor = shown_in("" if row.unit == "1" else row.unit, row.value, row.low, row.high)
         value, low, high = (f"{factor * each:.{digits}g}" for each in (row.value, row.low, row.high))
-        numbers = [value, f"{low} … {high}", percent(half / row.value)]
+        numbers = [value, f"{low} … {high}", percent(abs(half / row.value))]
         table.add_row(row.name, *(numbers if row.determined else ["not determined", "–", "–"]), unit)
     return table
 

@@ -212,7 +212,7 @@ class ModesTable(Table):
     """
 
     file: Annotated[str | None, TEXT] = key("universal file with the modes; absent = they stand here", "rig.uff", None)
-    skip: Annotated[tuple[float, ...], Several(Frequency)] = key("modes of the file to omit", ["9.3 Hz"], ())
+    skip: Annotated[tuple[float, ...] | None, Several(Frequency)] = key("modes of the file to omit", ["9.3 Hz"], None)
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
         "natural frequencies; absent = the file's", ["5.2754 Hz", "12.398 Hz"], None
     )

@@ -26,6 +26,7 @@ BETTER = 10.0  # by which the criterion falls for what is added
 PLACES = 100  # evenly spread, and as many where most is left, at which a further mode is tried
 DAMPED = (0.001, 0.004, 0.016, 0.06)  # ratios with which it is tried
 RATIOS = (1e-7, 0.9)  # bounds of damping ratios
+ALIKE = 0.5  # correlation of neighbouring residuals from which on they are no noise
 FLOOR = 1e-9  # scatter of exact numbers, relative
 EQUAL = np.geomspace(1e-4, 1e2, 25)  # scatter that is the same everywhere, over that in proportion where it is largest
 
@@ -34,7 +35,8 @@ EQUAL = np.geomspace(1e-4, 1e2, 25)  # scatter that is the same everywhere, over
 class Response:
     """Measured responses: ``values`` (m, n), complex or moduli, at ``s`` = iω/ω₀; form ``power``, ``offset`` h₀.
 
-    ``scatter`` (m, n): standard deviations, known; None: found with the fit.
+    ``scatter`` (m, n): standard deviations, known; None: found with the fit. ``lower``: a lower residual may be.
+    ``careful``: noise in proportion to the larger of model and values, where a model alone leads astray.
     """
 
     s: Any
@@ -42,6 +44,8 @@ class Response:
     power: int = 0
     offset: float = 0.0
     scatter: Array | None = None
+    lower: bool = True
+    careful: bool = False
 
     @property
     def moduli(self) -> bool:
@@ -126,10 +130,25 @@ class Fit:
 
 
 def fitted(data: Response, most: int = MOST, terms: bool = True, twisted: bool | None = None) -> tuple[Fit, ...]:
+    """As ``_path``; where it leaves what is no noise, the better one of it and of one that goes on carefully."""
+    path = _path(data, most, terms, twisted)
+    left = path[-1].residual()
+    if data.moduli or abs(np.corrcoef(left[..., 1:].ravel(), left[..., :-1].ravel())[0, 1]) < ALIKE:
+        return path
+    other = _path(replace(data, careful=True), most, terms, twisted)
+    again = replace(other[-1], data=data)
+    return min(
+        path, (*other[:-1], _with_scatter(_least_squares(_with_scatter(again)))), key=lambda each: each[-1].criterion
+    )
+
+
+def _path(data: Response, most: int = MOST, terms: bool = True, twisted: bool | None = None) -> tuple[Fit, ...]:
     """Fits with 1, 2, … modes; the best one is last, of real modes where ``twisted`` is not said and these suffice."""
     begun = data.scatter if data.scatter is not None else np.full(data.values.shape, np.max(np.abs(data.values)))
     none = Fit(data, np.empty((0, 2)), np.zeros((0, len(data.values))), begun, twisted=bool(twisted))
-    path = [_best(_with_mode(none), none)]
+    beside = replace(none, terms=data.lower * (-2,) + (0,), weights=np.zeros((1 + data.lower, len(data.values))))
+    starts = [none] if data.moduli or not terms else [none, replace(beside, weights=_linear(beside))]
+    path = [_best((each for start in starts for each in _with_mode(start)), none)]
     for _ in range(4 * most):
         best = path[-1]
         ways = [_best(_with_terms(best), best)] if terms else [best]
@@ -162,7 +181,7 @@ def _plain(fit: Fit) -> bool:
 
 def _with_terms(fit: Fit) -> Iterator[Fit]:
     for terms in ((-2, 0), (-2,), (0,), ()):
-        if terms != fit.terms:
+        if terms != fit.terms and (fit.data.lower or -2 not in terms):
             yield _added(fit, terms=terms)
 
 
@@ -181,7 +200,7 @@ def _with_mode(fit: Fit) -> Iterator[Fit]:
     k, count = len(fit.poles), fit.weights.shape[1]
     rows = fit.twisted + 1
     for pole, weight in _places(fit):
-        for sign in (1.0, -1.0) if fit.data.moduli and k else (1.0,):
+        for sign in (1.0, -1.0) if fit.data.moduli and (k or fit.data.offset) else (1.0,):
             modes = np.insert(fit.weights[:k], k, sign * weight, axis=0)
             twists = [np.vstack([fit.weights[k : 2 * k], np.full((1, count), 0.5 * weight)])] if rows > 1 else []
             rest = fit.weights[rows * k :]
@@ -242,7 +261,7 @@ def _with_scatter(fit: Fit) -> Fit:
     """The same fit with the ratio of the two parts of the noise that is most likely."""
     if fit.data.scatter is not None:
         return fit
-    model = np.abs(fit.model)
+    model = np.maximum(np.abs(fit.model), np.abs(fit.data.values) if fit.data.careful else 0.0)
     top = np.max(model, axis=1, keepdims=True)
     return min(
         (replace(fit, scatter=np.hypot(each * top, model) / (1 + each)) for each in EQUAL), key=lambda each: each.misfit

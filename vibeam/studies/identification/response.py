@@ -201,7 +201,8 @@ def _modes(frequency: ArrayLike, response: ArrayLike, uncertainty: ArrayLike | N
     inside = f > 0  # s^p = 0 tells nothing, and s^-2 is none
     f, a, u = f[inside], a[:, inside], None if u is None else u[:, inside]
     unit, top = 2 * np.pi * float(np.sqrt(f[0] * f[-1])), float(np.abs(a).max())
-    data = Response(2j * np.pi * f / unit, a / top, wanted.power, wanted.offset / top, None if u is None else u / top)
+    scatter, s = None if u is None else u / top, 2j * np.pi * f / unit
+    data = Response(s, a / top, wanted.power, wanted.offset / top, scatter, lower=wanted.unit != "1")
     path = fitted(data, wanted.most, wanted.terms, wanted.twisted)
     best = path[-1]
     order = np.argsort(best.poles[:, 0])

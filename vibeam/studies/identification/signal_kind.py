@@ -15,7 +15,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -27,7 +26,6 @@ from vibeam.studies.identification.residues import MOST
 from vibeam.studies.identification.response import (
     DRIVES,
     FORMS,
-    REMAINS,
     identify_frequency_response,
     identify_response,
     identify_spectrum,
@@ -71,6 +69,7 @@ def identify_signal(
     with the place and the cure; ValueError where it is none, or cannot be told.
     """
     signal = read_signal(path, "" if of is None else "time" if of == KINDS[0] else "frequency", x, y).within(stretch)
+    signal = _causal(signal)
     if not usable(signal.value):
         raise ValueError("values are too large or too small; the largest lies between 1e-60 and 1e+60 in its unit")
     told = [*_of_abscissa(signal), *_of_value(signal), *_of_numbers(signal)]
@@ -100,10 +99,8 @@ def _methods(signal: Signal, drive: str | None, level: float | None) -> Mapping[
     return {
         "decay": lambda: identify_decay(at, value),
         "spectrum": lambda: identify_spectrum(at, value, uncertainty=uncertainty),
-        "response": lambda: _of_either_turn(
-            value, lambda one: identify_response(
-                at, one, drive=drive or DRIVES[0], level=size, uncertainty=uncertainty, modes=MOST, motion=motion
-            )
+        "response": lambda: identify_response(
+            at, value, drive=drive or DRIVES[0], level=size, uncertainty=uncertainty, modes=MOST, motion=motion
         ),
         **{form: partial(_of_form, signal, form) for form in FORMS},
     }  # fmt: skip
@@ -117,21 +114,18 @@ def _of_form(signal: Signal, form: str) -> Identification:
     except ValueError as wrong:
         raise ValueError(f"{signal.heads[1]!r} is no {form}: {wrong}") from None
     uncertainty = None if signal.uncertainty is None else size * signal.uncertainty
-    found = _of_either_turn(
-        size * signal.value, lambda one: identify_frequency_response(signal.at, one, of=form, uncertainty=uncertainty)
-    )
+    found = identify_frequency_response(signal.at, size * signal.value, of=form, uncertainty=uncertainty)
     silent = () if unit or wanted == "1" else (f"{signal.heads[1]!r} has no unit: it is taken in {wanted}",)
     return replace(found, notes=(*silent, *found.notes))
 
 
-def _of_either_turn(value: Any, method: Callable[[Any], Identification]) -> Identification:
-    """Modes by the phases of exp(iωt); by those of exp(−iωt), said in a note, where these fit better."""
-    found = method(value)
-    if not np.iscomplexobj(value) or found.residual < REMAINS:
-        return found
-    other = method(np.conj(value))
-    told = "its phases are taken with the other sign, those of exp(−iωt)"
-    return replace(other, notes=(told, *other.notes)) if other.residual < 0.5 * found.residual else found
+def _causal(signal: Signal) -> Signal:
+    """A signal with the phases of exp(iωt): that of a motion behind its cause falls with the frequency."""
+    value = signal.value[..., np.argsort(signal.at, kind="stable")]
+    if not np.iscomplexobj(value) or float(np.sum(np.imag(np.conj(value[..., :-1]) * value[..., 1:]))) <= 0:
+        return signal
+    told = "its phases rise with the frequency: they are taken with the other sign, as those of exp(−iωt)"
+    return replace(signal, value=np.conj(signal.value), notes=(*signal.notes, told))
 
 
 def _motion(unit: str) -> int:

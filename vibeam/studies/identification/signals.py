@@ -193,7 +193,8 @@ def _last(name: str) -> str:
 
 def _abscissa(heads: Sequence[str], over: Sequence[str]) -> str | None:
     """Head of time or frequency; FormatError where several may be meant."""
-    found = [head for head in heads if any(name_in(head, each) for each in over)]
+    fits = [each for each in heads if not split_head(each)[1] or any(suits(split_head(each)[1], one) for one in UNITS)]
+    found = [head for head in fits if any(name_in(head, each) for each in over)]
     found = found or [head for head in heads if any(suits(split_head(head)[1], each) for each in over)]
     if len(found) > 1:
         raise FormatError(f"has {' and '.join(map(repr, found))}: say over which it is, --x HEAD")
