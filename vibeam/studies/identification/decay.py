@@ -125,10 +125,11 @@ def _free(t: Array, x: Array, start: float) -> tuple[int, int, list[str]]:
     follows = _follows(t, x, whole)
     if follows and not _pairs(whole).any():
         return 0, len(x), []
-    size, found = (x - _rest(x)) ** 2, [_grown(t, x, seed) for seed in _seeds(t, x)]
-    first = _onset(x)
+    size, first = (x - _rest(x)) ** 2, _onset(x)
     if len(x) - first >= LEAST and _follows(t[first:] - t[first], x[first:]):
-        found = [(first, len(x))]
+        found: list[tuple[int, int] | None] = [(first, len(x))]
+    else:
+        found = [_grown(t, x, seed) for seed in _seeds(x) if seed[1] - seed[0] >= LEAST]
     first, last = max(filter(None, found), key=lambda each: float(np.sum(size[slice(*each)])), default=(0, len(x)))
     alone = np.std(_left(t[first:last] - t[first], x[first:last], _one(t[first:last], x[first:last])))
     if follows and not (last - first > LONG * len(x) and alone < QUIETER * np.std(_left(t, x, whole))):
@@ -181,7 +182,7 @@ def _before(x: Array, first: int, begun: float) -> str:
     return f"the decay is taken from {begun:.4g} s on: before it {what}"
 
 
-def _seeds(t: Array, x: Array) -> list[tuple[int, int]]:
+def _seeds(x: Array) -> list[tuple[int, int]]:
     """Parts of about three cycles that may be of the decay: after the last large values of more or less of the record.
 
     Of a motion that has hardly decayed at its end, in the middle.
@@ -190,7 +191,7 @@ def _seeds(t: Array, x: Array) -> list[tuple[int, int]]:
     for share in (1.0, 0.75, 0.5):
         end = int(share * len(x))
         first = int(np.flatnonzero(size[:end] > 0.5 * np.max(size[:end]))[-1])
-        found += [(first, end)] if end - first >= LEAST else []
+        found.append((first, end))
     return [*found, (int(np.argmax(size)), len(x)), (len(x) // 2, len(x))]
 
 
@@ -203,6 +204,7 @@ def _grown(t: Array, x: Array, seed: tuple[int, int]) -> tuple[int, int] | None:
     if last > len(t):
         return None
     poles = _one(t[first:last], x[first:last])
+    known: tuple[int, int, float] | None = None
     for room in ROOMS:
         off = np.flatnonzero(_off(t, x, (first, last), poles, cycle, room))
         middle, reach = (first + last) // 2, max((last - first) // 3, 4)
@@ -211,6 +213,9 @@ def _grown(t: Array, x: Array, seed: tuple[int, int]) -> tuple[int, int] | None:
         last = min(last + reach, int(high[0]) if len(high) else len(x))
         if last - first < LEAST:
             return None
+        if (first, last, room) == known:
+            continue
+        known = first, last, room
         poles = _one(t[first:last], x[first:last], poles)
     part = t[first:last] - t[first], x[first:last]
     size = np.exp(-2 * np.pi * poles[0, 0] * poles[0, 1] * part[0][-1])
@@ -268,7 +273,8 @@ def _one(t: Array, x: Array, poles: Array | None = None) -> Array:
     t = t - t[0]
     frequency, envelope = _first_guess(t, x) if poles is None else poles[0]
     shares = (envelope, 0.3 * envelope, 3 * envelope)
-    starts = [np.array([[f, z]]) for f in _around(frequency, t) for z in shares]
+    around = _around(frequency, t)[:: 1 if poles is None else 4]
+    starts = [np.array([[f, z]]) for f in around for z in shares]
     return _searched(t, x, min(starts, key=lambda each: float(np.sum(_left(t, x, each) ** 2))))
 
 
