@@ -8,9 +8,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibeam.exchange.curves.told import tell
-from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError, State, state_of
 from vibeam.system.record_pieces import BASELINES
 from vibeam.system.record_samples import LEAST
 from vibeam.system.record_shapes import WINDOWS
@@ -51,6 +48,9 @@ WAYS = {
     "shape": ("duration", "rise", "fall", "cycles", "window", "beats", "pause", "delay"),
     "density": ("band", "seed", "rate", "interpolation", "quantity"),
 }
+
+
+FIELDS = {"from": "from_"}  # of keys that are words of Python
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,7 +141,7 @@ class InputPlan:
 
     def said(self, *names: str) -> dict[str, Any]:
         """Those of its values that are given, by name."""
-        return {name: each for name in names if (each := getattr(self, name)) is not None}
+        return {name: each for name in names if (each := getattr(self, FIELDS.get(name, name))) is not None}
 
     def _shaped(self, record: type[Record], shape: InputShape, duration: float) -> Record:
         said = self.said(*shape.needs, *shape.takes)
@@ -155,19 +155,10 @@ class InputPlan:
         return made
 
     def measured(self, duration: float | None = None) -> Record:
-        """Record of the file, which is read once while it is unchanged; CaseError for a faulty one.
+        """Record of the file in a run of ``duration`` s, None: as long as it is itself; CaseError for a faulty file."""
+        from vibeam.exchange.time_series import record_in_run
 
-        From its first sample on where its clock is none of a run of ``duration`` s, None: as long as the record.
-        """
-        file = Path(self.file or "")
-        try:
-            made = _record_of(self, state := state_of(file))
-            own = 0 <= made.start < (made.duration if duration is None else duration)
-            made = made if own or self.start is not None else _from_first(self, state)
-            tell(made.taken)
-            return made
-        except FormatError as fault:
-            raise CaseError([fault_in(file, fault.line, fault.message)]) from None
+        return record_in_run(Path(self.file or ""), duration, self.quote, self.said(*WAYS["file"]))
 
 
 @lru_cache(maxsize=1)  # all fidelities run under one, and one may have millions of samples
@@ -183,19 +174,3 @@ def _made(plan: InputPlan, duration: float, seed: int | None) -> Record:
     return Record.random(
         plan.density, duration, seed=seed or 0, quantity=of, **plan.said("band", "rate", "interpolation")
     )
-
-
-@lru_cache(maxsize=4)
-def _record_of(plan: InputPlan, state: State) -> Record:
-    from vibeam.exchange.time_series import record_of_file
-
-    names = {"from_": "since", "to": "until"}
-    said = plan.said(*(name for name in WAYS["file"] if name != "from"), "from_")
-    return record_of_file(plan.file or "", quote=plan.quote, **{names.get(name, name): said[name] for name in said})
-
-
-@lru_cache(maxsize=1)
-def _from_first(plan: InputPlan, state: State) -> Record:
-    from vibeam.exchange.time_series import from_first_sample
-
-    return from_first_sample(_record_of(plan, state))

@@ -19,9 +19,8 @@ from typer.core import TyperGroup
 from vibeam.cli.arguments import option
 from vibeam.cli.commands import case_files, checks, maps, measured, modes, pages, runs, studies
 from vibeam.cli.errors import UsageError, mistakes
-from vibeam.cli.streams import put, standard_streams
+from vibeam.cli.streams import put, standard_streams, tell
 from vibeam.cli.verbosity import with_verbosity
-from vibeam.exchange.curves.told import taken_told
 from vibeam_models.phases import phases_told
 
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
@@ -95,14 +94,8 @@ def _options(
         raise typer.Exit
 
 
-def _tell(said: str) -> None:
-    from vibeam.cli.progress import stderr
-
-    stderr().print(said)
-
-
 for group in GROUPS.values():
     for each in group:
         if each is not studies.study:
-            app.command()(with_verbosity(taken_told(_tell)(phases_told(_tell)(mistakes()(each)))))
+            app.command()(with_verbosity(phases_told(tell)(mistakes()(each)), tell))
 app.add_typer(studies.registered, name="study")

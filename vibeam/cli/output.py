@@ -25,8 +25,7 @@ def print_json(data: dict[str, Any]) -> None:
     from vibeam.exchange.curves.told import all_taken
     from vibeam.report.output import to_json
 
-    taken = {"taken": all_taken()} if all_taken() else {}
-    put_json(to_json({"schema": f"vibeam.{verbosity().command}/1"} | data | taken))
+    put_json(to_json({"schema": f"vibeam.{verbosity().command}/1"} | data | all_taken()))
 
 
 def print_sheet(sheet: StudySheet, files: Sequence[Path] = (), whole: bool = False) -> None:

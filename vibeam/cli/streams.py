@@ -67,6 +67,13 @@ def put(text: str) -> None:
         print("\n".join(map(printable, text.split("\n"))))
 
 
+def tell(said: str) -> None:
+    """Print a line on stderr, unless the command is quiet."""
+    from vibeam.cli.progress import stderr
+
+    stderr().print(said)
+
+
 def put_json(text: str) -> None:
     """Print JSON on stdout; what the stream cannot take, and control characters, as JSON's own escapes."""
     unicode = (sys.stdout.encoding or "utf-8").lower().startswith("utf")

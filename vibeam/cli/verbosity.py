@@ -40,20 +40,21 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
-def with_verbosity(command: Callable[..., None]) -> Callable[..., None]:
-    """Command with the options ``--json``, ``-q``, ``-v`` and ``--yes`` behind its own."""
+def with_verbosity(command: Callable[..., None], tell: Callable[[str], None]) -> Callable[..., None]:
+    """Command with the options ``--json``, ``-q``, ``-v``, ``--yes``; ``tell``: of what it takes of measured files."""
     own = inspect.signature(command, eval_str=True)
     name = command.__name__
 
     @wraps(command)
     def call(**given: Any) -> None:
+        from vibeam.exchange.curves.told import taken_told
         from vibeam_models.memory import large_memory
 
         asked = {key: given.pop(key) for key in _OPTIONS}
         confirmed = large_memory() if asked.pop("yes") else nullcontext()
         token = _CURRENT.set(Verbosity(name, **asked))
         try:
-            with confirmed:
+            with confirmed, taken_told(tell):
                 command(**given)
         finally:
             _CURRENT.reset(token)

@@ -10,18 +10,29 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, in_si, split_head
+from vibeam.exchange.curves.columns import (
+    TIMES,
+    Columns,
+    CurveColumn,
+    HeadError,
+    WantedColumn,
+    in_si,
+    split_head,
+    taken_column,
+)
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import taking
-from vibeam.exchange.curves.taken import Taken, taken_column
+from vibeam.exchange.curves.taken import Taken
+from vibeam.exchange.curves.told import tell
 from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError, file_fault, read_by, require_samples
+from vibeam.exchange.files import FormatError, State, file_fault, read_by, require_samples, state_of
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
 from vibeam_models.arguments import number, shown, word
@@ -89,7 +100,8 @@ def record_of_file(
         _require_keys(quantity, column, time, unit, scale, start, since, until)
         found, own = _columns(path, column, time, quantity, rate, scale is not None)
         value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
-        clock = in_si(found.columns["frequency"], "s", None, SAY_RATE) if own is None else np.arange(len(value)) / own
+        clock = in_si(found.columns["frequency"], "s", None, SAY_RATE) if "frequency" in found.columns else np.zeros(1)
+        clock = clock if own is None else clock[:1] + np.arange(len(value)) / own
         kept = _stretch(clock, since, until)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
@@ -107,9 +119,32 @@ def record_of_file(
     return _described(made, taken)
 
 
-def from_first_sample(record: Record) -> Record:
-    """The record of a file from its first sample on, which becomes 0, and so says what was taken of it."""
-    return _described(record.shifted(-record.start), replace(record.taken, zero=record.taken.start))
+def record_in_run(path: Path, duration: float | None, quote: bool, said: Mapping[str, Any]) -> Record:
+    """Record of a file by the keys of a case, in a run of ``duration`` s, None: as long as it is; CaseError as above.
+
+    Read once while the file is unchanged. A clock that begins before 0 or after the run begins at its first sample.
+    """
+    form = tuple(({"from": "since", "to": "until"}.get(name, name), value) for name, value in said.items())
+    try:
+        asked = path, state_of(path), quote, form
+    except FormatError as fault:
+        raise CaseError([fault_in(path, fault.line, fault.message)]) from None
+    made = _record_of(*asked)
+    if "start" not in said and not 0 <= made.start < (made.duration if duration is None else duration):
+        made = _from_first(*asked)
+    tell(made.taken)
+    return made
+
+
+@lru_cache(maxsize=4)
+def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any], ...]) -> Record:
+    return record_of_file(path, quote=quote, **dict(form))
+
+
+@lru_cache(maxsize=1)
+def _from_first(*asked: Any) -> Record:
+    made = _record_of(*asked)
+    return _described(made.shifted(-made.start), replace(made.taken, zero=made.taken.start))
 
 
 def _described(record: Record, taken: Taken) -> Record:
@@ -119,14 +154,14 @@ def _described(record: Record, taken: Taken) -> Record:
 
 def _stretch(clock: Array, since: float | None, until: float | None) -> slice:
     """Samples from one time on up to another; FormatError where there are none."""
-    if since is None and until is None:
+    if since is until is None:
         return slice(None)
+    low, high = -np.inf if since is None else since, np.inf if until is None else until
     near = 1e-6 * abs(float(np.median(np.diff(clock)))) if len(clock) > 1 else 0.0
-    inside = (clock >= -np.inf if since is None else clock >= since - near) & (until is None or clock <= until + near)
-    places = np.flatnonzero(inside)
+    places = np.flatnonzero((clock >= low - near) & (clock <= high + near))
     if not len(places):
-        asked = f"{'' if since is None else f' from {since:.6g} s'}{'' if until is None else f' to {until:.6g} s'}"
-        raise FormatError(f"has no sample{asked}: its clock goes from {clock[0]:.6g} to {clock[-1]:.6g} s")
+        told = f"has no sample from {low:.6g} s to {high:.6g} s"
+        raise FormatError(f"{told}: its clock goes from {clock[0]:.6g} to {clock[-1]:.6g} s")
     return slice(int(places[0]), int(places[-1]) + 1)
 
 

@@ -178,7 +178,7 @@ def test_references(right, wrong, message):
     [
         ("gap = 0", 'gap = "0 mm"', "5: stop.gap: '0 mm' is a length, not a plain number"),
         ("gap = 0", 'gap = 0\ngap_at = "sensor"', "6: stop.gap_at: unknown key; did you mean 'gap'?"),
-        ("amplitude = 0.5e-3", "voltage = 1\namplitude = 0", "8: drive.voltage: unknown key; known here: amplitude, velocity, acceleration, frequency, harmonic, harmonic_share, harmonic_phase, file, column, time, quantity, unit, scale, remove, shape, duration, rise, fall, cycles, window, beats, pause, delay, density, band, rate, interpolation, seed"),
+        ("amplitude = 0.5e-3", "voltage = 1\namplitude = 0", "8: drive.voltage: unknown key; known here: amplitude, velocity, acceleration, frequency, harmonic, harmonic_share, harmonic_phase, file, column, time, quantity, unit, scale, start, from, to, remove, shape, duration, rise, fall, cycles, window, beats, pause, delay, density, band, rate, interpolation, seed"),
         ("[stop]", "natural_frequency = 2\n[stop]", "4: sdof.natural_frequency: 2 may be rad/s or Hz: write '2 rad/s' or '2 Hz'"),
         ("exact]", "exact]\nreduction = \"full\"", "14: fidelity.exact.reduction: 'full' is not one of \"static_mode\""),
         ("exact]", "exact]\nmodes = 2", "14: fidelity.exact.modes: unknown key; known here: reduction, solver, options, set, without, label"),

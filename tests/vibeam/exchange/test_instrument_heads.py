@@ -129,7 +129,8 @@ def test_a_start_and_a_stretch_by_the_clock_of_the_file(tmp_path: Path) -> None:
     cut = read(tmp_path, text, since=9001.0, until=9003.0, start="first sample")
     assert cut.at([0.0, 1.0, 2.0]) == pytest.approx([0.5 * G, -G, 0.5 * G])
     assert "2 of 5 samples left out by from and to" in str(cut.taken)
-    assert read(tmp_path, text, column=2, rate=1.0, since=1.0).start == 1.0  # the columns of times are not asked for
+    assert read(tmp_path, text, rate=1.0, since=9001.0).start == 9001.0  # the first time is the file's own
+    assert read(tmp_path, text, column=2, rate=1.0, time=1, start="first sample").start == 0.0
     for wrong, message in (({"since": 1, "until": 2}, "from 1 s to 2 s: its clock goes from 9000 to 9004 s"),
                            ({"since": 3, "until": 2}, "until: 2 s is not after since"),
                            ({"start": "last"}, "start: 'last' must be")):  # fmt: skip

@@ -9,20 +9,19 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Any
 
-from vibeam.case.input_plan import SHAPES, WAYS, InputPlan
+from vibeam.case.input_plan import FIELDS, SHAPES, WAYS, InputPlan
 from vibeam.case.plans import moving
 from vibeam.casefile.fields import Entry, JsonSchema, ValueEntry
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import NUMBER_WITH_UNIT, SI, TIME, Dimension, UnitSystem, suits, to_si, with_unit
+from vibeam.casefile.tables.references import fault_of_file
 from vibeam.casefile.tables.table import Frequency
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, as_shown_in_message
-from vibeam.exchange.files import FormatError, state_of
 from vibeam.system.record_samples import GRAVITY, MOST
 from vibeam_models.base import Base
 from vibeam_models.keys import keys_of
 
-FIRST = "first sample"
 MOTIONS = ("acceleration", "velocity", "displacement")  # of the base
 LOADS = ("force", "moment")
 PEAKS = ("acceleration", *LOADS)  # what a shape's peak is said by
@@ -113,13 +112,10 @@ def _head(value: Any) -> str | int | None:
     return value if number or (isinstance(value, str) and value) else None
 
 
-def _start(value: Any) -> Any:
-    return value if value == FIRST else to_si(value, TIME)
-
-
 START = ValueEntry(
-    _start, '"first sample" | time', {"type": "string"}, lambda at: at if at == FIRST else with_unit(at, TIME)
-)
+    lambda value: value if value == "first sample" else to_si(value, TIME), '"first sample" | time',
+    {"type": "string"}, lambda value: value if value == "first sample" else with_unit(value, TIME),
+)  # fmt: skip
 COLUMN = ValueEntry(_head, "head in quotes | number from 1", {"type": ["string", "integer"]})
 
 
@@ -215,12 +211,8 @@ def _shape(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
 
 
 def _file(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
-    try:
-        state_of(folder / case.drive.file)
-    except FormatError as fault:
-        name = as_shown_in_message(case.drive.file)
-        none = f"no file {name} in the case file's folder"
-        yield ("drive", "file"), none if fault.message == "no such file" else f"{name} {fault.message}"
+    if fault := fault_of_file(folder, case.drive.file):
+        yield ("drive", "file"), fault
 
 
 def _random(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -304,8 +296,7 @@ def _platform(case: SimpleNamespace) -> Iterator[Complaint]:
 def input_plan(case: Any, folder: File) -> InputPlan:
     """The plan of the input of a checked record case."""
     drive, of = case.drive, said_of(case) or _load_of(case)
-    own = {name: getattr(drive, name, None) for name in keys_of(InputPlan)}
-    own["from_"] = own.pop("from")
+    own = {FIELDS.get(name, name): getattr(drive, name, None) for name in keys_of(InputPlan)}
     own["density"] = None if drive.density is None else drive.density[0]
     own["file"] = None if drive.file is None else str((folder / drive.file).absolute())
     return InputPlan(

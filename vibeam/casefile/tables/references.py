@@ -119,7 +119,7 @@ def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]
     for name, reference in case.reference.items():
         path: KeyPath = ("reference", name)
         yield from named_fidelity(case, (*path, "fidelity"), reference.fidelity)
-        if reference.file is not None and (fault := _file_fault(folder, reference.file)):
+        if reference.file is not None and (fault := fault_of_file(folder, reference.file)):
             yield (*path, "file"), fault
         yield from swept_checks(case, (*path, "direction"), reference.direction)
         if reference.tolerance is None and not reference.measured:
@@ -137,7 +137,8 @@ def _column_checks(path: KeyPath, reference: SimpleNamespace) -> Iterator[Compla
                 yield (*path, part), f'{name} is not compared: quantity = "{reference.quantity}"'
 
 
-def _file_fault(folder: File, name: str) -> str | None:
+def fault_of_file(folder: File, name: str) -> str | None:
+    """Reason why a file of measured data cannot be read, None where it can."""
     fault = file_fault(folder / name)
     if fault == "no such file":
         return f"no file {as_shown_in_message(name)} in the case file's folder"

@@ -39,6 +39,8 @@ def fit(
     of: Annotated[str | None, option(_OF, "--of", metavar="KIND")] = None,
     x: Annotated[str | None, option("Its column of time or frequency.", "--x", metavar="HEAD")] = None,
     y: Annotated[str | None, option("Its column of values.", "--y", metavar="HEAD")] = None,
+    from_: Annotated[str | None, option("Its first time or frequency taken.", "--from", metavar="TIME")] = None,
+    to: Annotated[str | None, option("Its last time or frequency taken.", "--to", metavar="TIME")] = None,
     drive: Annotated[str | None, option(_DRIVE, "--drive", metavar="KIND")] = None,
     level: Annotated[float | None, option(_LEVEL, "--level", metavar="NUMBER")] = None,
     price: PriceOption = False,
@@ -56,16 +58,16 @@ def fit(
       vibeam fit decay.csv --x "t [s]" --y "u [mm]"
     """
     from vibeam.studies.identification.modes import identify_keys
-    from vibeam.studies.identification.signal_kind import identify_signal
+    from vibeam.studies.identification.stretch import identify_stretch
 
-    of_signal = {"--of": of, "--x": x, "--y": y, "--drive": drive, "--level": level}
+    of_signal = {"--of": of, "--x": x, "--y": y, "--from": from_, "--to": to, "--drive": drive, "--level": level}
     of_modes = {"--key": key, "--measured": measured}
     shared = part_asked(price, part, gather)
     of_responses = {"--next": next_, "--write": write, "--price": price, "--part": part, "--gather": gather}
     if file.suffix != ".toml":
         of_cases = {**of_responses, **of_modes, "--set": set_}
         _require(file, of_cases, "is of a case, which ends in .toml", _faults(of, drive, level))
-        _show(file, lambda: identify_signal(file, of, x, y, drive=drive, level=level), out)
+        _show(file, lambda: identify_stretch(file, from_, to, of=of, x=x, y=y, drive=drive, level=level), out)
     elif key or measured:
         faults = [] if key else ["--measured: name the keys that they give, --key beam.thickness"]
         _require(file, {**of_responses, **of_signal}, "does not go with --key", faults)
@@ -78,11 +80,7 @@ def fit(
 
 def _require(file: Path, options: dict[str, Any], why: str, faults: list[str] | None = None) -> None:
     """UsageError with all options that are given in vain, and further ``faults``."""
-    given = [
-        f"{name} {why}: leave it out"
-        for name, value in options.items()
-        if value not in (None, []) and value is not False
-    ]
+    given = [f"{name} {why}: leave it out" for name, value in options.items() if value or type(value) in (float, str)]
     if found := [*given, *(faults or [])]:
         raise UsageError("\n".join(f"{file}: {each}" for each in found))
 

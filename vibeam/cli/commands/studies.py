@@ -11,6 +11,7 @@ from typer.main import get_command_from_info
 from typer.models import CommandInfo
 
 from vibeam.cli.errors import UsageError, mistakes
+from vibeam.cli.streams import tell
 from vibeam.cli.study_command import study_command
 from vibeam.cli.verbosity import with_verbosity
 from vibeam.report.declaration import STUDIES
@@ -22,7 +23,7 @@ derive = study_command(STUDIES["derive"])
 
 def of_declared(command: Callable[..., None]) -> Any:
     """Command of the command line, with the options that all have."""
-    made = with_verbosity(mistakes()(command))
+    made = with_verbosity(mistakes()(command), tell)
     info = CommandInfo(command.__name__, callback=made, context_settings={"help_option_names": ["-h", "--help"]})
     return get_command_from_info(info, pretty_exceptions_short=True, rich_markup_mode=None)
 

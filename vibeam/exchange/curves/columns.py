@@ -7,9 +7,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from vibeam.exchange.curves.record import PLAIN, factor, known_unit, taking
+from vibeam.exchange.curves.taken import TakenColumn
 from vibeam.exchange.files import FormatError, shown
 from vibeam_models.arrays import Array
 
+UNSAID = "no unit in the file: taken so"
 SHOWN = 12  # heads named in a message
 #: usual heads of a column of times
 TIMES = ("time", "t", "zeit", "temps", "tiempo", "tempo", "seconds", "sec", "x_value", "x-axis")
@@ -69,6 +71,14 @@ def in_si(column: CurveColumn, wanted: str, unit: str | None, cure: str, scale_u
         return column.values * factor(column.unit if unit is None else unit, wanted, scale_unit)
     except ValueError as fault:
         raise FormatError(f"column {column.head!r}: {fault}; {cure}") from None
+
+
+def taken_column(column: CurveColumn, si: str, said: str | None = None) -> TakenColumn:
+    """Column as it is taken: in the unit that is ``said`` for it, in its own, else in ``si``."""
+    if said is not None:
+        origin = "as said" + (f", not {column.unit}" if column.unit not in ("", said) else "")
+        return TakenColumn(column.place, column.head, said, origin)
+    return TakenColumn(column.place, column.head, column.unit or si, column.origin if column.unit else UNSAID)
 
 
 def is_unit(text: str) -> bool:

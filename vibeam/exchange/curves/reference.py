@@ -10,7 +10,7 @@ from re import fullmatch
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn, in_si
+from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn, in_si, taken_column
 from vibeam.exchange.curves.read import read_columns
 from vibeam.exchange.curves.record import (
     COLUMNS,
@@ -22,7 +22,7 @@ from vibeam.exchange.curves.record import (
     given,
     taking,
 )
-from vibeam.exchange.curves.taken import Taken, taken_column
+from vibeam.exchange.curves.taken import Taken
 from vibeam.exchange.curves.text import TextForm
 from vibeam.exchange.curves.told import tell
 from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in, suggest
@@ -31,6 +31,7 @@ from vibeam_models.arrays import Array
 
 RECORDED = "# Regression values: recorded by vibeam"  # first line of a file that ``vibeam check --write`` wrote
 NO_COLUMNS = "does not begin with the names of its columns: write {}"
+KIND = "response curve of vibeam's own form"  # whose units are known: nobody is told
 OWN = COLUMNS[0]  # head of the frequencies in a file of vibeam's own form
 FREQUENCY_HEADS = ("frequency", "freq", "f")
 
@@ -59,10 +60,10 @@ def read_curve(
     treated = tuple(_treated(point, form) for point in points if _inside(point, form))
     left = len(points) - len(treated)
     notes = (*taken.notes, f"{left} of {len(points)} points left out by window") if left else taken.notes
-    recorded = _is_recorded(path)
-    if not recorded:
-        tell(replace(taken, notes=notes))
-    return ReferenceCurve(quantity, treated, str(path), recorded, replace(taken, notes=notes))
+    taken = replace(taken, notes=notes)
+    if taken.kind != KIND:
+        tell(taken)
+    return ReferenceCurve(quantity, treated, str(path), _is_recorded(path), taken)
 
 
 def _treated(point: Point, form: ReferenceForm) -> Point:
@@ -103,7 +104,8 @@ def _taken(path: Path, found: Columns, quantity: str, form: ReferenceForm, point
         units["uncertainty"] = units["value"][0], form.units.get("uncertainty")
     columns = tuple(taken_column(found.columns[role], *units[role]) for role in units)
     at = [point.frequency for point in points] or [0.0]
-    return Taken(path.name, "response curve", columns, len(points), min(at), max(at), "Hz", notes=found.notes)
+    kind = KIND if form.own and OWN in found.heads else "response curve"
+    return Taken(path.name, kind, columns, len(points), min(at), max(at), "Hz", notes=found.notes)
 
 
 def _told(wrong: FormatError, quantity: str, form: ReferenceForm, quote: bool) -> str:

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vibeam.exchange.curves.columns import CurveColumn
 from vibeam.exchange.files import shown
-
-UNSAID = "no unit in the file: taken so"
 
 
 def grouped(value: float) -> str:
@@ -30,7 +27,7 @@ class TakenColumn:
     def __str__(self) -> str:
         named = f"{self.place} {shown(self.head)}" if self.head and self.place not in ("", self.head) else self.place
         origin = f" ({self.origin})" if self.origin else ""
-        return f"{named or self.head}, {self.unit or 'a plain number'}{origin}"
+        return f"{named or self.head}, {'a plain number' if self.unit in ('', '1') else self.unit}{origin}"
 
 
 @dataclass(frozen=True)
@@ -64,11 +61,3 @@ class Taken:
             span += f", {'which' if self.zero == self.start else f'of which {grouped(self.zero)} s'} is taken as 0"
         kind = "" if self.kind == "time history" else f"{self.kind}: "
         return "; ".join([f"taken: {kind}{', '.join(map(str, self.columns))}, {span}", *self.notes])
-
-
-def taken_column(column: CurveColumn, si: str, said: str | None = None) -> TakenColumn:
-    """Column as it is taken: in the unit that is ``said`` for it, in its own, else in ``si``."""
-    if said is not None:
-        origin = "as said" + (f", not {column.unit}" if column.unit not in ("", said) else "")
-        return TakenColumn(column.place, column.head, said, origin)
-    return TakenColumn(column.place, column.head, column.unit or si, column.origin if column.unit else UNSAID)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves import labview
 from vibeam.exchange.curves.columns import (
     Columns,
     CurveColumn,
@@ -26,12 +25,12 @@ from vibeam.exchange.curves.numbers import decimal_sign, number, numeric
 from vibeam.exchange.curves.units_said import one_unit, settings, units_row
 from vibeam.exchange.files import FormatError, lines_of, read_by, shown, text_of
 from vibeam_models.arrays import Array
+from vibeam_models.registry import loaded
 
 SEPARATORS = (";", "\t", ",", "|", " ")
 LONGEST_HEAD = 500  # lines before the table begins
 LONGEST_LINE = 100_000  # characters of one, and of all that may be heads
 LINES = 2_100_000  # one for each direction of the longest sweep, and comments
-_FREQUENCY_UNIT = re.compile(r"[\[(]?\s*(k?hz|rad/s|rpm|1/min|[mµu]?s)\s*[\])]?", re.IGNORECASE)
 Line = tuple[int, str]  # line, text
 Row = tuple[int, list[str]]  # line, cells
 Units = Mapping[int, Sequence[tuple[str, str]]]  # by column: where, unit
@@ -62,8 +61,9 @@ def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None =
     """The columns wanted; FormatError, with the line, where one is missing or a cell is no number."""
     form = form or TextForm()
     lines = list(lines_of(text_of(path), LONGEST_LINE, LINES))
-    if lines and lines[0][1].startswith(labview.TITLE):
-        return labview.read(lines, wanted)
+    if lines and lines[0][1].startswith("LabVIEW Measurement"):
+        columns_of: Callable[..., Columns] = loaded("vibeam.exchange.curves.labview:read")
+        return columns_of(lines, wanted)
     table = _head(lines, wanted, form)
     heads, separator = table.heads, table.separator
     places = {role: found for role, each in wanted.items() if (found := find(heads, each)) is not None}
@@ -176,7 +176,7 @@ def _no_heads(lines: list[Line], wanted: Mapping[str, WantedColumn], separators:
     """The message for a file whose heads are other ones: those of the line that looks most like heads."""
     likely, line = list[str](), None
     for count, text in _first(lines):
-        heads = max((_trimmed(_cells_of(count, text, each)) for each in separators[:-1] or separators), key=len)
+        heads = max((_trimmed(_heads_of(count, text, each)) for each in separators[:-1] or separators), key=len)
         if sum(map(bool, heads)) > len(likely) and not any(
             re.fullmatch(r"[+-]?[0-9.,eE+-]+", each) for each in heads if each
         ):

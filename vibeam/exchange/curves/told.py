@@ -22,10 +22,10 @@ def tell(taken: Taken | None) -> None:
         told[0](f"{taken.file}: {taken}")
 
 
-def all_taken() -> list[Taken]:
-    """All that was told so far in this context."""
+def all_taken() -> dict[str, list[Taken]]:
+    """All that was told so far in this context, as ``taken``; empty where nothing was."""
     told = _TOLD.get()
-    return [] if told is None else told[1]
+    return {"taken": told[1]} if told and told[1] else {}
 
 
 @contextmanager

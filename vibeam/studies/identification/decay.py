@@ -25,6 +25,7 @@ from vibeam_models.arrays import Array
 LEAST = 16  # samples
 CLIPPED = 3  # equal samples in a row at an end of the range that are cut off
 MOST_CLIPPED = 0.3  # share of samples
+A_SAMPLE = 1200.0  # bytes of memory of a fit, measured
 MOST = 3  # modes of a decay
 SMALL = 0.05  # share of the first mode's amplitude below which a further one is none
 CLOSE = 0.3  # difference of the logarithms of two frequencies
@@ -87,7 +88,7 @@ def _checked(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Array]:
     t, x = np.asarray(time, dtype=float), np.asarray(displacement, dtype=float)
     if t.ndim != 1 or t.shape != x.shape:
         raise ValueError(f"time {t.shape} and displacement {x.shape} must be of one shape (n,)")
-    require_room(len(t))
+    require_room(len(t), A_SAMPLE)
     if len(t) < LEAST:
         raise ValueError(f"a decay of {len(t)} samples is too short: {LEAST} are needed")
     if not (usable(t) and usable(x)):

@@ -183,9 +183,9 @@ def _checked(
     return f[order], a[:, order], u[:, order]
 
 
-def require_room(points: int) -> None:
+def require_room(points: int, each: float = A_POINT) -> None:
     """Error where there is no room for a fit."""
-    check_room(f"a fit to {points} points", A_POINT * points, "cut the record, or take every second point of it")
+    check_room(f"a fit to {points} points", each * points, "cut the record, or take every second point of it")
 
 
 def _around_peak(a: Array) -> slice:

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.exchange.curves.record import factor
+from vibeam.exchange.curves.told import tell
 from vibeam.exchange.units import unit_size
 from vibeam.studies.identification.decay import identify_decay
 from vibeam.studies.identification.estimates import Identification
@@ -69,6 +70,7 @@ def identify_signal(
     with the place and the cure; ValueError where it is none, or cannot be told.
     """
     signal = read_signal(path, "" if of is None else "time" if of == KINDS[0] else "frequency", x, y).within(stretch)
+    tell(signal.taken)
     signal = _causal(signal)
     if not usable(signal.value):
         raise ValueError("values are too large or too small; the largest lies between 1e-60 and 1e+60 in its unit")

@@ -15,11 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, HeadError, WantedColumn, split_head
+from vibeam.exchange.curves.columns import (
+    TIMES,
+    Columns,
+    CurveColumn,
+    HeadError,
+    WantedColumn,
+    split_head,
+    taken_column,
+)
 from vibeam.exchange.curves.read import BINARY, is_text, read_columns
 from vibeam.exchange.curves.record import factor
-from vibeam.exchange.curves.taken import Taken, taken_column
-from vibeam.exchange.curves.told import tell
+from vibeam.exchange.curves.taken import Taken
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError
 from vibeam_models.arrays import Array
@@ -49,6 +56,7 @@ class Signal:
     Of several responses ``value`` is (m, n), and complex where the phase is there. ``over``: ``"time"``,
     ``"frequency"``, empty where neither head nor unit says it. ``heads``, ``units`` of abscissa and value as the file
     has them, of the value without decibels; ``parts``: heads of all columns that the values are of, if more than one.
+    ``taken``: which columns of its file.
     """
 
     at: Array
@@ -60,6 +68,7 @@ class Signal:
     parts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     decibels: bool = False
+    taken: Taken | None = None
 
     def within(self, stretch: tuple[float | None, float | None]) -> Signal:
         """The part from one abscissa to another (None: to the end); ValueError where nothing is left."""
@@ -68,7 +77,10 @@ class Signal:
         if not inside.any():
             raise ValueError(f"nothing lies from {low:g} to {high:g}: it has {self.at.min():g} to {self.at.max():g}")
         uncertainty = None if self.uncertainty is None else self.uncertainty[inside]
-        return replace(self, at=self.at[inside], value=self.value[..., inside], uncertainty=uncertainty)
+        taken, left = self.taken, int(np.sum(~inside))
+        if taken is not None and left:
+            taken = replace(taken, notes=(*taken.notes, f"{left} of {len(self.at)} points left out by --from and --to"))
+        return replace(self, at=self.at[inside], value=self.value[..., inside], uncertainty=uncertainty, taken=taken)
 
 
 def read_signal(path: Path, over: str = "", x: str | None = None, y: str | None = None) -> Signal:
@@ -80,8 +92,7 @@ def read_signal(path: Path, over: str = "", x: str | None = None, y: str | None 
     try:
         found = _columns(path, over, x, y)
         signals = [_signal(path, each.columns, over) for each in found]
-        tell(_taken(path, found, signals[0]))
-        return _together(signals)
+        return replace(_together(signals), taken=_taken(path, found, signals[0]))
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _cured(wrong.message))]) from None
 
