@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.held import PLACES, held_of
-from vibeam.case.plans import FigurePlan
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import listed
@@ -19,6 +18,7 @@ from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.profile import FitRow
 from vibeam.studies.fit.study import FitStudy, FittedPoint
 from vibeam.studies.identification.estimates import Estimate, Identification
+from vibeam.studies.identification.picture import modes_figure
 from vibeam.system.number_text import begun, percent, shown_in, with_unit
 from vibeam_models.arguments import counted
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 CURVE = 121  # frequencies of a fitted branch
-MANY = 4  # parameters above which a sentence has the frequencies alone
 PANEL_MOST = 4  # references with a panel
 
 
@@ -90,8 +89,7 @@ def _value(row: FitRow | Estimate) -> str:
 
 def identification_sheet(found: Identification) -> StudySheet:
     """Sheet of an identification: values with intervals, what a file was taken as, what is not fixed."""
-    shown = [row for row in found.rows if len(found.rows) <= MANY or row.name.startswith("natural")]
-    known = [f"{row.name} {_value(row)}" for row in shown if row.determined]
+    known = [f"{row.name} {_value(row)}" for row in found.leading if row.determined]
     unknown = listed([row.name for row in found.rows if not row.determined])
     of = f"the {found.points} {f'points of the {found.of}' if found.of else 'measured modal frequencies'}"
     told = f"{listed(known)} describe{'s' * (len(known) == 1)} {of} (± at 95 %; rms residual "
@@ -99,30 +97,10 @@ def identification_sheet(found: Identification) -> StudySheet:
     told = told if known else f"{of} do not fix {unknown}"
     because = f"; taken as {'an' if found.of[0] == 'a' else 'a'} {found.of}, since {found.why}" if found.of else ""
     answer = f"{begun(told) if found.of or not known else told}{because}."
-    data = {
-        each.name: held for each in fields(found) if (held := getattr(found, each.name)) != "" and each.name != "fit"
-    }
-    notes = [*found.directions, *found.notes]
-    draw = partial(identified_figure, found) if len(found.orders) > 1 else None
+    names = [each.name for each in fields(found) if each.name != "fit" and getattr(found, each.name) != ""]
+    data = {name: getattr(found, name) for name in names}
+    notes, draw = [*found.directions, *found.notes], partial(modes_figure, found) if len(found.orders) > 1 else None
     return StudySheet(answer, [_identified(found)], notes, data=data, rows=found.rows, draw=draw)
-
-
-def identified_figure(found: Identification) -> Figure:
-    """Moduli, measured and fitted, and the modes of fits with more and more of them."""
-    from vibeam.figures.page import blank_page
-
-    figure = blank_page((4.3, 3.4), FigurePlan())
-    axes, (frequency, measured, fitted) = figure.add_subplot(), found.fit or [np.empty(0)] * 3
-    axes.semilogy(frequency, measured.T, ".", color="0.6", markersize=2)
-    axes.semilogy(frequency, fitted.T, linewidth=1)
-    orders = axes.twinx()
-    modes = [(mode[0], n) for n, modes in enumerate(found.orders, 1) for mode in modes]
-    orders.plot(*np.transpose(modes), "k+")
-    orders.set_yticks(range(len(found.orders) + 2))
-    orders.set_ylabel("modes in the fit (+)")
-    axes.set_xlabel("frequency in Hz")
-    axes.set_ylabel(f"modulus of the {found.of}, measured and fitted")
-    return figure
 
 
 def _identified(found: Identification) -> ReportTable:
@@ -185,11 +163,8 @@ def as_data(study: FitStudy) -> dict[str, Any]:
         row.key: [[*study.problem.values(each[:-1]).tolist(), float(each[-1])] for each in found.path]
         for row, found in zip(study.rows, study.profiles, strict=True)
     }
-    names = ("rows", "misfit", "judgement", "covariance", "points")
-    return {
-        **{name: getattr(study, name) for name in names},
-        "profiles": profiles, "next": study.next, "sentences": study.sentences,
-    }  # fmt: skip
+    names = ("rows", "misfit", "judgement", "covariance", "points", "next", "sentences")
+    return {name: getattr(study, name) for name in names} | {"profiles": profiles}
 
 
 def estimated_case(study: FitStudy) -> str:

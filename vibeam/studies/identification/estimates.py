@@ -65,6 +65,12 @@ class Identification:
     stretch: tuple[float, float] | None = None
     fit: tuple[Array, Array, Array] | None = None
 
+    @property
+    def leading(self) -> tuple[Estimate, ...]:
+        """Estimates for a sentence: of more than four the natural frequencies alone."""
+        many = len(self.rows) > 4 and any(row.name.startswith("natural") for row in self.rows)
+        return tuple(row for row in self.rows if not many or row.name.startswith("natural"))
+
     def __getitem__(self, name: str) -> Estimate:
         for row in self.rows:
             if row.name == name:
