@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.studies.identification.estimates import Identification, by_logarithms, estimates, spread_of
+from vibeam.studies.identification.estimates import Identification, by_logarithms, correlation, estimates, spread_of
 from vibeam.studies.identification.response import CORRELATED, RANGE, SAMPLE, notes_on, numbered, require_room, usable
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
@@ -73,10 +73,10 @@ def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
     names = numbered(SAMPLE, len(poles))
     spread = spread_of(np.hstack([shape, basis]), residual, names, equal=True)
     rows = estimates(names, poles.ravel().tolist(), spread.half, ("Hz", "1") * len(poles))
-    left = float(np.sqrt(np.mean(residual**2)) / np.max(np.abs(x - linear[-1])))
+    left = float(np.sqrt(np.mean(residual**2)) / max(float(np.max(np.abs(x - linear[-1]))), 1e-300))
     method = f"{'a decaying cosine' if len(poles) == 1 else f'{len(poles)} decaying cosines'} fitted to the decay"
     notes = [f"the slope of the envelope alone gives a damping ratio of {envelope:.3g}", *notes]
-    if left > WRONG and (first, last) == (0, len(t)):
+    if left > 1 or (left > WRONG and (first, last) == (0, len(t))):
         told = f"one decay leaves {100 * left:.2g} % of it, and no stretch of it is one by itself"
         raise ValueError(f"the record is not a free decay: {told}: take it from the release to rest, --from and --to")
     notes += notes_on(residual, left)
@@ -150,7 +150,7 @@ def _follows(t: Array, x: Array, poles: Array | None = None) -> bool:
     left = _left(t, x, _poles(t, x) if poles is None else poles)
     rough = np.array([np.sqrt(np.mean(part**2)) for part in np.array_split(left, 8)])
     small = ROUGH[1] * float(np.max(np.abs(x - _rest(x))))
-    white = not np.ptp(left) > 0 or abs(np.corrcoef(left[1:], left[:-1])[0, 1]) < CORRELATED
+    white = abs(correlation(left)) < CORRELATED
     return bool(rough.max() <= small or (white and rough.max() <= ROUGH[0] * np.median(rough)))
 
 

@@ -199,6 +199,13 @@ def estimates(names: Sequence[str], values: Sequence[float], half: Array, units:
     )
 
 
+def correlation(residual: Array) -> float:
+    """Correlation of neighbours along the last axis; 0 where they are all the same."""
+    one, other = (each - np.mean(each) for each in (residual[..., 1:], residual[..., :-1]))
+    size = float(np.sqrt(np.sum(one**2) * np.sum(other**2)))
+    return float(np.sum(one * other)) / size if size > 0 else 0.0
+
+
 def by_logarithms(model: Callable[[Array], Array], values: Array, step: float = 1e-5) -> Array:
     """Jacobian (n, p) of a model by the logarithms of positive parameters, by central differences."""
     away = np.exp(step * np.eye(len(values)))

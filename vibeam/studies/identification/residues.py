@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.studies.identification.estimates import correlation
 from vibeam_models.arrays import Array, Complex
 
 MOST = 12  # modes
@@ -133,7 +134,7 @@ def fitted(data: Response, most: int = MOST, terms: bool = True, twisted: bool |
     """As ``_path``; where it leaves what is no noise, the better one of it and of one that goes on carefully."""
     path = _path(data, most, terms, twisted)
     left = path[-1].residual()
-    if data.moduli or abs(np.corrcoef(left[..., 1:].ravel(), left[..., :-1].ravel())[0, 1]) < ALIKE:
+    if data.moduli or abs(correlation(left)) < ALIKE:
         return path
     other = _path(replace(data, careful=True), most, terms, twisted)
     again = replace(other[-1], data=data)
@@ -238,7 +239,7 @@ def _of_parts(fit: Fit, one: Complex) -> tuple[float, Array]:
 def _of_moduli(fit: Fit, one: Complex) -> tuple[float, Array]:
     """As ``_of_parts`` of moduli: |h + c b|² = |h|² + 2c Re(h* b) + c² |b|², with c and c² on their own."""
     model = fit.model
-    weight = 1 / (fit.scatter * np.maximum(np.abs(model), fit.data.values))
+    weight = 1 / (fit.scatter * np.maximum(np.maximum(np.abs(model), fit.data.values), 1e-12))
     left, square = weight * (fit.data.values**2 - np.abs(model) ** 2), weight * np.abs(one) ** 2
     cross = weight * 2 * np.real(np.conj(model) * one)
     gain, sizes = 0.0, []
@@ -264,7 +265,8 @@ def _with_scatter(fit: Fit) -> Fit:
     model = np.maximum(np.abs(fit.model), np.abs(fit.data.values) if fit.data.careful else 0.0)
     top = np.max(model, axis=1, keepdims=True)
     return min(
-        (replace(fit, scatter=np.hypot(each * top, model) / (1 + each)) for each in EQUAL), key=lambda each: each.misfit
+        (replace(fit, scatter=np.maximum(np.hypot(each * top, model) / (1 + each), 1e-12)) for each in EQUAL),
+        key=lambda each: each.misfit,
     )
 
 

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
-from vibeam.studies.identification.estimates import Estimate, Identification, estimates, spread_of
+from vibeam.studies.identification.estimates import Estimate, Identification, correlation, estimates, spread_of
 from vibeam.studies.identification.residues import MOST, Fit, Response, fitted
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
@@ -138,7 +138,7 @@ def identify_spectrum(
     wanted = _Wanted(0, most=1, terms=False, twisted=True)
     found = _modes(f[inside], a[0, inside], None if u is None else u[0, inside], wanted)
     found = replace(found, method="the spectrum of a decaying cosine, fitted")
-    return _with_leakage(found, float(np.min(np.diff(f))))
+    return _with_leakage(found, float(np.min(np.diff(np.unique(f)))))
 
 
 def _with_leakage(found: Identification, step: float) -> Identification:
@@ -296,8 +296,8 @@ def _method(fit: Fit) -> str:
 def notes_on(residual: Array, left: float) -> list[str]:
     """Notes on a share ``left`` of the largest value that no such modes explain, and on noise that is not white."""
     found = [f"{100 * left:.2g} % of the largest value remain: this is no single linear mode"] if left > REMAINS else []
-    correlation = float(np.corrcoef(residual[1:], residual[:-1])[0, 1]) if np.ptp(residual) > 0 else 0.0
-    if abs(correlation) > CORRELATED and left > 1e-6:
-        told = f"neighbouring residuals are correlated ({correlation:+.2f})"
+    alike = correlation(residual)
+    if abs(alike) > CORRELATED and left > 1e-6:
+        told = f"neighbouring residuals are correlated ({alike:+.2f})"
         found.append(f"{told}: the noise is not white, and the intervals are too narrow")
     return found
