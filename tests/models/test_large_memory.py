@@ -60,5 +60,5 @@ def test_a_small_run_needs_no_confirmation(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_a_fit_to_millions_of_points_is_refused() -> None:
     time = np.broadcast_to(0.0, (7_000_000,))
-    with pytest.raises(ValueError, match=r"a fit to 7000000 points: needs 2\.4 GB of memory"):
+    with pytest.raises(ValueError, match=r"a fit to 7000000 points: needs 8\.4 GB of memory"):
         vibeam.identify_decay(time, time)

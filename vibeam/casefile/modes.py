@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path as File
 from typing import Any
 
@@ -17,7 +18,7 @@ from vibeam_models.arrays import Array
 from vibeam_models.given import GivenStructure
 from vibeam_models.structure import Structure
 
-KEYS = (*ROWS, "outputs", "file", "frequency", "damping_ratio", "modal_mass", "moving_mass")
+KEYS = (*ROWS, "outputs", "file", "skip", "frequency", "damping_ratio", "modal_mass", "moving_mass")
 
 
 def files_of(table: Any) -> dict[str, str]:
@@ -40,7 +41,10 @@ class ModesReading(StructureReading):
         """As ``StructureReading.structure``."""
         self.carried = self.values["moving_mass"]
         said = self.values["file"]
-        file: FileModes | None = None if said is None else self.content("file", said, read_modes)
+        skip = self.values["skip"] or ()
+        file: FileModes | None = None if said is None else self.content("file", said, partial(read_modes, skip=skip))
+        if skip and said is None:
+            self.complain("skip", "omits modes of a file, and there is none: leave it out")
         frequency = self._each("frequency", None if file is None else file.frequency)
         if frequency is None:
             return None

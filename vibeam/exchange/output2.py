@@ -10,7 +10,7 @@ which asks for numpy below 2 and cannot be imported with 2.4 (1.4.1)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -23,8 +23,7 @@ from vibeam.exchange.files import LARGEST_TEXT, FormatError, State, read_by, sta
 from vibeam.exchange.matrices.entries import FileMatrix
 from vibeam.exchange.matrices.output4 import TYPES, NastranMatrix, content_of, one_of
 from vibeam.exchange.nastran import records
-from vibeam.exchange.uff import FileModes
-from vibeam.exchange.uff import read_modes as read_universal
+from vibeam.exchange.uff import FileModes, read_universal
 
 SHAPES = ("OUGV1", "OUGV1PAT", "OUG1", "OPHIG", "BOUGV1", "BOPHIG")
 REAL_MODES = (2, 7, 1, 8)  # analysis, table, format of numbers, words a point
@@ -96,12 +95,16 @@ def read_output2(path: Path, name: str, wanted: str) -> FileMatrix:
     return one_of((matrix for block in blocks(path) for matrix in block.matrix()), name, wanted)
 
 
-def read_modes(path: Path) -> FileModes:
-    """The modes of a file, this or a universal one, by ascending frequency; FormatError where there are none."""
+def read_modes(path: Path, skip: Sequence[float] = ()) -> FileModes:
+    """The modes of a file, this or a universal one, by ascending frequency but those at ``skip`` (Hz), taken as real.
+
+    FormatError where there are none, or one is too far from being real.
+    """
+    state = state_of(path, LARGEST_TEXT)
     if path.suffix.lower() != ".op2":
-        return read_universal(path)
+        return read_universal(path, state).without(skip).real()
     with read_by("is no OUTPUT2 file that can be read"):
-        return _read(path, state_of(path, LARGEST_TEXT))
+        return _read(path, state).without(skip)
 
 
 @lru_cache(maxsize=8)

@@ -18,6 +18,7 @@ from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.profile import FitRow
 from vibeam.studies.fit.study import FitStudy, FittedPoint
 from vibeam.studies.identification.estimates import Estimate, Identification
+from vibeam.studies.identification.picture import modes_figure
 from vibeam.system.number_text import begun, percent, shown_in, with_unit
 from vibeam_models.arguments import counted
 
@@ -88,28 +89,30 @@ def _value(row: FitRow | Estimate) -> str:
 
 def identification_sheet(found: Identification) -> StudySheet:
     """Sheet of an identification: values with intervals, what a file was taken as, what is not fixed."""
-    known = [f"{row.name} {_value(row)}" for row in found.rows if row.determined]
+    known = [f"{row.name} {_value(row)}" for row in found.leading if row.determined]
     unknown = listed([row.name for row in found.rows if not row.determined])
     of = f"the {found.points} {f'points of the {found.of}' if found.of else 'measured modal frequencies'}"
     told = f"{listed(known)} describe{'s' * (len(known) == 1)} {of} (± at 95 %; rms residual "
     told += f"{percent(found.residual)}){f', which do not fix {unknown}' if unknown else ''}"
     told = told if known else f"{of} do not fix {unknown}"
-    because = f"; taken as a {found.of}, since {found.why}" if found.of else ""
+    because = f"; taken as {'an' if found.of[0] == 'a' else 'a'} {found.of}, since {found.why}" if found.of else ""
     answer = f"{begun(told) if found.of or not known else told}{because}."
-    data = {each.name: held for each in fields(found) if (held := getattr(found, each.name)) != ""}
-    return StudySheet(answer, [_identified(found)], [*found.directions, *found.notes], data=data, rows=found.rows)
+    names = [each.name for each in fields(found) if each.name != "fit" and getattr(found, each.name) != ""]
+    data = {name: getattr(found, name) for name in names}
+    notes, draw = [*found.directions, *found.notes], partial(modes_figure, found) if len(found.orders) > 1 else None
+    return StudySheet(answer, [_identified(found)], notes, data=data, rows=found.rows, draw=draw)
 
 
 def _identified(found: Identification) -> ReportTable:
     """Identified parameters: value and 95 % interval, a dash where the data do not fix it."""
     table = blank("Identified", "parameter", "value|", "95 % interval|", "±|", "unit")
-    table.caption = found.method
+    table.caption = "\n".join(filter(None, [found.method, found.shapes]))
     for row in found.rows:
         half = 0.5 * (row.high - row.low)
         digits = 4 if not half > 0 else max(2, min(9, 2 + floor(log10(abs(row.value) / half))))
         unit, factor = shown_in("" if row.unit == "1" else row.unit, row.value, row.low, row.high)
         value, low, high = (f"{factor * each:.{digits}g}" for each in (row.value, row.low, row.high))
-        numbers = [value, f"{low} … {high}", percent(half / row.value)]
+        numbers = [value, f"{low} … {high}", percent(abs(half / row.value))]
         table.add_row(row.name, *(numbers if row.determined else ["not determined", "–", "–"]), unit)
     return table
 
@@ -160,11 +163,8 @@ def as_data(study: FitStudy) -> dict[str, Any]:
         row.key: [[*study.problem.values(each[:-1]).tolist(), float(each[-1])] for each in found.path]
         for row, found in zip(study.rows, study.profiles, strict=True)
     }
-    names = ("rows", "misfit", "judgement", "covariance", "points")
-    return {
-        **{name: getattr(study, name) for name in names},
-        "profiles": profiles, "next": study.next, "sentences": study.sentences,
-    }  # fmt: skip
+    names = ("rows", "misfit", "judgement", "covariance", "points", "next", "sentences")
+    return {name: getattr(study, name) for name in names} | {"profiles": profiles}
 
 
 def estimated_case(study: FitStudy) -> str:

@@ -214,6 +214,7 @@ class ModesTable(Table):
     file: Annotated[str | None, TEXT] = key(
         "file with the modes, .op2 or universal; absent = they stand here", "rig.uff", None
     )
+    skip: Annotated[tuple[float, ...] | None, Several(Frequency)] = key("modes of the file to omit", ["9.3 Hz"], None)
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
         "natural frequencies; absent = the file's", ["5.2754 Hz", "12.398 Hz"], None
     )
@@ -231,9 +232,5 @@ class ModesTable(Table):
         [1.8077, -0.482],
         None,
     )
-    force: Annotated[Any, SHAPE] = key(
-        "shapes where drive.force acts, instead of a moving base", [0.6755, 0.4586], None
-    )
-    moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key(
-        "that a platform with two-way coupling carries", "3.5 kg", None
-    )
+    force: Annotated[Any, SHAPE] = key("shapes where drive.force acts, no base then", [0.6755, 0.4586], None)
+    moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key("that a platform carries", "3.5 kg", None)

@@ -46,7 +46,10 @@ class Identification:
     """Result of an identification: ``rows`` of estimates; ``residual``: rms over the largest value of the data.
 
     ``directions``: what the data do not fix. ``method``: what was fitted to what. ``notes``: what limits the numbers.
-    Of a file ``of``: ``"decay"``, ``"spectrum"`` or ``"response"``, and ``why`` it is taken as one.
+    Of a file ``of``: ``"decay"``, ``"spectrum"``, ``"receptance"`` …, and ``why`` it is taken as one. ``orders``:
+    frequency and damping ratio of each mode of a fit with 1, 2, … modes. ``shapes``: a table [modes] of several
+    responses. ``stretch``: the part of a record that was fitted, in s. ``fit``: frequencies (n,), moduli (m, n)
+    measured and fitted.
     """
 
     rows: tuple[Estimate, ...]
@@ -57,6 +60,16 @@ class Identification:
     notes: tuple[str, ...] = ()
     of: str = ""
     why: str = ""
+    orders: tuple[tuple[tuple[float, float], ...], ...] = ()
+    shapes: str = ""
+    stretch: tuple[float, float] | None = None
+    fit: tuple[Array, Array, Array] | None = None
+
+    @property
+    def leading(self) -> tuple[Estimate, ...]:
+        """Estimates for a sentence: of more than four the natural frequencies alone."""
+        many = len(self.rows) > 4 and any(row.name.startswith("natural") for row in self.rows)
+        return tuple(row for row in self.rows if not many or row.name.startswith("natural"))
 
     def __getitem__(self, name: str) -> Estimate:
         for row in self.rows:
@@ -73,11 +86,14 @@ class Spread:
     directions: tuple[str, ...]
 
 
-def spread_of(jacobian: Array, residual: Array | None, names: Sequence[str], *, equal: bool = False) -> Spread:
+def spread_of(
+    jacobian: Array, residual: Array | None, names: Sequence[str], *, equal: bool = False, parts: int = 1
+) -> Spread:
     """Spread of the parameters ``names``, the first columns of ``jacobian`` (n, p), which is by their logarithms.
 
     Further columns are of parameters that are not asked for. ``residual`` None: rows are in known standard deviations.
-    Otherwise (n,): the scatter is taken from it, the same at all points where ``equal``.
+    Otherwise (n,): the scatter is taken from it, the same at all points where ``equal``, else the larger of that and
+    of one that differs. ``parts``: rows n/parts apart are of one point, such as a real and an imaginary part.
     """
     from scipy.stats import norm, t
 
@@ -91,7 +107,7 @@ def spread_of(jacobian: Array, residual: Array | None, names: Sequence[str], *, 
     unfixed = singular * UNKNOWN < width
     variance = np.sum((rows[~unfixed] / singular[~unfixed, None]) ** 2, axis=0)
     if residual is not None and not equal:
-        variance = np.diag(_hc3(jacobian, residual))[:named]
+        variance = np.maximum(variance, np.diag(_hc3(jacobian, residual, parts))[:named])
     reach = np.minimum(width / np.maximum(singular[unfixed], 1e-300), FURTHEST)
     half = np.sqrt(width**2 * np.maximum(variance, 0.0) + np.sum((reach[:, None] * rows[unfixed]) ** 2, axis=0))
     half = np.where(half < UNKNOWN, half, inf)
@@ -134,11 +150,12 @@ def _without_others(jacobian: Array, named: int) -> Array:
     return np.asarray(wanted - basis @ (basis.T @ wanted))
 
 
-def _hc3(jacobian: Array, residual: Array) -> Array:
+def _hc3(jacobian: Array, residual: Array, parts: int) -> Array:
     """Covariance of parameters from the scatter of the residuals, which may differ from point to point."""
     inverse = np.linalg.pinv(jacobian.T @ jacobian)
     leverage = np.einsum("ni,ij,nj->n", jacobian, inverse, jacobian)
     score = jacobian * (residual / np.maximum(1 - leverage, 0.05))[:, None]
+    score = np.sum(score.reshape(parts, -1, score.shape[1]), axis=0)
     return np.asarray(inverse @ (score.T @ score) @ inverse)
 
 
@@ -166,14 +183,27 @@ def _product(one: str, other: str, ratio: float) -> str:
 
 
 def estimates(names: Sequence[str], values: Sequence[float], half: Array, units: Sequence[str]) -> tuple[Estimate, ...]:
-    """Rows of positive parameters: value, and the interval in proportion; NaN where not determined."""
+    """Rows of parameters that keep their sign: value, and the interval in proportion; NaN where not determined."""
     rows = zip(names, values, half, units, strict=True)
     return tuple(
-        Estimate(name, value, float(value * np.exp(-width)), float(value * np.exp(width)), unit)
+        Estimate(
+            name,
+            value,
+            float(value * np.exp(-np.sign(value) * width)),
+            float(value * np.exp(np.sign(value) * width)),
+            unit,
+        )
         if np.isfinite(width)
         else Estimate(name, nan, nan, nan, unit)
         for name, value, width, unit in rows
     )
+
+
+def correlation(residual: Array) -> float:
+    """Correlation of neighbours along the last axis; 0 where they are all the same."""
+    one, other = (each - np.mean(each) for each in (residual[..., 1:], residual[..., :-1]))
+    size = float(np.sqrt(np.sum(one**2) * np.sum(other**2)))
+    return float(np.sum(one * other)) / size if size > 0 else 0.0
 
 
 def by_logarithms(model: Callable[[Array], Array], values: Array, step: float = 1e-5) -> Array:

@@ -1,49 +1,102 @@
-"""Natural frequency, damping and gain of one mode from its forced response, its free decay, or the spectrum of that.
+"""Modes from frequency responses and from spectra: natural frequencies, damping ratios, residues, mode shapes.
 
-With r = f/f_n and D = √((1 − r²)² + (2ζr)²), amplitudes over frequency are, for a gain g and a drive u,
+A response is a sum of modes (``residues``). Of a receptance, mobility or accelerance p = 0, 1, 2 derivatives of a
+displacement are over a force, and a residue r_k = φ_k(output) φ_k(input) is in 1/kg. Over a base displacement −s² is
+a factor, and 1 is added where the motion is absolute. With r = f/f_n and D = √((1 − r²)² + (2ζr)²) the modulus of one
+mode of a gain g is
 
-    base displacement   g u r²/D     base acceleration, force   g u/D     spectrum of a decay   √(a² + b² r²)/D
+    base displacement   g r²/D     base acceleration, force   g/D     spectrum of a decay   √(a² + b² r²)/D
 
-(eq. 43 of the paper is the first). The last is |X| of X(s) = (s x₀ + v₀ + 2ζω x₀)/(s² + 2ζωs + ω²), of a record that
-lasts until the motion has died; one that is cut after T = 1/Δf, Δf the step of the frequencies, has leakage that a note
-tells of. Least squares in f_n, ζ and the gain, weighted by the uncertainties where these are given.
-
-A decay is x(t) = e^(−ζωt)(a cos ω_d t + b sin ω_d t) + c, ω_d = ω√(1 − ζ²). Least squares over all samples (maximum
-likelihood for white noise). For given ω and ζ the problem is linear in a, b, c (variable projection; Golub & Pereyra,
-SIAM J. Numer. Anal. 10 (1973)), so that two parameters are searched. Started at the peak of the spectrum and at the
-slope of the envelope, the modulus of the analytic signal, whose logarithmic decrement is what Fig. 30(a) of the paper
-reads; that is told beside it.
+(eq. 43 of the paper is the first). The last is |X| of X(s) = (s x₀ + v₀ + 2ζω x₀)/(s² + 2ζωs + ω²), one mode with a
+complex residue, of a record that begins at the release; one that is cut before the motion has died, or whose spectrum
+is taken over too few frequencies, has leakage that a note tells of.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.studies.identification.estimates import Identification, by_logarithms, estimates, spread_of
+from vibeam.exchange.faults import suggest
+from vibeam.studies.identification.estimates import Estimate, Identification, correlation, estimates, spread_of
+from vibeam.studies.identification.residues import MOST, Fit, Response, fitted
+from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 from vibeam_models.memory import check_room
 
 DRIVES = ("base displacement", "base acceleration", "force")
+#: form of a response: its unit, the power of s, what is added, the sign of a residue
+FORMS: dict[str, tuple[str, int, float, int]] = {
+    "receptance": ("m/N", 0, 0.0, 1),
+    "mobility": ("m/s/N", 1, 0.0, 1),
+    "accelerance": ("m/s^2/N", 2, 0.0, 1),
+    "transmissibility": ("1", 2, 1.0, -1),
+    "relative transmissibility": ("1", 2, 0.0, -1),
+}
 CUT = 0.02  # share of the motion left at the end of a record from which on its spectrum leaks
-REMAINS = 0.05  # residual, relative to the largest value, from which on it is no single linear mode
-A_POINT = 340.0  # bytes of memory of a fit, measured
+REMAINS = 0.05  # residual, relative to the largest value, from which on there are no such modes
+CORRELATED = 0.3  # correlation of neighbouring residuals from which on noise is not white
+A_POINT = 6000.0  # bytes of memory of a fit of several modes
 NEAR = 0.15  # share of the peak from which on a spectrum is fitted: below, noise has a floor
-Shape = Callable[[Array, Array], Array]
+RANGE = "; the largest lies between 1e-60 and 1e+60 in its unit"
+SAMPLE = ("natural frequency", "damping ratio")
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """Form of what is fitted, and the name, unit and factor of a residue; ``static``: over the square of ω_k."""
+
+    power: int
+    offset: float = 0.0
+    residue: str = ""
+    unit: str = ""
+    factor: float = 1.0
+    static: bool = False
+    most: int = MOST
+    terms: bool = True
+    twisted: bool | None = None
+
+
+def identify_frequency_response(
+    frequency: ArrayLike, response: ArrayLike, *, of: str, uncertainty: ArrayLike | None = None, modes: int = MOST
+) -> Identification:
+    """Natural frequencies (Hz), damping ratios and residues of the modes of a frequency response (n,), or of several.
+
+    ``response``: complex, or moduli, in SI; (m, n) of m responses with the same modes. ``of``: ``"receptance"``,
+    ``"mobility"``, ``"accelerance"``, over a force; ``"transmissibility"``, absolute, or ``"relative
+    transmissibility"``, over a base motion of the same kind. ``uncertainty``: standard deviations of each part; None:
+    taken from the scatter. At most ``modes``, and residual terms of those outside the band. ValueError for what is no
+    response.
+
+    >>> import numpy as np
+    >>> import vibeam
+    >>> s = 2j * np.pi * np.linspace(5.0, 15.0, 101)
+    >>> receptance = 2.0 / (s**2 + 2.5 * s + (20 * np.pi) ** 2)
+    >>> found = vibeam.identify_frequency_response(s.imag / 2 / np.pi, receptance, of="receptance")
+    >>> {row.name: round(row.value, 4) for row in found.rows}
+    {'natural frequency': 10.0, 'damping ratio': 0.0199, 'residue': 2.0, 'modal mass': 0.5}
+    """
+    if of not in FORMS:
+        raise ValueError(f"of: {of!r} is none of these: {suggest(of, FORMS)}")
+    unit, power, offset, sign = FORMS[of]
+    called, unit = ("gain", "1") if unit == "1" else ("residue", "1/kg")
+    return _modes(frequency, response, uncertainty, _Wanted(power, offset, called, unit, sign, most=modes))
 
 
 def identify_response(
     frequency: ArrayLike, amplitude: ArrayLike, *, drive: str = "base displacement", level: float = 1.0,
-    uncertainty: ArrayLike | None = None,
+    uncertainty: ArrayLike | None = None, modes: int = 1, motion: int = 0,
 ) -> Identification:  # fmt: skip
     """Natural frequency (Hz), damping ratio and gain (unit of amplitude over ``level``'s) from a forced response (n,).
 
     ``level``: amplitude of the drive, in m, m/s², N or V, the same at all frequencies. ``uncertainty``: standard
-    deviations (n,) or one; None: taken from the scatter. The gain includes the mode's value at the sensor. ValueError
-    for what is no response.
+    deviations (n,) or one; None: taken from the scatter. The gain includes the mode's value at the sensor. Amplitudes
+    are of a displacement, velocity or acceleration: ``motion`` 0, 1, 2. Of more than one of ``modes`` with residual
+    terms. ValueError for what is no response.
 
     >>> import numpy as np
     >>> import vibeam
@@ -56,17 +109,12 @@ def identify_response(
         raise ValueError(f"drive: {drive!r} is none of {', '.join(DRIVES)}")
     if not (np.isfinite(level) and level > 0):
         raise ValueError(f"level: {level!r} is not above 0")
-    f, a, u = _checked(frequency, amplitude, uncertainty, 4)
-
-    def shape(at: Array, p: Array) -> Array:
-        r = at / p[0]
-        return np.asarray(level * p[2] * (r**2 if drive == DRIVES[0] else 1.0) / _dynamic(r, p[1]))
-
-    peak = int(np.argmax(a))
-    ratio = _half_power(f, a)
-    start = np.array([f[peak], ratio, a[peak] * 2 * ratio / level])
-    names = ("natural frequency", "damping ratio", "gain")
-    return _fitted((f, a, u), shape, start, names, ("Hz", "1", "amplitude/level"), f"eq. 43 of a {drive}, fitted")
+    moved, sign = drive == DRIVES[0], 1 if drive == DRIVES[2] else -1
+    wanted = _Wanted(
+        motion + 2 * moved, residue="gain", unit="amplitude/level", factor=sign / level, static=not moved, most=modes,
+        terms=modes > 1, twisted=None if modes > 1 else False,
+    )  # fmt: skip
+    return _modes(frequency, amplitude, uncertainty, wanted)
 
 
 def identify_spectrum(
@@ -83,41 +131,24 @@ def identify_spectrum(
     >>> {row.name: round(row.value, 4) for row in found.rows}
     {'natural frequency': 10.0, 'damping ratio': 0.02}
     """
-    f, a, u = _checked(frequency, magnitude, uncertainty, 5)
-    inside = _around_peak(a)
-    f, a, u = f[inside], a[inside], None if u is None else u[inside]
-    if len(f) < 5:
-        raise ValueError(f"{len(f)} points above {100 * NEAR:.0f} % of the peak: a longer record is needed")
-
-    def shape(at: Array, p: Array) -> Array:
-        r = at / p[0]
-        return np.asarray(np.sqrt(p[2] ** 2 + (p[3] * r) ** 2) / _dynamic(r, p[1]))
-
-    peak, ratio = int(np.argmax(a)), _half_power(f, a)
-    size = a[peak] * np.sqrt(2) * ratio
-    names = ("natural frequency", "damping ratio")
-    best = min(
-        (_least_squares((f, a, u), shape, np.array([f[peak], ratio, *parts]) ) for parts in
-         ((size, size), (2**0.5 * size, 0.1 * size), (0.1 * size, 2**0.5 * size))), key=lambda each: each[1]
-    )  # fmt: skip
-    found = _fitted(
-        (f, a, u), shape, best[0], names, ("Hz", "1"), "the spectrum of a decaying cosine, fitted", equal=True
-    )
-    return _with_leakage(found, float(np.min(np.diff(f))))
+    f, a, u = _checked(frequency, np.abs(magnitude), uncertainty, 5)
+    inside = _around_peak(a[0])
+    if len(f[inside]) < 5:
+        raise ValueError(f"{len(f[inside])} points above {100 * NEAR:.0f} % of the peak: a longer record is needed")
+    wanted = _Wanted(0, most=1, terms=False, twisted=True)
+    found = _modes(f[inside], a[0, inside], None if u is None else u[0, inside], wanted)
+    found = replace(found, method="the spectrum of a decaying cosine, fitted")
+    return _with_leakage(found, float(np.min(np.diff(np.unique(f)))))
 
 
 def _with_leakage(found: Identification, step: float) -> Identification:
     """A note where the record ends before the motion has died."""
-    frequency, ratio = found["natural frequency"].value, found["damping ratio"].value
+    frequency, ratio = (found[name].value for name in SAMPLE)
     left = float(np.exp(-2 * np.pi * frequency * ratio / step))
     if not left > CUT:
         return found
     said = f"after {1 / step:.3g} s, the length of the record by its lines, {100 * left:.2g} % of the motion are left"
     return replace(found, notes=(*found.notes, f"{said}: damping is too high by leakage; take the decay itself"))
-
-
-def _dynamic(r: Array, ratio: float) -> Array:
-    return np.asarray(np.hypot(1 - r**2, 2 * ratio * r))
 
 
 def usable(values: Array) -> bool:
@@ -126,41 +157,35 @@ def usable(values: Array) -> bool:
 
 
 def _checked(
-    frequency: ArrayLike, amplitude: ArrayLike, uncertainty: ArrayLike | None, least: int
-) -> tuple[Array, Array, Array | None]:
-    f, a = _of_one_shape(frequency=frequency, amplitude=amplitude)
+    frequency: ArrayLike, response: ArrayLike, uncertainty: ArrayLike | None, least: int
+) -> tuple[Array, Any, Array | None]:
+    """Frequencies (n,) that ascend, responses (m, n), uncertainties of each."""
+    f, a = np.asarray(frequency, dtype=float), np.atleast_2d(np.asarray(response))
+    a = a if np.iscomplexobj(a) else a.astype(float)
+    if f.ndim != 1 or a.ndim != 2 or a.shape[1] != len(f):
+        raise ValueError(f"frequency {f.shape} and response {np.shape(response)} must be of one shape (n,)")
     if len(f) < least:
         raise ValueError(f"{len(f)} points are too few: {least} are needed")
-    if not (usable(f) and usable(a) and (f >= 0).all() and (a >= 0).all()):
+    require_room(a.size)
+    negative = not np.iscomplexobj(a) and (a < 0).any()
+    if not (usable(f) and usable(a) and (f >= 0).all()) or negative:
         raise ValueError(f"every frequency and amplitude must be a finite number, not below 0{RANGE}")
-    if not a.max() > 0 or np.ptp(f) == 0:
+    if not np.abs(a).max(axis=1).all() or np.ptp(f) == 0:
         raise ValueError("there is no response in it: all amplitudes are 0, or all frequencies the same")
-    if f[np.argmax(a)] == 0:
+    if f[np.argmax(np.abs(a[0]))] == 0:
         raise ValueError("the largest value is at 0 Hz: there is no peak in it")
-    order = np.argsort(f)
+    order = np.argsort(f, kind="stable")
     if uncertainty is None:
-        return f[order], a[order], None
-    u = np.broadcast_to(np.asarray(uncertainty, dtype=float), f.shape)
+        return f[order], a[:, order], None
+    u = np.broadcast_to(np.asarray(uncertainty, dtype=float), a.shape)
     if not (usable(u) and (u > 0).all()):
         raise ValueError(f"every uncertainty must be a finite number above 0{RANGE}")
-    return f[order], a[order], u[order]
+    return f[order], a[:, order], u[:, order]
 
 
-def _of_one_shape(**columns: ArrayLike) -> tuple[Array, Array]:
-    """Two columns (n,) by their names; ValueError where they are none, or where there is no room for a fit to them."""
-    one, other = (np.asarray(each, dtype=float) for each in columns.values())
-    if one.ndim != 1 or one.shape != other.shape:
-        said = " and ".join(f"{name} {each.shape}" for name, each in zip(columns, (one, other), strict=True))
-        raise ValueError(f"{said} must be of one shape (n,)")
-    check_room(f"a fit to {len(one)} points", A_POINT * len(one), "cut the record, or take every second point of it")
-    return one, other
-
-
-def _half_power(f: Array, a: Array) -> float:
-    """Damping ratio by the width at the half of the power, for a start."""
-    above = f[a > a.max() / np.sqrt(2)]
-    width = max(float(np.ptp(above)), float(np.median(np.diff(f))))
-    return float(np.clip(width / (2 * f[np.argmax(a)]), 1e-4, 0.5))
+def require_room(points: int, each: float = A_POINT) -> None:
+    """Error where there is no room for a fit."""
+    check_room(f"a fit to {points} points", each * points, "cut the record, or take every second point of it")
 
 
 def _around_peak(a: Array) -> slice:
@@ -170,144 +195,109 @@ def _around_peak(a: Array) -> slice:
     return slice(int(before[-1]) + 1 if len(before) else 0, peak + int(after[0]) if len(after) else len(a))
 
 
-Data = tuple[Array, Array, Array | None]
-
-
-def _least_squares(data: Data, shape: Shape, start: Array) -> tuple[Array, float]:
-    """Parameters by their logarithms, and the sum of squares."""
-    from scipy.optimize import least_squares
-
-    f, a, u = data
-    weight = 1 / a.max() if u is None else 1 / u
-    found = least_squares(
-        lambda p: weight * (shape(f, np.exp(p)) - a), np.log(start), x_scale=np.r_[1e-3, np.full(len(start) - 1, 0.1)],
-        bounds=(np.log(start) - 14, np.log(start) + 14), xtol=1e-13, ftol=1e-14, gtol=1e-14,
-    )  # fmt: skip
-    return np.exp(found.x), float(found.cost)
-
-
-def _fitted(
-    data: Data, shape: Shape, start: Array, names: tuple[str, ...], units: tuple[str, ...], method: str, *,
-    equal: bool = False,
-) -> Identification:  # fmt: skip
-    f, a, u = data
-    values, _ = _least_squares(data, shape, start)
-    jacobian, residual = by_logarithms(lambda p: shape(f, p), values), a - shape(f, values)
-    if u is None:
-        spread = spread_of(jacobian, residual, names, equal=equal)
-    else:
-        spread = spread_of(jacobian / u[:, None], None, names)
-    left = float(np.sqrt(np.mean(residual**2)) / a.max())
-    rows = estimates(names, values[: len(names)].tolist(), spread.half, units)
-    return Identification(rows, method, len(f), left, spread.directions, tuple(_remains(left)))
-
-
-def _remains(left: float) -> list[str]:
-    """Note on the share of the largest value that no single linear mode explains."""
-    told = f"{100 * left:.2g} % of the largest value remain: this is no single linear mode"
-    return [told] if left > REMAINS else []
-
-
-LEAST = 16  # samples
-RANGE = "; the largest lies between 1e-60 and 1e+60 in its unit"
-CORRELATED = 0.3  # correlation of neighbouring residuals from which on noise is not white
-
-
-def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
-    """Natural frequency (Hz) and damping ratio from a decay (n,) in s and any unit, with 95 % intervals.
-
-    The intervals hold for white noise. ValueError for what is no decay: too few samples, times that do not ascend,
-    numbers that are not finite, a motion that does not decay.
-
-    >>> import numpy as np
-    >>> import vibeam
-    >>> time = np.linspace(0.0, 2.0, 2001)
-    >>> row = vibeam.identify_decay(time, np.exp(-0.5 * time) * np.cos(50.0 * time)).rows[0]
-    >>> row.name, round(row.value, 3)  # 50/2π Hz
-    ('natural frequency', 7.958)
-    """
-    t, x = _checked_decay(time, displacement)
-    frequency, envelope = _first_guess(t, x)
-    start = min(((f, z) for f in _around(frequency, t) for z in (envelope, 0.3 * envelope, 3 * envelope)),
-                key=lambda each: float(np.sum(_left(t, x, *each) ** 2)))  # fmt: skip
-    from scipy.optimize import least_squares
-
-    found = least_squares(
-        lambda p: _left(t, x, *np.exp(p)), np.log(start), x_scale=[1e-3, 0.1], xtol=1e-13, ftol=1e-14, gtol=1e-14
+def _modes(frequency: ArrayLike, response: ArrayLike, uncertainty: ArrayLike | None, wanted: _Wanted) -> Identification:
+    """Modes of responses in the form that is wanted."""
+    f, a, u = _checked(frequency, response, uncertainty, 4)
+    inside = f > 0  # s^p = 0 tells nothing, and s^-2 is none
+    f, a, u = f[inside], a[:, inside], None if u is None else u[:, inside]
+    unit, top = 2 * np.pi * float(np.sqrt(f[0] * f[-1])), float(np.abs(a).max())
+    scatter, s = None if u is None else u / top, 2j * np.pi * f / unit
+    data = Response(s, a / top, wanted.power, wanted.offset / top, scatter, lower=wanted.unit != "1")
+    path = fitted(data, wanted.most, wanted.terms, wanted.twisted)
+    best = path[-1]
+    order = np.argsort(best.poles[:, 0])
+    names = numbered(SAMPLE if len(a) > 1 or not wanted.residue else (*SAMPLE, wanted.residue), len(order))
+    jacobian, sizes = _by_names(best, order, wanted)
+    residual = best.residual()
+    spread = spread_of(
+        jacobian, None if u is not None else residual.ravel(), names, parts=residual.shape[0] * residual.shape[1]
     )
-    frequency, ratio = np.exp(found.x)
-    if not 1e-7 < ratio < 0.9:
-        raise ValueError("the motion does not decay as one mode does: take a record from the release to rest")
-    basis = _basis(t, frequency, ratio)
-    linear = np.linalg.lstsq(basis, x, rcond=None)[0]
-    shape = by_logarithms(lambda p: _basis(t, *p) @ linear, np.array([frequency, ratio]))
-    residual = x - basis @ linear
-    names = ("natural frequency", "damping ratio")
-    spread = spread_of(np.hstack([shape, basis]), residual, names, equal=True)
-    rows = estimates(names, (float(frequency), float(ratio)), spread.half, ("Hz", "1"))
-    left = float(np.sqrt(np.mean(residual**2)) / np.max(np.abs(x - linear[2])))
-    method = "a decaying cosine fitted to the decay"
-    return Identification(rows, method, len(t), left, spread.directions, _notes(residual, left, envelope))
+    omega, ratio = np.exp(best.poles[order].T)
+    residues = sizes * top * unit ** (2 - wanted.power) * wanted.factor / ((omega * unit) ** 2 if wanted.static else 1)
+    values = np.stack([omega * unit / (2 * np.pi), ratio, residues], axis=1)[:, : len(names) // len(order)]
+    units = ("Hz", "1", wanted.unit)[: values.shape[1]] * len(order)
+    rows = estimates(names, values.ravel().tolist(), spread.half, units)
+    left = best.data.parts(best.data.values) - best.data.parts(np.abs(best.model) if data.moduli else best.model)
+    share = float(np.sqrt(np.sum(left**2) / a.size))
+    orders = tuple(
+        tuple((float(np.exp(w) * unit / (2 * np.pi)), float(np.exp(z))) for w, z in each.poles) for each in path
+    )
+    found = Identification(
+        rows, _method(best), a.size, share, spread.directions, tuple(notes_on(residual.ravel(), share)), orders=orders,
+        fit=(f, np.abs(a), np.abs(best.model) * top),
+    )  # fmt: skip
+    shapes = best.weights[: len(order)][order] * top * unit ** (2 - wanted.power) * wanted.factor
+    return _with_shapes(found, shapes) if wanted.unit == "1/kg" else found
 
 
-def _notes(residual: Array, left: float, envelope: float) -> tuple[str, ...]:
-    notes = [f"the slope of the envelope alone gives a damping ratio of {envelope:.3g}"]
-    correlation = float(np.corrcoef(residual[1:], residual[:-1])[0, 1]) if np.ptp(residual) > 0 else 0.0
-    notes += _remains(left)
-    if abs(correlation) > CORRELATED and left > 1e-6:
-        told = f"neighbouring residuals are correlated ({correlation:+.2f})"
-        notes.append(f"{told}: the noise is not white, and the intervals are too narrow")
-    return tuple(notes)
+def _with_shapes(found: Identification, residues: Array) -> Identification:
+    """Modal masses at a driving point, and of residues (k, m) of several responses a table [modes].
+
+    A residue is the product of the mode's values at output and input: all are positive where these are one point.
+    """
+    rows = [list(found.rows[at : at + 3]) for at in range(0, len(found.rows), 3)]
+    if residues.shape[1] == 1:
+        for mode in rows:
+            one = mode[2]
+            name = one.name.replace("residue", "modal mass")
+            value, low, high = (1 / abs(each) for each in (one.value, one.high, one.low))
+            mode.append(Estimate(name, value, min(low, high), max(low, high), "kg"))
+        return replace(found, rows=tuple(row for mode in rows for row in mode))
+    driven = np.flatnonzero((residues > 0).all(axis=0))
+    if not len(driven):
+        told = "no response is of the driving point, where all residues are positive: the shapes have no scale"
+        return replace(found, notes=(*found.notes, told))
+    point = int(driven[0])
+    shapes = residues / np.sqrt(residues[:, [point]])
+    values = {"frequency": [f'"{row.value:.6g} Hz"' for row in found.rows[::2]]}
+    values["damping_ratio"] = [f"{row.value:.4g}" for row in found.rows[1::2]]
+    values |= {f"outputs.response_{k}": [f"{each:.5g}" for each in shape] for k, shape in enumerate(shapes.T, 1)}
+    values["force"] = values[f"outputs.response_{point + 1}"]
+    lines = [f"{key} = [{', '.join(each)}]" for key, each in values.items()]
+    return replace(found, shapes="\n".join(["[modes]", 'modal_mass = "1 kg"', *lines]))
 
 
-def _checked_decay(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Array]:
-    t, x = _of_one_shape(time=time, displacement=displacement)
-    if len(t) < LEAST:
-        raise ValueError(f"a decay of {len(t)} samples is too short: {LEAST} are needed")
-    if not (usable(t) and usable(x)):
-        raise ValueError(f"every time and displacement must be a finite number{RANGE}")
-    if not (np.diff(t) > 0).all():
-        raise ValueError("the times must ascend")
-    if np.ptp(x) == 0:
-        raise ValueError("the displacement is constant: there is no motion in it")
-    return t - t[0], x / 2.0 ** np.frexp(np.max(np.abs(x)))[1]  # exact; tolerances of the fit are absolute
+def numbered(names: Sequence[str], count: int) -> list[str]:
+    """Names of the parameters of modes, which bear a number where there are several."""
+    return [f"{name} {k}" if count > 1 else name for k in range(1, count + 1) for name in names]
 
 
-def _first_guess(t: Array, x: Array) -> tuple[float, float]:
-    """Frequency at the peak of the spectrum, and the damping ratio by the slope of the envelope."""
-    from scipy.signal import hilbert
-
-    even = np.linspace(0.0, t[-1], len(t))
-    signal = np.interp(even, t, x)
-    signal = signal - np.mean(signal[len(signal) // 2 :])
-    step, padded = even[1], 8 * len(even)
-    power = np.abs(np.fft.rfft(signal, padded))
-    frequency = float(np.fft.rfftfreq(padded, step)[1 + np.argmax(power[1:])])
-    size = np.abs(hilbert(signal))
-    inside = slice(len(size) // 50, len(size) - len(size) // 20)  # the ends of an analytic signal are wrong
-    size, at = size[inside], even[inside]
-    low = max(0.1 * float(size.max()), 3 * float(np.median(np.abs(np.diff(signal, 2)))) if len(t) < 64 else 0.0)
-    first = int(np.argmax(size < low)) if (size < low).any() else len(size)
-    used = slice(0, max(first, 8))
-    slope = -float(np.polyfit(at[used], np.log(size[used]), 1)[0])
-    return frequency, float(np.clip(slope / (2 * np.pi * frequency), 1e-5, 0.5))
-
-
-def _around(frequency: float, t: Array) -> list[float]:
-    """Frequencies to start from, within two lines of the spectrum."""
-    line = 1 / t[-1]
-    return [each for each in frequency + line * np.linspace(-2, 2, 17) if each > 0.1 * frequency]
+def _by_names(fit: Fit, order: Any, wanted: _Wanted) -> tuple[Array, Array]:
+    """Jacobian by the logarithms of what is asked for, then the rest; and residues, of one response."""
+    whole, k, count = fit.jacobian(), len(order), fit.weights.shape[1]
+    whole = whole.reshape(-1, whole.shape[-1])
+    poles, weights = whole[:, : 2 * k].reshape(-1, k, 2)[:, order], whole[:, 2 * k :]
+    if count > 1 or not wanted.residue:
+        return np.hstack([poles.reshape(-1, 2 * k), weights]), np.zeros(k)
+    sizes, columns, rest = fit.weights[order, 0], weights[:, order], weights[:, k:]
+    by_size = columns * sizes
+    if fit.twisted:
+        omega, twists = np.exp(fit.poles[order, 0]), fit.weights[k : 2 * k, 0][order]
+        by_twist, rest = weights[:, k : 2 * k][:, order], weights[:, 2 * k :]
+        by_size = by_size + by_twist * twists
+        rest = np.hstack([by_twist * sizes / omega - columns * twists * omega, rest])
+        sizes = np.sign(sizes) * np.hypot(sizes, omega * twists)
+    if fit.data.moduli and not fit.data.offset and sizes[0] * wanted.factor < 0:
+        sizes = -sizes
+    if wanted.static:
+        poles = poles + np.stack([2 * by_size, 0 * by_size], axis=2)
+    return np.hstack([np.dstack([poles, by_size]).reshape(-1, 3 * k), rest]), sizes
 
 
-def _basis(t: Array, frequency: float, ratio: float) -> Array:
-    """Functions (n, 3) that a decay is a linear combination of."""
-    omega = 2 * np.pi * frequency
-    ratio = min(ratio, 0.999)
-    size, phase = np.exp(-ratio * omega * t), omega * np.sqrt(1 - ratio**2) * t
-    return np.stack([size * np.cos(phase), size * np.sin(phase), np.ones_like(t)], axis=1)
+def _method(fit: Fit) -> str:
+    """What was fitted to what."""
+    terms = {(): "no residual term", (-2,): "a lower residual", (0,): "an upper residual"}
+    rest = terms.get(fit.terms, "lower and upper residual")
+    to = "moduli" if fit.data.moduli else "real and imaginary parts"
+    kind = " with complex residues" if fit.twisted else ""
+    return f"{counted(len(fit.poles), 'mode')}{kind} and {rest}, fitted to {to}"
 
 
-def _left(t: Array, x: Array, frequency: float, ratio: float) -> Array:
-    """Residual (n,) after the best a, b, c."""
-    basis = np.linalg.qr(_basis(t, frequency, ratio))[0]
-    return np.asarray(x - basis @ (basis.T @ x))
+def notes_on(residual: Array, left: float) -> list[str]:
+    """Notes on a share ``left`` of the largest value that no such modes explain, and on noise that is not white."""
+    found = [f"{100 * left:.2g} % of the largest value remain: this is no single linear mode"] if left > REMAINS else []
+    alike = correlation(residual)
+    if abs(alike) > CORRELATED and left > 1e-6:
+        told = f"neighbouring residuals are correlated ({alike:+.2f})"
+        found.append(f"{told}: the noise is not white, and the intervals are too narrow")
+    return found

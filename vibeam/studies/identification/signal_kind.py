@@ -13,24 +13,41 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from vibeam.exchange.curves.record import factor
 from vibeam.exchange.curves.told import tell
+from vibeam.exchange.units import unit_size
+from vibeam.studies.identification.decay import identify_decay
 from vibeam.studies.identification.estimates import Identification
-from vibeam.studies.identification.response import DRIVES, identify_decay, identify_response, identify_spectrum, usable
+from vibeam.studies.identification.residues import MOST
+from vibeam.studies.identification.response import (
+    DRIVES,
+    FORMS,
+    identify_frequency_response,
+    identify_response,
+    identify_spectrum,
+    usable,
+)
 from vibeam.studies.identification.signals import NAMES, UNITS, Signal, ascends, name_in, read_signal, suits
 from vibeam_models.arrays import Array
 
-KINDS = ("decay", "spectrum", "response")
+KINDS = ("decay", "spectrum", "response", *FORMS)
 OVER_FREQUENCY = KINDS[1:]
+RATIOS = ("transmissibility", "relative transmissibility")
 ALLOWED = {"time": KINDS[:1], "frequency": OVER_FREQUENCY}
 SPECTRA = {"fft", "dft", "spectrum", "spektrum", "spectre", "fourier"}
 RESPONSES = {
-    "frf", "response", "transfer", "receptance", "compliance", "mobility", "accelerance", "inertance",
-    "transmissibility", "frequenzgang", "h", "h1", "h2", "tf",
+    **dict.fromkeys(("frf", "response", "transfer", "frequenzgang", "h", "h1", "h2", "tf"), KINDS[2:]),
+    **dict.fromkeys(("receptance", "compliance", "admittance"), ("receptance",)),
+    "mobility": ("mobility",), "accelerance": ("accelerance",), "inertance": ("accelerance",),
+    "transmissibility": RATIOS, "relative": ("relative transmissibility",),
 }  # fmt: skip
+MOTIONS = ("m", "m/s", "m/s^2")
+INVERSE = {"N/m": "dynamic stiffness", "N s/m": "impedance", "kg": "apparent mass"}
 POWERS = {"psd", "power", "autopower", "density", "leistungsdichte"}
 
 
@@ -46,7 +63,7 @@ def identify_signal(
     path: Path, of: str | None = None, x: str | None = None, y: str | None = None, *, drive: str | None = None,
     level: float | None = None, stretch: tuple[float | None, float | None] = (None, None),
 ) -> Identification:  # fmt: skip
-    """Natural frequency, damping ratio and gain from the signal of a file, with what it was taken as and why.
+    """Natural frequencies, damping ratios and gains from the signal of a file, with what it was taken as and why.
 
     ``of``: one of ``KINDS``; None: found out. ``x``, ``y``: heads of the columns, or numbers from 1. ``drive``,
     ``level``: of a response. ``stretch``: times (s) or frequencies (Hz) from which and to which it is taken. CaseError
@@ -54,56 +71,125 @@ def identify_signal(
     """
     signal = read_signal(path, "" if of is None else "time" if of == KINDS[0] else "frequency", x, y).within(stretch)
     tell(signal.taken)
+    signal = _causal(signal)
     if not usable(signal.value):
         raise ValueError("values are too large or too small; the largest lies between 1e-60 and 1e+60 in its unit")
     told = [*_of_abscissa(signal), *_of_value(signal), *_of_numbers(signal)]
     if drive is not None or level is not None:
-        told.append(Clue("a drive is given, --drive or --level", ("response",)))
+        forms = () if level is not None else ("receptance", "mobility", "accelerance") if drive == "force" else RATIOS
+        told.append(Clue("a drive is given, --drive or --level", ("response", *forms)))
+    if _is_power(signal):
+        told.append(Clue(f"{signal.units[1] or repr(signal.heads[1])} is of power, whose root is taken", ("spectrum",)))
+        signal = replace(signal, value=np.sqrt(np.maximum(signal.value, 0.0)))
     methods = _methods(signal, drive, level)
     kind, why = (of, _against(of, told)) if of else reading(told, methods)
     found = methods[kind]()
-    return replace(found, of=kind, why=why, notes=(*signal.notes, *found.notes, *_of_drive(kind, signal, drive, level)))
+    if kind == RATIOS[0] and not of and all(RATIOS[1] in each.allows for each in told):
+        kind, found = min(((each, methods[each]()) for each in RATIOS), key=lambda each: _parameters(each[1]))
+    notes = (*signal.notes, *found.notes, *_of_drive(kind, signal, drive, level))
+    return replace(found, of=kind, why=why, notes=notes)
+
+
+def _parameters(found: Identification) -> tuple[int, bool, float]:
+    """Order of fits by what they need, and leave."""
+    return len(found.rows), "no residual term" not in found.method, found.residual
 
 
 def _methods(signal: Signal, drive: str | None, level: float | None) -> Mapping[str, Callable[[], Identification]]:
     at, value, uncertainty = signal.at, signal.value, signal.uncertainty
-    size = 1.0 if level is None else level
+    size, motion = 1.0 if level is None else level, _motion(signal.units[1])
     return {
         "decay": lambda: identify_decay(at, value),
         "spectrum": lambda: identify_spectrum(at, value, uncertainty=uncertainty),
         "response": lambda: identify_response(
-            at, value, drive=drive or DRIVES[0], level=size, uncertainty=uncertainty
+            at, value, drive=drive or DRIVES[0], level=size, uncertainty=uncertainty, modes=MOST, motion=motion
         ),
+        **{form: partial(_of_form, signal, form) for form in FORMS},
     }  # fmt: skip
+
+
+def _of_form(signal: Signal, form: str) -> Identification:
+    """Modes of a response whose unit tells its form, in SI."""
+    unit, wanted = signal.units[1], FORMS[form][0]
+    try:
+        size = factor(unit, wanted)
+    except ValueError as wrong:
+        raise ValueError(f"{signal.heads[1]!r} is no {form}: {wrong}") from None
+    uncertainty = None if signal.uncertainty is None else size * signal.uncertainty
+    found = identify_frequency_response(signal.at, size * signal.value, of=form, uncertainty=uncertainty)
+    silent = () if unit or wanted == "1" else (f"{signal.heads[1]!r} has no unit: it is taken in {wanted}",)
+    return replace(found, notes=(*silent, *found.notes))
+
+
+def _causal(signal: Signal) -> Signal:
+    """A signal with the phases of exp(iωt): that of a motion behind its cause falls with the frequency."""
+    value = signal.value[..., np.argsort(signal.at, kind="stable")]
+    if not np.iscomplexobj(value) or float(np.sum(np.imag(np.conj(value[..., :-1]) * value[..., 1:]))) <= 0:
+        return signal
+    told = "its phases rise with the frequency: they are taken with the other sign, as those of exp(−iωt)"
+    return replace(signal, value=np.conj(signal.value), notes=(*signal.notes, told))
+
+
+def _motion(unit: str) -> int:
+    """Number of derivatives of a displacement that a unit, over any drive, is of; 0 where it does not say."""
+    for power, each in enumerate(MOTIONS):
+        for below in ("", "/V", "/N", "/A"):
+            try:
+                if unit and factor(unit, each + below) > 0:
+                    return power
+            except ValueError:
+                continue
+    return 0
+
+
+def _is_power(signal: Signal) -> bool:
+    """Test whether values are squares, by their unit or, without one, by their head; decibels are of amplitudes."""
+    unit, words = signal.units[1], _words(signal.heads[1])
+    size = unit_size(re.sub(r"\s*/\s*\(?Hz\)?$", "", unit))
+    square = size is not None and size[1] and all(power % 2 == 0 for power in size[1].values())
+    return not signal.decibels and bool(square or (words & POWERS and not unit))
+
+
+def _words(head: str) -> set[str]:
+    return {*re.findall(r"[^\W\d_]+\d?", head.casefold())}
 
 
 def _of_drive(kind: str, signal: Signal, drive: str | None, level: float | None) -> Iterator[str]:
     """Note on the drive that is assumed of a response, and what the other one would give."""
     if kind != "response" or drive is not None:
         return
-    at, value, uncertainty = signal.at, signal.value, signal.uncertainty
-    other = identify_response(at, value, drive="force", level=level or 1.0, uncertainty=uncertainty)
+    other = _methods(signal, "force", level)["response"]()
     yield f"a base displacement is assumed to drive it; to a force it would be {_short(other)}: say --drive"
 
 
 def reading(clues: Sequence[Clue], methods: Mapping[str, Callable[[], Identification]]) -> tuple[str, str]:
     """The one reading that all clues allow, and why; ValueError, with what the others would give, where none is."""
     left = [kind for kind in KINDS if all(kind in each.allows for each in clues)]
-    if len(left) == 1:
+    if len(left) == 1 or (left and (left[0] == "response" or {*left} == {*RATIOS})):
         return left[0], _told(clues)
     if not left:
         raise ValueError(
             f"cannot tell what it is: {_told(clues, ', but ', True)}: name other columns, --x HEAD --y HEAD, or say "
-            f"which it is, --of {', '.join(KINDS[:-1])} or {KINDS[-1]}"
+            f"which it is, --of {', '.join(KINDS[:2])}, {KINDS[2]} or its form, {', '.join(FORMS)}"
         )
-    would = " or ".join(f"a {each}{_would(methods[each])}" for each in left)
+    left = _plainly(left)
+    would = " or ".join(f"{_a(each)}{_would(methods[each])}" for each in left)
     seen = f"{_told(clues)}; " if clues else ""
     cure = " or ".join(f"--of {each}" for each in left)
     raise ValueError(f"may be {would}: {seen}no head, unit or number says which: say {cure}")
 
 
+def _a(kind: str) -> str:
+    return f"{'an' if kind[0] == 'a' else 'a'} {kind}"
+
+
+def _plainly(kinds: Sequence[str]) -> list[str]:
+    """Kinds without those that are responses, where a response of any form is among them."""
+    return [each for each in kinds if each not in FORMS or "response" not in kinds]
+
+
 def _told(clues: Sequence[Clue], between: str = ", ", meaning: bool = False) -> str:
-    allowed = (" or ".join(f"a {kind}" for kind in each.allows) for each in clues)
+    allowed = (" or ".join(_a(kind) for kind in _plainly(each.allows)) for each in clues)
     return between.join(
         each.words + (f" (of {kinds})" if meaning and kinds else "") for each, kinds in zip(clues, allowed, strict=True)
     )
@@ -123,7 +209,7 @@ def _would(method: Callable[[], Identification]) -> str:
 
 
 def _short(found: Identification) -> str:
-    frequency, ratio = found["natural frequency"], found["damping ratio"]
+    frequency, ratio = found.rows[:2]
     damping = f", damping ratio {ratio.value:.3g}" if ratio.determined else ""
     return f"{frequency.value:.5g} Hz{damping}"
 
@@ -141,19 +227,29 @@ def _of_value(signal: Signal) -> Iterator[Clue]:
     """Clues of the head and of the unit of the values."""
     (_, head), (_, unit) = signal.heads, signal.units
     if signal.parts:
-        yield Clue(f"{' and '.join(map(repr, signal.parts))} are parts of a complex number", OVER_FREQUENCY)
-    words = {*re.findall(r"[^\W\d_]+\d?", head.casefold())}
+        yield Clue(f"{' and '.join(map(repr, signal.parts))} are complex numbers or several responses", OVER_FREQUENCY)
+    words = _words(head)
     below = re.findall(r"/\s*\(?\s*([^\s/()*·]+)", unit)
-    if words & POWERS or re.search(r"(\^2|²)\)?\s*/\s*Hz", unit):
-        yield Clue(f"{head!r} is a density of power, which none of them is (its square root is a spectrum)", ())
     if words & SPECTRA:
         yield Clue(f"{head!r} is called a spectrum", ("spectrum",))
-    if words & RESPONSES:
-        yield Clue(f"{head!r} is called a response", ("response",))
-    if "Hz" in unit or re.search(r"[·*\s]s$", unit):
+    for word in words & RESPONSES.keys():
+        yield Clue(f"{head!r} is called a response", RESPONSES[word])
+    forms = [form for form in FORMS if _suits(unit, FORMS[form][0])]
+    if forms:
+        yield Clue(f"{unit} is of {_a(forms[0])}", tuple(forms))
+    elif inverse := "/" in unit and next((name for each, name in INVERSE.items() if _suits(unit, each)), ""):
+        yield Clue(f"{unit} is of {_a(inverse)}, whose reciprocal is fitted", ())
+    elif "Hz" in unit or re.search(r"[·*\s]s$", unit):
         yield Clue(f"{unit} is the unit of a Fourier transform", ("spectrum",))
     elif not all(suits(re.sub(r"\^?[23²³]$", "", each), "time") for each in below):
         yield Clue(f"{unit} is a ratio", ("response",))
+
+
+def _suits(unit: str, wanted: str) -> bool:
+    try:
+        return bool(unit) and factor(unit, wanted) > 0
+    except ValueError:
+        return False
 
 
 SWING = 0.15  # of the largest departure from the middle, that counts as a swing
@@ -165,19 +261,20 @@ EVEN = 0.8  # share of the steps that are equal, from which on a grid is even
 
 def _of_numbers(signal: Signal) -> Iterator[Clue]:
     """Clues of the numbers: order and steps of the abscissa, swings and signs of the values."""
-    at, value = signal.at, signal.value
+    at, value = signal.at, signal.value if signal.value.ndim == 1 else signal.value[0]
     if len(at) < 4:
         return
+    value = np.abs(value) if np.iscomplexobj(value) else value
     if not ascends(at):
         if ascends(value):
             yield Clue(f"{signal.heads[1]!r} ascends and {signal.heads[0]!r} does not, as if they were exchanged", ())
         elif signal.over != "time":
-            yield Clue(f"{signal.heads[0]!r} does not only ascend, as in a sweep", ("response",))
+            yield Clue(f"{signal.heads[0]!r} does not only ascend, as in a sweep", KINDS[2:])
     order = np.argsort(at, kind="stable")
     steps = np.diff(at[order])
     steps = steps[steps > 0]
     if signal.over != "time" and len(steps) and np.mean(np.abs(steps / np.median(steps) - 1) < 0.05) < EVEN:
-        yield Clue("its steps are uneven, as those of no Fourier transform", ("decay", "response"))
+        yield Clue("its steps are uneven, as those of no Fourier transform", ("decay", *KINDS[2:]))
     if _swings(value[order]):
         yield Clue("its values swing about a middle and die away", ("decay",))
     elif signal.over == "frequency" and (value < 0).any():

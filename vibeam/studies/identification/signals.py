@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import log
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -37,29 +38,36 @@ NAMES = {
 }
 VALUES = ("displacement", "amplitude", "magnitude", "value", "x", "a")
 UNCERTAINTIES = ("uncertainty", "unsicherheit", "u")
+PHASE = re.compile(r"phase(n?winkel)?|angle|argument|arg\b.*", re.IGNORECASE)
 OTHERS = re.compile(
-    r"phase|phasen?winkel|coherence|kohärenz|sigma|uncertainty|unsicherheit|u|direction|period|index|no?\.?|nr\.?|#"
+    r"phase|phasen?winkel|angle|argument|coherence|kohärenz|sigma|uncertainty|unsicherheit|u|direction|period|index|no?\.?|nr\.?|#"
 )
-PARTS = (re.compile(r"re(al(teil|part| part)?)?\b.*"), re.compile(r"im(ag(inary|inär)?(teil|part| part)?)?\b.*"))
+PARTS = (
+    re.compile(r"(.*[\s_(])?(re|real(teil| part)?)([\W_\d].*)?"),
+    re.compile(r"(.*[\s_(])?(im|imag(teil|inär(teil)?|inary)?( part)?)([\W_\d].*)?"),
+)
+REFERENCE = re.compile(r"db\W*(?:re|ref)?\W*([\d.]+(?:e[+-]?\d+)?)?\s*(.*?)\W*", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class Signal:
     """Signal of a file: ``at`` (n,) in s or Hz, ``value`` (n,), standard ``uncertainty`` (n,) or None.
 
-    ``over``: ``"time"``, ``"frequency"``, empty where neither head nor unit says it. ``heads``, ``units`` of abscissa
-    and value as the file has them; ``parts``: heads of real and imaginary part, whose modulus is the value. ``taken``:
-    which columns of its file.
+    Of several responses ``value`` is (m, n), and complex where the phase is there. ``over``: ``"time"``,
+    ``"frequency"``, empty where neither head nor unit says it. ``heads``, ``units`` of abscissa and value as the file
+    has them, of the value without decibels; ``parts``: heads of all columns that the values are of, if more than one.
+    ``taken``: which columns of its file.
     """
 
     at: Array
-    value: Array
+    value: Any
     uncertainty: Array | None
     over: str
     heads: tuple[str, str]
     units: tuple[str, str]
     parts: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+    decibels: bool = False
     taken: Taken | None = None
 
     def within(self, stretch: tuple[float | None, float | None]) -> Signal:
@@ -78,22 +86,15 @@ class Signal:
 def read_signal(path: Path, over: str = "", x: str | None = None, y: str | None = None) -> Signal:
     """Signal of a CSV, .mat, HDF5 or universal file; CaseError with the place and the cure.
 
-    ``over``: ``"time"``, ``"frequency"``, empty: found out. ``x``, ``y``: heads of the columns, or numbers from 1.
+    ``over``: ``"time"``, ``"frequency"``, empty: found out. ``x``, ``y``: heads of the columns, or numbers from 1;
+    several values with commas between them.
     """
     try:
-        found, parts = _columns(path, over, x, y)
-        signal = _signal(path, found.columns, over, parts)
-        return replace(signal, taken=_taken(path, found, signal))
+        found = _columns(path, over, x, y)
+        signals = [_signal(path, each.columns, over) for each in found]
+        return replace(_together(signals), taken=_taken(path, found, signals[0]))
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _cured(wrong.message))]) from None
-
-
-def _taken(path: Path, found: Columns, signal: Signal) -> Taken:
-    over = UNITS.get(signal.over, "")
-    units = {"value": "", "frequency": over, "uncertainty": signal.units[1]}
-    columns = tuple(taken_column(found.columns[role], units[role]) for role in units if role in found.columns)
-    ends = float(signal.at.min()), float(signal.at.max())
-    return Taken(path.name, "time history", columns, len(signal.at), *ends, over, notes=found.notes)
 
 
 def _cured(message: str) -> str:
@@ -102,30 +103,79 @@ def _cured(message: str) -> str:
     return said + ("; name them: --x HEAD --y HEAD" if "say which" in message else "")
 
 
-def _columns(path: Path, over: str, x: str | None, y: str | None) -> tuple[Columns, tuple[str, ...]]:
-    """Columns by role, the abscissa as ``frequency``; of a value in two parts its modulus, and their heads."""
-    if x and y:
-        return read_columns(path, _wanted(_head(x), _head(y))), ()
+def _together(signals: Sequence[Signal]) -> Signal:
+    """One signal of several over the same abscissa."""
+    first = signals[0]
+    if len(signals) == 1:
+        return first
+    values, units = np.array([each.value for each in signals]), {each.units[1] for each in signals}
+    if len(units) > 1:
+        raise FormatError(f"its columns are in {' and '.join(sorted(units))}: name those of one unit, --y HEAD,HEAD")
+    return replace(first, value=values, parts=tuple(name for each in signals for name in each.parts or each.heads[1:]))
+
+
+def _taken(path: Path, found: Sequence[Columns], signal: Signal) -> Taken:
+    over, ends = UNITS.get(signal.over, ""), (float(signal.at.min()), float(signal.at.max()))
+    units = {"value": "", "imaginary": "", "phase": "rad", "frequency": over, "uncertainty": signal.units[1]}
+    columns = [
+        taken_column(each.columns[role], units[role]) for each in found for role in units if role in each.columns
+    ]
+    return Taken(
+        path.name, found[0].kind or "time history", tuple(dict.fromkeys(columns)), len(signal.at), *ends, over,
+        notes=found[0].notes,
+    )  # fmt: skip
+
+
+def _columns(path: Path, over: str, x: str | None, y: str | None) -> list[Columns]:
+    """Columns by role of each response: the abscissa as ``frequency``; ``value``, and ``phase`` or ``imaginary``."""
+    several = [each.strip() for each in y.split(",")] if y else []
+    if x and len(several) == 1:
+        return [read_columns(path, _wanted(_head(x), _head(several[0])))]
     overs = (over,) if over else tuple(UNITS)
-    heads = _heads(path, {"frequency": WantedColumn(overs), "value": WantedColumn((_head(y or ""),))})
+    wanted = _head(several[0] if several else "")
+    heads = _heads(path, {"frequency": WantedColumn(overs), "value": WantedColumn((wanted,))})
     if isinstance(heads, Columns):
-        return heads, ()
+        role = {"frequency": WantedColumn(overs)}
+        rest = (read_columns(path, role | {"value": WantedColumn((_head(n),))}) for n in several[1:])
+        return [heads, *rest]
+    if y in heads:
+        several = [str(y)]
     at = _head(x) if x else _abscissa(heads, overs)
     if at is None:
-        return _by_numbers(path, heads, overs, y), ()
-    if not y and (parts := _parts(heads)):
-        real, imaginary = (read_columns(path, _wanted(at, each)) for each in parts)
-        size = np.hypot(real.columns["value"].values, imaginary.columns["value"].values)
-        return Columns({**real.columns, "value": replace(real.columns["value"], values=size)}, real.lines), parts
-    return read_columns(path, _wanted(at, _head(y) if y else _value(heads, at))), ()
+        return [_by_numbers(path, heads, overs, y)]
+    return [
+        read_columns(path, _wanted(at, _head(value), _head("".join(second)), role))
+        for value, *second, role in _responses(
+            several or [each for each in heads if each != at], heads, at, bool(several)
+        )
+    ]
 
 
-def _wanted(at: str | int, value: str | int) -> dict[str, WantedColumn]:
+def _responses(among: Sequence[str], heads: Sequence[str], at: str | int, named: bool) -> list[list[str]]:
+    """Heads of each response, and the role of the second: real and imaginary part, modulus and phase, or alone."""
+    real, imaginary = ({_label(head, form): head for head in among if form.fullmatch(_plain(head))} for form in PARTS)
+    pairs = [[real[each], imaginary[each], "imaginary"] for each in real if each in imaginary]
+    if pairs:
+        return pairs
+    phases = [head for head in among if PHASE.fullmatch(_plain(head))]
+    if named:
+        return [[each, "imaginary"] for each in among if each not in phases or len(phases) == len(among)]
+    value = _value(heads, at)
+    return [[value, *(phases if len(phases) == 1 else []), "phase"]]
+
+
+def _label(head: str, form: re.Pattern[str]) -> str:
+    """What is left of a head without the word for the part."""
+    found = form.fullmatch(_plain(head))
+    return "" if found is None else f"{found[1] or ''}{found.groups()[-1] or ''}".strip(" _()")
+
+
+def _wanted(at: str | int, value: str | int, second: str | int = "", role: str = "") -> dict[str, WantedColumn]:
     return {
         "frequency": WantedColumn((at,)),
         "value": WantedColumn((value,)),
         "uncertainty": WantedColumn(UNCERTAINTIES, needed=False),
-    }
+    } | ({role: WantedColumn((second,))} if second else {})
 
 
 def _head(text: str) -> str | int:
@@ -154,7 +204,8 @@ def _last(name: str) -> str:
 
 def _abscissa(heads: Sequence[str], over: Sequence[str]) -> str | None:
     """Head of time or frequency; FormatError where several may be meant."""
-    found = [head for head in heads if any(name_in(head, each) for each in over)]
+    fits = [each for each in heads if not split_head(each)[1] or any(suits(split_head(each)[1], one) for one in UNITS)]
+    found = [head for head in fits if any(name_in(head, each) for each in over)]
     found = found or [head for head in heads if any(suits(split_head(head)[1], each) for each in over)]
     if len(found) > 1:
         raise FormatError(f"has {' and '.join(map(repr, found))}: say over which it is, --x HEAD")
@@ -189,12 +240,6 @@ def _value(heads: Sequence[str], at: str | int) -> str:
     raise FormatError(f"no column is known as that of the values: there are {there}; name it: --y HEAD")
 
 
-def _parts(heads: Sequence[str]) -> tuple[str, str] | None:
-    """Heads of real and imaginary part, where there is one of each."""
-    real, imaginary = ([head for head in heads if form.fullmatch(_plain(head))] for form in PARTS)
-    return (real[0], imaginary[0]) if len(real) == len(imaginary) == 1 else None
-
-
 def _by_numbers(path: Path, heads: Sequence[str], over: Sequence[str], y: str | None) -> Columns:
     """Two columns that no head tells apart: the abscissa is the one that ascends."""
     try:
@@ -220,7 +265,7 @@ def ascends(values: Array) -> bool:
     return bool((np.diff(values[np.isfinite(values)]) > 0).all())
 
 
-def _signal(path: Path, found: Mapping[str, CurveColumn], over: str, parts: tuple[str, ...]) -> Signal:
+def _signal(path: Path, found: Mapping[str, CurveColumn], over: str) -> Signal:
     """Signal of columns by role, its abscissa scaled to s or Hz."""
     at, value = found["frequency"], found["value"]
     paths = path.suffix.lower() in BINARY
@@ -234,15 +279,40 @@ def _signal(path: Path, found: Mapping[str, CurveColumn], over: str, parts: tupl
         scaled = at.values * (factor(at.unit, UNITS[over]) if over else 1.0)
     except ValueError as wrong:
         raise FormatError(f"column {heads[0]!r}: {wrong}") from None
-    size, notes = value.values, []
-    if not at.unit:
-        notes.append(f"{heads[0]!r} has no unit: it is taken in {UNITS.get(over, 's or Hz')}")
-    if _decibels(value):
-        size = 10 ** (size / 20)
-        notes.append(f"{heads[1]!r} is in decibels: 20 dB are taken as a factor of 10 in amplitude")
+    notes = [] if at.unit else [f"{heads[0]!r} has no unit: it is taken in {UNITS.get(over, 's or Hz')}"]
+    size, unit = _sizes(value, notes)
+    parts = tuple(found[role].head for role in ("value", "imaginary", "phase") if role in found)
+    if value.complex_values is not None and not value.unit.casefold().startswith("db"):
+        size = value.complex_values
+    if "imaginary" in found:
+        size = size + 1j * _sizes(found["imaginary"], [])[0]
+    elif "phase" in found:
+        size = size * np.exp(1j * _phase(found["phase"], notes))
     there = np.isfinite(scaled) & np.isfinite(size)
-    uncertainty = _uncertainty(found["uncertainty"], value, size)[there] if "uncertainty" in found else None
-    return Signal(scaled[there], size[there], uncertainty, over, heads, (at.unit, value.unit), parts, tuple(notes))
+    uncertainty = _uncertainty(found["uncertainty"], value, np.abs(size))[there] if "uncertainty" in found else None
+    return Signal(
+        scaled[there], size[there], uncertainty, over, heads, (at.unit, unit), parts if len(parts) > 1 else (),
+        tuple(notes), decibels=_decibels(value),
+    )  # fmt: skip
+
+
+def _sizes(column: CurveColumn, notes: list[str]) -> tuple[Array, str]:
+    """Values of a column, of decibels the amplitudes in their reference, and their unit."""
+    if not _decibels(column):
+        return column.values, column.unit
+    reference = REFERENCE.fullmatch(column.unit)
+    number, unit = (reference[1], reference[2]) if reference else (None, "")
+    over = f", over {number or 1} {unit}" if number or unit else ""
+    notes.append(f"{column.head!r} is in decibels{over}: 20 dB are taken as a factor of 10 in amplitude")
+    return np.asarray(float(number or 1.0) * 10 ** (column.values / 20)), unit
+
+
+def _phase(column: CurveColumn, notes: list[str]) -> Array:
+    """Phase in rad; without a unit in degrees where it goes beyond a turn."""
+    unit = column.unit or ("deg" if np.nanmax(np.abs(column.values)) > 7 else "rad")
+    if not column.unit:
+        notes.append(f"{column.head!r} has no unit: it is taken in {unit}")
+    return np.asarray(column.values * factor(unit, "rad"))
 
 
 def _decibels(column: CurveColumn) -> bool:
