@@ -79,9 +79,17 @@ class FileModes:
         return FileModes(self.frequency, self.damping, self.mass, shapes, f"{self.format}{told}")
 
 
+def read_modes(path: Path, skip: Sequence[float] = ()) -> FileModes:
+    """The modes of a file by ascending frequency, but those at ``skip`` (Hz), taken as real.
+
+    FormatError where there are none, one is too far from being real, or pyuff is not installed.
+    """
+    return _read(path, state_of(path, LARGEST_TEXT)).without(skip).real()
+
+
 @lru_cache(maxsize=8)
-def read_universal(path: Path, state: State) -> FileModes:
-    """The modes of a file by ascending frequency, shapes complex; FormatError where there are none, or no pyuff is."""
+def _read(path: Path, state: State) -> FileModes:
+    """All modes, shapes complex."""
     units = units_of(data_sets(path))
     modes = [_mode(each, units) for each in _at_nodes(path) if each["analysis_type"] in (NORMAL, *COMPLEX)]
     if not modes:
