@@ -23,7 +23,8 @@ from vibeam.exchange.files import LARGEST_TEXT, FormatError, State, read_by, sta
 from vibeam.exchange.matrices.entries import FileMatrix
 from vibeam.exchange.matrices.output4 import TYPES, NastranMatrix, content_of, one_of
 from vibeam.exchange.nastran import records
-from vibeam.exchange.uff import FileModes, read_universal
+from vibeam.exchange.uff import FileModes
+from vibeam.exchange.uff import read_modes as read_universal
 
 SHAPES = ("OUGV1", "OUGV1PAT", "OUG1", "OPHIG", "BOUGV1", "BOPHIG")
 REAL_MODES = (2, 7, 1, 8)  # analysis, table, format of numbers, words a point
@@ -100,11 +101,10 @@ def read_modes(path: Path, skip: Sequence[float] = ()) -> FileModes:
 
     FormatError where there are none, or one is too far from being real.
     """
-    state = state_of(path, LARGEST_TEXT)
     if path.suffix.lower() != ".op2":
-        return read_universal(path, state).without(skip).real()
+        return read_universal(path, skip)
     with read_by("is no OUTPUT2 file that can be read"):
-        return _read(path, state).without(skip)
+        return _read(path, state_of(path, LARGEST_TEXT)).without(skip)
 
 
 @lru_cache(maxsize=8)

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.exchange.curves.data_sets import FileUnits, data_sets, units_of
-from vibeam.exchange.files import FormatError, State, read_by
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, State, read_by, state_of
 from vibeam.exchange.matrices.entries import Label
 from vibeam_models.arrays import Array
 

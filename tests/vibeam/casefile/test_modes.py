@@ -245,10 +245,10 @@ def test_a_mode_that_is_too_complex_is_named_and_can_be_omitted(tmp_path: Path) 
 
 
 def test_a_mode_that_is_slightly_complex_is_taken_as_real_and_said(tmp_path: Path) -> None:
-    """Of mode 1, (0.7, 0.4 w, 1.8 w) with w = 1 + 0.05i, the least part that no turn makes real is 0.0166 of it."""
+    """Of a shape (a, b w) with w = 1 + 0.05i the part that no turn makes real is at most half of 0.05."""
     universal(tmp_path / "rig.uff", "slightly")
     [taken] = case(tmp_path, PLACES).scene.assumed
-    assert taken.startswith("taken: rig.uff, universal file, shapes up to 1.")
+    assert taken.startswith("taken: rig.uff, universal file, shapes up to 2.")
     assert taken.endswith("% out of phase taken as real, 3 modes, 5 to 40 Hz, 2 nodes")
 
 

@@ -13,7 +13,7 @@ import vibeam
 from vibeam.exchange.curves.columns import Columns, WantedColumn
 from vibeam.exchange.curves.read import read_columns
 from vibeam.exchange.files import FormatError
-from vibeam.exchange.output2 import read_modes
+from vibeam.exchange.uff import read_modes
 
 Y = np.array([0.5, -1.25, 3.0, 0.125, -2.0])
 Z = Y * np.exp(0.7j * np.arange(5))
