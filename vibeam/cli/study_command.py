@@ -117,7 +117,8 @@ def files_of(sheet: StudySheet, path: Path, title: str, meaning: str, plan: Figu
     from vibeam.exchange.whole_files import write_whole
     from vibeam.report.page.page import study_page
 
-    write_whole(path, study_page(title, sheet.answer, [(meaning, sheet)]).encode())
+    text = sheet.page() if sheet.page else study_page(title, sheet.answer, [(meaning, sheet)])
+    write_whole(path, text.encode())
     return [path]
 
 

@@ -71,7 +71,7 @@ class Subject:
 
 def both_numbers(found: ResponseComparison, units: DisplayUnits) -> str:
     """Both errors: ``amplitudes within 3.3 %, the jump down 0.4 % late (184.1 for 183.4 Hz)``."""
-    parts = [] if found.amplitude is None else [f"amplitudes within {_spread(found.amplitude)}"]
+    parts = [] if found.amplitude is None else [f"amplitudes within {spread(found.amplitude)}"]
     if found.ends:
         first = found.ends[0]
         parts.append(
@@ -81,7 +81,8 @@ def both_numbers(found: ResponseComparison, units: DisplayUnits) -> str:
     return ", ".join(parts) or "no contact in either"
 
 
-def _spread(found: AmplitudeError) -> str:
+def spread(found: AmplitudeError) -> str:
+    """Size of an error of amplitudes, with two standard errors where motions do not repeat."""
     return size(found.error) + (f" ± {size(2 * found.scatter)}" if 0 < found.scatter < inf else "")
 
 

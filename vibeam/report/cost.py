@@ -13,10 +13,12 @@ from rich.text import Text
 from vibeam.case.held import held_of
 from vibeam.case.study_plans import VerdictPlan
 from vibeam.exchange.files import dotted
+from vibeam.report.decision_figures import Decision
+from vibeam.report.error_panels import ErrorSize, ModelError
 from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank
-from vibeam.report.work_precision import work_precision
 from vibeam.runs.comparison.differences import listed
+from vibeam.runs.comparison.errors import Asked
 from vibeam.system.number_text import percent, shown_in
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ ROUND_OFF, EXACT = 1e-12, 1e-5  # errors that are no larger are none, or nearly 
 
 def sheet(study: CostStudy, case: Case, within: float = VerdictPlan.accuracy) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a run, nested values by names with a dot: ``total.rms``."""
+    decided = decision(study, case, within)
     return StudySheet(
         answer=answer(study, case, within),
         tables=[chosen(study)],
@@ -39,9 +42,27 @@ def sheet(study: CostStudy, case: Case, within: float = VerdictPlan.accuracy) ->
         more=[runs(study)],
         data={"study": study},
         rows=[dict(dotted(plain(row))) for row in study.rows],
-        draw=lambda: work_precision(study, case),
-        coarse=True,
+        draw=decided.draw,
+        pictures=list(decided.pictures),
     )
+
+
+def decision(study: CostStudy, case: Case, within: float) -> Decision:
+    """What the picture of a study shows: errors of amplitudes over CPU time."""
+    errors = tuple(solver_errors(study))
+    known, every = {each.solver for each in errors}, dict.fromkeys(row.solver for row in study.rows)
+    return Decision(
+        case, Asked.of(within), study.finest, errors=errors, reference_seconds=_exact(study),
+        left_out=tuple(name for name in every if name not in known),
+    )  # fmt: skip
+
+
+def solver_errors(study: CostStudy) -> Iterator[ModelError]:
+    """Largest error of amplitudes of each run that has one; open where it has no motion somewhere."""
+    for row in study.rows:
+        if isfinite(row.total.worst):
+            error = ErrorSize(abs(row.total.worst), row.found < len(study.frequency))
+            yield ModelError(row.fidelity, row.seconds, error, solver=row.solver, method=row.method)
 
 
 def answer(study: CostStudy, case: Case, within: float = VerdictPlan.accuracy) -> str:

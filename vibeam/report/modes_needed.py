@@ -9,7 +9,8 @@ from vibeam.case.held import held_of
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.report.comparison_words import Subject, both_numbers, cells, gravest, open_points
-from vibeam.report.modes_figure import every, modes_figure
+from vibeam.report.decision_figures import Decision, ModelCurve
+from vibeam.report.error_panels import SDOF, ModelError
 from vibeam.report.output import StudySheet
 from vibeam.report.run_answer import beyond
 from vibeam.report.tables import ReportTable, blank
@@ -118,6 +119,7 @@ def _reference(found: ModesNeeded, units: DisplayUnits) -> str:
 
 def sheet(found: ModesNeeded) -> StudySheet:
     """Sheet of a study; as CSV a row for each number of modes."""
+    decided = decision(found)
     return StudySheet(
         answer(found),
         [_table(found)],
@@ -125,8 +127,40 @@ def sheet(found: ModesNeeded) -> StudySheet:
         data={name: getattr(found, name) for name in ("plan", "modes", "size", "rows", "single", "own")}
         | {"enough": None if found.enough is None else found.enough.modes},
         rows=[_numbers(row) for row in _all_rows(found)],
-        draw=lambda: modes_figure(found),
+        draw=decided.draw,
+        pictures=list(decided.pictures),
     )
+
+
+def every(found: ModesNeeded) -> str:
+    """All modes, or those that stand for them."""
+    return f"{'all ' * (found.modes == found.size > 1)}{modes_in_words(found.modes)}"
+
+
+def decision(found: ModesNeeded) -> Decision:
+    """What the pictures show: the number that is enough and the next fewer over the reference; all errors."""
+    whole = every(found)
+    swept = {each.modes for each in found.rows} | {each.modes for each in found.curves}
+    names = {modes: modes_in_words(modes) for modes in swept} | {found.modes: whole}
+    curves = [ModelCurve(names[each.modes], each.direction, each.frequency, each.amplitude) for each in found.curves]
+    known = {row.modes: row.comparison for row in found.rows if row.comparison is not None}
+    shown = [(names[n], known[n]) for n in dict.fromkeys(each.modes for each in found.curves) if n in known]
+    return Decision(
+        found.case, found.asked, whole, tuple(curves), tuple(shown), tuple(_errors(found)), found.seconds,
+        tuple(names[row.modes] for row in found.rows if row.comparison is None),
+    )  # fmt: skip
+
+
+def _errors(found: ModesNeeded) -> Iterator[ModelError]:
+    """Errors of all models that were compared, of the reference beside a fuller one."""
+    for row in _all_rows(found):
+        if row.comparison is not None:
+            mark = SDOF if row is found.single else str(row.modes)
+            yield ModelError.of(mark, row.comparison, found.asked, row.seconds, mark)
+    if found.own.comparison is not None:
+        yield ModelError.of(
+            every(found), found.own.comparison, found.asked, found.seconds, str(found.modes), beyond=True
+        )
 
 
 def _all_rows(found: ModesNeeded) -> list[ModesTried]:

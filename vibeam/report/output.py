@@ -61,12 +61,22 @@ def _names(kind: type[Any]) -> list[str]:
 
 
 @dataclass(frozen=True)
+class SheetPicture:
+    """Picture of a sheet by a ``name``, what it shows in ``words``; ``draw`` makes it."""
+
+    name: str
+    words: str
+    draw: Callable[[], Figure]
+
+
+@dataclass(frozen=True)
 class StudySheet:
     """Answer of a study in one sentence, its ``tables``, and ``notes``: what is uncertain, each with what to do.
 
     ``more`` tables and ``details``, sentences, are shown on the page and with ``-v`` alone. ``data`` for JSON; ``rows``
     of the CSV file: mappings, or records of one dataclass; ``draw`` makes the figure, a ``coarse`` one with fewer dots
-    an inch; ``page`` makes a page of its own; ``study``: by which its files are named, where not by the command.
+    an inch; ``pictures``: those of a page in its place; ``page`` makes a page of its own; ``study``: by which its files
+    are named, where not by the command.
     """
 
     answer: str
@@ -78,6 +88,7 @@ class StudySheet:
     rows: Sequence[Any] = ()
     draw: Callable[[], Figure] | None = None
     coarse: bool = False
+    pictures: Sequence[SheetPicture] = ()
     page: Callable[[], str] | None = None
     study: str = ""
 

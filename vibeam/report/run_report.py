@@ -11,6 +11,7 @@ from vibeam.figures.units import METRIC, DisplayUnits, units_for
 from vibeam.report.comparison_words import cells
 from vibeam.report.output import StudySheet
 from vibeam.report.run_answer import beyond, run_answer
+from vibeam.report.run_decision import run_decisions
 from vibeam.report.tables import ARROWS, ReportTable, blank, coefficient, plain
 from vibeam.runs.comparison.differences import HeldComparison, doubts, listed, settled
 from vibeam.runs.comparison.errors import ComparedFidelity
@@ -41,6 +42,7 @@ def run_report(result: Result) -> StudySheet:
         [*uncertain[NOTES:], *certain, *_not_compared(compared.values())],
         [details(rows, units, result.comparisons)],
         _data(result, rows),
+        pictures=[picture for each in run_decisions(result) for picture in each.pictures],
     )
 
 

@@ -69,14 +69,14 @@ def _result(result: Result) -> StudySheet:
     from vibeam.figures.response_curve import frc
     from vibeam.report.run_report import run_report
 
-    return replace(run_report(result), draw=lambda: frc(result))
+    return replace(run_report(result), draw=lambda: frc(result), pictures=())
 
 
 def _transient(result: TransientResult) -> StudySheet:
     from vibeam.report.record_figure import record_figure
     from vibeam.report.transient import transient_report
 
-    return replace(transient_report(result), draw=lambda: record_figure(result))
+    return replace(transient_report(result), draw=lambda: record_figure(result), pictures=())
 
 
 def _response(response: FrequencyResponse | Branches) -> StudySheet:

@@ -21,8 +21,7 @@ from vibeam.case.study_plans import VerdictPlan
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.report import verdict
-from vibeam.report.cost import answer, details, sheet, uncertain
-from vibeam.report.work_precision import work_precision
+from vibeam.report.cost import answer, decision, details, sheet, uncertain
 from vibeam.runs.sweep import sweep
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
@@ -188,10 +187,9 @@ def test_a_run_that_fails_is_no_number_with_its_reason(monkeypatch: pytest.Monke
     assert failed.why.startswith("3 of 3 points: a number overflowed")
     assert [study.rows[i].solver for i in study.front] == ["flight"]
     assert any(note.startswith("1 of 2 runs gave no error (sdof by mapping: 3 of 3") for note in uncertain(study, case))
-    lines = work_precision(study, case).axes[0].lines
-    edge = [x for each in lines if each.get_marker() == "X" for x in each.get_xdata()]
-    assert edge
-    assert min(edge) > 10  # beyond an error of 1000 %, at the edge
+    shown = decision(study, case, 0.05)
+    assert shown.left_out == ("mapping",)  # named, never a mark
+    assert {each.solver for each in shown.errors} == {"flight"}
     sheet(study, case).write(tmp_path / "a_cost.csv", case.figure)
     assert "a number overflowed" in (tmp_path / "a_cost.csv").read_text(encoding="utf-8")
 
@@ -272,7 +270,7 @@ def test_too_little_time_leaves_frequencies_and_runs_out_and_says_so() -> None:
     assert notes[0].startswith("2 of 2 runs did not fit into 1e-09 s, by flight and orbit: vibeam verdict ")
     assert notes[1] == "1 frequencies in place of 5, for the budget: --budget allows more."
     assert answer(study, case) == "No run of sdof by flight fits into 1e-09 s of CPU time."
-    assert work_precision(study, case).axes
+    assert sheet(study, case).draw is None
 
 
 def test_what_finds_no_motion_somewhere_is_not_on_the_front(beam: CostStudy) -> None:
@@ -329,6 +327,7 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "tiny.toml").write_text(TINY, encoding="utf-8")
     words = ["verdict", "tiny.toml", "--only", "solvers", "--set", 'cost.solvers=["flight", "averaging"]']
+    words += ["--set", "cost.settle=150"]  # motions repeat: there are errors to draw
     result = CliRunner().invoke(app, words)
     assert result.exit_code == 0, result.output
     assert {path.name for path in tmp_path.iterdir()} == {

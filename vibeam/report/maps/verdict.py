@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from vibeam.case.held import held_of
-from vibeam.figures.page import plain
+from vibeam.figures.page import blank_page, legend, plain, titled
 from vibeam.figures.style import name_of
 from vibeam.maps.boundaries import PlaneBoundary
 from vibeam.report.maps.labels import edges, shown_axis
@@ -30,6 +30,7 @@ FINEST = "#8FA9C8"
 NEAR, FAR, FARTHER = "#E4F1DA", "#F7E3B5", "#EBB78B"  # within the accuracy, five times it, beyond
 APART = {IN_PERIOD: "#C9B6DD", IN_NUMBER: "#8E7CC3", IN_CHAOS: "#4F4789"}
 FIVE = 5.0
+ALONE = (5.0, 4.4)  # inches of the regions without the other panels
 HATCH, CLEAR = "////", ListedColormap(["#00000000"])
 BOUNDARY = ("fidelity", "boundary", "branch", "frequency", "value", "velocity", "clear")  # fields in JSON
 
@@ -168,6 +169,15 @@ def verdict(figure: Figure, found: FidelityMap, exact: bool) -> tuple[Handles, l
         handles += keys
     handles += draw_planes(figure, found.result, shown)
     return list({str(handle.get_label()): handle for handle in handles}.values()), []
+
+
+def regions_figure(found: FidelityMap) -> Figure:
+    """The regions alone, small enough for any page."""
+    figure = blank_page(ALONE, found.case.figure)
+    keys = _region_keys(found) + draw_planes(figure, found.result, [_regions(found, found.plan.boundaries)])
+    titled(figure, found.case.figure, "", caption(found))
+    legend(figure, keys)
+    return figure
 
 
 def _colours(found: FidelityMap) -> list[str]:

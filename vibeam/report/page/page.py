@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from vibeam.figures.response_curve import frc
-from vibeam.report.output import StudySheet
+from vibeam.report.output import SheetPicture, StudySheet
 from vibeam.report.page.charts import chart_data
 from vibeam.report.page.parts import LivePart, as_json, picture, rendered
 from vibeam.report.page.standing import PAGE_BYTES, standing
@@ -26,14 +26,17 @@ def page(stored: StoredResult, live: LivePart | None = None) -> str:
     response = picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result))
     data = as_json(chart_data(stored))
     modes = max((modes_of(each) for each in result.values()), default=0)
-    room = PAGE_BYTES - len(data) - len(response.data)
+    report = run_report(result)
+    decisive = [picture(each.name, each.words, each.draw) for each in report.pictures]
+    room = PAGE_BYTES - len(data) - len(response.data) - sum(len(each.data) + len(each.numbers) for each in decisive)
     return rendered(
         "results.html",
         ("state", "saving", *VIEWS, "start"),
         live,
         **standing(result, modes, result.overview, stored.provenance, stored.left_out, room),
         missing=stored.missing,
-        verdict=run_report(result),
+        verdict=report,
+        decisive=decisive,
         response=response,
         data=data,
     )
@@ -42,3 +45,14 @@ def page(stored: StoredResult, live: LivePart | None = None) -> str:
 def study_page(title: str, overview: str, sheets: Sequence[tuple[str, StudySheet]]) -> str:
     """The page of studies: ``title``, the sentence (or lines) ``overview``, a section for each (heading, sheet)."""
     return rendered("study.html", ("state", "saving", "start"), title=title, overview=overview, sheets=sheets)
+
+
+def verdict_page(
+    title: str, overview: str, pictures: Sequence[SheetPicture], notes: Sequence[str],
+    sheets: Sequence[tuple[str, StudySheet]],
+) -> str:  # fmt: skip
+    """The page of a verdict for a reader who decides: its sentence, ``pictures`` and notes; all else folded."""
+    scripts = ("state", "saving", "start")
+    return rendered(
+        "verdict.html", scripts, title=title, overview=overview, pictures=pictures, notes=notes, sheets=sheets
+    )  # fmt: skip
