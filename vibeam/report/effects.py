@@ -6,11 +6,9 @@ from collections.abc import Iterator, Sequence
 from math import isfinite, isinf, isnan
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from rich.text import Text
 
 from vibeam.case.case import quantity_of
-from vibeam.case.plans import FigurePlan
 from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.report.comparison_words import Subject, both_numbers, gravest, signed
 from vibeam.report.output import StudySheet
@@ -24,16 +22,13 @@ from vibeam.system.number_text import signed as by_percent
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from vibeam.studies.effects import EffectRow, Effects, EffectsVariant
 
 SHORT = {ENDS: "ends", KINDS: "other motion", AskedNumber("peak_frequency"): "at"}
 SWEPT = "changes from all effects of {}, ends in frequency; worst: the largest over what is allowed of it"
 NAMED = 2  # largest number of effects whose loss is told in the answer
 DUST = 1e-6  # share of what is allowed that is round-off
-LEAST, MOST = 1e-3, 1e3  # changes over what is allowed: larger ones are drawn at the ends
-USUAL = FigurePlan()
+LEAST = 1e-3  # change over what is allowed that is written as a number
 
 
 def sheet(study: Effects) -> StudySheet:
@@ -49,8 +44,6 @@ def sheet(study: Effects) -> StudySheet:
             "exact": study.exact, "models": study.models, "left_out": study.left_out,
         },
         rows=rows,
-        draw=lambda: bars(study, study.case.figure),
-        coarse=True,
     )  # fmt: skip
 
 
@@ -219,30 +212,3 @@ def _rows(effect: str, model: str, variant: EffectsVariant) -> Iterator[dict[str
         values = {"mean": each.mean, "change": each.change, "error": each.error, "allowed": each.allowed}
         known = {name: value if isfinite(value) else "" for name, value in values.items()}
         yield head | {"number": str(each.number)} | known | {"share": each.share, "why": variant.why}
-
-
-def bars(study: Effects, plan: FigurePlan = USUAL) -> Figure:
-    """Bar chart: change of each number that decides, over what is allowed of it, without one effect."""
-    from vibeam.figures.page import blank_page, legend, titled
-    from vibeam.figures.style import COLOURS
-
-    numbers = [each.number for each in study.enough.changes if isfinite(each.allowed)]
-    count, thick = len(study.rows), 1 / (len(numbers) + 1)
-    figure = blank_page((6.4, 1.5 + 0.12 * count * (len(numbers) + 1)), plan)
-    axes = figure.subplots()
-    for index, number in enumerate(numbers):
-        known = [{each.number: each.share for each in row.without.changes}.get(number, MOST) for row in study.rows]
-        lengths = np.clip(np.nan_to_num(known, posinf=MOST), LEAST, MOST) - LEAST
-        places = np.arange(count) + (index - (len(numbers) - 1) / 2) * thick
-        axes.barh(places, lengths, thick, left=LEAST, color=COLOURS[index % len(COLOURS)], label=str(number))
-    axes.set_xscale("log")
-    axes.set_xlim(LEAST, MOST)
-    axes.axvline(1.0, color="0.2", linewidth=0.8, linestyle=(0, (4, 2)))
-    axes.set_yticks(
-        range(count), [f"{each.effect}\n{'needed' if each.needed else 'not needed'}" for each in study.rows]
-    )
-    axes.invert_yaxis()
-    axes.set_xlabel("change without it, over what is allowed")
-    titled(figure, plan, study.case.title, "what changes without each effect")
-    legend(figure, axes.get_legend_handles_labels()[0])
-    return figure

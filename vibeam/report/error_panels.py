@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, isfinite, nan
-from typing import TYPE_CHECKING, Any
+from math import inf, nan
+from typing import Any
 
-from vibeam.figures.style import COLOURS, KEY, name_of
+from vibeam.figures.style import COLOURS
 from vibeam.report.comparison_words import LEAST, MOST
 from vibeam.runs.comparison.errors import Asked, ResponseComparison
 from vibeam.solvers import SOLVERS
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from vibeam.case.case import Case
-
-SWEPT, BEYOND = ("o", 5.0), ("D", 5.0)  # marks of a model by its sweep, of the reference against a fuller model
 DARK = "0.25"
 SDOF = "sdof"  # mark of one degree of freedom along the static deflection
-FEW_DECADES = 30.0  # range of an axis up to which numbers between powers of ten have room
 SLACK = 3.0  # factor between the marks and the edge of a panel
+LABELS = {"amplitude": "amplitude error (%)", "frequency": "ends, other motion (%)"}
 
 
 @dataclass(frozen=True)
@@ -31,18 +25,13 @@ class ErrorSize:
     value: float = nan
     open: bool = False
 
-    @property
-    def shown(self) -> float:
-        """Value within what is drawn."""
-        return min(max(self.value, LEAST), MOST)
-
 
 @dataclass(frozen=True)
 class ModelError:
     """Errors of a ``model`` beside the reference and the CPU time of a point, s.
 
-    ``mark``: what is written beside it; ``solver``: by which it is computed, empty where by its sweep, with the
-    ``method`` whose settings are joined by a line. ``beyond``: it is the reference, beside a fuller model.
+    ``mark``: what is written beside it; ``solver``: by which it is computed, empty where by its sweep; ``beyond``: it
+    is the reference, beside a fuller model.
     """
 
     model: str
@@ -51,7 +40,6 @@ class ModelError:
     frequency: ErrorSize = ErrorSize()
     mark: str = ""
     solver: str = ""
-    method: str = ""
     beyond: bool = False
 
     @classmethod
@@ -84,109 +72,59 @@ def _frequency(found: ResponseComparison, allowed: float) -> ErrorSize:
     return ErrorSize(max(bounds), True) if bounds else ErrorSize(max((size for size, _ in known), default=0.0))
 
 
-def is_drawn(errors: Sequence[ModelError]) -> bool:
-    """Test whether there is an error at a known CPU time."""
-    return any(_panels(errors))
+def shown_in(errors: Sequence[ModelError]) -> list[str]:
+    """Names of the panels that show something: errors at a known CPU time."""
+    return [name for name in LABELS if any(getattr(each, name).value > 0 for each in errors if each.seconds > 0)]
 
 
-def _panels(errors: Sequence[ModelError]) -> Iterator[str]:
-    """Names of the panels that show something."""
-    timed = [each for each in errors if each.seconds > 0]
-    if any(isfinite(each.amplitude.shown) for each in timed):
-        yield "amplitude"
-    if any(each.frequency.value > 0 for each in timed):
-        yield "frequency"
-
-
-def error_panels(
-    figure: Any, errors: Sequence[ModelError], asked: Asked, reference: float = nan, of_peaks: bool = False
-) -> None:  # fmt: skip
-    """Draw the panels above each other, over the CPU time of a point; ``reference``: that of the reference.
-
-    ``of_peaks``: in place of amplitudes, of motions under a record.
-    """
-    names = list(_panels(errors))
+def error_panels(figure: Any, errors: Sequence[ModelError], asked: Asked, reference: float = nan) -> None:
+    """Draw the panels above each other, over the CPU time of a point; ``reference``: that of the reference."""
+    names = shown_in(errors)
     grid = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
-    words = {"amplitude": f"{'peak' if of_peaks else 'amplitude'} error (%)", "frequency": "ends, other motion (%)"}
     for axes, name in zip(grid, names, strict=True):
-        _panel(axes, [each for each in errors if each.seconds > 0], name)
-        axes.axhline(100 * getattr(asked, name), color="0.5", linewidth=0.8, linestyle=":", gid=f"asked-{name}")
-        if reference > 0:
-            axes.axvline(1e3 * reference, color="0.8", linewidth=3.4, zorder=0, gid="reference-time")
-        axes.set_ylabel(words[name])
+        known = [each for each in errors if each.seconds > 0 and getattr(each, name).value >= 0]
+        _panel(axes, known, name)
+        axes.set_ylabel(LABELS[name])
         _scale(axes)
-    grid[-1].set_xlabel(f"CPU time of a {'motion' if of_peaks else 'point'} (ms)")
+        allowed = {"color": "0.5", "linewidth": 0.8, "linestyle": ":", "label": "error that is allowed"}
+        axes.axhline(100 * getattr(asked, name), gid=f"asked-{name}", **allowed)
+        if reference > 0:
+            axes.axvline(1e3 * reference, color="0.8", linewidth=3.4, zorder=0, label="time of the reference")
+    grid[-1].set_xlabel("CPU time of a point (ms)")
 
 
-def _panel(axes: Axes, errors: Sequence[ModelError], name: str) -> None:
-    colours = _colours(errors)
-    joined: dict[tuple[str, str, str], list[tuple[float, float]]] = {}
+def _panel(axes: Any, errors: Sequence[ModelError], name: str) -> None:
+    """Draw a mark for each model, those of one model by one solver joined."""
+    models = list(dict.fromkeys(each.model for each in errors if each.solver))
+    colours = {model: COLOURS[at % len(COLOURS)] for at, model in enumerate(models)}
+    joined: dict[tuple[str, str], list[tuple[float, float]]] = {}
     for each in errors:
-        error: ErrorSize = getattr(each, name)
-        if error.value != error.value:
-            continue
-        at, colour = (1e3 * each.seconds, 100 * error.shown), colours.get(each.model, DARK) if each.solver else DARK
-        shape, size = _shape(each)
-        axes.plot(
-            *at, marker=shape, markersize=size, color=colour, markerfacecolor="white" if error.open else colour,
-            linestyle="", zorder=3, gid=f"{name}-of-{each.model}{f'-{each.solver}' * bool(each.solver)}",
-        )  # fmt: skip
-        if each.mark:
-            below = each.mark == SDOF  # beside one mode, where it often lies
-            axes.annotate(each.mark, at, (4, -9 if below else 3), textcoords="offset points", fontsize="small")
+        by = f"-{each.solver}" * bool(each.solver)
+        error, colour = getattr(each, name), colours[each.model] if each.solver else DARK
+        at = 1e3 * each.seconds, 100 * min(max(error.value, LEAST), MOST)
+        shape, size, label = ("D", 5.0, "reference, against a fuller model") if each.beyond else ("o", 5.0, "model")
         if each.solver:
-            joined.setdefault((each.model, each.solver, each.method), []).append(at)
-    for (model, *_), points in joined.items():
-        axes.plot(*zip(*points, strict=True), color=colours[model], linewidth=0.6, alpha=0.5, zorder=2)
+            joined.setdefault((each.model, each.solver), []).append(at)
+            (shape, size), label = SOLVERS[each.solver].marker, each.solver
+        axes.plot(
+            *at, linestyle="", marker=shape, markersize=size, color=colour, zorder=3, label=label,
+            markerfacecolor="white" if error.open else colour, gid=f"{name}-of-{each.model}{by}",
+        )  # fmt: skip
+        below = each.mark == SDOF  # beside one mode, where it often lies
+        axes.annotate(each.mark, at, (4, -9 if below else 3), textcoords="offset points", fontsize="small")
+    for (model, _), points in joined.items():
+        axes.plot(*zip(*points, strict=True), color=colours[model], linewidth=0.8, zorder=2, label=model)
 
 
-def _scale(axes: Axes) -> None:
+def _scale(axes: Any) -> None:
     """Logarithmic axes with plain numbers and room around the marks."""
-    from matplotlib.ticker import LogLocator, NullFormatter
+    from matplotlib.ticker import LogLocator, NullLocator
 
     axes.set(xscale="log", yscale="log")
     low, high = axes.dataLim.intervaly
     axes.set_ylim(low / SLACK, high * SLACK)
     axes.margins(x=0.12)
-    for axis, (least, most) in ((axes.xaxis, axes.dataLim.intervalx), (axes.yaxis, (low, high))):
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.set_major_formatter("{x:g}")
-        axis.set_minor_locator(LogLocator(subs=(2, 5)))
-        axis.set_minor_formatter("{x:g}" if most < FEW_DECADES * least else NullFormatter())
-    axes.grid(which="major", color="0.93", linewidth=0.5, zorder=0)
-
-
-def _shape(each: ModelError) -> tuple[str, float]:
-    return SOLVERS[each.solver].marker if each.solver else BEYOND if each.beyond else SWEPT
-
-
-def _colours(errors: Sequence[ModelError]) -> dict[str, str]:
-    """Colour of each model that a solver computes."""
-    names = dict.fromkeys(each.model for each in errors if each.solver)
-    return {name: COLOURS[place % len(COLOURS)] for place, name in enumerate(names)}
-
-
-def error_keys(errors: Sequence[ModelError], case: Case, reference: float = nan) -> list[Any]:
-    """Entries of the legend: models that solvers compute, solvers, what marks and lines say."""
-    from matplotlib.lines import Line2D
-
-    drawn = [each for each in errors if each.seconds > 0]
-    keys = [
-        Line2D([], [], color=colour, linewidth=2.5, label=name_of(case, name))
-        for name, colour in _colours(drawn).items()
-    ]
-    grey = KEY | {"linewidth": 0.0, "markerfacecolor": DARK}
-
-    def mark(shape: tuple[str, float], label: str, **own: Any) -> Line2D:
-        return Line2D([], [], label=label, **(grey | {"marker": shape[0], "markersize": shape[1]} | own))
-
-    if any(not each.solver and not each.beyond for each in drawn):
-        keys.append(mark(SWEPT, "model"))
-    if any(each.beyond for each in drawn):
-        keys.append(mark(BEYOND, "reference, against a fuller model"))
-    named = dict.fromkeys(each.solver for each in drawn if each.solver)
-    keys += [mark(declaration.marker, name) for name, declaration in SOLVERS.items() if name in named]
-    if any(each.amplitude.open or each.frequency.open for each in drawn):
-        keys.append(mark(SWEPT, "open mark: bound of what is not known", markerfacecolor="white"))
-    if reference > 0:
-        keys.append(Line2D([], [], color="0.8", linewidth=3.4, label="time of the reference"))
-    return [*keys, Line2D([], [], color="0.5", linewidth=0.8, linestyle=":", label="error that is allowed")]
+        axis.set_minor_locator(NullLocator())

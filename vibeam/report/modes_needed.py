@@ -9,7 +9,7 @@ from vibeam.case.held import held_of
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.report.comparison_words import Subject, both_numbers, cells, gravest, open_points
-from vibeam.report.decision_figures import Decision, ModelCurve
+from vibeam.report.decision_figures import Decision
 from vibeam.report.error_panels import SDOF, ModelError
 from vibeam.report.output import StudySheet
 from vibeam.report.run_answer import beyond
@@ -119,7 +119,7 @@ def _reference(found: ModesNeeded, units: DisplayUnits) -> str:
 
 def sheet(found: ModesNeeded) -> StudySheet:
     """Sheet of a study; as CSV a row for each number of modes."""
-    decided = decision(found)
+    pictures = list(decision(found).pictures)
     return StudySheet(
         answer(found),
         [_table(found)],
@@ -127,8 +127,8 @@ def sheet(found: ModesNeeded) -> StudySheet:
         data={name: getattr(found, name) for name in ("plan", "modes", "size", "rows", "single", "own")}
         | {"enough": None if found.enough is None else found.enough.modes},
         rows=[_numbers(row) for row in _all_rows(found)],
-        draw=decided.draw,
-        pictures=list(decided.pictures),
+        draw=pictures[0].draw if pictures else None,
+        pictures=pictures,
     )
 
 
@@ -142,11 +142,11 @@ def decision(found: ModesNeeded) -> Decision:
     whole = every(found)
     swept = {each.modes for each in found.rows} | {each.modes for each in found.curves}
     names = {modes: modes_in_words(modes) for modes in swept} | {found.modes: whole}
-    curves = [ModelCurve(names[each.modes], each.direction, each.frequency, each.amplitude) for each in found.curves]
+    curves = {(names[each.modes], each.direction): (each.frequency, each.amplitude) for each in found.curves}
     known = {row.modes: row.comparison for row in found.rows if row.comparison is not None}
-    shown = [(names[n], known[n]) for n in dict.fromkeys(each.modes for each in found.curves) if n in known]
+    shown = {names[each.modes]: known[each.modes] for each in found.curves if each.modes in known}
     return Decision(
-        found.case, found.asked, whole, tuple(curves), tuple(shown), tuple(_errors(found)), found.seconds,
+        found.case, found.asked, whole, curves, shown, tuple(_errors(found)), found.seconds,
         tuple(names[row.modes] for row in found.rows if row.comparison is None),
     )  # fmt: skip
 

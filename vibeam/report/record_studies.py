@@ -9,12 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from vibeam.case.case import Case, plan_of_record, units_of_output
 from vibeam.case.transient_quantities import QUANTITIES
-from vibeam.report.decision_figures import Decision
-from vibeam.report.error_panels import ErrorSize, ModelError
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import blank
 from vibeam.runs.comparison.differences import listed
-from vibeam.runs.comparison.errors import Asked
 from vibeam.studies.changes import NumberChange
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.variants import OF_IMPACTS
@@ -132,21 +129,7 @@ def of_modes(study: RecordModes) -> StudySheet:
     rows = [_row(each, modes=row.modes) for row in study.rows for each in row.changes]
     data = {"fidelity": study.fidelity, "enough": enough, "modes": study.modes, "rows": study.rows}
     answer += f"{_left_out(study.left_out)}."
-    decided = _decision(study)
-    return StudySheet(
-        answer, [table], notes, data=data, rows=rows, draw=decided.draw, pictures=list(decided.pictures), study="modes"
-    )  # fmt: skip
-
-
-def _decision(study: RecordModes) -> Decision:
-    """What the picture shows: errors of the peaks over the CPU time of a motion, two standard errors added."""
-    errors = [ModelError(modes_in_words(row.modes), row.seconds, ErrorSize(row.worst), mark=str(row.modes))
-              for row in study.rows if isfinite(row.worst)]  # fmt: skip
-    return Decision(
-        study.case, Asked.of(study.accuracy), modes_in_words(study.modes), errors=tuple(errors), of_peaks=True,
-        reference_seconds=float(study.reference.seconds.mean()),
-        left_out=tuple(modes_in_words(row.modes) for row in study.rows if not isfinite(row.worst)),
-    )  # fmt: skip
+    return StudySheet(answer, [table], notes, data=data, rows=rows, study="modes")
 
 
 def _left_out(seeds: int) -> str:

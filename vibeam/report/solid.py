@@ -7,18 +7,17 @@ from math import ceil, isfinite, nan
 from shlex import quote
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.fidelity import Fidelity
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank, coefficient, shown
 from vibeam.runs.comparison.differences import listed
 from vibeam.studies.solid.model import FIRST, LadderModel
-from vibeam.studies.solid.steps import LESS_TORSION, beam_of, solid_of
+from vibeam.studies.solid.steps import LESS_TORSION
 from vibeam.studies.solid.study import JUDGED, QUANTITIES, SolidVerdict, StepChange
 from vibeam.system.number_text import WORDS, begun, percent, signed
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure, FigureBase
+    pass
 
 
 UNITS = {
@@ -32,7 +31,6 @@ NAMES = {
 OF_BEAMS = ("shear", LESS_TORSION)  # steps between two beams, which the mesh has no part in
 FREQUENCIES = JUDGED[:FIRST]
 DETAILS = ("flexibility", "peak_frequency")  # columns of -v and of the page
-PICTURED = 10.0  # s of CPU time of the solid's modes beyond which they are not made again for a picture
 FINE = 0.2  # of the accuracy: what the mesh may be off without a word
 LEAST, DUST = 1e-4, 1e-6  # share that is told in numbers; below which there is none
 SMALL = 0.1  # share up to which two digits do
@@ -47,7 +45,6 @@ def sheet(found: SolidVerdict) -> StudySheet:
         details=list(details(found)),
         data=_data(found),
         rows=list(rows(found)),
-        draw=lambda: steps_and_shapes(found),
     )
 
 
@@ -235,42 +232,3 @@ def _data(found: SolidVerdict) -> dict[str, Any]:
     names = ("fidelity", "accuracy", "held", "enough", "worst", "models", "steps", "coarser", "chosen")
     errors = {name: found.error(name) for name in QUANTITIES}
     return {name: getattr(found, name) for name in (*names, "seconds", "left_out")} | {"errors": errors}
-
-
-def steps_and_shapes(found: SolidVerdict) -> Figure:
-    """Figure of the steps and, below, of the modes of beam and solid, unless they take long to make."""
-    from vibeam.figures.page import ShownFigure
-
-    if found.solid.cpu_seconds > PICTURED:
-        figure = ShownFigure(figsize=(6.3, 3.2), layout="constrained")
-        _bars(figure, found)
-        return figure
-    from vibeam.figures.kinds.shapes import draw_modes, shapes_of
-
-    figure = ShownFigure(figsize=(6.3, 8.4), layout="constrained")
-    parts: Any = figure.subfigures(2, 1, height_ratios=(3.2, 5.2))
-    _bars(parts[0], found)
-    scene: Any = found.case.scene_of(found.fidelity)
-    own = Fidelity("own", "modal", found.beam.modes)
-    both = {"the beam": beam_of(scene), "the solid": solid_of(scene)}
-    draw_modes(parts[1], found.case, [shapes_of(name, each, own) for name, each in both.items()])
-    return figure
-
-
-def _bars(figure: FigureBase, found: SolidVerdict) -> None:
-    """Draw a group of bars for each quantity that is judged, over the error of the solid's mesh."""
-    from vibeam.figures.style import COLOURS
-
-    named = [name for name in JUDGED if isfinite(found.error(name))]
-    axes = figure.subplots()
-    width = 0.8 / len(found.steps)
-    mesh = [100 * found.mesh_error(name) for name in named]
-    axes.bar(range(len(named)), [2 * each for each in mesh], 0.9, [-each for each in mesh], color="0.9", label="mesh")
-    for place, step in enumerate(found.steps):
-        left = [at + (place + 0.5) * width - 0.4 for at in range(len(named))]
-        heights = [100 * step.changes[name] for name in named]
-        axes.bar(left, heights, width, label=step.cause, color=COLOURS[place % len(COLOURS)])
-    axes.axhline(0, color="0.3", linewidth=0.6)
-    axes.set_xticks(range(len(named)), [NAMES[name] for name in named])
-    axes.set_ylabel("change over the solid's number (%)")
-    axes.legend(frameon=False, fontsize=8)

@@ -10,7 +10,6 @@ import numpy as np
 
 from vibeam.figures.record import unit_of_signal
 from vibeam.report.output import StudySheet
-from vibeam.report.run_decision import record_decision
 from vibeam.report.tables import ReportTable, blank
 from vibeam.report.transient_answer import DUST, ENSEMBLE, answers, difference_text, time_text, transient_answer
 from vibeam.runs.comparison.differences import listed
@@ -32,16 +31,14 @@ SHARES = (0.1, 0.5, 0.9)  # quantiles of impact velocities
 def transient_report(result: TransientResult) -> StudySheet:
     """Report of a result under a record."""
     tables = [fidelities(result), peaks(result), energies(result)]
-    accuracy = result.case.asked["verdict"].accuracy
     return StudySheet(
-        transient_answer(result, accuracy),
+        transient_answer(result, result.case.asked["verdict"].accuracy),
         tables[:1],
         list(remarks(result)),
         list(_details()),
         [*tables[1:], impacts(result), *modal_energies(result), cost(result)],
         _data(result),
         rows=[row for part in result.columns()[0] for row in _rows(part)],
-        pictures=list(record_decision(result, accuracy).pictures),
     )
 
 

@@ -27,7 +27,6 @@ QUESTIONS = {
 UNDER_RECORD: Mapping[str, Callable[[Any], StudySheet]] = {
     "modes": record_studies.of_modes, "map": record_studies.of_fidelities,
 }  # fmt: skip
-DECISIVE = ("modes", "solvers")  # stages whose pictures stand above
 FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map", "solid": "solid"}
 
 
@@ -62,7 +61,7 @@ def sheet(found: Verdict) -> StudySheet:
         [table for _, made in sheets for table in [*made.tables, *made.more]],
         data={"stages": {stage.name: {"answer": made.answer, **made.data} for stage, made in sheets}},
         rows=rows,
-        page=lambda: _page(found, answer, sheets, asked, [*notes, *unanswered, *_not_asked(found)]),
+        page=lambda: _page(found, answer, sheets, asked, [*notes, *unanswered]),
     )
 
 
@@ -71,38 +70,29 @@ def _page(
     notes: Sequence[str],
 ) -> str:  # fmt: skip
     """Page of a verdict: what decides above, each stage with all that is not there folded below."""
-    from vibeam.report.page.page import verdict_page
+    from vibeam.report.page.page import study_page
 
     folded = [
-        (asked[stage.name], replace(made, draw=None, pictures=()) if stage.name in DECISIVE else made)
+        (asked[stage.name], replace(made, draw=None, pictures=()) if stage.name in ("modes", "solvers") else made)
         for stage, made in sheets if not stage.why
     ]  # fmt: skip
-    return verdict_page(found.case.title, answer, list(pictures(found)), notes, folded)
+    rest = ", ".join(name for name in USUAL_STAGES if name not in found.plan.only)
+    left_out = [f"Not asked for: {rest}; without --only all stages are computed."] * bool(rest)
+    return study_page(found.case.title, answer, folded, list(pictures(found)), [*notes, *left_out])
 
 
 def pictures(found: Verdict) -> Iterator[SheetPicture]:
     """Pictures that decide: models over each other, error against CPU time of models and solvers, the plane."""
-    stages = {stage.name: stage.record for stage in found.stages if not stage.why}
-    if found.case.record is not None:
-        if "modes" in stages:
-            yield from record_studies.of_modes(stages["modes"]).pictures
-        return
+    swept = found.case.record is None  # a study under a record has tables alone
+    stages = {stage.name: stage.record for stage in found.stages if swept and not stage.why}
     decided = modes_needed.decision(stages["modes"]) if "modes" in stages else None
     if "solvers" in stages:
         by_solvers = cost.decision(stages["solvers"], found.case, found.plan.accuracy)
         decided = by_solvers if decided is None else decided.with_solvers(by_solvers)
-    if decided is not None:
-        yield from decided.pictures
+    yield from decided.pictures if decided else ()
     if "map" in stages:
         words = "The cheapest model that suffices, over the plane"
         yield SheetPicture("Where on the plane", words, lambda: fidelity_map.regions_figure(stages["map"]))
-
-
-def _not_asked(found: Verdict) -> Iterator[str]:
-    """Note on the usual stages that were left out."""
-    rest = [name for name in USUAL_STAGES if name not in found.plan.only]
-    if rest:
-        yield f"Not asked for: {', '.join(rest)}; without --only all stages are computed."
 
 
 def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:

@@ -76,7 +76,7 @@ def _transient(result: TransientResult) -> StudySheet:
     from vibeam.report.record_figure import record_figure
     from vibeam.report.transient import transient_report
 
-    return replace(transient_report(result), draw=lambda: record_figure(result), pictures=())
+    return replace(transient_report(result), draw=lambda: record_figure(result))
 
 
 def _response(response: FrequencyResponse | Branches) -> StudySheet:

@@ -27,7 +27,7 @@ from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost.measure import FLIGHT, Plan, Setting, measured, settings_of
 from vibeam.studies.cost.planning import LeftOut, SettingSeries, finest_model, frequencies, models, plan_of, run_in_turn
-from vibeam.studies.cost.row import RunRow, front
+from vibeam.studies.cost.row import front
 from vibeam.studies.cost.study import CostStudy, cost
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -222,13 +222,6 @@ def test_a_rival_that_is_given_up_keeps_its_time_and_is_named() -> None:
     assert timed_runs or any(each.startswith("> ") for each in direct)  # a bound where no run of the solver has a time
 
 
-def test_what_is_given_up_on_the_finest_is_said_with_the_least_that_it_takes(beam: CostStudy) -> None:
-    case, flown = parse(HELD_AT_CONTACT.split("[reference")[0], set=BEAM), timed(beam)
-    late = RunRow("beam", 8, "direct", "LSODA", "rtol 1e-03", used=4.0, why="given up after 4 s")
-    said = answer(replace(flown, rows=(*flown.rows, late)), case, 0.1)
-    assert "direct over 500 times as long (given up)" in said
-
-
 @pytest.fixture(scope="module")
 def beam() -> CostStudy:
     return cost(parse(HELD_AT_CONTACT.split("[reference")[0], set=BEAM))
@@ -293,7 +286,7 @@ def test_the_sheet_answers_first(beam: CostStudy) -> None:
     found = sheet(study, case, within=0.5)
     assert found.answer == (
         f"Exact flight of beam takes 8 ms a frequency; the cheapest within 50 % is sdof by flight, 8 times faster and "
-        f"{share_of(study, 'sdof')} off; orbit takes 10 times as long and is exact. "
+        f"{share_of(study, 'sdof')} off. "
         "R = 0.72 at the contact is prescribed."
     )
     assert "nothing cheaper is within 0 %: the nearest is " in answer(study, case, 0.0)
@@ -304,8 +297,7 @@ def test_the_sheet_answers_first(beam: CostStudy) -> None:
     asked = vibeam.Verdict(case, VerdictPlan(accuracy=0.5), (vibeam.studies.Stage("solvers", study, 0.0),))
     assert verdict.sheet(asked).answer == found.answer != answer(study, case)
     table = found.tables[0].brief()
-    assert {str(cell).split()[0] for cell in table.columns[1].cells} == {"flight", "orbit", "averaging"}
-    assert [str(cell) for cell in table.columns[-1].cells].count("*") == len(study.front) <= table.row_count
+    assert [str(cell) for cell in table.columns[-1].cells] == ["*"] * len(study.front)
     assert [each.row_count for each in found.more] == [len(beam.rows)]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from importlib import import_module
 from math import isnan, pi, sqrt
 from pathlib import Path
@@ -15,7 +14,7 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.cli.main import app
 from vibeam.report.run_answer import run_answer
-from vibeam.report.solid import sheet, steps_and_shapes
+from vibeam.report.solid import sheet
 from vibeam.studies.solid.steps import ladder, solid_of
 from vibeam.studies.solid.study import JUDGED, QUANTITIES
 from vibeam_models.beam import structure_of
@@ -243,19 +242,6 @@ def test_a_stop_off_the_axis_twists_the_solid_as_st_venant_has_it_of_a_square() 
     assert abs(found.error("twist")) < 0.015
     assert found.quantity(found.beam.twist_number) == "twist"
     assert found.quantity(found.beam.numbers[1]) == "f2"
-
-
-def test_the_picture_has_the_modes_of_beam_and_solid_below_the_steps(
-    found: dict[str, vibeam.studies.SolidVerdict],
-) -> None:
-    """Bars over shapes, titled by the frequencies of the table; the bars alone where the modes took long."""
-    slender = found["slender"]
-    made = steps_and_shapes(slender)
-    titles = [axes.get_title() for axes in made.axes if axes.get_title()]
-    assert titles[0].startswith(f"the beam\nmode 1, {slender.beam.frequencies[0]:.4g}")
-    assert titles[1].startswith(f"the solid\nmode 1, {slender.solid.frequencies[0]:.4g}")
-    slow = replace(slender, models=(*slender.models[:-1], replace(slender.solid, cpu_seconds=60.0)))
-    assert len(steps_and_shapes(slow).axes) == 1
 
 
 def test_a_case_without_a_beam_is_told_so() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from vibeam.figures.response_curve import frc
 from vibeam.report.output import SheetPicture, StudySheet
@@ -42,17 +43,14 @@ def page(stored: StoredResult, live: LivePart | None = None) -> str:
     )
 
 
-def study_page(title: str, overview: str, sheets: Sequence[tuple[str, StudySheet]]) -> str:
-    """The page of studies: ``title``, the sentence (or lines) ``overview``, a section for each (heading, sheet)."""
-    return rendered("study.html", ("state", "saving", "start"), title=title, overview=overview, sheets=sheets)
-
-
-def verdict_page(
-    title: str, overview: str, pictures: Sequence[SheetPicture], notes: Sequence[str],
-    sheets: Sequence[tuple[str, StudySheet]],
+def study_page(
+    title: str, overview: str, sheets: Sequence[tuple[str, StudySheet]], pictures: Sequence[SheetPicture] = (),
+    notes: Sequence[str] | None = None,
 ) -> str:  # fmt: skip
-    """The page of a verdict for a reader who decides: its sentence, ``pictures`` and notes; all else folded."""
-    scripts = ("state", "saving", "start")
-    return rendered(
-        "verdict.html", scripts, title=title, overview=overview, pictures=pictures, notes=notes, sheets=sheets
-    )  # fmt: skip
+    """The page of studies: ``title``, the sentence (or lines) ``overview``, a section for each (heading, sheet).
+
+    With ``notes`` that for a reader who decides: sentence, ``pictures`` and notes, the sheets folded below.
+    """
+    given: dict[str, Any] = {"title": title, "overview": overview, "sheets": sheets, "pictures": pictures}
+    template = "study.html" if notes is None else "verdict.html"
+    return rendered(template, ("state", "saving", "start"), notes=notes, **given)
