@@ -48,21 +48,16 @@ def sheet(study: CostStudy, case: Case, within: float = VerdictPlan.accuracy) ->
 
 
 def decision(study: CostStudy, case: Case, within: float) -> Decision:
-    """What the picture of a study shows: errors of amplitudes over CPU time."""
-    errors = tuple(solver_errors(study))
+    """Content of the picture: the largest error of amplitudes of each run, open where it has no motion somewhere."""
+    sizes = [(row, ErrorSize(abs(row.total.worst), row.found < len(study.frequency))) for row in study.rows]
+    errors = tuple(
+        ModelError(row.fidelity, row.seconds, size, solver=row.solver) for row, size in sizes if size.value >= 0
+    )
     known, every = {each.solver for each in errors}, dict.fromkeys(row.solver for row in study.rows)
+    left_out = tuple(name for name in every if name not in known)
     return Decision(
-        case, Asked.of(within), study.finest, errors=errors, reference_seconds=_exact(study),
-        left_out=tuple(name for name in every if name not in known),
-    )  # fmt: skip
-
-
-def solver_errors(study: CostStudy) -> Iterator[ModelError]:
-    """Largest error of amplitudes of each run that has one; open where it has no motion somewhere."""
-    for row in study.rows:
-        if isfinite(row.total.worst):
-            error = ErrorSize(abs(row.total.worst), row.found < len(study.frequency))
-            yield ModelError(row.fidelity, row.seconds, error, solver=row.solver)
+        case, Asked.of(within), study.finest, errors=errors, reference_seconds=_exact(study), left_out=left_out
+    )
 
 
 def answer(study: CostStudy, case: Case, within: float = VerdictPlan.accuracy) -> str:

@@ -7,7 +7,7 @@ never drawn as good: an open comparison has an open mark, and a model without a 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from math import nan
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import Case, quantity_of
-from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import COLOURS
 from vibeam.figures.units import amplitude_of, frequency_label, units_of
 from vibeam.report.comparison_words import cells, size, spread
@@ -41,7 +40,7 @@ BY_SOLVERS = "; of a solver the largest error at its frequencies, also where its
 
 @dataclass(frozen=True, eq=False)
 class Decision:
-    """What a decision between the models of a ``case`` is made of.
+    """Numbers and curves from which a reader decides between the models of a ``case``.
 
     ``curves``: frequencies, Hz, and amplitudes of a model in a direction, of the ``reference`` and of the models
     ``shown`` beside it, the recommended one first, each with its comparison. ``errors``: of all models, also by other
@@ -60,12 +59,6 @@ class Decision:
     group: str = ""
     against: str = ""
 
-    def with_solvers(self, other: Decision) -> Decision:
-        """The same models with the errors of solvers beside theirs."""
-        left_out = (*self.left_out, *other.left_out)
-        against = f"{self.reference}, of solvers against {other.reference}"
-        return replace(self, errors=(*self.errors, *other.errors), left_out=left_out, against=against)
-
     @property
     def pictures(self) -> Iterator[SheetPicture]:
         """Its pictures, those that have something to show."""
@@ -80,6 +73,8 @@ class Decision:
 
 def times_figure(found: Decision) -> Figure:
     """Errors of all models over the CPU time of a point."""
+    from vibeam.figures.page import blank_page, legend, titled
+
     figure = blank_page(HIGH if any(each.solver for each in found.errors) else SMALL, found.case.figure)
     error_panels(figure, found.errors, found.asked, found.reference_seconds)
     titled(figure, found.case.figure, "", f"errors against {found.against or found.reference}")
@@ -92,6 +87,8 @@ def times_figure(found: Decision) -> Figure:
 
 def responses_figure(found: Decision) -> Figure:
     """The models shown over the reference, their largest errors marked where they are."""
+    from vibeam.figures.page import blank_page, legend, titled
+
     output, shown = found.case.sweep.output, found.shown
     largest = max((float(np.nanmax(each, initial=0.0)) for _, each in found.curves.values()), default=0.0)
     units = units_of(found.case, largest, quantity=quantity_of(found.case, output).name)
@@ -168,16 +165,9 @@ def _marks(found: ResponseComparison, reference: Mapping[str, Curve]) -> Iterato
 
 
 def _end(end: EndError, reference: Curve) -> _Mark:
-    """Mark of an end halfway up its jump; of one that is not surely elsewhere the range where it may be."""
-    at, unknown = end.reference.frequency, abs(end.error) <= end.open
+    """Mark of an end on the reference's jump; of one that is not surely elsewhere the range where it may be."""
+    at, unknown, order = end.reference.frequency, abs(end.error) <= end.open, np.argsort(reference[0])
+    level = float(np.interp(at, reference[0][order], np.nan_to_num(reference[1][order])))
     places = (at * (1 - end.open), at * (1 + end.open)) if unknown else (end.ours.frequency, at)
     words = f"± {size(end.open)}" if unknown else size(end.error)
-    return _Mark("frequency-error", places, (_halfway(reference, at),) * 2, words, unknown)
-
-
-def _halfway(curve: Curve, at: float) -> float:
-    """Amplitude halfway between the points of a curve before and behind a frequency."""
-    frequency, amplitude = (each[np.argsort(curve[0])] for each in curve)
-    place = int(np.searchsorted(frequency, at))
-    beside = amplitude[max(place - 1, 0) : place + 1]
-    return float(np.nanmean(beside)) if np.isfinite(beside).any() else 0.0
+    return _Mark("frequency-error", places, (level, level), words, unknown)

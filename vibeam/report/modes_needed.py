@@ -138,7 +138,7 @@ def every(found: ModesNeeded) -> str:
 
 
 def decision(found: ModesNeeded) -> Decision:
-    """What the pictures show: the number that is enough and the next fewer over the reference; all errors."""
+    """Content of the pictures: the number that is enough and the next fewer over the reference; all errors."""
     whole = every(found)
     swept = {each.modes for each in found.rows} | {each.modes for each in found.curves}
     names = {modes: modes_in_words(modes) for modes in swept} | {found.modes: whole}

@@ -66,6 +66,10 @@ class SheetPicture:
     draw: Callable[[], Figure]
     ending: str = ""
 
+    def files(self, stem: Path, plan: FigurePlan) -> list[Path]:
+        """Files of the picture beside ``stem``."""
+        return paths_of(stem.with_name(f"{stem.stem}{self.ending}.x"), plan)
+
 
 @dataclass(frozen=True)
 class StudySheet:
@@ -95,9 +99,8 @@ class StudySheet:
         for each in self.pictures or alone:
             from vibeam.figures.page import write_page
 
-            own = paths_of(table.with_name(f"{table.stem}{each.ending}.x"), plan)
+            figures += (own := each.files(table, plan))
             write_page(each.draw, own)
-            figures += own
         write_csv(self.rows, table)
         if self.page is None:
             return [table, *figures]

@@ -88,7 +88,10 @@ def pictures(found: Verdict) -> Iterator[SheetPicture]:
     decided = modes_needed.decision(stages["modes"]) if "modes" in stages else None
     if "solvers" in stages:
         by_solvers = cost.decision(stages["solvers"], found.case, found.plan.accuracy)
-        decided = by_solvers if decided is None else decided.with_solvers(by_solvers)
+        decided = by_solvers if decided is None else replace(
+            decided, errors=(*decided.errors, *by_solvers.errors), left_out=(*decided.left_out, *by_solvers.left_out),
+            against=f"{decided.reference}, of solvers against {by_solvers.reference}",
+        )  # fmt: skip
     yield from decided.pictures if decided else ()
     if "map" in stages:
         words = "The cheapest model that suffices, over the plane"
