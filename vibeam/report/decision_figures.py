@@ -79,7 +79,7 @@ def times_figure(found: Decision) -> Figure:
     error_panels(figure, found.errors, found.asked, found.reference_seconds)
     titled(figure, found.case.figure, "", f"errors against {found.against or found.reference}")
     is_open = any(size.open for each in found.errors for size in (each.amplitude, each.frequency))
-    remark = ["open marks: bounds of what is not known"] * is_open
+    remark = ["open marks: not surely known"] * is_open
     remark += [f"not compared: {', '.join(found.left_out)}"] * bool(found.left_out)
     legend(figure, handles_of(figure), "; ".join(remark))
     return figure

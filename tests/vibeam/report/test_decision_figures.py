@@ -147,7 +147,7 @@ def test_errors_stand_at_their_cpu_times_and_models_without_one_are_named() -> N
     assert marks["amplitude-of-two"].get_markerfacecolor() == "white"
     assert marks["asked-amplitude"].get_ydata()[0] == pytest.approx(5.0)
     remark = " ".join(figure.legends[0].get_title().get_text().split())
-    assert remark == "open marks: bounds of what is not known; not compared: three, four"
+    assert remark == "open marks: not surely known; not compared: three, four"
     assert shown_in(errors) == ["amplitude", "frequency"]
     assert shown_in([ModelError("none", 1e-4, ErrorSize())]) == []
 
