@@ -66,12 +66,17 @@ export type Poses = { x: Float64Array; v: Float64Array; modes: Float64Array };
 export type Motion = {
   ended: string; omega: number; turn: number; state: State; start: number;
   times(points?: number): Float64Array; at(times: ArrayLike<number>): Poses;
-  impacts: [number, number][]; rests: [number, number][]; contacts: [number, number, number][]; counts: Record<string, number>;
+  impacts: [number, number][]; counts: Record<string, number>;
 };
-export type Steady = {
-  amplitude: number; maximum: number; minimum: number; impactsPerPeriod: number; impactVelocity: number;
-  period: number; rest: number; ended: string; state: State;
+/**
+ * A steady point: how far the contact swings from its stop (m), mean velocity before impact (NaN without), drive periods
+ * until it repeats (0: does not, −1: no contact), share of the time on the stop.
+ */
+export type SteadyPoint = {
+  amplitude: number; maximum: number; minimum: number; reach: number; impactsPerPeriod: number; impactVelocity: number;
+  period: number; rest: number;
 };
+export type Steady = SteadyPoint & { ended: string; state: State };
 /**
  * How points are settled and watched: drive periods; start states, static equilibrium where there is none; `carried`:
  * each from the state of the point before, as a sweep; `slowest`: drive, rad/s, that panels are made for (none: the
