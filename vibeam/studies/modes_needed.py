@@ -18,10 +18,10 @@ from vibeam.case.fineness import plain
 from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.casefile.tables.table import plan_with
-from vibeam.runs.comparison.beyond import MANY, fuller_response, further, is_whole, response_of
-from vibeam.runs.comparison.errors import GIVEN, Asked, ComparedFidelity, ResponseComparison
+from vibeam.runs.comparison.beyond import MANY, beside_fuller, is_whole, response_of
+from vibeam.runs.comparison.errors import Asked, ComparedFidelity, ResponseComparison
 from vibeam.runs.comparison.responses import Response, compared
-from vibeam.runs.comparison.work import ODD, Work
+from vibeam.runs.comparison.work import Work
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array, Flags, ValueRecord
@@ -32,7 +32,6 @@ STEPS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128)
 PLACES = 61  # frequencies of a sweep, at most
 REFERENCE, OWN = 0.3, 0.15  # shares of the budget: all modes; their own error
 ENDS, LEAST_ENDS = 0.5, 0.025  # shares that the ends of branches may take: of the sweep's work, and of the budget
-GROWTH = 1.7  # exponent by which the work of a sweep grows with the number of modes, about
 ROW = 0.3  # share of what is left for fewer modes, that each number of them may take
 FIRST = 8  # modes of the reference at least, where those of more do not fit
 COSTLY = "the sweep of {} modes does not fit into the budget of {:g} s"
@@ -138,7 +137,7 @@ class _Sweeps:
             raise ValueError(f"no modes to count: {scene.no_beam}")
         self.scene: RigScene = scene
         self.size = structure_of(scene).size if not scene.in_three_dimensions else MANY
-        self.swept, self.work = dict[int, Response](), list[Work]()
+        self.swept, self.work, self.took = dict[int, Response](), list[Work](), dict[int, float]()
 
     def study(self, with_own: bool) -> ModesNeeded:
         """The whole study."""
@@ -180,6 +179,7 @@ class _Sweeps:
         """Response of a system; None where it takes more than a share of the budget, or of what is left of it."""
         self.work.append(work := Work(min(share * self.budget, self.left)))
         found = response_of(self.case, self.name, made, self.frequencies, work)
+        self.took[made.size] = work.spent
         if share < REFERENCE:  # ends of the reference are compared with those of every other
             work.most = work.spent + max(ENDS * work.spent, LEAST_ENDS * self.budget)
         return found
@@ -197,9 +197,8 @@ class _Sweeps:
         """Response of all modes, or of as many as fit into its share of the budget."""
         for n in first:
             self.swept[n] = self._required(self._system(n))
-        per_mode = max((self.work[-1].spent / n**GROWTH for n in first), default=0.0)
         for modes in self._most():
-            dear = per_mode * modes**GROWTH > ODD * REFERENCE * self.budget
+            dear = any(Work(REFERENCE * self.budget).surely_exceeded(self.took[n], modes / n) for n in first)
             found = None if dear else self._response(self._system(modes), REFERENCE)
             if found is not None:
                 self.modes = modes
@@ -241,15 +240,7 @@ class _Sweeps:
 
     def _own(self, reference: Response) -> ComparedFidelity:
         """The reference beside a finer model."""
-        given = ComparedFidelity("", "", None, self.modes)
-        if not self.scene.all_modes:
-            return replace(given, why=GIVEN)
         if is_whole(self.case, self.name, self.modes):
-            return replace(given, whole=True)
-        try:
-            model, finer = fuller_response(self.case, self.name, self.modes, OWN * self.budget)
-        except ValueError as refusal:
-            return replace(given, why=str(refusal))
-        more = further(self.case, self.name, self.modes, model.modes)
-        found = compared(reference, finer, self.asked.frequency).carried_on(more)
-        return replace(given, comparison=found, modes=model.modes, elements=model.elements, limit=more > 1)
+            return ComparedFidelity(self.name, "", None, self.modes, whole=True)
+        a_place = self.took[self.modes] / sum(map(len, reference.places.values()))
+        return beside_fuller(self.case, self.name, reference, self.modes, self.asked, a_place, OWN * self.budget)

@@ -16,7 +16,6 @@ import vibeam
 from vibeam.figures.record import kept_place
 from vibeam.report.transient import modal_energies, transient_report
 from vibeam.report.transient_answer import is_chaotic
-from vibeam.runs.comparison.errors import asking
 from vibeam.runs.parallel import Interrupted
 from vibeam.runs.transient import motions, store
 from vibeam.runs.transient.result import TransientResult
@@ -243,7 +242,7 @@ def test_the_answer_names_what_suffices_and_what_is_missed(whole: TransientResul
     sheet = transient_report(whole)
     assert "is within 5 % of events, the finest" in sheet.answer or "steps misses" in sheet.answer
     stricter = copy(whole)
-    stricter.case = asking(whole.case, 1e-12)
+    stricter.case = whole.case.with_keys({"verdict.accuracy": 1e-12})
     tight = transient_report(stricter)
     assert tight.answer.startswith("No other fidelity is known to be within 1e-10 % of events")
     assert "steps misses" in tight.answer

@@ -10,7 +10,9 @@ import pytest
 from stand_in import RIG
 
 from vibeam.casefile.read import load
+from vibeam.runs.comparison import beyond
 from vibeam.runs.comparison.beyond import response_of
+from vibeam.runs.comparison.errors import Asked
 from vibeam.runs.comparison.simulator import CaseSimulator, simulator_of
 from vibeam.runs.comparison.work import PATIENCE, START, Work, WorkRate, WorkSpent
 
@@ -74,3 +76,13 @@ def test_a_machine_far_slower_than_what_is_counted_ends_too() -> None:
     assert not work.done
     work.add(0.1, 0.2 * PATIENCE + START)
     assert work.done
+
+
+def test_a_fuller_model_that_surely_does_not_fit_is_not_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = load(RIG, set=SHORT)
+    own = response_of(case, "beam", case.system("beam"), 9)
+    assert own is not None
+    monkeypatch.setattr(beyond, "system", pytest.fail)
+    found = beyond.beside_fuller(case, "beam", own, case.system("beam").size, Asked(), a_place=1e3)
+    assert found.comparison is None
+    assert "takes longer than" in found.why

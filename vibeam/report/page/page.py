@@ -14,7 +14,7 @@ from vibeam.report.run_report import run_report
 from vibeam.runs.stored_result import StoredResult
 from vibeam.system.response import modes_of
 
-VIEWS = ("numbers", "chart", "result", "response", "participation")
+VIEWS = ("base64", "numbers", "chart", "result", "response", "participation")
 
 
 def page(stored: StoredResult, live: LivePart | None = None) -> str:

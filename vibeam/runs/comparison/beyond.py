@@ -12,9 +12,9 @@ import numpy as np
 
 from vibeam.case.case import Case
 from vibeam.case.fidelity import Fidelity, gap_wear, system
-from vibeam.runs.comparison.errors import GIVEN
+from vibeam.runs.comparison.errors import GIVEN, Asked, ComparedFidelity
 from vibeam.runs.comparison.places import Simulator, SweptPlace, simulated
-from vibeam.runs.comparison.responses import Response
+from vibeam.runs.comparison.responses import Response, compared
 from vibeam.runs.comparison.simulator import simulator_of
 from vibeam.runs.comparison.work import Work, WorkSpent
 from vibeam.system.curves import evenly
@@ -96,17 +96,31 @@ def resolving(scene: Scene, modes: int) -> Scene:
     return replace(scene, beam=replace(scene.beam, elements=elements + elements % 2))
 
 
-def fuller_response(case: Case, name: str, size: int, work: float = WORK) -> tuple[FullerModel, Response]:
+def fuller_response(case: Case, name: str, size: int, work: float, a_place: float) -> tuple[FullerModel, Response]:
     """Response of the largest fuller model of a fidelity of ``size`` modes whose sweep fits into the ``work``, s.
 
-    ValueError without one.
+    ``a_place``: work that each place of the fidelity's own sweep took. ValueError without one.
     """
-    modes = 0
+    modes, places = 0, min(PLACES, len(case.sweep.frequency)) * (1 + (case.sweep.direction == "both"))
     for model in fuller_models(case, name, size):
-        modes, found = model.modes, response_of(case, name, model.make(), PLACES, Work(work))
-        if found is not None:
+        allowed, modes = Work(work), model.modes
+        dear = allowed.surely_exceeded(places * a_place, modes / size)
+        if not dear and (found := response_of(case, name, model.make(), PLACES, allowed)) is not None:
             return model, found
     raise ValueError(DEAR.format(modes, work))
+
+
+def beside_fuller(
+    case: Case, name: str, own: Response, size: int, asked: Asked, a_place: float, work: float = WORK
+) -> ComparedFidelity:  # fmt: skip
+    """Comparison of a fidelity with a fuller model, as ``fuller_response`` makes it; or the reason without one."""
+    try:
+        model, reference = fuller_response(case, name, size, work, a_place)
+    except ValueError as refusal:
+        return ComparedFidelity(name, "", None, why=str(refusal))
+    more = further(case, name, size, model.modes)
+    found = compared(own, reference, asked.frequency).carried_on(more)
+    return ComparedFidelity(name, "", found, model.modes, model.elements, more > 1)
 
 
 def response_of(case: Case, name: str, made: ImpactSystem, most: int, work: Work | None = None) -> Response | None:

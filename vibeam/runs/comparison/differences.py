@@ -40,7 +40,6 @@ class HeldComparison:
     held: Held
     other: Held | None
     rows: tuple[BothChoices, ...]
-    cpu_seconds: float
 
     @property
     def what(self) -> str:

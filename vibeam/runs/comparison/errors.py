@@ -187,7 +187,6 @@ class ComparedFidelity:
     limit: bool = False
     whole: bool = False
     why: str = ""
-    cpu_seconds: float = 0.0
 
     def suffices(self, asked: Asked) -> bool | None:
         """Test whether it is within what is asked of its reference; None where that is not known."""
@@ -198,13 +197,4 @@ class ComparedFidelity:
 
 def asked_of(case: Case) -> Asked:
     """Errors that a case allows its models."""
-    plan = case.asked["verdict"]
-    return Asked.of(plan.accuracy, plan.frequency_accuracy)
-
-
-def asking(case: Case, accuracy: float | None) -> Case:
-    """The case asking for another accuracy; None: as it does."""
-    if accuracy is None:
-        return case
-    plan = replace(case.asked["verdict"], accuracy=accuracy)
-    return replace(case, asked={**case.asked, "verdict": plan})
+    return Asked.of(case.asked["verdict"].accuracy, case.asked["verdict"].frequency_accuracy)

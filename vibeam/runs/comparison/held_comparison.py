@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from math import isfinite
 
@@ -28,7 +27,7 @@ def comparisons(case: Case, finest: Mapping[str, str], branches: Mapping[str, Br
 
 
 def _comparison(case: Case, top: str, names: list[str], branches: Mapping[str, Branches]) -> HeldComparison:
-    begun, held = time.thread_time(), held_of(case.scene_of(top))
+    held = held_of(case.scene_of(top))
     other = other_choice(held)
     highest = None if other is None else _peak(case, top, other)
     rows = list[BothChoices]()
@@ -37,7 +36,7 @@ def _comparison(case: Case, top: str, names: list[str], branches: Mapping[str, B
         off = branches[name].off(branches[top]).peak
         share = own / highest - 1 if isinstance(own, float) and isinstance(highest, float) else NAN
         rows.append(BothChoices(name, off, share, own if isinstance(own, str) else ""))
-    return HeldComparison(top, held, other, tuple(rows), time.thread_time() - begun)
+    return HeldComparison(top, held, other, tuple(rows))
 
 
 def _peak(case: Case, name: str, other: Held) -> float | str:

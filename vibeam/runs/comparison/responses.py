@@ -41,7 +41,7 @@ LEAST = 0.1  # share of the largest amplitude, below which an error is relative 
 GROUP = 8  # neighbouring places over which the amplitude of a motion that does not repeat is averaged, at most
 READINGS, SCATTER = 8, 0.01  # of such a motion, where single ones leave its mean more uncertain than that
 PART = 0.1  # of the frequency error allowed, to which ends are bracketed
-FAR = 3.0  # times the frequency error allowed, beyond which an end is off, wherever it is
+FAR = 3.0  # times the frequency error allowed, beyond which one end decides
 ROUNDS = 8  # of bracketing
 MOVED = 0.7  # share of the range between two ends in which the motions differ, at least, where they are one end
 
@@ -79,7 +79,7 @@ class Response:
         """Bracket the end of a branch near a frequency; test whether there was one to bracket."""
         places = self.places[way]
         ends = (sorted((one.frequency, other.frequency)) for one, other in pairwise(places))
-        found = [i for i, (low, high) in enumerate(ends) if low <= frequency <= high]
+        found = (i for i, (low, high) in enumerate(ends) if low <= frequency <= high)
         open_ = [i for i in found if is_open(places[i], places[i + 1], tolerance)]
         if self.simulator is None or self.simulator.done or not open_:
             return False
@@ -135,8 +135,7 @@ class _Direction:
         self.wide = [swept_branches(each.places[way], narrowest) for each in self.both]
         self._wide_at = [_Branches(each) for each in self.wide]
         kinds = [{each.kind for each in side.places[way]} for side in self.both]
-        free = [each == {SteadyKind(FREE)} for each in kinds]
-        self.alone = any(free) and any(each.strikes for several in kinds for each in several)
+        self.alone = {SteadyKind(FREE)} in kinds and any(each.strikes for several in kinds for each in several)
         self.pairs = list(_pairs(self.ours, self.theirs))
         every = [each for several in (self.ours, self.theirs) for each in several]
         self.opens = {each.start: each.open_start for each in every} | {each.end: each.open_end for each in every}
@@ -159,18 +158,19 @@ class _Direction:
         return high - low <= one.open + other.open or sum(parts) >= MOVED * (high - low)
 
     def edges(self, tolerance: float) -> Iterator[float]:
-        """Frequencies of ends that are to be bracketed: all but those that are far off, and the worst of these."""
-        worst = max((abs(each.error) for each in self.end_errors), default=0.0)
-        for each in self.end_errors:
-            least = abs(each.error) - each.open
-            if each.open > tolerance and (least <= FAR * self.narrowest or abs(each.error) == worst):
-                yield from (each.ours.frequency, each.reference.frequency)
-        groups = [(self._united(each), each) for each in self.different()]
-        widest = max((one.width for one, _ in groups), default=0.0)
-        for one, parts in groups:
-            open_ = any(each.open > tolerance for each in parts) and one.width + one.open > self.narrowest
-            if open_ and (one.width <= FAR * self.narrowest or one.width == widest):
-                yield from (at for each in parts for at in (each.low, each.high))
+        """Frequencies of ends that are to be bracketed: where one is far off, those that may be the worst alone."""
+        ends = [
+            (abs(each.error), each.open, [(each.open, each.ours.frequency, each.reference.frequency)])
+            for each in self.end_errors
+        ]
+        groups = [(self._united(each), [(one.open, one.low, one.high) for one in each]) for each in self.different()]
+        kinds = [(one.width, one.open, parts) for one, parts in groups if one.width + one.open > self.narrowest]
+        far = any(size - open_ > FAR * self.narrowest for size, open_, _ in (*ends, *kinds))
+        for several in (ends, kinds):
+            least = max((size for size, *_ in several), default=0.0) if far else 0.0
+            for size, open_, parts in several:
+                if size + open_ >= least and any(each > tolerance for each, *_ in parts):
+                    yield from (at for _, *both in parts for at in both)
 
     def kind_differences(self) -> list[KindDifference]:
         """Differences in kind wider than the narrowest branch, each named by the widest of its parts."""
@@ -218,22 +218,13 @@ class _Direction:
 
     def _of_motion(self, pair: _Pair, least: float) -> Iterator[AmplitudeError]:
         ours, theirs = (_inside(each, pair) for each in (pair.ours, pair.reference))
-        shared = sorted({*ours} & {*theirs})
-        for frequency in shared:
+        for frequency in sorted({*ours} & {*theirs}):
             yield self._error(frequency, ours[frequency], theirs[frequency], least)
-        for frequency in self._outermost(pair, ours, theirs, shared):
+        for frequency in _outermost(ours, theirs):
             places = [_reached(one, frequency, response.simulator)
                       for one, response in zip((pair.ours, pair.reference), self.both, strict=True)]  # fmt: skip
             if places[0] is not None and places[1] is not None and places[0].kind == places[1].kind:
                 yield self._error(frequency, places[0], places[1], least)
-
-    def _outermost(
-        self, pair: _Pair, ours: Mapping[float, SweptPlace], theirs: Mapping[float, SweptPlace], shared: Sequence[float]
-    ) -> list[float]:
-        """Frequencies next to the ends of a common range, beyond the places that both have."""
-        every = sorted({*ours, *theirs})
-        beyond = {every[0], every[-1]} if every else set()
-        return sorted(beyond - {*shared})
 
     def _error(self, frequency: float, ours: SweptPlace, theirs: SweptPlace, least: float) -> AmplitudeError:
         size = max(abs(theirs.amplitude), least)
@@ -306,6 +297,12 @@ class _Branches:
         """Branch at a frequency."""
         found = self._found[max(bisect_right(self._lows, frequency) - 1, 0)]
         return found if self._lows[0] <= frequency <= max(found.start, found.end) else None
+
+
+def _outermost(ours: Mapping[float, SweptPlace], theirs: Mapping[float, SweptPlace]) -> list[float]:
+    """Frequencies next to the ends of a common range at which only one has a place."""
+    every = sorted({*ours, *theirs})
+    return sorted({*every[:1], *every[-1:]} - ({*ours} & {*theirs}))
 
 
 def _inside(stretch: SweptBranch, pair: _Pair) -> dict[float, SweptPlace]:

@@ -14,6 +14,7 @@ from vibeam_models.scene import AnyScene
 
 REGULAR = 5  # evaluations of the contact displacement in a drive period that is searched for impacts in one go
 FIRST, ODD = 4, 2.0  # places by which a sweep is foreseen, and the share by which these may be dearer than the others
+GROWTH, SURE = 1.7, 1.5  # exponent of work over modes, about; share by which that may mislead
 PATIENCE, START = 4.0, 0.5  # CPU seconds a second of the work counted, and besides, that a simulation is given
 
 
@@ -63,6 +64,10 @@ class Work:
     spent: float = 0.0
     measured: float = 0.0
     breaks: bool = False
+
+    def surely_exceeded(self, known: float, growth: float) -> bool:
+        """Test whether a sweep of ``growth`` times as many modes as one whose work is ``known`` will not fit."""
+        return bool(known * growth**GROWTH > SURE * self.most)
 
     @property
     def done(self) -> bool:
