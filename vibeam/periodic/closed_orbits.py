@@ -12,15 +12,13 @@ import numpy as np
 from vibeam.flight.kernels import layout
 from vibeam.flight.readout import rests, struck
 from vibeam.flight.solver import FlightSolver
+from vibeam.periodic.between_impacts import phasors, state_after
 from vibeam.periodic.modal_sums import Roots, Sums, balance, resonant, sums
 from vibeam.periodic.multipliers import multipliers
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import checked
-from vibeam.periodic.trains import carried, phasors, state_after
 from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
-from vibeam_models.arrays import Array
 
 CLOSE = 1e-9  # share of the motion's size by which the contact may miss the gap at the end of the span
 
@@ -35,33 +33,15 @@ class AdmissibilityCheck:
         """Test whether the flight from ``start``, just after an impact at ``time``, strikes next one span later."""
         span = 2 * np.pi * periods / drive.omega
         slack = self.slack(drive, velocity, span)
-        times, _ = self.strikes(drive, start, time, time + span + slack, 3, CLOSE * velocity)
-        return bool(len(times) and times[0] - time >= span - slack)
-
-    def strikes(
-        self, drive: Drive, start: State | None, begin: float, end: float, limit: int, least: float = 0.0
-    ) -> tuple[Array, Array]:
-        """Times (m,), s, and velocities of the impacts harder than ``least``; empty where the motion comes to rest."""
-        trace = self.flight.simulate(drive, start, begin, end, limit)[3].trace
-        if rests(trace).any():
-            return np.zeros(0), np.zeros(0)
-        hit = trace[struck(trace) & (trace[:, layout.BEFORE] > least)]
-        return hit[:, layout.START] + hit[:, layout.DURATION], hit[:, layout.BEFORE]
+        trace = self.flight.simulate(drive, start, time, time + span + slack, 3)[3].trace
+        hit = trace[struck(trace) & (trace[:, layout.BEFORE] > CLOSE * velocity)]
+        sound = len(hit) and not rests(trace).any()
+        return bool(sound and hit[0, layout.START] + hit[0, layout.DURATION] - time >= span - slack)
 
     def slack(self, drive: Drive, velocity: float, span: float) -> float:
         """Bound on the shift of an impact at ``velocity`` by round-off, s, with a wide margin."""
         size = float(np.abs(self.system.contact) @ np.abs(phasors(self.system, drive))) + abs(self.system.gap)
         return min(CLOSE * (size / velocity + span), span / 4)
-
-    def watched(
-        self, drive: Drive, start: State, time: float, periods: int, output: str
-    ) -> tuple[FrequencyResponse, State]:
-        """Measured window over ``periods`` periods from the drive's next phase 0 on, by flight; the state there."""
-        period = 2 * np.pi / drive.omega
-        next_ = period * np.ceil(time / period) if time > 0 else 0.0
-        displacement, velocity = carried(self.system, drive, start, time, np.array([next_]))
-        state = State(displacement[0], velocity[0])
-        return self.flight.steady([drive.omega], drive.amplitude, state, 0, periods, output)
 
 
 def closed_orbits(

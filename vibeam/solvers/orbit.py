@@ -8,11 +8,11 @@ from dataclasses import fields, replace
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.periodic.between_impacts import phasors
 from vibeam.periodic.closed_orbits import AdmissibilityCheck, closed_orbits
 from vibeam.periodic.modal_sums import offsets, resonant
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import checked
-from vibeam.periodic.trains import phasors
 from vibeam.solvers.steady import SteadySolver
 from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -55,18 +55,17 @@ class OrbitSolver(SteadySolver):
                 found.velocity[at], found.reach[at] = orbit.velocity, orbit.reach
                 found.stable[at], found.admissible[at] = orbit.stable, orbit.admissible
                 if orbit.admissible:
-                    window, _ = self.check.watched(orbit.drive, orbit.state, orbit.time, self.periods, output)
-                    found.amplitude[at] = window.amplitude[0]
+                    found.amplitude[at] = orbit.amplitude(output)
         return found
 
     def _point(self, drive: Drive, hold: int, output: str) -> tuple[FrequencyResponse, State]:
         orbit = self._orbit(drive)
         if orbit is not None:
-            window, last = self.check.watched(drive, orbit.state, orbit.time, self.periods, output)
+            window, last = orbit.window(output)
             return _with_one_impact(window, orbit, hold), last
         linear = self._linear(drive)
         if linear is not None:
-            return self.check.watched(drive, linear, 0.0, 1, output)
+            return self.check.flight.steady([drive.omega], drive.amplitude, linear, 0, 1, output)
         blank = FrequencyResponse.empty(np.array([drive.omega / (2 * np.pi)]), self.system.size)
         return replace(blank, ended=np.array([Ended.NO_ORBIT.code])), equilibrium(self.system)
 

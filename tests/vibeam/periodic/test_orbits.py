@@ -12,13 +12,13 @@ from scipy.optimize import brentq
 
 import vibeam
 from vibeam.flight.linear.propagator import pair, pairs, propagators
+from vibeam.periodic.between_impacts import carried, state_after
 from vibeam.periodic.closed_orbits import AdmissibilityCheck
 from vibeam.periodic.modal_sums import balance, sums
 from vibeam.periodic.multipliers import largest, monodromy, multipliers, real_crossing
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import orbit_curve
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.trains import carried, state_after
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 
