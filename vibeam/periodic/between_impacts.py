@@ -24,14 +24,14 @@ def state_after(system: ImpactSystem, drive: Drive, periods: int, phase: float, 
     turned = phasors(system, drive) * np.exp(1j * phase)
     displacement, velocity = turned.imag + offsets(system), drive.omega * turned.real
     struck, span = np.flatnonzero(system.contact), np.array([2 * np.pi * periods / drive.omega])
-    natural, push = system.omega[struck], impulse * system.contact[struck]
+    natural, contact = system.omega[struck], system.contact[struck]
     g0, g1 = green(natural[:, None], pairs(natural, system.zeta[struck], span))
-    displacement[struck] += push * g0[:, 0]
-    velocity[struck] += push * g1[:, 0]
+    displacement[struck] += g0[:, 0] * impulse * contact
+    velocity[struck] += (g1[:, 0] - 1) * impulse * contact  # just before the impact
     loose = np.where(system.omega == 0, system.contact, 0.0)  # modes without stiffness put the contact there
     if loose.any():
         displacement = displacement + loose * (system.gap - system.contact @ displacement) / (loose @ loose)
-    return State(displacement, velocity)
+    return State(displacement, velocity + impulse * system.contact)
 
 
 def carried(system: ImpactSystem, drive: Drive, start: State, begin: float, times: Array) -> tuple[Array, Array]:

@@ -79,5 +79,5 @@ def _orbit(check: AdmissibilityCheck, drive: Drive, periods: int, total: Sums, f
     admissible = check.admits(drive, state, time, periods, velocity)
     return Orbit(
         system, drive, periods, time, state, np.array([time]), np.array([velocity]), np.zeros(1, dtype=np.int64), 0,
-        bool(abs(values[0]) < 1), admissible, 0.0, (), partial(np.array, values), check.flight,
+        bool(abs(values[0]) < 1), admissible, 0.0, (), np.zeros((0, 0)), partial(np.array, values), check.flight,
     )  # fmt: skip

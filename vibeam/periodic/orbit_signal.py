@@ -13,7 +13,6 @@ interval an extreme lies; its value is the signal's own, by Newton's method on t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +29,7 @@ ALIKE = 1e-13  # share by which two values differ in round-off alone
 
 
 class OrbitSignal(NamedTuple):
-    """Output after the impact of each motion: Σ over the parts Re(``weights`` e^{λτ}) + Im(``drive`` e^{iΩτ}) + constant.
+    """Output after the impact of each motion: Σ Re(``weights`` e^{λτ}) + Im(``drive`` e^{iΩτ}) + ``constant``.
 
     ``weights`` (parts, motions) with ``rates`` (parts,), 1/s; ``drive`` (motions,): phasor of the harmonic just after
     the impact; ``omega``, ``span`` (motions,): rad/s, and time to the next impact, s.
@@ -56,29 +55,6 @@ class Sampled:
     end: Array
     times: Array
     whole: OrbitSignal
-
-    @cached_property
-    def highest(self) -> tuple[Array, Array]:
-        """Largest values (rows,) where the interpolants are largest, and their times after the impacts."""
-        return _highest(self, 1.0)
-
-    @cached_property
-    def lowest(self) -> tuple[Array, Array]:
-        """As ``highest``: of the signal's negative."""
-        return _highest(self, -1.0)
-
-
-class SignalGrid(NamedTuple):
-    """Ascending ``times`` from 0 in stretches of equal steps: the stretch (intervals,) of each, and its step."""
-
-    times: Array
-    stretch: NDArray[np.int64]
-    steps: Array
-
-    def turned(self, omega: Array) -> Complex:
-        """The factors e^{iΩτ} (rows, times), by multiplication: an exponential a stretch."""
-        ratios = np.exp(1j * omega[:, None] * self.steps)
-        return np.cumprod(np.concatenate([np.ones((len(omega), 1)), ratios[:, self.stretch]], axis=1), axis=1)
 
 
 def signal_of(
@@ -114,16 +90,16 @@ def sampled(found: OrbitSignal) -> Sampled:
     kept = np.sort(ascending[np.cumsum(shares[ascending]) > TOLERANCE])
     followed = found._replace(rates=found.rates[kept], weights=found.weights[kept])
     rates = np.append(found.rates[kept], 1j * found.omega.max(initial=0.0))  # the drive's harmonic is one more
-    grid = graded(rates, np.append(shares[kept], 1.0), float(found.span.max(initial=0.0)))
-    value, slope = _on_grid(followed, grid)
-    clamped = np.minimum(grid.times, found.span[:, None])
+    times = graded(rates, np.append(shares[kept], 1.0), float(found.span.max(initial=0.0)))
+    value, slope = _at(followed, times)
+    clamped = np.minimum(times, found.span[:, None])
     width = np.diff(clamped, axis=1)
     return Sampled(value, slope[:, :-1] * width, slope[:, 1:] * width, clamped, found)
 
 
-def _on_grid(found: OrbitSignal, grid: SignalGrid) -> tuple[Array, Array]:
+def _at(found: OrbitSignal, times: Array) -> tuple[Array, Array]:
     """Values and slopes (rows, times), those beyond the next impact at its end."""
-    times, turned = grid.times, grid.turned(found.omega) * found.drive[:, None]
+    turned = np.exp(1j * found.omega[:, None] * times) * found.drive[:, None]
     grown, last = np.exp(found.rates[:, None] * times), np.exp(found.rates[:, None] * found.span)
     real, end = np.concatenate([grown.real, -grown.imag]), np.exp(1j * found.omega * found.span) * found.drive
     beyond, both = times > found.span[:, None], []
@@ -137,7 +113,7 @@ def _on_grid(found: OrbitSignal, grid: SignalGrid) -> tuple[Array, Array]:
     return both[0], both[1]
 
 
-def graded(rates: Complex, shares: Array, length: float) -> SignalGrid:
+def graded(rates: Complex, shares: Array, length: float) -> Array:
     """Times from 0 to ``length``: steps of a length with which the modes are resolved to the tolerance."""
     begins = length * np.concatenate([[0.0], 2.0 ** np.arange(-OCTAVES, 0), [0.625, 0.75, 0.875]])
     steps = length / 16 * 0.5 ** np.arange(LEVELS)
@@ -151,11 +127,11 @@ def graded(rates: Complex, shares: Array, length: float) -> SignalGrid:
             break
         tolerance *= 2
     pieces = [begin + width * np.arange(n) / n for begin, width, n in zip(begins, widths, counts, strict=True)]
-    stretch = np.repeat(np.arange(len(counts)), counts)
-    return SignalGrid(np.append(np.concatenate(pieces), length), stretch, widths / np.maximum(counts, 1))
+    return np.append(np.concatenate(pieces), length)
 
 
-def _highest(found: Sampled, sign: float) -> tuple[Array, Array]:
+def highest(found: Sampled, sign: float) -> tuple[Array, Array]:
+    """Largest values (rows,) of ± a signal where the interpolants are largest, and their times after the impacts."""
     tops, places = _tops(sign * found.value, sign * found.begin, sign * found.end)
     at = np.argmax(tops, axis=1)[:, None]
     begin, end = (np.take_along_axis(found.times, at + k, axis=1)[:, 0] for k in (0, 1))

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.periodic.orbit_derivatives import Struck, contracted, driven, offset_of, struck
-from vibeam.periodic.orbit_signal import OrbitSignal, Sampled, sampled, signal_of
+from vibeam.periodic.orbit_signal import OrbitSignal, Sampled, highest, sampled, signal_of
 from vibeam.periodic.tangents import ModalData, Poles, Tangents, green_at
 from vibeam_models.arrays import Array, Complex
 
@@ -61,8 +61,7 @@ class OrbitOutput:
         """Largest (sign 1) or smallest (−1) value (points,), and its derivatives (P, points); NaN without a motion."""
         value, times = np.full(len(self.omega), np.nan), np.zeros(len(self.omega))
         if len(self.known):
-            found = self.sampled.highest if sign > 0 else self.sampled.lowest
-            value[self.known], times[self.known] = found
+            value[self.known], times[self.known] = highest(self.sampled, sign)
         return sign * value, self.by(times)
 
     def samples(self, count: int) -> Array:

@@ -22,6 +22,7 @@ from vibeam_models.arrays import Array
 
 NEWTON = 40  # steps
 LEAST = 1 / 256  # share of a step
+QUADRATIC = 1e-6  # share of the motion's size of a correction whose square is round-off
 LARGEST = 1.0  # step, as a share of the motion's size
 SINGULAR = 0.02  # singular value of DP − 1 below which a fold is near
 FREE = 1 / 3  # the same as a share of that of the modes without contact, where little damping makes that small
@@ -60,14 +61,19 @@ class NoOrbit(ValueError):
         self.reason, self.corrections = reason, corrections
 
 
-def shoot(section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON) -> Orbit:
+def shoot(
+    section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON, *, kept: bool = False
+) -> Orbit:  # fmt: skip
     """The motion near ``state`` at the section's time that repeats after ``periods`` drive periods, not fewer.
 
     Any law, contacts on any side or place, several impacts, rests, stable or not. Its state is taken at the section's
     time or, where that is in a contact, in the middle of the longest flight. NoOrbit with the reason, after so many
-    ``steps`` of Newton's method too.
+    ``steps`` of Newton's method too. ``kept``: it is taken at the section's time wherever that is, is so near that no
+    step need be damped at first, may repeat sooner, and is known to the square of Newton's last correction.
     """
-    fixed = _newton(section, state, periods, steps)
+    fixed = _newton(section, state, periods, steps, QUADRATIC if kept else 0.0)
+    if kept:
+        return orbit_at(section, periods, fixed.state, fixed.flown, fixed.matrix, fixed.corrections)
     free = fixed.flown.segments.trace[:, layout.WHAT] == layout.FREE
     if free.any() and not free[0]:
         section, state = section.in_flight(fixed.state, periods)
@@ -88,14 +94,15 @@ class _Fixed(NamedTuple):
     corrections: tuple[float, ...]
 
 
-def _newton(section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON) -> _Fixed:
+def _newton(section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON, enough: float = 0.0) -> _Fixed:
     try:
         flown = section.flown(state, periods)
     except ArithmeticError as end:
         raise NoOrbit(Reason.ENDED, str(end)) from None
     corrections: list[float] = []
     for _ in range(steps):
-        size = max(section.size(flown), np.finfo(float).tiny)
+        size = float(np.linalg.norm(section.vector(flown.state))) if enough else section.size(flown)
+        size = max(size, np.finfo(float).tiny)
         matrix = _jacobian(section, state, periods, flown, corrections)
         solve = _Solve(matrix)
         apart = _apart(section, state, flown)
@@ -103,6 +110,10 @@ def _newton(section: StroboscopicMap, state: State, periods: int, steps: int = N
         length = float(np.linalg.norm(step)) / size
         last = corrections[-1] if corrections else np.inf
         corrections.append(length)
+        if length < enough:
+            return _Fixed(section.moved(state, -step), flown, matrix, tuple(corrections))
+        if enough and not length <= LARGEST:
+            raise NoOrbit(Reason.DIVERGED, "", tuple(corrections))
         if length <= ROUND_OFF or (length < STALLED and length >= last / 2):
             if np.linalg.norm(apart) > MISSED * size:  # along a direction that no step changes
                 raise NoOrbit(Reason.DRIFTS, "", tuple(corrections))
@@ -185,7 +196,7 @@ def orbit_at(
         section.system, section.drive, periods, section.time % section.period, state,
         trace[hit, layout.START] + trace[hit, layout.DURATION], trace[hit, layout.BEFORE], sides(trace)[hit],
         int(rests(trace).sum()), bool(np.abs(np.linalg.eigvals(matrix)).max() < 1), True,
-        float(np.linalg.norm(_apart(section, state, flown))) / size, corrections,
+        float(np.linalg.norm(_apart(section, state, flown))) / size, corrections, matrix,
         partial(section.multipliers, flown, matrix), section.runner,
     )  # fmt: skip
 
