@@ -8,8 +8,9 @@ from dataclasses import fields, replace
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.between_impacts import phasors
-from vibeam.periodic.closed_orbits import AdmissibilityCheck, closed_orbits
+from vibeam.periodic.closed_orbits import closed_orbits
 from vibeam.periodic.modal_sums import offsets, resonant
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import checked
@@ -30,7 +31,7 @@ class OrbitSolver(SteadySolver):
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, periods: int = 1) -> None:
         checked(system, slowest, periods)
-        self.system, self.periods, self.check = system, int(periods), AdmissibilityCheck(system, slowest)
+        self.system, self.periods, self.flight = system, int(periods), FlightSolver(system, slowest)
 
     def point(
         self, response: FrequencyResponse, index: int, drive: Drive, carried: State, settle: int, hold: int, output: str
@@ -65,7 +66,7 @@ class OrbitSolver(SteadySolver):
             return _with_one_impact(window, orbit, hold), last
         linear = self._linear(drive)
         if linear is not None:
-            return self.check.flight.steady([drive.omega], drive.amplitude, linear, 0, 1, output)
+            return self.flight.steady([drive.omega], drive.amplitude, linear, 0, 1, output)
         blank = FrequencyResponse.empty(np.array([drive.omega / (2 * np.pi)]), self.system.size)
         return replace(blank, ended=np.array([Ended.NO_ORBIT.code])), equilibrium(self.system)
 
@@ -77,7 +78,7 @@ class OrbitSolver(SteadySolver):
         """All motions, harder impact first; none at the resonance of an undamped mode."""
         if resonant(self.system, drive.omega, self.periods):
             return ()
-        return closed_orbits(self.system, drive, self.periods, self.check)
+        return closed_orbits(self.system, drive, self.periods, self.flight)
 
     def _linear(self, drive: Drive) -> State | None:
         """Motion under the drive alone at its phase 0, where it exists and never reaches the stop."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -69,12 +70,10 @@ class ShotOrbitSolver(SteadySolver):
         return found
 
     def _orbit(self, section: StroboscopicMap, carried: State) -> Orbit | None:
-        try:
+        with suppress(NoOrbit):
             found = shot(section, carried, self.periods)
-        except NoOrbit:
-            found = None
-        if found is not None and found.stable:
-            return found
+            if found.stable:
+                return found
         searched = [each for periods in dict.fromkeys((self.periods, 1)) for each in every(section, periods)]
         return next((each for each in searched if each.stable and self._meant(each)), None)
 

@@ -91,7 +91,7 @@ def test_motion_without_contact(found, name):
         assert len(there) == (state is not None)
         if state is not None:
             wide = replace(system, gap=1e6)
-            flight = OrbitSolver(wide, OMEGA[0]).check.flight
+            flight = OrbitSolver(wide, OMEGA[0]).flight
             response, _ = flight.steady([omega], AMPLITUDE, state, 0, 1, "contact")
             for key in ("amplitude", "maximum", "minimum"):
                 assert there[0][key] == pytest.approx(getattr(response, key)[0], rel=1e-10)
