@@ -258,7 +258,9 @@ def test_shot_motions_have_the_values_and_derivatives_of_the_closed_form(changes
     assert (group.gain is not None) == bool(changes)
     made, like = model.at(problem.start), OtherMotion(1, 1, 0.0, False, 0.0, 0.0)
     for each in settled_points(group, made, np.array([1]), LONG):
-        orbit = Shooting(model, group, each.place, each.place).settled(problem.start, each.state, like)
+        orbit = Shooting(model, group, float(group.omega[each.place]), each.place).settled(
+            problem.start, each.state, like
+        )
         differentiate([orbit])
         assert orbit.value == pytest.approx(value[0, 1], rel=1e-6 if changes else 1e-8)
         scale = np.abs(by[:, 0, 1]).max()

@@ -49,7 +49,7 @@ def other_motions(problem: Problem, x: Array, which: Index) -> dict[int, list[Ot
         places, settle = _with_neighbours(group, asked), LONG if forward.closed else SHORT
         for each in settled_points(group, model.at(x), places, settle):
             if int(at[each.place]) in found:
-                shooting = Shooting(model, group, each.place, int(at[each.place]))
+                shooting = Shooting(model, group, float(group.omega[each.place]), int(at[each.place]))
                 found[shooting.point] += _outside(problem, x, shooting, each)
         for j in asked.tolist():
             known = [each.number for each in found[int(at[j])]]

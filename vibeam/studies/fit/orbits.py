@@ -74,17 +74,12 @@ class OtherMotion(MotionKind):
 
 @dataclass(frozen=True, eq=False)
 class Shooting:
-    """Shooting at a measured point: number ``point`` of all, at ``place`` of its group."""
+    """Shooting at ``omega``, rad/s, of a measured point or beside it: number ``point`` of all, of a group ``points``."""
 
     model: OrbitModel
     points: Points
-    place: int
+    omega: float
     point: int
-
-    @property
-    def omega(self) -> float:
-        """Drive frequency, rad/s."""
-        return float(self.points.omega[self.place])
 
     def orbit(self, x: Array, start: Array, like: MotionKind) -> FollowedOrbit:
         """Periodic motion at shares ``x`` that Newton's method finds from a state; NoOrbit without.

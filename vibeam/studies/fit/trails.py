@@ -79,8 +79,7 @@ class Trail:
         found = self.at(x)
         if omega == self.shooting.omega:
             return found
-        moved = replace(self.shooting, points=self.shooting.points.at(np.array([omega]) / (2 * np.pi)), place=0)
-        return moved.orbit(x, found.state, found)
+        return replace(self.shooting, omega=omega).orbit(x, found.state, found)
 
     def _reached(self, x: Array, halvings: int) -> FollowedOrbit:
         near = self.nearest(x)
@@ -183,9 +182,8 @@ class Trails:
         first = [min((abs(rate - each.shooting.omega) for each in known), default=0.0) for rate in omega]
         for k in np.argsort(first, kind="stable").tolist() if known else []:
             near = min(known, key=lambda each: abs(each.shooting.omega - omega[k]))
-            beside = replace(near.shooting, points=near.shooting.points.at(frequency[k : k + 1]), place=0)
             with suppress(NoOrbit):
-                found = beside.orbit(x, near.state, near)
+                found = replace(near.shooting, omega=float(omega[k])).orbit(x, near.state, near)
                 if found.called == kind:
                     known.append(found)
                     own[k] = found
