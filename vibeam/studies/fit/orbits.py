@@ -74,7 +74,7 @@ class OtherMotion(MotionKind):
 
 @dataclass(frozen=True, eq=False)
 class Shooting:
-    """Shooting at ``omega``, rad/s, of a measured point or beside it: number ``point`` of all, of a group ``points``."""
+    """Shooting at ``omega``, rad/s, of measured point number ``point`` or beside it; ``points``: its group."""
 
     model: OrbitModel
     points: Points
