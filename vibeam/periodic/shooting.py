@@ -69,7 +69,7 @@ def shoot(
     Any law, contacts on any side or place, several impacts, rests, stable or not. Its state is taken at the section's
     time or, where that is in a contact, in the middle of the longest flight. NoOrbit with the reason, after so many
     ``steps`` of Newton's method too. ``kept``: it is taken at the section's time wherever that is, is so near that no
-    step need be damped at first, may repeat sooner, and is known to the square of Newton's last correction.
+    step is damped, may repeat sooner, and is known to the square of Newton's last correction.
     """
     fixed = _newton(section, state, periods, steps, QUADRATIC if kept else 0.0)
     if kept:
@@ -118,7 +118,7 @@ def _newton(section: StroboscopicMap, state: State, periods: int, steps: int = N
             if np.linalg.norm(apart) > MISSED * size:  # along a direction that no step changes
                 raise NoOrbit(Reason.DRIFTS, "", tuple(corrections))
             return _Fixed(state, flown, matrix, tuple(corrections))
-        taken = _taken(section, state, step, periods, solve, length) if np.isfinite(length) else None
+        taken = _taken(section, state, step, periods, solve, length, enough > 0) if np.isfinite(length) else None
         if taken is None and np.linalg.norm(apart) <= ROUND_OFF * size:  # beside a fold no step makes that smaller
             return _Fixed(state, flown, matrix, tuple(corrections))
         if taken is None:
@@ -149,19 +149,23 @@ def _singular(section: StroboscopicMap, periods: int) -> float:
 
 
 def _taken(
-    section: StroboscopicMap, state: State, step: Array, periods: int, solve: _Solve, length: float
+    section: StroboscopicMap, state: State, step: Array, periods: int, solve: _Solve, length: float, whole: bool
 ) -> tuple[State, Flown] | None:
-    """The state after the largest share of a step that brings it nearer, and its motion; None where none does."""
-    share, whole = min(1.0, LARGEST / length), float(np.linalg.norm(step))
-    while share >= LEAST:
+    """The state after the largest share of a step that brings it nearer, and its motion; None where none does.
+
+    ``whole``: after all of it.
+    """
+    share, before = min(1.0, LARGEST / length), float(np.linalg.norm(step))
+    while share >= (1.0 if whole else LEAST):
         trial = section.moved(state, -share * step)
         try:
             flown = section.flown(trial, periods)
         except ArithmeticError:  # it led beyond the stop
             share /= 2
             continue
-        left = float(np.linalg.norm(solve(_apart(section, trial, flown))))
-        if left <= (1 - share / 2) * whole or (share == 1.0 and length < STALLED):
+        if whole or (share == 1.0 and length < STALLED):
+            return trial, flown
+        if float(np.linalg.norm(solve(_apart(section, trial, flown)))) <= (1 - share / 2) * before:
             return trial, flown
         share /= 2
     return None
