@@ -91,9 +91,8 @@ def test_motion_without_contact(found, name):
         assert len(there) == (state is not None)
         if state is not None:
             wide = replace(system, gap=1e6)
-            response, _ = OrbitSolver(wide, OMEGA[0]).check.watched(
-                vibeam.Drive(omega, AMPLITUDE), state, 0.0, 1, "contact"
-            )
+            flight = OrbitSolver(wide, OMEGA[0]).flight
+            response, _ = flight.steady([omega], AMPLITUDE, state, 0, 1, "contact")
             for key in ("amplitude", "maximum", "minimum"):
                 assert there[0][key] == pytest.approx(getattr(response, key)[0], rel=1e-10)
 
