@@ -6,14 +6,16 @@ The response of a sweep is compared as a whole: amplitudes, ends of branches, ki
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, nan
+from types import MappingProxyType
 
 import numpy as np
 
 from vibeam.periodic.motion_kind import width
-from vibeam.runs.comparison.errors import ResponseComparison
+from vibeam.runs.comparison.errors import Asked, ResponseComparison
+from vibeam.runs.comparison.responses import Response, compared
 from vibeam.runs.transient.statistics import paired
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.variants import PEAK, Ensemble
@@ -21,6 +23,7 @@ from vibeam_models.arrays import Array
 
 #: what the comparison of two sweeps says: both errors, and how wide a range has another kind of motion
 COMPARED = AMPLITUDES, ENDS, KINDS = tuple(map(AskedNumber, ("amplitudes", "ends_of_branches", "kinds_of_motion")))
+LEFT_OUT = "left out: "  # begin of the reasons that are not of the model
 
 
 @dataclass(frozen=True)
@@ -48,11 +51,54 @@ class NumberChange:
         return self.size / self.allowed if self.allowed < inf else 0.0
 
 
+@dataclass(frozen=True)
+class ModelVariant:
+    """Model of so many ``modes`` beside a reference: ``changes`` of its numbers, ``comparison`` of its sweep.
+
+    ``seconds``: CPU time of its motions; ``why`` it was not made, else empty; ``remarks`` on its numbers.
+    """
+
+    changes: tuple[NumberChange, ...] = ()
+    comparison: ResponseComparison | None = None
+    modes: int = 0
+    seconds: float = nan
+    why: str = ""
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def worst(self) -> float:
+        """Largest change over what is allowed of it; ∞ where it is not known."""
+        return max(
+            (each.share for each in self.changes if each.share == each.share and each.allowed < inf), default=inf
+        )
+
+    @property
+    def left_out(self) -> bool:
+        """True where it was left out, and may exist."""
+        return self.why.startswith(LEFT_OUT)
+
+    def change(self, number: AskedNumber) -> float:
+        """Change of a number; NaN where it is not known."""
+        return next((each.change for each in self.changes if each.number == number), nan)
+
+
+def compared_by(asked: Asked, ours: Response, reference: Response, fine: bool) -> ResponseComparison:
+    """Comparison of two sweeps; without ``fine`` ends are bracketed only where that may decide alone."""
+    coarse = compared(Response(ours.places), Response(reference.places), asked.frequency)
+    known = not fine and coarse.suffices(asked) is False
+    return coarse if known else compared(ours, reference, asked.frequency)
+
+
+def limits(asked: Asked) -> dict[AskedNumber, float]:
+    """Limits of what the comparison of two sweeps says."""
+    return dict(zip(COMPARED, (asked.amplitude, asked.frequency, asked.frequency), strict=True))
+
+
 def changes(
     reference: Ensemble,
     other: Ensemble,
     found: ResponseComparison | None = None,
-    limits: Mapping[AskedNumber, float] | None = None,
+    limits: Mapping[AskedNumber, float] = MappingProxyType({}),
 ) -> tuple[NumberChange, ...]:
     """Changes of all numbers, of a sweep those of its comparison ``found`` first; ``limits``: what is allowed of each.
 
@@ -60,7 +106,16 @@ def changes(
     """
     made = () if found is None else _of_comparison(found)
     own = (_largest(each, reference, other, found is not None) for each in reference.numbers)
-    return tuple(replace(each, allowed=(limits or {}).get(each.number, inf)) for each in (*made, *own))
+    return _beside((*made, *own), limits)
+
+
+def of_comparison(found: ResponseComparison, asked: Asked) -> tuple[NumberChange, ...]:
+    """Changes that the comparison of two sweeps says, beside what is ``asked``."""
+    return _beside(_of_comparison(found), limits(asked))
+
+
+def _beside(found: Iterable[NumberChange], limits: Mapping[AskedNumber, float]) -> tuple[NumberChange, ...]:
+    return tuple(replace(each, allowed=limits.get(each.number, inf)) for each in found)
 
 
 def _of_comparison(found: ResponseComparison) -> Iterator[NumberChange]:

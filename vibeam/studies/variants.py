@@ -33,6 +33,7 @@ from vibeam.store.blocks import Values
 from vibeam.store.shares import are_shared, evaluate_each
 from vibeam.studies.recorded_numbers import AskedNumber, few_numbers, suits
 from vibeam.studies.swept_numbers import numbers_of
+from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
@@ -105,7 +106,7 @@ def ensembles(
     that takes longer than ``limit`` seconds of work, counted.
     """
     if variants[0][0].record is None:
-        return [_swept(*each, asked, limit) for each in variants]
+        return [swept(*each, asked, limit) for each in variants]
     makers = [MotionMaker(case, name) for case, name in variants]
     jobs = [(at, each) for at, (case, name) in enumerate(variants) for each in motions_of(case, name)]
     for maker in {each.name: each for each in makers}.values():
@@ -132,13 +133,18 @@ def ensembles(
     ]
 
 
-def _swept(case: Case, name: str, asked: Sequence[AskedNumber], limit: float) -> Ensemble:
-    """The sweep of a fidelity by exact motions, as an ensemble of one; one whose gap grows by impacts as it is run."""
-    system = case.system(name)
+def swept(
+    case: Case, name: str, asked: Sequence[AskedNumber], limit: float = inf, other: ImpactSystem | None = None
+) -> Ensemble:  # fmt: skip
+    """The sweep of a fidelity, of the ``other`` system in its place, by exact motions as an ensemble of one.
+
+    That of a fidelity whose gap grows by impacts is run; DearSweep where it takes longer than ``limit`` s of work.
+    """
+    system = case.system(name) if other is None else other
     omega = 2 * np.pi * case.sweep.frequency[:1]
     warm_up_once("flight", system, float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]), "contact", {})
     begun, work = time.thread_time(), Work(limit)
-    if gap_wear(case.scene_of(name)) is not None:
+    if other is None and gap_wear(case.scene_of(name)) is not None:
         worn: Any = run(case, show=False, fidelities=[name])
         response: Response | None = Response.of(worn[name])
     else:

@@ -134,7 +134,10 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
     if name == "solid":
         from vibeam.studies.solid.study import solid_verdict
 
-        return solid_verdict(case, accuracy=plan.accuracy, progress=progress, budget=plan.allowed)
+        return solid_verdict(
+            case, accuracy=plan.accuracy, frequency_accuracy=plan.frequency_accuracy, progress=progress,
+            budget=plan.allowed,
+        )  # fmt: skip
     if case.record is not None:
         require_usual("verdict", plan, "over", "points")
     if name == "effects":

@@ -1,0 +1,69 @@
+"""Models beside a reference, of any study: cells of a table, rows of CSV, bars of what changes over what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import isfinite, isinf, isnan
+from typing import Any
+
+import numpy as np
+
+from vibeam.report.record_studies import change_text
+from vibeam.studies.changes import AMPLITUDES, COMPARED, ENDS, KINDS, ModelVariant, NumberChange
+from vibeam.studies.recorded_numbers import AskedNumber
+from vibeam.system.number_text import percent, signed
+
+SHORT = {ENDS: "ends", KINDS: "other motion", AskedNumber("peak_frequency"): "at"}
+LEAST, MOST = 1e-3, 1e3  # changes over what is allowed: larger ones are drawn at the ends
+
+
+def change_cell(change: NumberChange) -> str:
+    """A change in a cell; of ends and kinds it is known to a thousandth."""
+    if change.number not in COMPARED:
+        return change_text(change)
+    scatter = f" ± {percent(2 * change.error)}" if change.number == AMPLITUDES and change.error else ""
+    return f"{signed(change.change)}{scatter}"
+
+
+def share(value: float) -> str:
+    """Change over what is allowed, as text."""
+    return "∞" if isinf(value) else f"{value:.3g}" if value > LEAST else "0"
+
+
+def time_text(seconds: float) -> str:
+    """CPU time; a dash for NaN."""
+    return "–" if isnan(seconds) else f"{1e3 * seconds:.3g} ms"
+
+
+def variant_rows(variant: ModelVariant, **head: Any) -> Iterator[dict[str, Any]]:
+    """Rows of every number of a model, beside the ``head``; missing values are empty, with their reason."""
+    head |= {"modes": variant.modes, "cpu_seconds": "" if isnan(variant.seconds) else variant.seconds}
+    if not variant.changes:
+        yield head | {"why": variant.why}
+    for each in variant.changes:
+        values = {"mean": each.mean, "change": each.change, "error": each.error, "allowed": each.allowed}
+        known = {name: value if isfinite(value) else "" for name, value in values.items()}
+        yield head | {"number": str(each.number)} | known | {"share": each.share, "why": variant.why}
+
+
+def draw_bars(axes: Any, variants: Mapping[str, ModelVariant]) -> None:
+    """Draw a bar for each number that decides of models by their labels: its change over what is allowed of it."""
+    from vibeam.figures.style import COLOURS
+
+    decides = [each.number for variant in variants.values() for each in variant.changes if isfinite(each.allowed)]
+    numbers = list(dict.fromkeys(decides))
+    thick = 1 / (len(numbers) + 1)
+    for index, number in enumerate(numbers):
+        known = [_share_of(each, number) for each in variants.values()]
+        lengths = np.clip(np.nan_to_num(known, posinf=MOST), LEAST, MOST) - LEAST
+        places = np.arange(len(variants)) + (index - (len(numbers) - 1) / 2) * thick
+        axes.barh(places, lengths, thick, left=LEAST, color=COLOURS[index % len(COLOURS)], label=str(number))
+    axes.set_xscale("log")
+    axes.set_xlim(LEAST, MOST)
+    axes.axvline(1.0, color="0.2", linewidth=0.8, linestyle=(0, (4, 2)))
+    axes.set_yticks(range(len(variants)), list(variants))
+    axes.invert_yaxis()
+
+
+def _share_of(variant: ModelVariant, number: AskedNumber) -> float:
+    return next((each.share for each in variant.changes if each.number == number), MOST)
