@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import isfinite, isinf, isnan
+from math import isfinite, isnan
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
 from vibeam.case.case import quantity_of
 from vibeam.case.plans import FigurePlan
-from vibeam.figures.units import DisplayUnits, units_of
-from vibeam.report.comparison_words import Subject, both_numbers, gravest, signed
+from vibeam.figures.units import METRIC, DisplayUnits, units_of
+from vibeam.report.comparison_words import Subject, gravest
 from vibeam.report.output import StudySheet
 from vibeam.report.record_studies import CAPTION, FEW, ONE, value_text
 from vibeam.report.tables import ReportTable, blank
-from vibeam.report.variants import SHORT, change_cell, draw_bars, share, time_text, variant_rows
+from vibeam.report.variants import (
+    SHORT,
+    change_cell,
+    draw_bars,
+    gravest_number,
+    gravest_of,
+    share,
+    time_text,
+    variant_rows,
+    within_words,
+)
 from vibeam.runs.comparison.differences import listed
-from vibeam.studies.changes import COMPARED, worst
+from vibeam.studies.changes import COMPARED
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.system.number_text import percent
 from vibeam.system.number_text import signed as by_percent
@@ -83,15 +93,10 @@ def _loss(study: Effects, row: EffectRow) -> str:
 
 
 def _gravest(study: Effects, variant: EffectsVariant) -> str:
-    known = [each for each in variant.changes if isfinite(each.allowed) and not isnan(each.share)]
-    if not known:
-        return "no motion runs to its end"
-    top, found = max(known, key=lambda each: each.share), variant.comparison
-    if abs(top.change) <= top.allowed:  # what it is uncertain by alone is beyond that
-        return f"the {top.number} may be {percent(top.size)} off"
-    if found is not None and top.number in COMPARED:
-        return gravest(Subject("the model"), Subject("the whole model"), found, study.asked, _units(study))
-    return f"the {top.number} is {'not there to compare' if isinf(top.change) else signed(top.change)}"
+    found, top = variant.comparison, gravest_of(variant)
+    if top is None or found is None or top.number not in COMPARED or abs(top.change) <= top.allowed:
+        return gravest_number(variant)
+    return gravest(Subject("the model"), Subject("the whole model"), found, study.asked, _units(study))
 
 
 def _rest(study: Effects) -> str:
@@ -99,9 +104,9 @@ def _rest(study: Effects) -> str:
     if study.enough.worst <= DUST:
         return "nothing changes"
     found = study.enough.comparison
-    if found is not None and (found.amplitude is not None or found.ends):
-        return both_numbers(found, _units(study))
-    return f"the peak{'s stay' if found is None else ' stays'} within {percent(worst(study.enough.changes))}"
+    if found is not None and found.amplitude is None and not found.ends:
+        return f"the peak stays within {percent(study.enough.worst * study.asked.amplitude)}"
+    return within_words(study.enough, study.asked, METRIC if found is None else _units(study))
 
 
 def _units(study: Effects) -> DisplayUnits:

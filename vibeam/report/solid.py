@@ -63,9 +63,10 @@ def answer(found: SolidVerdict) -> str:
 
 
 def _judged(found: SolidVerdict) -> str:
-    within, beside, units = percent(found.asked.amplitude), found.beam.comparison, units_of(found.case)
+    within, beside = percent(found.asked.amplitude), found.beam.comparison
     if beside is None:
         return f"Whether the beam suffices for {within} is not known"
+    units = units_of(found.case)
     if found.enough is False:
         clause = gravest(BEAM, SOLID, beside, found.asked, units)
         part = f"; {found.largest} {'are' if ' and ' in found.largest else 'is'} the largest part"
@@ -212,7 +213,8 @@ def errors_and_shapes(found: SolidVerdict) -> Figure:
     axes = parts[0].subplots()
     draw_bars(axes, {each.cause or "the beam": each for each in found.models[:-1]})
     axes.set_xlabel("error beside the solid, over what is allowed")
-    axes.legend(frameon=False, fontsize=8)
+    if axes.patches:
+        axes.legend(frameon=False, fontsize=8)
     if quick:
         scene: Any = found.case.scene_of(found.fidelity)
         own = Fidelity("own", "modal", found.beam.modes)

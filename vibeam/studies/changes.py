@@ -6,8 +6,8 @@ The response of a sweep is compared as a whole: amplitudes, ends of branches, ki
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite, nan
 from types import MappingProxyType
 
@@ -18,11 +18,12 @@ from vibeam.runs.comparison.errors import Asked, ResponseComparison
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.runs.transient.statistics import paired
 from vibeam.studies.recorded_numbers import AskedNumber
-from vibeam.studies.variants import PEAK, Ensemble
+from vibeam.studies.variants import Ensemble
 from vibeam_models.arrays import Array
 
 #: what the comparison of two sweeps says: both errors, and how wide a range has another kind of motion
 COMPARED = AMPLITUDES, ENDS, KINDS = tuple(map(AskedNumber, ("amplitudes", "ends_of_branches", "kinds_of_motion")))
+PRINCIPAL = ("peak", "hardest_impact")  # quantities by which a model is judged under a record
 LEFT_OUT = "left out: "  # begin of the reasons that are not of the model
 
 
@@ -58,12 +59,12 @@ class ModelVariant:
     ``seconds``: CPU time of its motions; ``why`` it was not made, else empty; ``remarks`` on its numbers.
     """
 
-    changes: tuple[NumberChange, ...] = ()
+    changes: tuple[NumberChange, ...] = field(default=(), repr=False)
     comparison: ResponseComparison | None = None
     modes: int = 0
     seconds: float = nan
     why: str = ""
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = field(default=(), repr=False)
 
     @property
     def worst(self) -> float:
@@ -87,6 +88,11 @@ def compared_by(asked: Asked, ours: Response, reference: Response, fine: bool) -
     coarse = compared(Response(ours.places), Response(reference.places), asked.frequency)
     known = not fine and coarse.suffices(asked) is False
     return coarse if known else compared(ours, reference, asked.frequency)
+
+
+def limits_of_record(asked: Asked, numbers: Iterable[AskedNumber]) -> dict[AskedNumber, float]:
+    """Limits of the numbers that decide under a record: peaks and the hardest impact, as where it is run."""
+    return {each: asked.amplitude for each in numbers if each.quantity in PRINCIPAL}
 
 
 def limits(asked: Asked) -> dict[AskedNumber, float]:
@@ -148,9 +154,3 @@ def change_of(number: AskedNumber, theirs: Array, ours: Array) -> NumberChange:
         return NumberChange(number, mean, inf if np.any(ours[known]) else 0.0, nan)
     found = paired(ours, theirs)
     return NumberChange(number, mean, found.mean, found.error)
-
-
-def worst(found: Sequence[NumberChange], quantity: str = PEAK) -> float:
-    """Largest size of the changes of a quantity that are known; NaN without any."""
-    sizes = [each.size for each in found if each.number.quantity == quantity]
-    return max((each for each in sizes if each == each), default=nan)

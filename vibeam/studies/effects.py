@@ -17,7 +17,7 @@ from vibeam.case.held import Held, held_of, other_choice
 from vibeam.case.source import of_source
 from vibeam.exchange.faults import reason_of
 from vibeam.runs.comparison.errors import Asked, ResponseComparison
-from vibeam.studies.changes import LEFT_OUT, ModelVariant, changes, compared_by, limits
+from vibeam.studies.changes import LEFT_OUT, ModelVariant, changes, compared_by, limits, limits_of_record
 from vibeam.studies.effect_sets import Subsets, smallest, subsets
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.variants import PEAK, DearSweep, Ensemble, ensembles, require_usual, usual_numbers, within
@@ -114,7 +114,7 @@ def limits_of(case: Case, asked: Asked, whole: Ensemble) -> Mapping[AskedNumber,
     Of a sweep without contact the peak and its frequency decide.
     """
     if whole.response is None:
-        return {each: asked.amplitude for each in whole.numbers if each.quantity == PEAK}
+        return limits_of_record(asked, whole.numbers)
     named, clear = case.influence.quantities or (), not whole.response.largest
     return limits(asked) | {
         each: asked.frequency if each.quantity in FREQUENCIES else asked.amplitude

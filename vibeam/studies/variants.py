@@ -200,12 +200,6 @@ def require_usual(table: str, plan: Any, *names: str) -> None:
         raise ValueError(f"{', '.join(f'{table}.{name}' for name in said)}: of a [sweep]: take it away beside [record]")
 
 
-def plain_finest(case: Case, named: str | None = None) -> str:
-    """Finest fidelity, the first of several, of those of the case's own rig, or the one that is ``named``.
-
-    ValueError where that changes the rig.
-    """
-    names = plain(case)
-    if named is not None and named not in names:
-        raise ValueError(f"fidelity {named!r} changes the rig: name one of the rig itself")
-    return named or finest(case, {name: case.system(name).size for name in names or case.fidelities})
+def plain_finest(case: Case) -> str:
+    """Finest fidelity, the first of several, of those of the case's own rig."""
+    return finest(case, {name: case.system(name).size for name in plain(case) or case.fidelities})

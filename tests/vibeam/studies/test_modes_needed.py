@@ -125,7 +125,7 @@ def test_the_sheet_has_a_row_for_each_model_and_a_figure() -> None:
 
 def test_a_picture_without_fewer_modes_says_so() -> None:
     """Every sweep but that of all modes may be too dear for the budget."""
-    found = replace(modes_needed(neutral()), rows=(ModesTried(1, why="too dear"),), single=None)
+    found = replace(modes_needed(neutral()), rows=(ModesTried(modes=1, why="too dear"),), single=None)
     draw = sheet(found).draw
     assert draw is not None
     draw().canvas.draw()
