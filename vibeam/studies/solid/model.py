@@ -11,12 +11,12 @@ import numpy as np
 from vibeam.case.case import Case
 from vibeam.case.fidelity import system_of
 from vibeam.case.reduced_structure import reduced_structure
+from vibeam.studies.modes import restitutions
 from vibeam.studies.solid.pairing import bending, inertias_along, partners
 from vibeam.studies.solid.steps import LadderStep
 from vibeam.studies.variants import Ensemble, swept, usual_numbers
 from vibeam_models.arrays import Array
 from vibeam_models.effects.field_points import FieldPoints, output_names
-from vibeam_models.laws.restitution import first_mode_restitution, needed_restitution
 from vibeam_models.scene import Scene
 from vibeam_models.structure import Structure, in_coordinates
 
@@ -105,11 +105,11 @@ class SteppedModel:
         """
         hertz, twisted, places = self.omega / (2 * np.pi), self.twisted, self.partners[0]
         mobility = float(np.sum(self.kept.contact**2))
-        contact_r, first_r = _restitutions(self.step.scene, float(self.reduced.contact[places[0]]), mobility)
+        first_r, contact_r = restitutions(self.step.scene, float(self.reduced.contact[places[0]]), mobility)
         bent = {f"f{number}": float(hertz[at]) if at >= 0 else nan for number, at in enumerate(places, 1)}
         return bent | {
             "twist": float(hertz[twisted - 1]) if twisted else nan, "flexibility": self._flexibility(),
-            "mobility": mobility, "restitution": contact_r, "first_mode_restitution": first_r,
+            "mobility": mobility, "restitution": contact_r if contact_r <= 1 else nan, "first_mode_restitution": first_r,
         }  # fmt: skip
 
     def ensemble(self, case: Case, fidelity: str) -> Ensemble:
@@ -122,14 +122,3 @@ class SteppedModel:
         if not self.omega[0] > 0:
             return nan
         return float(np.sum((self.reduced.contact / self.omega) ** 2)) + self.reduced.contact_flexibility
-
-
-def _restitutions(scene: Scene, first: float, mobility: float) -> tuple[float, float]:
-    """Restitution of the contact, NaN where none in [0, 1] gives that of mode 1, and of mode 1; NaN of other laws."""
-    given = scene.stop.usual_restitution
-    if scene.stop.law is not None:
-        return nan, nan
-    if scene.stop.restitution_of == "contact":
-        return given, first_mode_restitution(given, first, mobility)
-    needed = needed_restitution(given, first, mobility)
-    return needed if 0 <= needed <= 1 else nan, given
