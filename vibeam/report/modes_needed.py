@@ -12,10 +12,10 @@ from vibeam.report.comparison_words import Subject, both_numbers, cells, gravest
 from vibeam.report.modes_figure import every, modes_figure
 from vibeam.report.output import StudySheet
 from vibeam.report.record_studies import CAPTION, FEW, ONE
-from vibeam.report.run_answer import beyond
+from vibeam.report.run_answer import beyond, own_miss, own_words
 from vibeam.report.tables import ReportTable, blank
 from vibeam.report.variants import change_cell, gravest_number, time_text, variant_rows, within_words
-from vibeam.runs.comparison.errors import FIFTH, GIVEN
+from vibeam.runs.comparison.errors import GIVEN
 from vibeam.studies.modes_needed import ModesNeeded, ModesTried, modes_needed
 from vibeam.system.number_text import begun, modes_in_words, percent
 from vibeam_models.arguments import counted
@@ -43,11 +43,10 @@ def answer(found: ModesNeeded) -> str:
     """Answer in one or a few sentences."""
     within, own, units = percent(found.asked.amplitude), found.own.suffices(found.asked), _units(found)
     row, whole = found.enough, Subject(every(found), found.modes > 1)
-    if own is False and found.own.comparison is not None:
-        clause = gravest(whole, beyond(found.own), found.own.comparison, found.asked, units)
-        beside = "" if beyond(found.own).name in clause else f" beside {beyond(found.own).name}"
+    if own is False:
+        clause = own_miss(whole, found.own, found.asked, units)
         cure = f"; {REFINE}" if found.own.elements and found.modes == found.size else ""
-        said = f"No number of modes suffices for {within}: {clause}{beside}{cure}."
+        said = f"No number of modes suffices for {within}: {clause}{cure}."
     elif row is not None:
         who, numbers = _subject(row), within_words(row, found.asked, units)
         known = own or found.own.why == GIVEN
@@ -56,8 +55,8 @@ def answer(found: ModesNeeded) -> str:
     else:
         said = f"{begun(_more(found))}{_missing(found, units)}."
     left = f"{counted(found.left_out, 'realisation')} left out over the budget." if found.left_out else ""
-    held = f"{_held(found)} is held."
-    return " ".join(filter(None, [said, _single(found, units), _reference(found, units), held, left]))
+    held, reference = f"{_held(found)} is held.", own_words(whole, found.own, found.asked, units)
+    return " ".join(filter(None, [said, _single(found, units), begun(reference), held, left]))
 
 
 def _held(found: ModesNeeded) -> str:
@@ -101,23 +100,6 @@ def _single(found: ModesNeeded, units: DisplayUnits) -> str:
     if row is None or row.comparison is None or row.suffices(found.asked) is not False:
         return ""
     return f"{begun(gravest(SINGLE, Subject(every(found), True), row.comparison, found.asked, units))}."
-
-
-def _reference(found: ModesNeeded, units: DisplayUnits) -> str:
-    """Sentence on the error of the reference where it counts, or is not known."""
-    own, whole = found.own, every(found)
-    are = "is" if found.modes == 1 else "are"
-    if own.why == GIVEN:
-        return f"What further modes would change is not known: {GIVEN}."
-    if own.why:
-        return f"How far {whole} {are} off is not known ({own.why})."
-    if own.comparison is None or own.suffices(found.asked) is False:
-        return ""
-    if own.suffices(found.asked) is None:
-        return f"Whether {whole} suffice is open: {open_points(own.comparison, found.asked, units)}."
-    if own.comparison.worst(found.asked) <= FIFTH:
-        return ""
-    return f"{begun(whole)} {are} off as well: {both_numbers(own.comparison, units)}, beside {beyond(own).name}."
 
 
 def sheet(found: ModesNeeded) -> StudySheet:

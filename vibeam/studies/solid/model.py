@@ -109,7 +109,8 @@ class SteppedModel:
         bent = {f"f{number}": float(hertz[at]) if at >= 0 else nan for number, at in enumerate(places, 1)}
         return bent | {
             "twist": float(hertz[twisted - 1]) if twisted else nan, "flexibility": self._flexibility(),
-            "mobility": mobility, "restitution": contact_r if contact_r <= 1 else nan, "first_mode_restitution": first_r,
+            "mobility": mobility, "restitution": contact_r if contact_r <= 1 else nan,
+            "first_mode_restitution": first_r,
         }  # fmt: skip
 
     def ensemble(self, case: Case, fidelity: str) -> Ensemble:
