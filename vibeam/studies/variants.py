@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 Told = Callable[[int, int], None]
 PEAK = "peak"  # quantity by which a model is judged: the others hang on each single impact
 OF_IMPACTS = ("impacts", "hardest_impact", "lost_at_impacts")
+SHARE = 0.1
 KNOWN = tuple(name for name, each in QUANTITIES.items() if each.of != "pair")
 
 
@@ -138,7 +139,8 @@ def swept(
 ) -> Ensemble:  # fmt: skip
     """The sweep of a fidelity, of the ``other`` system in its place, by exact motions as an ensemble of one.
 
-    That of a fidelity whose gap grows by impacts is run; DearSweep where it takes longer than ``limit`` s of work.
+    That of a fidelity whose gap grows by impacts is run; DearSweep where it takes longer than ``limit`` s of work. Ends
+    of branches, and means of motions that do not repeat, may take ``SHARE`` of the work of a sweep of another system.
     """
     system = case.system(name) if other is None else other
     omega = 2 * np.pi * case.sweep.frequency[:1]
@@ -155,6 +157,7 @@ def swept(
     read = numbers_of(case, name, system, response, [each.quantity for each in asked], case.influence.frequency)
     values = {each: np.array([[read[each.quantity].number]]) for each in asked}
     why = {each: read[each.quantity].why for each in asked if read[each.quantity].why}
+    work.most = limit if other is None else work.spent * (1 + SHARE)
     return Ensemble(name, system.size, values, seconds, spent, response, why)
 
 

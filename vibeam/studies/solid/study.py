@@ -138,9 +138,10 @@ class SolidVerdict(ValueRecord, ViewedTable):
 
     @property
     def largest(self) -> str:
-        """Cause of the largest change in the error ``worst``; empty where none is known."""
+        """Cause of the largest change in the error ``worst``; empty where the mesh resolves none."""
         found = {cause: abs(changes.get(self.worst, nan)) for cause, changes in self.steps.items()}
-        return max((cause for cause in found if found[cause] > 0), key=lambda cause: found[cause], default="")
+        least = max(0.0, self.mesh_error(self.worst))
+        return max((cause for cause in found if found[cause] > least), key=lambda cause: found[cause], default="")
 
     def quantity(self, number: float | None) -> str:
         """Quantity that is the natural frequency of the beam's mode ``number``; empty where it is none of them."""
@@ -278,6 +279,8 @@ class _Ladder:
     def _beside(self, model: SolidVariant, solid: SolidVariant) -> SolidVariant:
         """The model with what changes in it from the solid."""
         ours, theirs = (self.responses.get(each.name) for each in (model, solid))
+        if ours is not None and model.cause not in ("", COARSER[1]):
+            ours = Response(ours.places)  # ends of models between are known to the grid
         found = None if ours is None or theirs is None else compared_by(self.asked, ours, theirs, not model.cause)
         errors = () if found is None else of_comparison(found, self.asked)
         pairs = ((name, np.array([solid.value(name)]), np.array([value])) for name, value in model.values.items())
