@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 Told = Callable[[int, int], None]
 PEAK = "peak"  # quantity by which a model is judged: the others hang on each single impact
 OF_IMPACTS = ("impacts", "hardest_impact", "lost_at_impacts")
-SHARE = 0.1
+SHARE = 1.0
 KNOWN = tuple(name for name, each in QUANTITIES.items() if each.of != "pair")
 
 
