@@ -53,7 +53,8 @@ def plain(value: Any) -> Any:
 
 
 def _names(kind: type[Any]) -> list[str]:
-    properties = [name for name, member in vars(kind).items() if isinstance(member, property)]
+    bases = [each for each in kind.__mro__ if is_dataclass(each)]
+    properties = [name for each in bases for name, member in vars(each).items() if isinstance(member, property)]
     return [each.name for each in fields(kind)] + properties
 
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from vibeam.case.case import Case
 from vibeam.case.study_plans import USUAL_STAGES, VerdictPlan
-from vibeam.report import cost, effects, modes_needed, record_studies
+from vibeam.report import cost, effects, modes_needed
 from vibeam.report.maps import verdict as fidelity_map
 from vibeam.report.maps.page import map_figure
 from vibeam.report.output import SheetPicture, StudySheet
 from vibeam.report.tables import ReportTable, blank
+from vibeam.report.transient import by_value
 from vibeam.studies.verdict import Stage, Verdict, plan_of_modes, require_plane
 
 QUESTIONS = {
@@ -22,11 +22,6 @@ QUESTIONS = {
     "map": "Where on the plane?",
     "solid": "Is the beam enough?",
 }
-
-
-UNDER_RECORD: Mapping[str, Callable[[Any], StudySheet]] = {
-    "modes": record_studies.of_modes, "map": record_studies.of_fidelities,
-}  # fmt: skip
 FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map", "solid": "solid"}
 
 
@@ -108,10 +103,10 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
         return solid.sheet(stage.record)
     if stage.name == "effects":
         return effects.sheet(stage.record)
-    if case.record is not None:
-        return UNDER_RECORD[stage.name](stage.record)
     if stage.name == "modes":
         return modes_needed.sheet(stage.record)
+    if case.record is not None:
+        return by_value(stage.record, accuracy)
     if stage.name == "solvers":
         return cost.sheet(stage.record, case, accuracy)
     return replace(fidelity_map.sheet(stage.record), draw=lambda: map_figure(stage.record))

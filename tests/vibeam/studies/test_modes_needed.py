@@ -125,7 +125,7 @@ def test_the_sheet_has_a_row_for_each_model_and_a_figure() -> None:
 
 def test_a_picture_without_fewer_modes_names_what_is_not_compared() -> None:
     """Every sweep but that of all modes may be too dear for the budget."""
-    found = replace(modes_needed(neutral()), rows=(ModesTried(1, why="too dear"),), single=None)
+    found = replace(modes_needed(neutral()), rows=(ModesTried(modes=1, why="too dear"),), single=None)
     responses, times = (each.draw() for each in sheet(found).pictures)
     responses.canvas.draw()
     assert times.legends[0].get_title().get_text() == "not compared: one mode"
