@@ -12,6 +12,7 @@ from vibeam.runs.comparison.ends import SweptEnd
 from vibeam.runs.comparison.errors import AmplitudeError, Asked, EndError, KindDifference, ResponseComparison
 
 LEAST, MOST = 1e-4, 10.0  # differences that are not written as numbers: below, above
+SDOF = "sdof"  # mark of one degree of freedom along the static deflection
 NOUNS = {
     "contact begins": "first contact", "contact is lost": "loss of contact", "jump": "jump",
     "motion stops repeating": "end of repetition", "motion repeats": "return of repetition",

@@ -13,8 +13,7 @@ from rich.text import Text
 from vibeam.case.held import held_of
 from vibeam.case.study_plans import VerdictPlan
 from vibeam.exchange.files import dotted
-from vibeam.report.decision_figures import Decision
-from vibeam.report.error_panels import ErrorSize, ModelError
+from vibeam.report.decision_figures import Decision, ErrorSize, ModelError
 from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import listed

@@ -6,21 +6,18 @@ never drawn as good: an open comparison has an open mark, and a model without a 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import nan
+from math import inf, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.case.case import Case, quantity_of
-from vibeam.figures.style import COLOURS
 from vibeam.figures.units import amplitude_of, frequency_label, units_of
 from vibeam.report.comparison_words import cells, size, spread
-from vibeam.report.error_panels import ModelError, error_panels, shown_in
 from vibeam.report.output import SheetPicture
-from vibeam.report.record_figure import handles_of
 from vibeam.runs.comparison.errors import Asked, EndError, ResponseComparison
 from vibeam_models.arrays import Array
 
@@ -29,6 +26,7 @@ if TYPE_CHECKING:
 
 Curve = tuple[Array, Array]
 Curves = Mapping[tuple[str, str], Curve]
+PANELS = ("amplitude", "frequency")  # errors that a picture has a panel of
 SMALL, HIGH = (5.0, 4.2), (5.0, 5.6)  # inches of a picture, which a telephone shows too; of one with a long legend
 BAND: dict[str, Any] = {"color": "0.72", "linewidth": 3.4, "zorder": 2.0}  # of the reference
 WAYS: dict[str, Any] = {"up": "-", "down": (0, (4, 1.6))}
@@ -36,6 +34,65 @@ REMARK = "brackets: largest error of amplitudes (upright), of ends of branches (
 SHADED = "; shaded: other motion"
 WITHIN = {True: "within what is allowed", False: "more than is allowed", None: "open"}
 BY_SOLVERS = "; of a solver the largest error at its frequencies, also where its motion is of another kind"
+
+
+@dataclass(frozen=True)
+class ErrorSize:
+    """Size of an error, its bound where it is ``open`` whether it suffices; NaN: there is none."""
+
+    value: float = nan
+    open: bool = False
+
+
+@dataclass(frozen=True)
+class ModelError:
+    """Errors of a ``model`` beside the reference and the CPU time of a point, s.
+
+    ``mark``: what is written beside it; ``solver``: by which it is computed, empty where by its sweep; ``beyond``: it
+    is the reference, beside a fuller model.
+    """
+
+    model: str
+    seconds: float
+    amplitude: ErrorSize
+    frequency: ErrorSize = ErrorSize()
+    mark: str = ""
+    solver: str = ""
+    beyond: bool = False
+
+    @classmethod
+    def of(
+        cls, model: str, found: ResponseComparison, asked: Asked, seconds: float, mark: str = "", beyond: bool = False
+    ) -> ModelError:  # fmt: skip
+        """By a comparison."""
+        both = _amplitude(found, asked.amplitude), _frequency(found, asked.frequency)
+        return cls(model, seconds, *both, mark=mark, beyond=beyond)
+
+
+def _amplitude(found: ResponseComparison, allowed: float) -> ErrorSize:
+    """Error of amplitudes; its bound where scatter leaves it open."""
+    if found.amplitude is None:
+        return ErrorSize()
+    most = found.amplitude.most if found.scattered is None else found.scattered.most
+    is_open = found.amplitude.least <= allowed < most
+    return ErrorSize(most if is_open else abs(found.amplitude.error), is_open)
+
+
+def _frequency(found: ResponseComparison, allowed: float) -> ErrorSize:
+    """Largest error of ends and width of other motions; the bound of what is open unless another is surely larger."""
+    known = [(abs(each.error), each.open) for each in found.ends]
+    known += [(inf if each.alone else each.width, each.open) for each in found.kinds]
+    surely = [size for size, open_ in known if size - open_ > allowed]
+    if surely:
+        return ErrorSize(max(surely))
+    bounds = [size + open_ for size, open_ in known if size + open_ > allowed]
+    bounds += [inf for _, low, high in found.unknown if high > low * (1 + allowed)]
+    return ErrorSize(max(bounds), True) if bounds else ErrorSize(max((size for size, _ in known), default=0.0))
+
+
+def shown_in(errors: Sequence[ModelError]) -> list[str]:
+    """Names of the panels that show something: errors at a known CPU time."""
+    return [name for name in PANELS if any(getattr(each, name).value > 0 for each in errors if each.seconds > 0)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,9 +131,11 @@ class Decision:
 def times_figure(found: Decision) -> Figure:
     """Errors of all models over the CPU time of a point."""
     from vibeam.figures.page import blank_page, legend, titled
+    from vibeam.report.error_panels import error_panels
+    from vibeam.report.record_figure import handles_of
 
     figure = blank_page(HIGH if any(each.solver for each in found.errors) else SMALL, found.case.figure)
-    error_panels(figure, found.errors, found.asked, found.reference_seconds)
+    error_panels(figure, shown_in(found.errors), found.errors, found.asked, found.reference_seconds)
     titled(figure, found.case.figure, "", f"errors against {found.against or found.reference}")
     is_open = any(size.open for each in found.errors for size in (each.amplitude, each.frequency))
     remark = ["open marks: not surely known"] * is_open
@@ -88,6 +147,8 @@ def times_figure(found: Decision) -> Figure:
 def responses_figure(found: Decision) -> Figure:
     """The models shown over the reference, their largest errors marked where they are."""
     from vibeam.figures.page import blank_page, legend, titled
+    from vibeam.figures.style import COLOURS
+    from vibeam.report.record_figure import handles_of
 
     output, shown = found.case.sweep.output, found.shown
     largest = max((float(np.nanmax(each, initial=0.0)) for _, each in found.curves.values()), default=0.0)

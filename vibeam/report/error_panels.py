@@ -3,83 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import inf, nan
+from math import nan
 from typing import Any
 
 from vibeam.figures.style import COLOURS
-from vibeam.report.comparison_words import LEAST, MOST
-from vibeam.runs.comparison.errors import Asked, ResponseComparison
+from vibeam.report.comparison_words import LEAST, MOST, SDOF
+from vibeam.runs.comparison.errors import Asked
 from vibeam.solvers import SOLVERS
 
 DARK = "0.25"
-SDOF = "sdof"  # mark of one degree of freedom along the static deflection
-SLACK = 3.0  # factor between the marks and the edge of a panel
 LABELS = {"amplitude": "amplitude error (%)", "frequency": "ends, other motion (%)"}
+SLACK = 3.0  # factor between the marks and the edge of a panel
 
 
-@dataclass(frozen=True)
-class ErrorSize:
-    """Size of an error, its bound where it is ``open`` whether it suffices; NaN: there is none."""
+def error_panels(
+    figure: Any, names: Sequence[str], errors: Sequence[Any], asked: Asked, reference: float = nan
+) -> None:  # fmt: skip
+    """Draw the panels of the ``names`` above each other: ``ModelError`` over the CPU time of a point.
 
-    value: float = nan
-    open: bool = False
-
-
-@dataclass(frozen=True)
-class ModelError:
-    """Errors of a ``model`` beside the reference and the CPU time of a point, s.
-
-    ``mark``: what is written beside it; ``solver``: by which it is computed, empty where by its sweep; ``beyond``: it
-    is the reference, beside a fuller model.
+    ``reference``: that of the reference.
     """
-
-    model: str
-    seconds: float
-    amplitude: ErrorSize
-    frequency: ErrorSize = ErrorSize()
-    mark: str = ""
-    solver: str = ""
-    beyond: bool = False
-
-    @classmethod
-    def of(
-        cls, model: str, found: ResponseComparison, asked: Asked, seconds: float, mark: str = "", beyond: bool = False
-    ) -> ModelError:  # fmt: skip
-        """By a comparison."""
-        both = _amplitude(found, asked.amplitude), _frequency(found, asked.frequency)
-        return cls(model, seconds, *both, mark=mark, beyond=beyond)
-
-
-def _amplitude(found: ResponseComparison, allowed: float) -> ErrorSize:
-    """Error of amplitudes; its bound where scatter leaves it open."""
-    if found.amplitude is None:
-        return ErrorSize()
-    most = found.amplitude.most if found.scattered is None else found.scattered.most
-    is_open = found.amplitude.least <= allowed < most
-    return ErrorSize(most if is_open else abs(found.amplitude.error), is_open)
-
-
-def _frequency(found: ResponseComparison, allowed: float) -> ErrorSize:
-    """Largest error of ends and width of other motions; the bound of what is open unless another is surely larger."""
-    known = [(abs(each.error), each.open) for each in found.ends]
-    known += [(inf if each.alone else each.width, each.open) for each in found.kinds]
-    surely = [size for size, open_ in known if size - open_ > allowed]
-    if surely:
-        return ErrorSize(max(surely))
-    bounds = [size + open_ for size, open_ in known if size + open_ > allowed]
-    bounds += [inf for _, low, high in found.unknown if high > low * (1 + allowed)]
-    return ErrorSize(max(bounds), True) if bounds else ErrorSize(max((size for size, _ in known), default=0.0))
-
-
-def shown_in(errors: Sequence[ModelError]) -> list[str]:
-    """Names of the panels that show something: errors at a known CPU time."""
-    return [name for name in LABELS if any(getattr(each, name).value > 0 for each in errors if each.seconds > 0)]
-
-
-def error_panels(figure: Any, errors: Sequence[ModelError], asked: Asked, reference: float = nan) -> None:
-    """Draw the panels above each other, over the CPU time of a point; ``reference``: that of the reference."""
-    names = shown_in(errors)
     grid = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(grid, names, strict=True):
         known = [each for each in errors if each.seconds > 0 and getattr(each, name).value >= 0]
@@ -93,7 +36,7 @@ def error_panels(figure: Any, errors: Sequence[ModelError], asked: Asked, refere
     grid[-1].set_xlabel("CPU time of a point (ms)")
 
 
-def _panel(axes: Any, errors: Sequence[ModelError], name: str) -> None:
+def _panel(axes: Any, errors: Sequence[Any], name: str) -> None:
     """Draw a mark for each model, those of one model by one solver joined."""
     models = list(dict.fromkeys(each.model for each in errors if each.solver))
     colours = {model: COLOURS[at % len(COLOURS)] for at, model in enumerate(models)}

@@ -12,7 +12,7 @@ from vibeam.figures import FIGURES
 from vibeam.figures.files import all_current, figure_files, paths_of, shown_paths, stamp
 from vibeam.figures.sheet import Comparison, module_of, named_of
 from vibeam.report.output import SheetPicture
-from vibeam.report.run_decision import run_decisions
+from vibeam.report.run_report import run_decisions
 from vibeam.system.labelled import Viewed
 from vibeam.system.response import Branches, FrequencyResponse
 

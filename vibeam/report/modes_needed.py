@@ -8,9 +8,8 @@ from vibeam.case.case import Case
 from vibeam.case.held import held_of
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.figures.units import METRIC, DisplayUnits, units_of
-from vibeam.report.comparison_words import Subject, both_numbers, cells, gravest, open_points
-from vibeam.report.decision_figures import Decision
-from vibeam.report.error_panels import SDOF, ModelError
+from vibeam.report.comparison_words import SDOF, Subject, both_numbers, cells, gravest, open_points
+from vibeam.report.decision_figures import Decision, ModelError
 from vibeam.report.output import StudySheet
 from vibeam.report.record_studies import CAPTION, FEW, ONE
 from vibeam.report.run_answer import beyond, own_miss, own_words

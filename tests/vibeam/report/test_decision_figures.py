@@ -19,11 +19,9 @@ from vibeam.case.study_plans import VerdictPlan
 from vibeam.casefile.read import parse
 from vibeam.periodic.motion_kind import FREE, SteadyKind
 from vibeam.report import modes_needed as modes_sheet
-from vibeam.report.decision_figures import Decision, responses_figure, times_figure
-from vibeam.report.error_panels import ErrorSize, ModelError, shown_in
+from vibeam.report.decision_figures import Decision, ErrorSize, ModelError, responses_figure, shown_in, times_figure
 from vibeam.report.run_answer import groups_of
-from vibeam.report.run_decision import recommended, run_decisions
-from vibeam.report.run_report import run_report
+from vibeam.report.run_report import recommended, run_decisions, run_report
 from vibeam.report.verdict import pictures, sheet
 from vibeam.runs.comparison.errors import AmplitudeError, KindDifference, ResponseComparison
 from vibeam.runs.comparison.responses import Response, compared
