@@ -17,7 +17,7 @@ PLACE = "#gap=50&f=14.85&start=sweep"  # µm, Hz
 SETTLED = """() => document.getElementById("state").textContent.startsWith("Settled")
   && !document.getElementById("state").textContent.includes("follow")
   && !document.getElementById("readings").textContent.includes("…")"""
-WIDTH, HEIGHT = 1040, 1080  # px: down to history and beam
+WIDTH, HEIGHT = 1040, 1200  # px: down to history and beam
 
 
 def draw() -> None:

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 
 HERE = Path(__file__).parent
 CASES = HERE.parents[1] / "cases" / "solid"
-KEPT = ("answer", "enough", "steps", "errors", "coarser", "chosen")
+KEPT = ("answer", "enough", "steps", "errors", "chosen")
 
 
 def main() -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from train_equations import accelerations, green_sums, in_time, residual
+from train_equations import Trains, accelerations, contact_phasor, green_sums, in_time, residual, states_before
 
 from vibeam.flight.trajectory import simulate
 from vibeam.periodic.multipliers import multipliers
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.trains import Trains, contact_phasor, states_before
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 

@@ -14,10 +14,81 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.periodic.modal_sums import offsets
-from vibeam.periodic.trains import Trains, ahead, green_at_lags
+from vibeam.flight.linear.propagator import pairs
+from vibeam.periodic.modal_sums import green, offsets, phasor
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Complex
+
+
+class Trains(NamedTuple):
+    """Impact trains: drive phases Ωt (points, m), rad, and impulses (points, m), N s, over ``periods`` drive periods
+    at drives ``omega`` (points,) rad/s under base motion ``amplitude`` (points,) m."""
+
+    phases: Array
+    impulses: Array
+    omega: Array
+    amplitude: Array
+    periods: int
+
+    @property
+    def span(self) -> Array:
+        """Time after which the motion repeats (points,), s."""
+        return np.asarray(2 * np.pi * self.periods / self.omega)
+
+    @property
+    def impacts(self) -> int:
+        """Number m of impacts."""
+        return int(self.phases.shape[1])
+
+
+def green_at_lags(natural: Array, zeta: Array, trains: Trains) -> tuple[Array, Array]:
+    """Green's functions g_i, g_i' (n, points m m) of modes at all lags."""
+    g0, g1 = green(natural[:, None], pairs(natural, zeta, trains.span))
+    m, own = trains.impacts, np.arange(trains.impacts)
+    if m == 1:
+        return g0, g1 - 1
+    lag = pairs(natural, zeta, lags(trains).ravel())
+    p00, p01, p10, p11 = (each.reshape(*g0.shape, m, m) for each in lag[:4])
+    g0, g1 = g0[:, :, None, None], g1[:, :, None, None]
+    value, slope = p00 * g0 + p01 * g1, p10 * g0 + p11 * g1
+    slope[:, :, own, own] -= 1
+    return value.reshape(len(natural), -1), slope.reshape(len(natural), -1)
+
+
+def lags(trains: Trains) -> Array:
+    """Lags t_j − t_k (points, m, m) within the span, s, 0 of an impact to itself."""
+    apart = (trains.phases[:, :, None] - trains.phases[:, None, :]) / trains.omega[:, None, None]
+    return np.asarray(np.mod(apart, trains.span[:, None, None]))
+
+
+def ahead(phases: Array, trains: Trains) -> Array:
+    """Time from each impact to the next one (points, m), s, of ascending ``phases`` (points, m)."""
+    whole = np.concatenate([phases, phases[:, :1] + 2 * np.pi * trains.periods], axis=1)
+    return np.asarray(np.diff(whole, axis=1) / trains.omega[:, None])
+
+
+def contact_phasor(system: ImpactSystem, omega: Array, amplitude: Array) -> Complex:
+    """Steady response H (points,) of the contact to the drive alone, m."""
+    return np.asarray(system.contact @ modal_phasors(system, omega, amplitude))
+
+
+def modal_phasors(system: ImpactSystem, omega: Array, amplitude: Array) -> Complex:
+    """Steady response h (n, points) of the modes to the drive alone: Im(h e^{iΩt}), static displacements aside."""
+    natural, sigma = system.omega[:, None], (system.zeta * system.omega)[:, None]
+    return np.asarray(amplitude * (system.load[:, None] * phasor(natural, sigma, omega)))
+
+
+def states_before(system: ImpactSystem, trains: Trains) -> tuple[Array, Array]:
+    """Modal displacements and velocities (points, m, n) just before every impact, modes without stiffness at g = 0."""
+    struck, m = np.flatnonzero(system.contact), trains.impacts
+    shape = len(struck), len(trains.omega), m, m
+    c, h = system.contact[struck], modal_phasors(system, trains.omega, trains.amplitude)
+    turned = h.T[:, None] * np.exp(1j * trains.phases)[:, :, None]
+    displacement, velocity = turned.imag + offsets(system), trains.omega[:, None, None] * turned.real
+    both = green_at_lags(system.omega[struck], system.zeta[struck], trains)
+    for found, each in zip((displacement, velocity), both, strict=True):
+        found[:, :, struck] += np.einsum("ipjk,pk->pji", each.reshape(shape), trains.impulses) * c
+    return displacement, velocity
 
 
 class GreenSums(NamedTuple):

@@ -68,7 +68,6 @@ PICTURES = {
     "period": "class of the motion over two axes, a panel for each value of a third",
     "bifurcation": "the output at the end of each period over one axis, with periodic motions in closed form",
     "basins": "which of the coexisting motions a start leads to, or how many are found, or their shares",
-    "spectra": "spectra of the output along one axis, one behind the other",
     "values": "a quantity over one or two axes",
     "stability": "where motions with one impact (by shooting: with contacts) exist and are stable, over two axes",
     "verdict": "the cheapest fidelity that suffices, and how far each is off, over two axes",
@@ -78,7 +77,6 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "period": ("period", "rest"),
     "bifurcation": ("period",),
     "basins": ("period", "impacts_per_period", "maximum", "minimum", "impact_velocity"),
-    "spectra": ("state", "resting"),
     "values": (),
 }
 

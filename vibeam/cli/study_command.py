@@ -103,7 +103,7 @@ def run_declared(study: StudyDeclaration, case: Case, out: str | None, asked: As
         record = of_case(case.path, lambda: study.of(case, stderr().print, bar))
     sheet = study.shown(record, case)
     path = table_path(case, out, sheet.study or study.name, ENDINGS)
-    wanted = out or sheet.draw or sheet.page
+    wanted = out or sheet.draw or sheet.page or sheet.study
     files = files_of(sheet, path, case.title, study.meaning, case.figure) if wanted else []
     if shared is not None:
         shared.discard()
@@ -117,7 +117,7 @@ def files_of(sheet: StudySheet, path: Path, title: str, meaning: str, plan: Figu
     from vibeam.exchange.whole_files import write_whole
     from vibeam.report.page.page import study_page
 
-    write_whole(path, study_page(title, sheet.answer, [(meaning, sheet)]).encode())
+    write_whole(path, (sheet.page() if sheet.page else study_page(title, sheet.answer, [(meaning, sheet)])).encode())
     return [path]
 
 

@@ -1,10 +1,11 @@
-"""Axes of a map: the keys that short words stand for, their names, usual ranges, and values as options give them."""
+"""Axes of a map: the keys that short words stand for, their names, usual ranges, values as options give them, cells."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import DISPLACEMENT, FREQUENCY, GAP, LEVELS, RESTITUTION, SHARE, VELOCITY, AxisPlan
 from vibeam.casefile import quantities as units
@@ -173,3 +174,16 @@ def _at_contact(case: Case) -> float:
     if scene.given_mode is not None or scene.stop.gap_at == "contact":
         return 1.0
     return float(reduced_structure(scene, "static_mode", None)[1])
+
+
+def cells(values: NDArray[Any]) -> NDArray[Any]:
+    """Values as rows of cells: one row where there is one axis."""
+    return values[None, :] if values.ndim == 1 else values
+
+
+def edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Edges of the cells round ``centres``, (points + 1,): half-way between neighbours."""
+    if len(centres) == 1:
+        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    inner = (centres[1:] + centres[:-1]) / 2
+    return np.concatenate([[2 * centres[0] - inner[0]], inner, [2 * centres[-1] - inner[-1]]])

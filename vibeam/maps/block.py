@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -190,16 +189,10 @@ def _led(grid: Grid, lines: Sequence[int], columns: Any) -> list[list[Orbit]]:
 
 
 def _line(grid: Grid, points: GridPoints, row: int, columns: Any) -> ShotLine:
-    omega, system = points.omega[row], points.system_at(row * points.omega.shape[1])
-    drive = partial(_interpolated, omega, points.amplitude[row])
-    from vibeam.maps.followed import FollowedLine
     from vibeam.maps.shot_lines import ShotLine
 
-    return ShotLine(FollowedLine(system, drive, float(omega[0]), float(omega[-1]), grid.periods), omega[columns])
-
-
-def _interpolated(omega: Array, amplitude: Array, at: float) -> float:
-    return float(np.interp(at, omega, amplitude))
+    places = row * points.omega.shape[1] + columns
+    return ShotLine([(points.system_at(at), points.drive_at(at)) for at in places.tolist()], grid.periods)
 
 
 def _back_on_stop(points: GridPoints, column: int, before: BatchResponse | None) -> BatchResponse | None:

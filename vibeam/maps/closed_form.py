@@ -16,7 +16,6 @@ from vibeam.periodic.branch_walk import BranchEnd
 from vibeam.periodic.continuation import Setting
 from vibeam.periodic.follow import Branch, follow
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.orbit_curve import orbit_curve
 from vibeam.periodic.orbit_search import orbits
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
@@ -86,59 +85,48 @@ class ClosedForm:
     stable: NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class _Line:
-    """Points along the axis, and their ``output``."""
-
-    values: Array
-    points: GridPoints
-    output: str
-
-
 def closed_form_strobes(case: Case, plan: MapPlan, fidelity: str, points: int = POINTS) -> tuple[list[ClosedForm], str]:
     """Motions with one impact at so many ``points`` along the one axis of a map, and the branches that their doublings
     begin; or why none are known."""
-    (axis,) = plan.axes
+    (axis,), model = plan.axes, case.model(fidelity)
     values = np.linspace(axis.values[0], axis.values[-1], points)
-    line, model = (Axis(axis.key, tuple(values.tolist())),), case.model(fidelity)
-    known = grid_points(model, line, plan.frequency, np.zeros(1, int))
+    known = grid_points(model, (Axis(axis.key, tuple(values.tolist())),), plan.frequency, np.zeros(1, int))
     beyond = known.systems[0].beyond_plain
     derivative = known.systems[0].derivative(plan.output)
     if beyond or derivative is not None:
         why = " or ".join(beyond) if beyond else "an output that is a derivative"
         return [], f"no motions in closed form for {fidelity}: there are none with {why}"
-    along, setting = _Line(values, known, plan.output), setting_along(model, axis.key, values, known)
+    setting = setting_along(model, axis.key, values, known)
     found = list[ClosedForm]()
     for periods in PERIODS:
         rows = [_known(known, at, periods) for at in range(points)]
         for branch in (0, 1):
             motions = [row[branch] for row in rows]
             if any(motions):
-                found.append(_single(along, periods, motions))
-                found += [] if setting is None else _doubled(along, setting, motions)
+                found.append(_branch(1, periods, values, motions, plan.output))
+                found += [] if setting is None else _doubled(values, setting, motions, plan.output)
     return found, ""
 
 
 def _known(points: GridPoints, at: int, periods: int) -> tuple[Orbit | None, Orbit | None]:
     """The harder and the softer motion at one point, None where it is not admissible."""
-    system, drive = points.system_at(at), points.drive_at(at)
     try:
-        known = orbits(system, drive, periods)
+        known = orbits(points.system_at(at), points.drive_at(at), periods)
     except ValueError:  # at a resonance of an undamped mode there is none
-        return None, None
-    impulses = orbit_curve(system, drive.omega, drive.amplitude, periods).impulse[0] if known else np.zeros(2)
-    found = {int(np.nanargmin(np.abs(impulses - orbit.impulse))): orbit for orbit in known if orbit.admissible}
-    return found.get(0), found.get(1)
+        known = ()
+    harder, softer = (*(orbit if orbit.admissible else None for orbit in known), None, None)[:2]
+    return harder, softer
 
 
-def _single(line: _Line, periods: int, motions: Sequence[Orbit | None]) -> ClosedForm:
-    """Motions with one impact."""
+def _branch(
+    impacts: int, periods: int, values: Array, motions: Sequence[Orbit | None], output: str
+) -> ClosedForm:  # fmt: skip
     strobes = np.full((len(motions), periods), np.nan)
     for at, orbit in enumerate(motions):
         if orbit is not None:
-            strobes[at] = _strobes(orbit, line.output)
+            strobes[at] = _strobes(orbit, output)
     stable = np.array([each is not None and each.stable for each in motions])
-    return ClosedForm(1, periods, line.values, strobes, stable)
+    return ClosedForm(impacts, periods, values, strobes, stable)
 
 
 def _strobes(orbit: Orbit, output: str) -> Array:
@@ -149,12 +137,14 @@ def _strobes(orbit: Orbit, output: str) -> Array:
     return np.sort(path.at(np.clip(times, path.t_start, path.t_end), output))
 
 
-def _doubled(line: _Line, setting: Setting, motions: Sequence[Orbit | None]) -> Iterator[ClosedForm]:
+def _doubled(
+    values: Array, setting: Setting, motions: Sequence[Orbit | None], output: str
+) -> Iterator[ClosedForm]:  # fmt: skip
     """Branches that begin at the doublings of motions with one impact."""
-    low, high = float(line.values.min()), float(line.values.max())
+    low, high = float(values.min()), float(values.max())
     known: list[tuple[int, float]] = []
     for part in _runs(motions):
-        first, value = motions[part[0]], float(line.values[part[0]])
+        first, value = motions[part[0]], float(values[part[0]])
         assert first is not None
         to, behind = (high, low) if value < high else (low, high)
         try:
@@ -162,9 +152,8 @@ def _doubled(line: _Line, setting: Setting, motions: Sequence[Orbit | None]) -> 
         except ValueError:  # it begins too close to grazing to be followed
             continue
         for each in _tree(branch, first.periods, SAME * (high - low), known):
-            strobes = np.array([_strobes(orbit, line.output) for orbit in each.orbits])
             last = each.orbits[-1]
-            yield ClosedForm(len(last.times), last.periods, each.values, strobes, each.stable)
+            yield _branch(len(last.times), last.periods, each.values, each.orbits, output)
 
 
 def _tree(branch: Branch, periods: int, near: float, known: list[tuple[int, float]]) -> Iterator[Branch]:

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
 POINTS = {"bifurcation": (201,)}  # usual numbers of values of each axis
 USUAL = (61,)
-ALONG = ("bifurcation", "spectra")  # pictures of one axis
 COMPARED = ("amplitude", "reach")  # quantities of a fidelity map
 SHARES = ("accuracy", "frequency_accuracy")
 
@@ -48,7 +47,7 @@ def plan_over(
     said = {name: value for name, value in {**given, **shares}.items() if value is not None}
     _require_fitting(picture, said)
     names = tuple(fidelities or ())
-    plane = picture not in ALONG
+    plane = picture != "bifurcation"  # which is of one axis
     axis = AxisPlan(FREQUENCY, tuple(case.sweep.frequency.tolist()), "Hz")  # models are the same of any plane
     models = models_of(case, planned(picture, (axis, axis), case.sweep, picture, fidelities=names)).names
     words = over or ("gap" if plane else "frequency")

@@ -20,6 +20,7 @@ FIRST = 8  # initial intervals a drive period
 HALVINGS = 45  # halvings after which a flat minimum counts as a point of inflection
 SMALLEST = 1e-15  # share of the motion's size taken as round-off
 STEPS = 60
+CLOSE = 1e-9  # share of the span by which the last of Newton's steps moves a minimum: it is then known to its square
 
 
 class GapMinimum(NamedTuple):
@@ -104,7 +105,7 @@ def _minima(flights: FlightGap, pieces: _Pieces) -> tuple[Array, Array]:
         low, high = np.where(at.slope < 0, time, low), np.where(at.slope < 0, high, time)
         step = time - at.slope / at.bend
         following = np.where((step > low) & (step < high), step, (low + high) / 2)
-        done = np.abs(following - time) <= 4e-16 * flights.span[pieces.motion]
+        done = np.abs(following - time) <= CLOSE * flights.span[pieces.motion]
         time, at = following, flights.gap(pieces.motion, following)
         if done.all():
             break

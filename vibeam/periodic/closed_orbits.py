@@ -12,65 +12,40 @@ import numpy as np
 from vibeam.flight.kernels import layout
 from vibeam.flight.readout import rests, struck
 from vibeam.flight.solver import FlightSolver
+from vibeam.periodic.between_impacts import phasors, state_after
 from vibeam.periodic.modal_sums import Roots, Sums, balance, resonant, sums
 from vibeam.periodic.multipliers import multipliers
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import checked
-from vibeam.periodic.trains import carried, phasors, state_after
 from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
-from vibeam_models.arrays import Array
 
 CLOSE = 1e-9  # share of the motion's size by which the contact may miss the gap at the end of the span
 
 
-class AdmissibilityCheck:
-    """Flight solver for admissibility checks of one system's motions, at drives of ``slowest`` rad/s and more."""
+def admits(flight: FlightSolver, drive: Drive, start: State, time: float, periods: int, velocity: float) -> bool:
+    """Test whether the flight from ``start``, just after an impact at ``time``, strikes next one span later."""
+    span = 2 * np.pi * periods / drive.omega
+    slack = _slack(flight.system, drive, velocity, span)
+    trace = flight.simulate(drive, start, time, time + span + slack, 3)[3].trace
+    hit = trace[struck(trace) & (trace[:, layout.BEFORE] > CLOSE * velocity)]
+    sound = len(hit) and not rests(trace).any()
+    return bool(sound and hit[0, layout.START] + hit[0, layout.DURATION] - time >= span - slack)
 
-    def __init__(self, system: ImpactSystem, slowest: float) -> None:
-        self.system, self.flight = system, FlightSolver(system, slowest)
 
-    def admits(self, drive: Drive, start: State, time: float, periods: int, velocity: float) -> bool:
-        """Test whether the flight from ``start``, just after an impact at ``time``, strikes next one span later."""
-        span = 2 * np.pi * periods / drive.omega
-        slack = self.slack(drive, velocity, span)
-        times, _ = self.strikes(drive, start, time, time + span + slack, 3, CLOSE * velocity)
-        return bool(len(times) and times[0] - time >= span - slack)
-
-    def strikes(
-        self, drive: Drive, start: State | None, begin: float, end: float, limit: int, least: float = 0.0
-    ) -> tuple[Array, Array]:
-        """Times (m,), s, and velocities of the impacts harder than ``least``; empty where the motion comes to rest."""
-        trace = self.flight.simulate(drive, start, begin, end, limit)[3].trace
-        if rests(trace).any():
-            return np.zeros(0), np.zeros(0)
-        hit = trace[struck(trace) & (trace[:, layout.BEFORE] > least)]
-        return hit[:, layout.START] + hit[:, layout.DURATION], hit[:, layout.BEFORE]
-
-    def slack(self, drive: Drive, velocity: float, span: float) -> float:
-        """Bound on the shift of an impact at ``velocity`` by round-off, s, with a wide margin."""
-        size = float(np.abs(self.system.contact) @ np.abs(phasors(self.system, drive))) + abs(self.system.gap)
-        return min(CLOSE * (size / velocity + span), span / 4)
-
-    def watched(
-        self, drive: Drive, start: State, time: float, periods: int, output: str
-    ) -> tuple[FrequencyResponse, State]:
-        """Measured window over ``periods`` periods from the drive's next phase 0 on, by flight; the state there."""
-        period = 2 * np.pi / drive.omega
-        next_ = period * np.ceil(time / period) if time > 0 else 0.0
-        displacement, velocity = carried(self.system, drive, start, time, np.array([next_]))
-        state = State(displacement[0], velocity[0])
-        return self.flight.steady([drive.omega], drive.amplitude, state, 0, periods, output)
+def _slack(system: ImpactSystem, drive: Drive, velocity: float, span: float) -> float:
+    """Bound on the shift of an impact at ``velocity`` by round-off, s, with a wide margin."""
+    size = float(np.abs(system.contact) @ np.abs(phasors(system, drive))) + abs(system.gap)
+    return min(CLOSE * (size / velocity + span), span / 4)
 
 
 def closed_orbits(
-    system: ImpactSystem, drive: Drive, periods: int = 1, check: AdmissibilityCheck | None = None
+    system: ImpactSystem, drive: Drive, periods: int = 1, flight: FlightSolver | None = None
 ) -> tuple[Orbit, ...]:
     """Find all motions with one impact per ``periods`` drive periods, harder impact first: none, one or two.
 
-    Exact for any number of modes of any damping, with static forces; not admissible ones are among them. ``check``:
-    a flight solver for the certificate, to be reused for many drives. Empty where the impact equations have no real
+    Exact for any number of modes of any damping, with static forces; not admissible ones are among them. ``flight``:
+    a solver for the certificate, to be reused for many drives. Empty where the impact equations have no real
     root that pushes away from the stop (also without a drive). ValueError for an undamped mode at a resonance (driven
     at its own frequency, or a whole number of its turns in the span, so that impacts make it grow), and for modes
     without stiffness that no static force brings back to the stop.
@@ -83,7 +58,7 @@ def closed_orbits(
         return ()
     total = sums(system, omega, periods)
     found = balance(system, total, drive.amplitude, system.gap)
-    own = AdmissibilityCheck(system, drive.omega) if check is None else check
+    own = FlightSolver(system, drive.omega) if flight is None else flight
     return tuple(
         _orbit(own, drive, int(periods), total, found, k)
         for k in (0, 1)
@@ -91,13 +66,13 @@ def closed_orbits(
     )
 
 
-def _orbit(check: AdmissibilityCheck, drive: Drive, periods: int, total: Sums, found: Roots, k: int) -> Orbit:
+def _orbit(flight: FlightSolver, drive: Drive, periods: int, total: Sums, found: Roots, k: int) -> Orbit:
     phase, impulse, velocity = (float(row[0, k]) for row in (found.phase, found.impulse, found.velocity))
-    system, time = check.system, phase / drive.omega
+    system, time = flight.system, phase / drive.omega
     state = state_after(system, drive, periods, phase, impulse)
     values = multipliers(system, total.span, found.relative_acceleration[:, k])[0]
-    admissible = check.admits(drive, state, time, periods, velocity)
+    admissible = admits(flight, drive, state, time, periods, velocity)
     return Orbit(
         system, drive, periods, time, state, np.array([time]), np.array([velocity]), np.zeros(1, dtype=np.int64), 0,
-        bool(abs(values[0]) < 1), admissible, 0.0, (), partial(np.array, values), check.flight,
+        bool(abs(values[0]) < 1), admissible, 0.0, (), np.zeros((0, 0)), partial(np.array, values), flight,
     )  # fmt: skip

@@ -21,9 +21,9 @@ from vibeam.flight.equilibrium import Contacts, without_stop
 from vibeam.flight.kernels import layout
 from vibeam.flight.linear.propagator import pairs, propagators
 from vibeam.flight.trajectory import Trajectory
+from vibeam.periodic.between_impacts import phasors
 from vibeam.periodic.modal_sums import green
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.trains import phasors
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.rows import TimeDerivative
 from vibeam.system.state import State

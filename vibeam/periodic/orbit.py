@@ -48,6 +48,7 @@ class Orbit(ValueRecord, Viewed):
     admissible: bool
     residual: float  #: |P(x) − x| over the motion's size; 0 in closed form
     corrections: tuple[float, ...]  #: Newton's, as shares of the motion's size; none in closed form
+    monodromy: Array = field(repr=False)  #: derivative of the state after a span by that before, units of velocity
     _multipliers: Callable[[], Complex] = field(compare=False, repr=False)
     _runner: ExactSolver = field(compare=False, repr=False)
 

@@ -30,10 +30,7 @@ class OrbitPoints(NamedTuple):
 def orbit_points(system: ImpactSystem, periods: int, omega: Array, amplitude: Array, gap: Array) -> OrbitPoints:
     """Motions at points (points,) of frequency (rad/s), amplitude of the drive (m) and gap (m)."""
     points = motions(system, periods, omega, amplitude, gap)
-    return _read(system, points, _shares(system, points))
-
-
-def _read(system: ImpactSystem, points: MotionsAt, share: dict[int, Array]) -> OrbitPoints:
+    share = _shares(system, points)
     admissible = np.stack([share[branch] > 0 for branch in (0, 1)], axis=1)
     velocity = np.where(points.roots.impulse < 0, points.roots.velocity, np.nan)
     return OrbitPoints(velocity, admissible, stability(system, points.total, points.roots, admissible))

@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from vibeam.flight.equilibrium import Contacts, equilibrium
-from vibeam.flight.kernels import layout
 from vibeam.periodic.closed_orbits import closed_orbits
-from vibeam.periodic.lift import lifted, response_alone
+from vibeam.periodic.lift import response_alone
 from vibeam.periodic.modal_sums import fault, resonant
+from vibeam.periodic.motion_at import lifted_to, returns, shot
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.shooting import NoOrbit, Reason, shoot
 from vibeam.periodic.stroboscopic import MotionEnded, StroboscopicMap
@@ -20,12 +20,8 @@ from vibeam.system.several_harmonics import SeveralHarmonics
 from vibeam.system.state import State
 from vibeam_models.arguments import count as counted
 from vibeam_models.arguments import number, refuse, require
-from vibeam_models.arrays import Array
 from vibeam_models.laws.mechanics import StopLaw
 
-SETTLE = 300  # drive periods flown before a motion is looked for
-RETURNS, NEAREST = 200, 4  # periods in which a motion is watched for returns, and how many of them are taken
-SETTLED = 1e-4  # share of the motion's size by which a settled one misses itself
 ROUNDS = 4  # in which the equivalent hard stop's R follows the orbit's speed
 DISTINCT = 1e-7  # share of the motion's size by which two motions differ at the same time
 
@@ -79,61 +75,16 @@ def orbits(
         raise NoOrbit(Reason.NO_PERIOD)
     section = StroboscopicMap(own, drive, begin, several=several)
     if start is not None:
-        return (near(section, start, count),)
+        return (shot(section, start, count),)
     return tuple(every(section, count))
-
-
-def near(section: StroboscopicMap, start: State | Orbit, periods: int) -> Orbit:
-    """The motion near a state at the section's time, or near an orbit; NoOrbit without one.
-
-    Near an orbit of the same modes and kind of stop it has the same contacts, near any other contacts if that has some.
-    """
-    if isinstance(start, Orbit):
-        time, state = _lifted(section, start)
-        found = shoot(section.at(time), state, periods)
-        if not _akin(found, start):
-            raise NoOrbit(Reason.LEFT, "", found.corrections)
-        return found
-    try:
-        section, state = section.in_flight(_entered(section, start), periods)
-    except MotionEnded as end:
-        raise NoOrbit(Reason.ENDED, str(end)) from None
-    return shoot(section, state, periods)
-
-
-def _lifted(section: StroboscopicMap, orbit: Orbit) -> tuple[float, State]:
-    """Time, s, and state of the section's system under the contact forces of an orbit."""
-    if section.several is None:
-        return lifted(orbit, section.system)
-    time, state = lifted(orbit, section.several.plain)
-    return time, section.several.joined(state, time)
-
-
-def _entered(section: StroboscopicMap, state: State) -> State:
-    """State of the section's system, of one of the modes at the section's time."""
-    return state if section.several is None else section.several.enter(state, section.time)
-
-
-def _akin(found: Orbit, start: Orbit) -> bool:
-    """Test whether a motion has the contacts of its start, in cyclic order."""
-    own, other = found.system, start.system
-    laws = Contacts.of(own).laws + Contacts.of(other).laws
-    rigid = not any(law.yields for law in laws)  # as a law yields one contact may become two
-    if not rigid or not start.admissible or own.size != other.size:
-        return bool(len(found.times)) == bool(len(start.times))
-    if start.rests or found.rests:  # after impacts whose number is that of the accumulation
-        return start.rests == found.rests
-    turns = [np.roll(found.contacts, k).tolist() for k in range(max(len(found.contacts), 1))]
-    return start.contacts.tolist() in turns
 
 
 def every(section: StroboscopicMap, periods: int) -> Iterator[Orbit]:
     """Distinct motions from all starts, stable ones first, of these the harder impact first."""
     found: list[Orbit] = []
-    for begin, state in _starts(section, periods):
+    for there, state in _starts(section, periods):
         try:
-            moved, there = section.at(begin).in_flight(state, periods)
-            orbit = shoot(moved, there, periods)
+            orbit = shoot(*there.in_flight(state, periods), periods)
         except (NoOrbit, MotionEnded):
             continue
         if not any(_same(section, orbit, other) for other in found):
@@ -156,37 +107,18 @@ def _same(section: StroboscopicMap, orbit: Orbit, other: Orbit) -> bool:
     return False
 
 
-def _starts(section: StroboscopicMap, periods: int) -> Iterator[tuple[float, State]]:
-    """Times, s, and states from which motions are shot at."""
+def _starts(section: StroboscopicMap, periods: int) -> Iterator[tuple[StroboscopicMap, State]]:
+    """Sections and states from which motions are shot at."""
     system = section.system if section.several is None else section.several.plain
     still, alone = equilibrium(system), response_alone(system, section.drive, 0.0)
     for begin in (still, *(_thrown(section, still, sign) for sign in (1, -1))):
-        for state in _returns(section.at(0.0), begin, periods):
-            yield 0.0, state
+        for state in returns(section, section.at(0.0).entered(begin), periods):
+            yield section.at(0.0), state
     if np.isfinite(alone.displacement).all():
-        yield 0.0, alone if section.several is None else section.several.joined(alone)
+        yield section.at(0.0), alone if section.several is None else section.several.joined(alone)
     for side in range(len(Contacts.of(system).gaps)):
         for orbit in _equivalent(system, section.drive, side, periods):
-            yield _lifted(section, orbit)
-
-
-def _returns(section: StroboscopicMap, begin: State, periods: int) -> list[State]:
-    """States of the motion settled on from ``begin`` that come nearest to themselves after ``periods``.
-
-    One of a motion that repeats, the nearest few of another: unstable motions lie beside them.
-    """
-    strobes: list[Array] = []
-    drive, start, hold = section.drive, _entered(section, begin), RETURNS + periods
-    section.runner.steady(
-        [drive.omega], drive.amplitude, start, SETTLE, hold, "contact", layout.OUTPUT_ALONE, None, strobes
-    )
-    rows = (strobes[0].reshape(len(strobes[0]), -1) * section.units)[:, section.unknowns]
-    if len(rows) <= hold:  # the motion ended on the way
-        return []
-    size = max(float(np.linalg.norm(rows, axis=1).max()), np.finfo(float).tiny)
-    apart = np.linalg.norm(rows[periods:] - rows[:-periods], axis=1) / size
-    nearest = np.argsort(apart, kind="stable")[: 1 if apart[-1] < SETTLED else NEAREST]
-    return [State(*strobes[0][k]) for k in nearest]
+            yield lifted_to(section, orbit)
 
 
 def _thrown(section: StroboscopicMap, still: State, sign: int) -> State:

@@ -1,6 +1,6 @@
 """Output over a span of a periodic motion, read-off quantities, and their exact derivatives by parameters.
 
-Without a filter it is the signal of a train with one impact. With a low-pass filter of gain F it is summed from its
+Without a filter it is that of ``orbit_signal``. With a low-pass filter of gain F it is summed from its
 harmonics kΩ/n, which are known in closed form,
 
     u_k = (2p/T) Σ o_i c_i/(ω_i² − ν_k² + 2iσ_iν_k) + (the drive's phasor at k = n),   ν_k = kΩ/n,
@@ -18,9 +18,8 @@ from typing import Any
 import numpy as np
 
 from vibeam.periodic.orbit_derivatives import Struck, contracted, driven, offset_of, struck
+from vibeam.periodic.orbit_signal import OrbitSignal, Sampled, highest, sampled, signal_of
 from vibeam.periodic.tangents import ModalData, Poles, Tangents, green_at
-from vibeam.periodic.train_signal import Sampled, TrainSignal, excited, sampled, signal_of
-from vibeam.periodic.trains import Trains
 from vibeam_models.arrays import Array, Complex
 
 Gain = Callable[[Array], Complex]  # of a filter, at frequencies in Hz
@@ -30,7 +29,7 @@ CLOSE = 1e-9  # share of the span by which the last step moves it: the value is 
 
 
 class OrbitOutput:
-    """Displacement of a row over one span, from the modes' Green's functions (``train_signal``)."""
+    """Displacement of a row over one span, from the modes' Green's functions (``orbit_signal``)."""
 
     def __init__(
         self, data: ModalData, tangents: Tangents, row: Array, by_row: Array, omega: Array, periods: int,
@@ -45,12 +44,13 @@ class OrbitOutput:
         self.known = np.flatnonzero(np.isfinite(found.phase + found.impulse))
 
     @cached_property
-    def signal(self) -> TrainSignal:
+    def signal(self) -> OrbitSignal:
         """Displacement after the impact, of the points with a motion."""
-        phases, impulses = self.found.phase[:, None], self.found.impulse[:, None]
-        trains = Trains(phases, impulses, self.omega, self.data.drive, self.periods).at(self.known)
-        modes = excited(self.data.omega, self.data.zeta, self.data.contact, trains)
-        return signal_of(modes, self.weight, self.driven.value[self.known], self.rest)
+        data, known, found = self.data, self.known, self.found
+        return signal_of(
+            data.omega, data.zeta, self.weight[:, None] * found.impulse[known],
+            self.driven.value[known] * np.exp(1j * found.phase[known]), self.rest, self.omega[known], self.span[known],
+        )  # fmt: skip
 
     @cached_property
     def sampled(self) -> Sampled:
@@ -61,8 +61,7 @@ class OrbitOutput:
         """Largest (sign 1) or smallest (−1) value (points,), and its derivatives (P, points); NaN without a motion."""
         value, times = np.full(len(self.omega), np.nan), np.zeros(len(self.omega))
         if len(self.known):
-            found = self.sampled.highest if sign > 0 else self.sampled.lowest
-            value[self.known], times[self.known] = found
+            value[self.known], times[self.known] = highest(self.sampled, sign)
         return sign * value, self.by(times)
 
     def samples(self, count: int) -> Array:
@@ -71,7 +70,7 @@ class OrbitOutput:
         start = np.vstack([found.weights, -1j * found.drive])
         rates = np.vstack([np.broadcast_to(found.rates[:, None], found.weights.shape), 1j * found.omega])
         turns = np.concatenate(
-            [start[None], np.broadcast_to(np.exp(rates * found.flights / count), (count, *start.shape))]
+            [start[None], np.broadcast_to(np.exp(rates * found.span / count), (count, *start.shape))]
         )
         values[self.known] = found.constant + np.cumprod(turns, axis=0).real.sum(axis=1).T
         return values

@@ -22,6 +22,7 @@ from vibeam_models.arrays import Array
 
 NEWTON = 40  # steps
 LEAST = 1 / 256  # share of a step
+QUADRATIC = 1e-6  # share of the motion's size of a correction whose square is round-off
 LARGEST = 1.0  # step, as a share of the motion's size
 SINGULAR = 0.02  # singular value of DP − 1 below which a fold is near
 FREE = 1 / 3  # the same as a share of that of the modes without contact, where little damping makes that small
@@ -60,14 +61,19 @@ class NoOrbit(ValueError):
         self.reason, self.corrections = reason, corrections
 
 
-def shoot(section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON) -> Orbit:
+def shoot(
+    section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON, *, kept: bool = False
+) -> Orbit:  # fmt: skip
     """The motion near ``state`` at the section's time that repeats after ``periods`` drive periods, not fewer.
 
     Any law, contacts on any side or place, several impacts, rests, stable or not. Its state is taken at the section's
     time or, where that is in a contact, in the middle of the longest flight. NoOrbit with the reason, after so many
-    ``steps`` of Newton's method too.
+    ``steps`` of Newton's method too. ``kept``: it is taken at the section's time wherever that is, is so near that no
+    step is damped, may repeat sooner, and is known to the square of Newton's last correction.
     """
-    fixed = _newton(section, state, periods, steps)
+    fixed = _newton(section, state, periods, steps, QUADRATIC if kept else 0.0)
+    if kept:
+        return orbit_at(section, periods, fixed.state, fixed.flown, fixed.matrix, fixed.corrections)
     free = fixed.flown.segments.trace[:, layout.WHAT] == layout.FREE
     if free.any() and not free[0]:
         section, state = section.in_flight(fixed.state, periods)
@@ -88,14 +94,15 @@ class _Fixed(NamedTuple):
     corrections: tuple[float, ...]
 
 
-def _newton(section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON) -> _Fixed:
+def _newton(section: StroboscopicMap, state: State, periods: int, steps: int = NEWTON, enough: float = 0.0) -> _Fixed:
     try:
         flown = section.flown(state, periods)
     except ArithmeticError as end:
         raise NoOrbit(Reason.ENDED, str(end)) from None
     corrections: list[float] = []
     for _ in range(steps):
-        size = max(section.size(flown), np.finfo(float).tiny)
+        size = float(np.linalg.norm(section.vector(flown.state))) if enough else section.size(flown)
+        size = max(size, np.finfo(float).tiny)
         matrix = _jacobian(section, state, periods, flown, corrections)
         solve = _Solve(matrix)
         apart = _apart(section, state, flown)
@@ -103,11 +110,15 @@ def _newton(section: StroboscopicMap, state: State, periods: int, steps: int = N
         length = float(np.linalg.norm(step)) / size
         last = corrections[-1] if corrections else np.inf
         corrections.append(length)
+        if length < enough:
+            return _Fixed(section.moved(state, -step), flown, matrix, tuple(corrections))
+        if enough and not length <= LARGEST:
+            raise NoOrbit(Reason.DIVERGED, "", tuple(corrections))
         if length <= ROUND_OFF or (length < STALLED and length >= last / 2):
             if np.linalg.norm(apart) > MISSED * size:  # along a direction that no step changes
                 raise NoOrbit(Reason.DRIFTS, "", tuple(corrections))
             return _Fixed(state, flown, matrix, tuple(corrections))
-        taken = _taken(section, state, step, periods, solve, length) if np.isfinite(length) else None
+        taken = _taken(section, state, step, periods, solve, length, enough > 0) if np.isfinite(length) else None
         if taken is None and np.linalg.norm(apart) <= ROUND_OFF * size:  # beside a fold no step makes that smaller
             return _Fixed(state, flown, matrix, tuple(corrections))
         if taken is None:
@@ -138,19 +149,23 @@ def _singular(section: StroboscopicMap, periods: int) -> float:
 
 
 def _taken(
-    section: StroboscopicMap, state: State, step: Array, periods: int, solve: _Solve, length: float
+    section: StroboscopicMap, state: State, step: Array, periods: int, solve: _Solve, length: float, whole: bool
 ) -> tuple[State, Flown] | None:
-    """The state after the largest share of a step that brings it nearer, and its motion; None where none does."""
-    share, whole = min(1.0, LARGEST / length), float(np.linalg.norm(step))
-    while share >= LEAST:
+    """The state after the largest share of a step that brings it nearer, and its motion; None where none does.
+
+    ``whole``: after all of it.
+    """
+    share, before = min(1.0, LARGEST / length), float(np.linalg.norm(step))
+    while share >= (1.0 if whole else LEAST):
         trial = section.moved(state, -share * step)
         try:
             flown = section.flown(trial, periods)
         except ArithmeticError:  # it led beyond the stop
             share /= 2
             continue
-        left = float(np.linalg.norm(solve(_apart(section, trial, flown))))
-        if left <= (1 - share / 2) * whole or (share == 1.0 and length < STALLED):
+        if whole or (share == 1.0 and length < STALLED):
+            return trial, flown
+        if float(np.linalg.norm(solve(_apart(section, trial, flown)))) <= (1 - share / 2) * before:
             return trial, flown
         share /= 2
     return None
@@ -185,7 +200,7 @@ def orbit_at(
         section.system, section.drive, periods, section.time % section.period, state,
         trace[hit, layout.START] + trace[hit, layout.DURATION], trace[hit, layout.BEFORE], sides(trace)[hit],
         int(rests(trace).sum()), bool(np.abs(np.linalg.eigvals(matrix)).max() < 1), True,
-        float(np.linalg.norm(_apart(section, state, flown))) / size, corrections,
+        float(np.linalg.norm(_apart(section, state, flown))) / size, corrections, matrix,
         partial(section.multipliers, flown, matrix), section.runner,
     )  # fmt: skip
 

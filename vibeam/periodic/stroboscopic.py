@@ -139,6 +139,10 @@ class StroboscopicMap:
         moved.time = time % self.period
         return moved
 
+    def entered(self, state: State) -> State:
+        """State of the system, of one of the modes at the section's time."""
+        return state if self.several is None else self.several.enter(state, self.time)
+
     def flown(self, state: State | None, periods: float, begin: float | None = None) -> Flown:
         """Motion over ``periods`` from ``state`` at ``begin`` (None: ``time``); MotionEnded where it fails."""
         pause()
@@ -163,7 +167,7 @@ class StroboscopicMap:
         after = float(trace[longest, layout.START] + lengths[longest] / 2 - begin) / self.period
         there, middle = self.at(begin + after * self.period), self.flown(state, after).state
         if self.several is not None:  # whose oscillators are where the harmonics have them, to the last digit
-            middle = self.several.enter(self.several.leave(middle, there.time), there.time)
+            middle = there.entered(self.several.leave(middle, there.time))
         return there, middle
 
     def vector(self, state: State) -> Array:

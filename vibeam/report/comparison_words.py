@@ -12,6 +12,7 @@ from vibeam.runs.comparison.ends import SweptEnd
 from vibeam.runs.comparison.errors import AmplitudeError, Asked, EndError, KindDifference, ResponseComparison
 
 LEAST, MOST = 1e-4, 10.0  # differences that are not written as numbers: below, above
+SDOF = "sdof"  # mark of one degree of freedom along the static deflection
 NOUNS = {
     "contact begins": "first contact", "contact is lost": "loss of contact", "jump": "jump",
     "motion stops repeating": "end of repetition", "motion repeats": "return of repetition",
@@ -71,7 +72,7 @@ class Subject:
 
 def both_numbers(found: ResponseComparison, units: DisplayUnits) -> str:
     """Both errors: ``amplitudes within 3.3 %, the jump down 0.4 % late (184.1 for 183.4 Hz)``."""
-    parts = [] if found.amplitude is None else [f"amplitudes within {_spread(found.amplitude)}"]
+    parts = [] if found.amplitude is None else [f"amplitudes within {spread(found.amplitude)}"]
     if found.ends:
         first = found.ends[0]
         parts.append(
@@ -81,7 +82,8 @@ def both_numbers(found: ResponseComparison, units: DisplayUnits) -> str:
     return ", ".join(parts) or "no contact in either"
 
 
-def _spread(found: AmplitudeError) -> str:
+def spread(found: AmplitudeError) -> str:
+    """Size of an error of amplitudes, with two standard errors where motions do not repeat."""
     return size(found.error) + (f" ± {size(2 * found.scatter)}" if 0 < found.scatter < inf else "")
 
 

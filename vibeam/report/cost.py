@@ -1,8 +1,8 @@
-"""Error against CPU time as a sheet: the answer, the runs worth a look, all runs."""
+"""Error against CPU time as a sheet: the answer, the runs that no other beats, all runs."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 from math import inf, isfinite, nan
 from shlex import quote
@@ -13,10 +13,11 @@ from rich.text import Text
 from vibeam.case.held import held_of
 from vibeam.case.study_plans import VerdictPlan
 from vibeam.exchange.files import dotted
+from vibeam.report.decision_figures import Decision, ErrorSize, ModelError
 from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank
-from vibeam.report.work_precision import work_precision
 from vibeam.runs.comparison.differences import listed
+from vibeam.runs.comparison.errors import Asked
 from vibeam.system.number_text import percent, shown_in
 
 if TYPE_CHECKING:
@@ -31,32 +32,45 @@ ROUND_OFF, EXACT = 1e-12, 1e-5  # errors that are no larger are none, or nearly 
 
 def sheet(study: CostStudy, case: Case, within: float = VerdictPlan.accuracy) -> StudySheet:
     """Sheet of a study of ``case``; as CSV a row a run, nested values by names with a dot: ``total.rms``."""
+    pictures = list(decision(study, case, within).pictures)
     return StudySheet(
         answer=answer(study, case, within),
-        tables=[chosen(study)],
+        tables=[_runs(study, "Error against CPU time", [study.rows[index] for index in study.front])],
         notes=list(uncertain(study, case)),
         details=list(details(study)),
-        more=[runs(study)],
+        more=[_runs(study, "All runs", study.rows)],
         data={"study": study},
         rows=[dict(dotted(plain(row))) for row in study.rows],
-        draw=lambda: work_precision(study, case),
-        coarse=True,
+        draw=pictures[0].draw if pictures else None,
+        pictures=pictures,
+    )
+
+
+def decision(study: CostStudy, case: Case, within: float) -> Decision:
+    """Content of the picture: the largest error of amplitudes of each run, open where it has no motion somewhere."""
+    sizes = [(row, ErrorSize(abs(row.total.worst), row.found < len(study.frequency))) for row in study.rows]
+    errors = tuple(
+        ModelError(row.fidelity, row.seconds, size, solver=row.solver) for row, size in sizes if size.value >= 0
+    )
+    known, every = {each.solver for each in errors}, dict.fromkeys(row.solver for row in study.rows)
+    left_out = tuple(name for name in every if name not in known)
+    return Decision(
+        case, Asked.of(within), study.finest, errors=errors, reference_seconds=_exact(study), left_out=left_out
     )
 
 
 def answer(study: CostStudy, case: Case, within: float = VerdictPlan.accuracy) -> str:
-    """Sentence on the finest fidelity's time, the cheapest run ``within`` an error, and the finest's other solvers."""
+    """Sentence on the finest fidelity's time and the cheapest run ``within`` an error."""
     exact = _exact(study)
     if not isfinite(exact):
         return f"No run of {study.finest} by flight fits into {study.budget:g} s of CPU time."
     unit, factor = shown_in("s", exact)
-    said = "; ".join(filter(None, [_cheaper(study, within, exact), _other_solvers(study, exact)]))
     points = min((row.total.points for row in study.rows if row.total.points and not row.why), default=0)
     where = f", at the frequencies where motions repeat (at least {points} of {len(study.frequency)})"
     choice = held_of(case.scene)
     kept = f" {'The ' * (choice.coefficient is None)}{choice.label} is prescribed." * (len(case.fidelities) > 1)
     first = f"Exact flight of {study.finest} takes {exact * factor:.2g} {unit} a frequency"
-    return f"{first}; {said}{where * (0 < points < len(study.frequency))}.{kept}"
+    return f"{first}; {_cheaper(study, within, exact)}{where * (0 < points < len(study.frequency))}.{kept}"
 
 
 def _exact(study: CostStudy) -> float:
@@ -102,45 +116,6 @@ def _ratio(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}"
 
 
-def _other_solvers(study: CostStudy, exact: float) -> str:
-    """The cheapest and the dearest of the finest fidelity's other solvers, each at its best; what was given up."""
-    own = [row for row in study.rows if row.fidelity == study.finest and row.solver != "flight"]
-    best = _best(own)
-    ran = sorted((row for row in best if isfinite(_worst(row))), key=_seconds)
-    said = [
-        f"{row.solver} takes {_ratio(_seconds(row) / exact)} times as long and is {_off(row)}"
-        for row in ran[:1] + ran[1:][-1:]
-    ]
-    late = [row for row in best if not row.computed]
-    said += [f"{row.solver} over {_ratio(row.used / exact)} times as long (given up)" for row in late]
-    return ", ".join(said)
-
-
-def _best(rows: Iterable[RunRow]) -> list[RunRow]:
-    """Row of the least error by each solver, of those at most frequencies; where all were given up, the longest."""
-    best: dict[str, RunRow] = {}
-    for row in sorted(rows, key=_rank):
-        best.setdefault(row.solver, row)
-    return list(best.values())
-
-
-def _rank(row: RunRow) -> tuple[bool, int, float, float, float]:
-    own = abs(row.numerical.worst) if isfinite(row.numerical.worst) else inf
-    return not isfinite(own), -row.computed, own, _seconds(row), -row.used
-
-
-def chosen(study: CostStudy) -> ReportTable:
-    """Table of the runs on the Pareto front, and of the best of each solver on any model and on the finest."""
-    own = [row for row in study.rows if row.fidelity == study.finest]
-    kept = [*(study.rows[index] for index in study.front), *_best(study.rows), *_best(own)]
-    return _runs(study, "Error against CPU time", [row for row in study.rows if row in kept])
-
-
-def runs(study: CostStudy) -> ReportTable:
-    """Table of all runs."""
-    return _runs(study, "All runs", study.rows)
-
-
 def _runs(study: CostStudy, title: str, rows: Sequence[RunRow]) -> ReportTable:
     front, exact = [study.rows[index] for index in study.front], _exact(study)
     some = any(row.total.points < len(study.frequency) for row in rows)
@@ -152,7 +127,7 @@ def _runs(study: CostStudy, title: str, rows: Sequence[RunRow]) -> ReportTable:
         f"off, rms: amplitude, largest and root mean square, against {study.finest}, exact; by solver: against its own "
         f"model\n{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods; times: CPU over that of "
         f"{study.finest} by flight; >: given up before one\n"
-        "*: no run that found every motion is both nearer (rms) and cheaper"
+        "*: no run that found every motion is both nearer (rms) and cheaper; all others with -v"
     )
     last = ""
     for row in rows:

@@ -3,37 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import isfinite, isinf, isnan
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from rich.text import Text
 
 from vibeam.case.case import quantity_of
-from vibeam.case.plans import FigurePlan
-from vibeam.figures.units import DisplayUnits, units_of
-from vibeam.report.comparison_words import Subject, both_numbers, gravest, signed
+from vibeam.figures.units import METRIC, DisplayUnits, units_of
+from vibeam.report.comparison_words import Subject, gravest
 from vibeam.report.output import StudySheet
-from vibeam.report.record_studies import CAPTION, FEW, ONE, change_text, value_text
+from vibeam.report.record_studies import CAPTION, FEW, ONE, value_text
 from vibeam.report.tables import ReportTable, blank
+from vibeam.report.variants import (
+    SHORT,
+    change_cell,
+    gravest_number,
+    gravest_of,
+    share,
+    time_text,
+    variant_rows,
+    within_words,
+)
 from vibeam.runs.comparison.differences import listed
-from vibeam.studies.changes import AMPLITUDES, COMPARED, ENDS, KINDS, NumberChange, worst
+from vibeam.studies.changes import COMPARED
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.system.number_text import percent
 from vibeam.system.number_text import signed as by_percent
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from vibeam.studies.effects import EffectRow, Effects, EffectsVariant
 
-SHORT = {ENDS: "ends", KINDS: "other motion", AskedNumber("peak_frequency"): "at"}
 SWEPT = "changes from all effects of {}, ends in frequency; worst: the largest over what is allowed of it"
 NAMED = 2  # largest number of effects whose loss is told in the answer
 DUST = 1e-6  # share of what is allowed that is round-off
-LEAST, MOST = 1e-3, 1e3  # changes over what is allowed: larger ones are drawn at the ends
-USUAL = FigurePlan()
 
 
 def sheet(study: Effects) -> StudySheet:
@@ -49,8 +52,6 @@ def sheet(study: Effects) -> StudySheet:
             "exact": study.exact, "models": study.models, "left_out": study.left_out,
         },
         rows=rows,
-        draw=lambda: bars(study, study.case.figure),
-        coarse=True,
     )  # fmt: skip
 
 
@@ -85,15 +86,10 @@ def _loss(study: Effects, row: EffectRow) -> str:
 
 
 def _gravest(study: Effects, variant: EffectsVariant) -> str:
-    known = [each for each in variant.changes if isfinite(each.allowed) and not isnan(each.share)]
-    if not known:
-        return "no motion runs to its end"
-    top, found = max(known, key=lambda each: each.share), variant.comparison
-    if abs(top.change) <= top.allowed:  # what it is uncertain by alone is beyond that
-        return f"the {top.number} may be {percent(top.size)} off"
-    if found is not None and top.number in COMPARED:
-        return gravest(Subject("the model"), Subject("the whole model"), found, study.asked, _units(study))
-    return f"the {top.number} is {'not there to compare' if isinf(top.change) else signed(top.change)}"
+    found, top = variant.comparison, gravest_of(variant)
+    if top is None or found is None or top.number not in COMPARED or abs(top.change) <= top.allowed:
+        return gravest_number(variant)
+    return gravest(Subject("the model"), Subject("the whole model"), found, study.asked, _units(study))
 
 
 def _rest(study: Effects) -> str:
@@ -101,9 +97,9 @@ def _rest(study: Effects) -> str:
     if study.enough.worst <= DUST:
         return "nothing changes"
     found = study.enough.comparison
-    if found is not None and (found.amplitude is not None or found.ends):
-        return both_numbers(found, _units(study))
-    return f"the peak{'s stay' if found is None else ' stays'} within {percent(worst(study.enough.changes))}"
+    if found is not None and found.amplitude is None and not found.ends:
+        return f"the peak stays within {percent(study.enough.worst * study.asked.amplitude)}"
+    return within_words(study.enough, study.asked, METRIC if found is None else _units(study))
 
 
 def _units(study: Effects) -> DisplayUnits:
@@ -136,7 +132,7 @@ def table(study: Effects) -> ReportTable:
     if study.case.record is not None:
         made.caption = CAPTION.format(f"all effects of {study.fidelity}")
     own = ["" if each in COMPARED else _value(study, each) for each in numbers]
-    made.add_row("nothing", "", "", *own, "", "", str(study.whole.modes), _time(float(study.whole.seconds.sum())))
+    made.add_row("nothing", "", "", *own, "", "", str(study.whole.modes), time_text(float(study.whole.seconds.sum())))
     made.add_section()
     for row in study.rows:
         made.add_row(row.effect, *_cells(row, numbers))
@@ -147,27 +143,10 @@ def _cells(row: EffectRow, numbers: Sequence[AskedNumber]) -> Iterator[str | Tex
     yield Text("needed", style="bold") if row.needed else Text("not needed", style="green")
     yield share(row.without.worst)
     found = {each.number: each for each in row.without.changes}
-    yield from (_change(found[each]) if each in found else "–" for each in numbers)
+    yield from (change_cell(found[each]) if each in found else "–" for each in numbers)
     yield "" if isnan(row.other_peak) else by_percent(row.other_peak)
     yield share(row.alone.worst)
-    yield from ("–", "–") if row.without.why else (str(row.without.modes), _time(row.without.seconds))
-
-
-def _change(change: NumberChange) -> str:
-    """A change in a cell; of ends and kinds it is known to a thousandth."""
-    if change.number not in COMPARED:
-        return change_text(change)
-    scatter = f" ± {percent(2 * change.error)}" if change.number == AMPLITUDES and change.error else ""
-    return f"{by_percent(change.change)}{scatter}"
-
-
-def _time(seconds: float) -> str:
-    return f"{1e3 * seconds:.3g} ms"
-
-
-def share(value: float) -> str:
-    """Change over what is allowed, as text."""
-    return "∞" if isinf(value) else f"{value:.3g}" if value > LEAST else "0"
+    yield from ("–", "–") if row.without.why else (str(row.without.modes), time_text(row.without.seconds))
 
 
 def notes(study: Effects) -> Iterator[str]:
@@ -203,46 +182,8 @@ def details(study: Effects) -> Iterator[str]:
 
 
 def lines(study: Effects) -> Iterator[dict[str, Any]]:
-    """Rows of every model and number; missing values are empty, with their reason."""
-    for row in study.rows:
-        for name, variant in (("without", row.without), ("alone", row.alone)):
-            yield from _rows(row.effect, name, variant)
-    yield from _rows("", "needed", study.enough)
-
-
-def _rows(effect: str, model: str, variant: EffectsVariant) -> Iterator[dict[str, Any]]:
-    head = {"effect": effect, "model": model, "effects": " ".join(variant.kept), "modes": variant.modes,
-            "cpu_seconds": "" if isnan(variant.seconds) else variant.seconds}  # fmt: skip
-    if not variant.changes:
-        yield head | {"why": variant.why}
-    for each in variant.changes:
-        values = {"mean": each.mean, "change": each.change, "error": each.error, "allowed": each.allowed}
-        known = {name: value if isfinite(value) else "" for name, value in values.items()}
-        yield head | {"number": str(each.number)} | known | {"share": each.share, "why": variant.why}
-
-
-def bars(study: Effects, plan: FigurePlan = USUAL) -> Figure:
-    """Bar chart: change of each number that decides, over what is allowed of it, without one effect."""
-    from vibeam.figures.page import blank_page, legend, titled
-    from vibeam.figures.style import COLOURS
-
-    numbers = [each.number for each in study.enough.changes if isfinite(each.allowed)]
-    count, thick = len(study.rows), 1 / (len(numbers) + 1)
-    figure = blank_page((6.4, 1.5 + 0.12 * count * (len(numbers) + 1)), plan)
-    axes = figure.subplots()
-    for index, number in enumerate(numbers):
-        known = [{each.number: each.share for each in row.without.changes}.get(number, MOST) for row in study.rows]
-        lengths = np.clip(np.nan_to_num(known, posinf=MOST), LEAST, MOST) - LEAST
-        places = np.arange(count) + (index - (len(numbers) - 1) / 2) * thick
-        axes.barh(places, lengths, thick, left=LEAST, color=COLOURS[index % len(COLOURS)], label=str(number))
-    axes.set_xscale("log")
-    axes.set_xlim(LEAST, MOST)
-    axes.axvline(1.0, color="0.2", linewidth=0.8, linestyle=(0, (4, 2)))
-    axes.set_yticks(
-        range(count), [f"{each.effect}\n{'needed' if each.needed else 'not needed'}" for each in study.rows]
-    )
-    axes.invert_yaxis()
-    axes.set_xlabel("change without it, over what is allowed")
-    titled(figure, plan, study.case.title, "what changes without each effect")
-    legend(figure, axes.get_legend_handles_labels()[0])
-    return figure
+    """Rows of every model and number."""
+    models = [(row.effect, name, each) for row in study.rows
+              for name, each in (("without", row.without), ("alone", row.alone))]  # fmt: skip
+    for effect, model, variant in [*models, ("", "needed", study.enough)]:
+        yield from variant_rows(variant, effect=effect, model=model, effects=" ".join(variant.kept))

@@ -11,6 +11,8 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
 from vibeam.figures.files import all_current, figure_files, paths_of, shown_paths, stamp
 from vibeam.figures.sheet import Comparison, module_of, named_of
+from vibeam.report.output import SheetPicture
+from vibeam.report.run_report import run_decisions
 from vibeam.system.labelled import Viewed
 from vibeam.system.response import Branches, FrequencyResponse
 
@@ -21,9 +23,10 @@ if TYPE_CHECKING:
 def write_figures(result: Any, path: Path) -> list[Path]:
     """Draw all figures of a case beside its results file ``path``, unless they are there; return their files.
 
-    Its own: of a sweep the curves over frequency, of a record the histories.
+    Its own: of a sweep the curves over frequency and its fidelities over each other, of a record the histories.
     """
-    files, mark = figure_files(path, result.case), stamp(path, result.case)
+    files, mark, pictures = figure_files(path, result.case), stamp(path, result.case), _decisive(result, path)
+    files += [file for _, own in pictures for file in own]
     if not all_current(files, mark):
         from vibeam.figures.page import write_page
         from vibeam.figures.response_curve import write_frc
@@ -35,8 +38,18 @@ def write_figures(result: Any, path: Path) -> list[Path]:
             write_page(partial(record_figure, result), own, mark=mark)
         else:
             write_frc(result, *own, mark=mark)
+        for each, own in pictures:
+            write_page(each.draw, own, mark=mark)
         write_shown(result, path, mark)
     return files
+
+
+def _decisive(result: Any, path: Path) -> list[tuple[SheetPicture, list[Path]]]:
+    """Pictures of fidelities over each other and of their errors, with their files ``STEM_errors``."""
+    if result.case.record is not None or len(result) < 2 or "errors" in result.case.shows:
+        return []
+    stem, plan = path.with_name(f"{path.stem}_errors.x"), result.case.figure
+    return [(each, each.files(stem, plan)) for found in run_decisions(result)[:1] for each in found.pictures]
 
 
 def write_shown(result: Comparison, path: Path, mark: str | None = None) -> list[Path]:

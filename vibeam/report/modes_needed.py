@@ -7,17 +7,21 @@ from collections.abc import Iterator
 from vibeam.case.case import Case
 from vibeam.case.held import held_of
 from vibeam.case.study_plans import ModesNeededPlan
-from vibeam.figures.units import DisplayUnits, units_of
-from vibeam.report.comparison_words import Subject, both_numbers, cells, gravest, open_points
-from vibeam.report.modes_figure import every, modes_figure
+from vibeam.figures.units import METRIC, DisplayUnits, units_of
+from vibeam.report.comparison_words import SDOF, Subject, both_numbers, cells, gravest, open_points
+from vibeam.report.decision_figures import Decision, ModelError
 from vibeam.report.output import StudySheet
-from vibeam.report.run_answer import beyond
+from vibeam.report.record_studies import CAPTION, FEW, ONE
+from vibeam.report.run_answer import beyond, own_miss, own_words
 from vibeam.report.tables import ReportTable, blank
-from vibeam.runs.comparison.errors import FIFTH, GIVEN
+from vibeam.report.variants import change_cell, gravest_number, time_text, variant_rows, within_words
+from vibeam.runs.comparison.errors import GIVEN
 from vibeam.studies.modes_needed import ModesNeeded, ModesTried, modes_needed
 from vibeam.system.number_text import begun, modes_in_words, percent
+from vibeam_models.arguments import counted
 
 SINGLE = Subject("one degree of freedom")
+SHOWN = ("plan", "modes", "size", "rows", "single", "own", "realisations", "left_out")  # as JSON
 QUICK, SECONDS = 7, 0.4  # frequencies and CPU seconds of the first answer
 REFINE = "refine the mesh (beam.elements)"
 
@@ -39,19 +43,20 @@ def answer(found: ModesNeeded) -> str:
     """Answer in one or a few sentences."""
     within, own, units = percent(found.asked.amplitude), found.own.suffices(found.asked), _units(found)
     row, whole = found.enough, Subject(every(found), found.modes > 1)
-    if own is False and found.own.comparison is not None:
-        clause = gravest(whole, beyond(found.own), found.own.comparison, found.asked, units)
-        beside = "" if beyond(found.own).name in clause else f" beside {beyond(found.own).name}"
+    if own is False:
+        clause = own_miss(whole, found.own, found.asked, units)
         cure = f"; {REFINE}" if found.own.elements and found.modes == found.size else ""
-        said = f"No number of modes suffices for {within}: {clause}{beside}{cure}."
-    elif row is not None and row.comparison is not None:
-        who, numbers = _subject(row), both_numbers(row.comparison, units)
+        said = f"No number of modes suffices for {within}: {clause}{cure}."
+    elif row is not None:
+        who, numbers = _subject(row), within_words(row, found.asked, units)
         known = own or found.own.why == GIVEN
         verb = who.does("suffice") + f" for {within}" if known else f"{who.is_} within {within} of {whole.name}"
         said = f"{begun(who.name)} {verb}: {numbers}" + (f", beside {whole.name}." if known else ".")
     else:
         said = f"{begun(_more(found))}{_missing(found, units)}."
-    return " ".join(filter(None, [said, _single(found, units), _reference(found, units), f"{_held(found)} is held."]))
+    left = f"{counted(found.left_out, 'realisation')} left out over the budget." if found.left_out else ""
+    held, reference = f"{_held(found)} is held.", own_words(whole, found.own, found.asked, units)
+    return " ".join(filter(None, [said, _single(found, units), begun(reference), held, left]))
 
 
 def _held(found: ModesNeeded) -> str:
@@ -60,7 +65,7 @@ def _held(found: ModesNeeded) -> str:
 
 
 def _units(found: ModesNeeded) -> DisplayUnits:
-    return units_of(found.case)
+    return units_of(found.case) if found.case.record is None else METRIC
 
 
 def _subject(row: ModesTried) -> Subject:
@@ -79,16 +84,14 @@ def _more(found: ModesNeeded) -> str:
 
 def _missing(found: ModesNeeded, units: DisplayUnits) -> str:
     """Clause on what the largest number of modes misses."""
-    rows = [row for row in found.rows if row.comparison is not None]
-    if not rows or rows[-1].comparison is None:
+    last = next((row for row in reversed(found.rows) if row.changes), None)
+    if last is None or last.suffices(found.asked):
         return ""
-    last, whole = rows[-1], Subject(every(found), True)
-    assert last.comparison is not None
+    if last.comparison is None:
+        return f": of {modes_in_words(last.modes)} {gravest_number(last)}"
     if last.suffices(found.asked) is None:
         return f"; {modes_in_words(last.modes)} may ({open_points(last.comparison, found.asked, units)})"
-    if last.suffices(found.asked):
-        return ""
-    return f": {gravest(_subject(last), whole, last.comparison, found.asked, units)}"
+    return f": {gravest(_subject(last), Subject(every(found), True), last.comparison, found.asked, units)}"
 
 
 def _single(found: ModesNeeded, units: DisplayUnits) -> str:
@@ -99,34 +102,52 @@ def _single(found: ModesNeeded, units: DisplayUnits) -> str:
     return f"{begun(gravest(SINGLE, Subject(every(found), True), row.comparison, found.asked, units))}."
 
 
-def _reference(found: ModesNeeded, units: DisplayUnits) -> str:
-    """Sentence on the error of the reference where it counts, or is not known."""
-    own, whole = found.own, every(found)
-    are = "is" if found.modes == 1 else "are"
-    if own.why == GIVEN:
-        return f"What further modes would change is not known: {GIVEN}."
-    if own.why:
-        return f"How far {whole} {are} off is not known ({own.why})."
-    if own.comparison is None or own.suffices(found.asked) is False:
-        return ""
-    if own.suffices(found.asked) is None:
-        return f"Whether {whole} suffice is open: {open_points(own.comparison, found.asked, units)}."
-    if own.comparison.worst(found.asked) <= FIFTH:
-        return ""
-    return f"{begun(whole)} {are} off as well: {both_numbers(own.comparison, units)}, beside {beyond(own).name}."
-
-
 def sheet(found: ModesNeeded) -> StudySheet:
-    """Sheet of a study; as CSV a row for each number of modes."""
+    """Sheet of a study; as CSV a row for each number of modes, under a record for each of its numbers."""
+    recorded = found.case.record is not None
+    pictures = [] if recorded else list(decision(found).pictures)
     return StudySheet(
         answer(found),
         [_table(found)],
         list(_notes(found)),
-        data={name: getattr(found, name) for name in ("plan", "modes", "size", "rows", "single", "own")}
+        data={name: getattr(found, name) for name in SHOWN}
         | {"enough": None if found.enough is None else found.enough.modes},
-        rows=[_numbers(row) for row in _all_rows(found)],
-        draw=lambda: modes_figure(found),
-    )
+        rows=[each for row in found.rows for each in variant_rows(row)] if recorded
+        else [_numbers(row) for row in _all_rows(found)],
+        draw=pictures[0].draw if pictures else None,
+        pictures=pictures,
+    )  # fmt: skip
+
+
+def every(found: ModesNeeded) -> str:
+    """All modes, or those that stand for them."""
+    return f"{'all ' * (found.modes == found.size > 1)}{modes_in_words(found.modes)}"
+
+
+def decision(found: ModesNeeded) -> Decision:
+    """Content of the pictures: the number that is enough and the next fewer over the reference; all errors."""
+    whole = every(found)
+    swept = {each.modes for each in found.rows} | {each.modes for each in found.curves}
+    names = {modes: modes_in_words(modes) for modes in swept} | {found.modes: whole}
+    curves = {(names[each.modes], each.direction): (each.frequency, each.amplitude) for each in found.curves}
+    known = {row.modes: row.comparison for row in found.rows if row.comparison is not None}
+    shown = {names[each.modes]: known[each.modes] for each in found.curves if each.modes in known}
+    return Decision(
+        found.case, found.asked, whole, curves, shown, tuple(_errors(found)), found.seconds,
+        tuple(names[row.modes] for row in found.rows if row.comparison is None),
+    )  # fmt: skip
+
+
+def _errors(found: ModesNeeded) -> Iterator[ModelError]:
+    """Errors of all models that were compared, of the reference beside a fuller one."""
+    for row in _all_rows(found):
+        if row.comparison is not None:
+            mark = SDOF if row is found.single else str(row.modes)
+            yield ModelError.of(mark, row.comparison, found.asked, row.seconds, mark)
+    if found.own.comparison is not None:
+        yield ModelError.of(
+            every(found), found.own.comparison, found.asked, found.seconds, str(found.modes), beyond=True
+        )
 
 
 def _all_rows(found: ModesNeeded) -> list[ModesTried]:
@@ -144,23 +165,30 @@ def _numbers(row: ModesTried) -> dict[str, object]:
 
 
 def _table(found: ModesNeeded) -> ReportTable:
-    table = blank(f"Errors against {every(found)}", "model", "amplitudes|", "ends|", "kinds|", "suffices|")
+    recorded = found.case.record is not None
+    heads = [str(each.number) for each in found.rows[0].changes] if recorded else ["amplitudes", "ends", "kinds"]
+    table = blank(f"Errors against {every(found)}", "model", *(f"{each}|" for each in heads), "suffices|")
+    table.add("CPU|", detail=True)
     words = {True: "yes", False: "no", None: "may"}
     for row in _all_rows(found):
         name = "sdof" if row.reduction == "static_mode" else f"modes {row.modes}"
-        table.add_row(name, *cells(row.comparison), "–" if row.why else words[row.suffices(found.asked)])
+        numbers = map(change_cell, row.changes) if recorded else cells(row.comparison)
+        table.add_row(name, *numbers, "–" if row.why else words[row.suffices(found.asked)], time_text(row.seconds))
     if found.own.comparison is not None:
         own = tuple(f"[{each}]" for each in cells(found.own.comparison))
-        table.add_row(f"modes {found.modes}", *own, words[found.own.suffices(found.asked)])
-    table.caption = (
+        suffices = words[found.own.suffices(found.asked)]
+        table.add_row(f"modes {found.modes}", *own, suffices, time_text(found.seconds))
+    table.caption = CAPTION.format(f"{modes_in_words(found.modes)} of {found.own.fidelity}") if recorded else (
         f"sdof: along the static deflection at the contact; {found.frequencies} frequencies, ends of branches between\n"
         "kinds: width in which the motion is another"
-    ) + f"; [ ]: against {beyond(found.own).name}" * (found.own.comparison is not None)
+    ) + f"; [ ]: against {beyond(found.own).name}" * (found.own.comparison is not None)  # fmt: skip
     return table
 
 
 def _notes(found: ModesNeeded) -> Iterator[str]:
-    if found.modes < found.size:
+    if found.case.record is not None:
+        yield FEW if found.realisations > 1 else ONE
+    elif found.modes < found.size:
         yield f"{found.modes} of {found.size} modes stand for all; vibeam verdict --only modes --budget allows more"
     reasons: dict[str, list[str]] = {}
     for row in found.rows:

@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from vibeam.report.tables import ReportTable
 
 
-COARSE = 160  # dots an inch
-
-
 def to_json(value: Any) -> str:
     """Value as JSON; NaN and ∞ become null."""
     return json.dumps(plain(value), ensure_ascii=False, indent=2, allow_nan=False)
@@ -56,8 +53,23 @@ def plain(value: Any) -> Any:
 
 
 def _names(kind: type[Any]) -> list[str]:
-    properties = [name for name, member in vars(kind).items() if isinstance(member, property)]
+    bases = [each for each in kind.__mro__ if is_dataclass(each)]
+    properties = [name for each in bases for name, member in vars(each).items() if isinstance(member, property)]
     return [each.name for each in fields(kind)] + properties
+
+
+@dataclass(frozen=True)
+class SheetPicture:
+    """Picture of a sheet by a ``name``, what it shows in ``words``, what makes it; ``ending``: of its file's stem."""
+
+    name: str
+    words: str
+    draw: Callable[[], Figure]
+    ending: str = ""
+
+    def files(self, stem: Path, plan: FigurePlan) -> list[Path]:
+        """Files of the picture beside ``stem``."""
+        return paths_of(stem.with_name(f"{stem.stem}{self.ending}.x"), plan)
 
 
 @dataclass(frozen=True)
@@ -65,8 +77,8 @@ class StudySheet:
     """Answer of a study in one sentence, its ``tables``, and ``notes``: what is uncertain, each with what to do.
 
     ``more`` tables and ``details``, sentences, are shown on the page and with ``-v`` alone. ``data`` for JSON; ``rows``
-    of the CSV file: mappings, or records of one dataclass; ``draw`` makes the figure, a ``coarse`` one with fewer dots
-    an inch; ``page`` makes a page of its own; ``study``: by which its files are named, where not by the command.
+    of the CSV file: mappings, or records of one dataclass; ``draw`` makes the figure; ``pictures``: those of a page in
+    its place; ``page`` makes a page of its own; ``study``: by which its files are named, where not by the command.
     """
 
     answer: str
@@ -77,17 +89,19 @@ class StudySheet:
     data: Mapping[str, Any] = field(default_factory=dict)
     rows: Sequence[Any] = ()
     draw: Callable[[], Figure] | None = None
-    coarse: bool = False
+    pictures: Sequence[SheetPicture] = ()
     page: Callable[[], str] | None = None
     study: str = ""
 
     def write(self, table: Path, plan: FigurePlan) -> list[Path]:
         """Write the rows to ``table``, the figure beside it as ``plan`` says, and the page; return the files."""
-        figures = paths_of(table, plan) if self.draw is not None else []
-        if self.draw is not None:
-            from vibeam.figures.page import DOTS, write_page
+        figures: list[Path] = []
+        alone = [SheetPicture("", "", self.draw)] if self.draw is not None else []
+        for each in self.pictures or alone:
+            from vibeam.figures.page import write_page
 
-            write_page(self.draw, figures, dots=COARSE if self.coarse else DOTS)
+            figures += (own := each.files(table, plan))
+            write_page(each.draw, own)
         write_csv(self.rows, table)
         if self.page is None:
             return [table, *figures]

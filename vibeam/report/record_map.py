@@ -11,13 +11,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibeam.case.grid_keys import AxisPlan
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import looks_of, name_of
 from vibeam.maps.axes import name_of_key
 from vibeam.report.output import StudySheet
 from vibeam.report.record_studies import FEW, ONE, unit_of_number, value_text
 from vibeam.report.tables import blank
-from vibeam.studies.record.plane import RecordAxis, RecordMap
+from vibeam.studies.record.plane import RecordMap
 from vibeam.system.number_text import begun, shown_in, with_unit
 from vibeam_models.arguments import counted
 
@@ -83,7 +84,7 @@ def figure(found: RecordMap) -> Figure:
     return made
 
 
-def _scaled(found: RecordMap, axis: RecordAxis) -> tuple[np.ndarray[Any, Any], str]:
+def _scaled(found: RecordMap, axis: AxisPlan) -> tuple[np.ndarray[Any, Any], str]:
     unit, factor = shown_in(axis.unit, *axis.values)
     name = begun(name_of_key(found.case, axis.key))
     return np.array(axis.values) * factor, f"{name} ({unit})" if unit else name

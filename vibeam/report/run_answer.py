@@ -117,8 +117,10 @@ def _verdict(group: PhysicsGroup, asked: Asked, units: DisplayUnits) -> str:
     may = [f"{group.subject(row).name} may suffice ({_open(group, row, asked, units)})"
            for row in less if known[row.fidelity] is None and not enough]  # fmt: skip
     top = group.subject(group.finest)
+    reference = group.begun(own_words(top, group.own, asked, units))
     if own is False:
-        said = f"No fidelity suffices for {within}: {_own_miss(group, asked, units)}."
+        finest = Subject(f"{top.name}, the finest,", top.plural)
+        said = f"No fidelity suffices for {within}: {own_miss(finest, group.own, asked, units)}."
         return " ".join(filter(None, [said, _ended(group, [*may, *misses])]))
     if enough:
         who, numbers = group.subject(enough[0]), _numbers(group, enough[0], units)
@@ -126,12 +128,11 @@ def _verdict(group: PhysicsGroup, asked: Asked, units: DisplayUnits) -> str:
             said = f"{group.begun(who.name)} {who.does('suffice')} for {within}: {numbers}."
         else:
             said = f"{group.begun(who.name)} {who.is_} within {within} of {top.name}: {numbers}."
-            said += f" {_not_known(group, asked, units)}"
-        return " ".join(filter(None, [said, _own_share(group, asked, units) if own else "", _ended(group, misses)]))
+        return " ".join(filter(None, [said, reference, _ended(group, misses)]))
     if own:
         said = f"{group.begun(top.name)} {top.does('suffice')} for {within}{_own_numbers(group, units)}."
     else:
-        said = f"No other fidelity is known to be within {within} of {top.name}. {_not_known(group, asked, units)}"
+        said = f"No other fidelity is known to be within {within} of {top.name}. {reference}"
     return " ".join(filter(None, [said, _ended(group, [*may, *misses])]))
 
 
@@ -168,14 +169,26 @@ def beyond(own: ComparedFidelity) -> Subject:
     return Subject(f"{modes_in_words(own.modes)}{mesh}", own.modes > 1)
 
 
-def _own_miss(group: PhysicsGroup, asked: Asked, units: DisplayUnits) -> str:
-    """Clause on a finest fidelity that is itself further off than is asked."""
-    found = group.own.comparison
-    assert found is not None  # it does not suffice
-    top = group.subject(group.finest)
-    fuller = beyond(group.own)
-    clause = gravest(Subject(f"{top.name}, the finest,", top.plural), fuller, found, asked, units)
-    return clause if fuller.name in clause else f"{clause} beside {fuller.name}"
+def own_miss(who: Subject, own: ComparedFidelity, asked: Asked, units: DisplayUnits) -> str:
+    """Clause on a model that is itself further off a fuller one than is asked."""
+    assert own.comparison is not None  # it does not suffice
+    clause, fuller = gravest(who, beyond(own), own.comparison, asked, units), beyond(own).name
+    return clause if fuller in clause else f"{clause} beside {fuller}"
+
+
+def own_words(who: Subject, own: ComparedFidelity, asked: Asked, units: DisplayUnits) -> str:
+    """Sentence on the own error of a reference that is more than a fifth of what is asked, or not known; else empty."""
+    found, enough = own.comparison, own.suffices(asked)
+    if own.why == GIVEN:
+        return f"What further modes would change is not known: {GIVEN}."
+    if found is None:
+        return "" if own.whole else f"How far {who.name} {who.is_} off is not known{f' ({own.why})' * bool(own.why)}."
+    if enough is None:
+        fuller = beyond(own).name
+        return f"Whether {who.name} {who.does('suffice')} is open beside {fuller}: {open_points(found, asked, units)}."
+    if not enough or found.worst(asked) <= FIFTH:
+        return ""
+    return f"{who.name}, the reference, {who.is_} off as well: {both_numbers(found, units)}, beside {beyond(own).name}."
 
 
 def _own_numbers(group: PhysicsGroup, units: DisplayUnits) -> str:
@@ -184,28 +197,6 @@ def _own_numbers(group: PhysicsGroup, units: DisplayUnits) -> str:
     if found is None:
         return " (all that the case gives)"
     return f" ({both_numbers(found, units)}, beside {beyond(group.own).name})"
-
-
-def _own_share(group: PhysicsGroup, asked: Asked, units: DisplayUnits) -> str:
-    """Sentence on the error of the finest where it is more than a fifth of what is asked; else empty."""
-    found = group.own.comparison
-    if found is None or found.worst(asked) <= FIFTH:
-        return ""
-    top = group.subject(group.finest)
-    return f"{group.begun(top.name)}, the reference, {top.is_} off as well: {both_numbers(found, units)}, beside " + (
-        f"{beyond(group.own).name}."
-    )
-
-
-def _not_known(group: PhysicsGroup, asked: Asked, units: DisplayUnits) -> str:
-    """Sentence on the finest whose own error is not known."""
-    top, why, found = group.subject(group.finest), group.own.why, group.own.comparison
-    if found is not None:
-        fuller = beyond(group.own).name
-        return f"Whether {top.name} {top.does('suffice')} is open beside {fuller}: {open_points(found, asked, units)}."
-    if why == GIVEN:
-        return f"What further modes would change is not known: {why}."
-    return f"How far {top.name} {top.is_} off is not known" + (f" ({why})." if why else ".")
 
 
 def _held(compared: Sequence[HeldComparison]) -> str:
@@ -251,9 +242,7 @@ def _alone(result: Result, row: Summary, units: DisplayUnits) -> str:
             return f"{of} may suffice for {within}: {open_points(found, asked, units)}, beside {beyond(own).name}."
         if state:
             return f"{of} suffices for {within}: {both_numbers(found, units)}, beside {beyond(own).name}."
-        clause = gravest(who, beyond(own), found, asked, units)
-        beside = "" if beyond(own).name in clause else f" beside {beyond(own).name}"
-        return f"{clause}{beside}: it does not suffice for {within}."
+        return f"{own_miss(who, own, asked, units)}: it does not suffice for {within}."
     peak = f"{units.lengths(row.peak.amplitude)} at {units.frequencies(row.peak.frequency)}"
     known = "all that the case gives, computed exactly" if own.whole else "alone, and how far it is off is not known"
     return f"{of} is {known}; its peak is {peak}."

@@ -1,4 +1,4 @@
-"""Report of a run: answer, table of its fidelities, what is uncertain; the same on the terminal and the page."""
+"""Report of a run: answer, table of its fidelities, what is uncertain, what its pictures that decide show."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from rich.text import Text
 
 from vibeam.figures.units import METRIC, DisplayUnits, units_for
 from vibeam.report.comparison_words import cells
+from vibeam.report.decision_figures import Decision, ModelError
 from vibeam.report.output import StudySheet
-from vibeam.report.run_answer import beyond, run_answer
+from vibeam.report.run_answer import PhysicsGroup, beyond, groups_of, run_answer
 from vibeam.report.tables import ARROWS, ReportTable, blank, coefficient, plain
 from vibeam.runs.comparison.differences import HeldComparison, doubts, listed, settled
-from vibeam.runs.comparison.errors import ComparedFidelity
+from vibeam.runs.comparison.errors import Asked, ComparedFidelity, ResponseComparison
 from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare, remarks
 from vibeam.system.curves import NAN
@@ -21,6 +22,7 @@ from vibeam.system.number_text import percent, signed, without_round_off
 
 FEW_IMPACTS = 100  # so few tell nothing of what an impact costs
 NOTES = 5
+GROUPS = 3  # groups of one physics that are drawn
 MARK = "*"  # of a peak at which the motion does not repeat
 
 
@@ -41,6 +43,7 @@ def run_report(result: Result) -> StudySheet:
         [*uncertain[NOTES:], *certain, *_not_compared(compared.values())],
         [details(rows, units, result.comparisons)],
         _data(result, rows),
+        pictures=[picture for each in run_decisions(result) for picture in each.pictures],
     )
 
 
@@ -147,3 +150,42 @@ def _off(row: Summary, other: Mapping[str, float]) -> tuple[str, ...]:
         return ("",) * (2 + bool(other))
     peak, rms = (without_round_off(each, 1.0) for each in (row.distance.peak, row.distance.rms))
     return signed(peak), *[signed(other.get(row.fidelity, NAN))] * bool(other), percent(rms)
+
+
+def run_decisions(result: Result) -> list[Decision]:
+    """Content of the pictures of a result, for each group of fidelities of one physics; none of one fidelity alone."""
+    groups = groups_of(result, compare(result))[:GROUPS]
+    return [_of_group(result, each, f", {each.finest.fidelity}" * (len(groups) > 1)) for each in groups]
+
+
+def _of_group(result: Result, group: PhysicsGroup, name: str) -> Decision:
+    asked, top = result.asked, group.finest.fidelity
+    known = {name: each.comparison for name, each in group.compared.items() if each.comparison is not None}
+    shown = [row.fidelity for row in recommended(group, known, asked)]
+    curves = {(name, way): (each.frequency, each.amplitude)
+              for name in [top, *shown] for way, each in result[name].items()}  # fmt: skip
+    times = {row.fidelity: _seconds(result, row) for row in (*group.others, group.finest)}
+    errors = tuple(
+        ModelError.of(name, known[name], asked, each, name, name == top)
+        for name, each in times.items()
+        if name in known
+    )
+    return Decision(
+        result.case, asked, top, curves, {each: known[each] for each in shown},
+        errors if len(group.others) > 1 else (), times[top],
+        tuple(row.fidelity for row in group.others if row.fidelity not in known), name,
+    )  # fmt: skip
+
+
+def recommended(group: PhysicsGroup, known: Mapping[str, ResponseComparison], asked: Asked) -> list[Summary]:
+    """The cheapest fidelity that suffices, else the closest to the finest, and the next one with fewer modes."""
+    rows = [row for row in group.others if row.fidelity in known]
+    less = [row for row in rows if group.is_less(row)] or rows
+    enough = [row for row in less if known[row.fidelity].suffices(asked)]
+    best = enough[:1] or sorted(less, key=lambda row: known[row.fidelity].worst(asked))[:1]
+    return [*best, *[row for row in less if row.modes < best[0].modes][-1:]]
+
+
+def _seconds(result: Result, row: Summary) -> float:
+    """CPU time of a point."""
+    return row.cpu_seconds / max(sum(len(each) for _, each in result[row.fidelity].items()), 1)

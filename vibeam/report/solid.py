@@ -1,156 +1,136 @@
-"""Verdict of the solid on the beam, as a sheet: whether the beam is enough, and a line for each step to the solid."""
+"""Verdict of the solid on the beam, as a sheet: whether the beam suffices, the errors of each model up to the solid."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from math import ceil, isfinite, nan
+from collections.abc import Iterator
+from math import ceil, isfinite
 from shlex import quote
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from vibeam.case.fidelity import Fidelity
+from vibeam.case.held import Held, held_of
+from vibeam.figures.units import units_of
+from vibeam.report.comparison_words import Subject, both_numbers, gravest, open_points, signed, size
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank, coefficient, shown
+from vibeam.report.variants import SHORT, change_cell, time_text, variant_rows
 from vibeam.runs.comparison.differences import listed
-from vibeam.studies.solid.model import FIRST, LadderModel
-from vibeam.studies.solid.steps import LESS_TORSION, beam_of, solid_of
-from vibeam.studies.solid.study import JUDGED, QUANTITIES, SolidVerdict, StepChange
-from vibeam.system.number_text import WORDS, begun, percent, signed
+from vibeam.studies.changes import COMPARED
+from vibeam.studies.recorded_numbers import AskedNumber
+from vibeam.studies.solid.steps import LESS_TORSION, solid_of
+from vibeam.studies.solid.study import FREQUENCIES, QUANTITIES, SAFE, SolidVariant, SolidVerdict
+from vibeam.system.number_text import WORDS, begun, percent
+from vibeam.system.number_text import signed as by_percent
 from vibeam_models.arguments import counted
+from vibeam_models.solid.scene import assumptions
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure, FigureBase
-
-
+BEAM, SOLID = Subject("it"), Subject("the solid")
 UNITS = {
-    **dict.fromkeys(("f1", "f2", "f3", "twist", "peak_frequency"), "Hz"), "flexibility": "m/N", "mobility": "1/kg",
-    "peak": "m", "restitution": "1", "first_mode_restitution": "1",
+    **dict.fromkeys((*FREQUENCIES, "twist", "peak_frequency"), "Hz"), "flexibility": "m/N", "mobility": "1/kg",
+    "peak": "m",
 }  # fmt: skip
-NAMES = {
-    "f1": "f₁", "f2": "f₂", "f3": "f₃", "twist": "twist", "flexibility": "flexibility", "mobility": "mobility",
-    "restitution": "R", "first_mode_restitution": "R₁", "peak": "peak", "peak_frequency": "at", "rms": "rms",
-}  # fmt: skip
-OF_BEAMS = ("shear", LESS_TORSION)  # steps between two beams, which the mesh has no part in
-FREQUENCIES = JUDGED[:FIRST]
-DETAILS = ("flexibility", "peak_frequency")  # columns of -v and of the page
-PICTURED = 10.0  # s of CPU time of the solid's modes beyond which they are not made again for a picture
-FINE = 0.2  # of the accuracy: what the mesh may be off without a word
-LEAST, DUST = 1e-4, 1e-6  # share that is told in numbers; below which there is none
-SMALL = 0.1  # share up to which two digits do
+NAMES = {"f1": "f₁", "f2": "f₂", "f3": "f₃", "restitution": "R", "first_mode_restitution": "R₁"}
+DETAILS = ("flexibility", "mobility", "restitution", "first_mode_restitution", "peak_frequency")  # of -v and the page
+FINE = 0.2  # of what is allowed: what the mesh may be off without a word
 
 
 def sheet(found: SolidVerdict) -> StudySheet:
-    """Sheet of a verdict; as CSV a row a model."""
+    """Sheet of a verdict; as CSV a row a model and number."""
+    names = ("fidelity", "asked", "enough", "worst", "models", "steps", "coarser", "missing", "seconds", "left_out")
     return StudySheet(
-        answer=answer(found),
-        tables=[ladder(found), *measured(found)],
-        notes=list(doubts(found)),
-        details=list(details(found)),
-        data=_data(found),
-        rows=list(rows(found)),
-        draw=lambda: steps_and_shapes(found),
-    )
+        answer(found),
+        [errors(found), *measured(found)],
+        list(doubts(found)),
+        list(details(found)),
+        data={name: getattr(found, name) for name in names}
+        | {"held": _held(found), "chosen": _chosen(found)}
+        | {"errors": {name: found.error(name) for name in QUANTITIES}},
+        rows=[
+            row for each in (*found.models, found.coarser)
+            for row in variant_rows(each, model=each.name, cause=each.cause)
+        ],
+    )  # fmt: skip
 
 
 def answer(found: SolidVerdict) -> str:
-    """Sentence on whether the beam is enough: its frequencies, its peak, and the step that changes most."""
-    within, worst, (causes, change) = percent(found.accuracy), found.worst, found.largest
-    known = isfinite(found.error("peak"))
-    verdict = "is enough" if found.enough else "is not enough" if found.beyond else "is not known to be enough"
-    clauses = [_frequencies(found), f"the peak {_off(found.error('peak'))}" if known else "the peak is not known"]
-    if found.error("rms") > found.accuracy:
-        clauses.append(f"its amplitudes at the same drive frequencies {_size(found.error('rms'))} off (rms)")
-    said = f"The beam {verdict} for {within}: {', '.join(filter(None, clauses))}"
-    if not causes or abs(found.error(worst)) < DUST:
-        return f"{said}.{_which(found)}"
-    but = ", not resolved by this mesh" * (causes[-1] not in OF_BEAMS and abs(change) < found.mesh_error(worst))
-    share = f"{'are' if len(causes) > 1 else 'is'} the largest part ({signed(change)} of {NAMES[worst]}{but})"
-    return f"{said}; {listed(causes)}{' together' * (len(causes) > 1)} {share}.{_which(found)}"
+    """Answer by both errors, the step that changes most, natural frequencies and peak."""
+    return " ".join(filter(None, [f"{_judged(found)}.", _linear(found), _which(found)]))
+
+
+def _judged(found: SolidVerdict) -> str:
+    within, beside = percent(found.asked.amplitude), found.beam.comparison
+    if beside is None:
+        return f"Whether the beam suffices for {within} is not known"
+    units = units_of(found.case)
+    if found.enough is False:
+        clause = gravest(BEAM, SOLID, beside, found.asked, units)
+        part = f"; {found.largest} {'are' if ' and ' in found.largest else 'is'} the largest part"
+        return f"The beam does not suffice for {within}: {clause}{part * bool(found.largest)}"
+    if found.enough:
+        return f"The beam suffices for {within}: {both_numbers(beside, units)}, beside the solid"
+    if beside.suffices(found.asked) is None:
+        return f"The beam may suffice for {within} ({open_points(beside, found.asked, units)})"
+    if beside.suffices(found.asked):
+        numbers = both_numbers(beside, units)
+        return f"The beam is within {within} of the solid: {numbers}; whether the solid's mesh is fine enough is open"
+    clause = gravest(BEAM, SOLID, beside, found.asked, units)
+    return f"Whether the beam suffices for {within} is open: {clause}, which the solid's mesh may change"
+
+
+def _linear(found: SolidVerdict) -> str:
+    """Sentence on natural frequencies and peak; empty where none is known."""
+    known = [found.error(name) for name in FREQUENCIES if isfinite(found.error(name))]
+    peak = found.error("peak")
+    clauses = [f"the peak is {signed(peak)}"] if isfinite(peak) else []
+    if known:
+        of = f"the worst of its first {WORDS[len(known)]} natural frequencies" if len(known) > 1 else "its frequency"
+        clauses = [f"{of} is {signed(max(known, key=abs))}", *clauses]
+    return f"{begun(', '.join(clauses))}." if clauses else ""
 
 
 def _which(found: SolidVerdict) -> str:
-    """Sentence on which solid it is, where fidelities of the case fly a mesh of the user's own."""
+    """Sentence on which solid it is, where fidelities of the case have a mesh of the user's own."""
     scenes = {name: found.case.scene_of(name) for name in found.case.fidelities}
     own = [name for name, scene in scenes.items() if scene.in_three_dimensions and scene.no_beam]
-    return f" The solid is meshed from the case's tables; it is not the mesh of fidelity {listed(own)}." if own else ""
+    return f"The solid is meshed from the case's tables; it is not the mesh of fidelity {listed(own)}." if own else ""
 
 
-def _frequencies(found: SolidVerdict) -> str:
-    """Clause on the natural frequencies; empty where none is known."""
-    errors = [found.error(name) for name in FREQUENCIES if isfinite(found.error(name))]
-    if not errors:
-        return ""
-    worst, several = max(errors, key=abs), len(errors) > 1
-    of = f"its first {WORDS[len(errors)]} natural frequencies are" if several else "its natural frequency is"
-    if abs(worst) <= found.accuracy:
-        return f"{of} within {_size(max(abs(worst), LEAST))} of the solid's"
-    side = "off" if min(errors) < 0 < max(errors) else f"too {'high' if worst > 0 else 'low'}"
-    return f"{of} {'up to ' * several}{_size(worst)} {side}"
-
-
-def _off(value: float) -> str:
-    return f"{_size(value)} too {'high' if value > 0 else 'low'}" if abs(value) >= LEAST else "within 0.01 % of it"
-
-
-def _size(value: float) -> str:
-    return f"{100 * abs(value):.2g} %" if abs(value) < 0.995 else f"{100 * abs(value):.0f} %"
-
-
-def ladder(found: SolidVerdict) -> ReportTable:
-    """Table with the beam, a line for each step, the solid, and what the beam is off."""
-    columns = [name for name in QUANTITIES if _varies(found, name)]
-    table = blank("From the beam to the solid", "step")
+def errors(found: SolidVerdict) -> ReportTable:
+    """Table of the solid, and of the errors of each model beside it, the beam first."""
+    held = {"contact": "restitution", "first mode": "first_mode_restitution"}.get(_held(found).restitution_of)
+    known = [name for name in QUANTITIES if name != held and isfinite(found.error(name))]
+    columns = [name for name in known if any(model.error(name) for model in found.models)]
+    table = blank("From the beam to the solid", "model")
     for name in columns:
-        table.add(f"{NAMES[name]}|", detail=name in DETAILS)
+        table.add(f"{SHORT.get(AskedNumber(name), NAMES.get(name, name))}|", detail=name in DETAILS)
     table.add("CPU|", detail=True)
-    seconds = {model.name: model.cpu_seconds for model in found.models}
-    table.add_row("the beam", *(_value(found.beam, name) for name in columns), _time(found.beam.cpu_seconds))
+    table.add_row("the solid", *(_value(found.solid, name) for name in columns), time_text(found.solid.seconds))
     table.add_section()
-    for step in found.steps:
-        marks = (_change(found, step, name) for name in columns)
-        plus = "" if step.cause == LESS_TORSION else "+ "
-        table.add_row(plus + step.cause, *marks, _time(seconds[step.name]))
+    for model in found.models:
+        cause = f"{'' if model.cause == LESS_TORSION else '+ '}{model.cause}" if model.cause else "the beam"
+        table.add_row(cause, *_changes(model, columns), time_text(model.seconds))
     table.add_section()
-    table.add_row("the solid", *(_value(found.solid, name) for name in columns), "")
-    table.add_row("the beam is off", *(_cell(found.error(name)) for name in columns), "")
-    if not found.coarser.why:
-        errors = (_cell(found.mesh_error(name)).replace("+", "± ") for name in columns)
-        table.add_row("the solid's mesh", *errors, _time(found.coarser.cpu_seconds))
+    mesh = (f"± {percent(found.mesh_error(name))}" for name in columns)
+    table.add_row("the solid's mesh", *mesh, time_text(found.coarser.seconds))
     table.caption = (
-        "steps: change over the solid's number, their sum is what the beam is off with the other sign; –: not known, "
-        "the next step has it; "
-        f"mobility: of the contact up to the beam's mode {found.beam.modes}; mesh: half of what one twice as "
-        "coarse changes; rms: of the amplitudes at the same drive frequencies from the solid's; *: not resolved"
+        "errors beside the solid, of each model with one assumption less than the one above; mesh: half of what one "
+        f"twice as coarse changes; mobility: of the contact up to the beam's mode {found.beam.modes}"
     )
     return table
 
 
-def _varies(found: SolidVerdict, name: str) -> bool:
-    """Test whether a quantity is known, and not the one that is held."""
-    symbol = {"restitution": "contact", "first_mode_restitution": "first mode"}.get(name)
-    return isfinite(found.error(name)) and symbol != found.held.restitution_of
+def _changes(model: SolidVariant, columns: list[str]) -> Iterator[str]:
+    known = {each.number.quantity: change_cell(each) for each in model.changes}
+    yield from (known.get(name, "–") for name in columns)
 
 
-def _value(model: LadderModel, name: str) -> str:
-    value = model.value(name)
-    if name == "rms":
-        return percent(value)
-    return coefficient(value) if UNITS[name] == "1" else shown(value, UNITS[name])
+def _value(model: SolidVariant, name: str) -> str:
+    if AskedNumber(name) in COMPARED:
+        return ""
+    return shown(model.value(name), UNITS[name]) if name in UNITS else coefficient(model.value(name))
 
 
-def _cell(value: float) -> str:
-    """Share as text, to two digits where it is small; a dash for NaN."""
-    small = DUST <= abs(value) < SMALL
-    return f"{100 * value:+.2g} %" if small else signed(value) if isfinite(value) else "–"
-
-
-def _change(found: SolidVerdict, step: StepChange, name: str) -> str:
-    """Change as text, with a mark where the solid's mesh does not resolve it."""
-    value = step.changes[name]
-    return _cell(value) + "*" * (step.cause not in OF_BEAMS and DUST < abs(value) < found.mesh_error(name))
-
-
-def _time(seconds: float) -> str:
-    return f"{float(f'{seconds:.2g}'):g} s"
+def _held(found: SolidVerdict) -> Held:
+    return held_of(found.case.scene_of(found.fidelity))
 
 
 def measured(found: SolidVerdict) -> Iterator[ReportTable]:
@@ -167,7 +147,7 @@ def measured(found: SolidVerdict) -> Iterator[ReportTable]:
         cells = []
         for model in (found.beam, found.solid):
             value, read = model.value(found.quantity(each.number)), set(each.chose) - set(model.unread)
-            cells += [signed(value / each.value - 1), "calibrated" if read else "predicted"]
+            cells += [by_percent(value / each.value - 1), "calibrated" if read else "predicted"]
         table.add_row(each.name, f"{each.number:g}", shown(each.value, "Hz"), *cells)
     table.caption = "calibrated: the number chose a key that the model reads, and tests nothing"
     yield table
@@ -176,101 +156,41 @@ def measured(found: SolidVerdict) -> Iterator[ReportTable]:
 def doubts(found: SolidVerdict) -> Iterator[str]:
     """Notes on what is uncertain, each with what to do about it."""
     if found.left_out:
-        enough = ceil(2 * found.seconds * len(found.models) / (len(found.models) - found.left_out))
+        all_models = len(found.models) + len(found.missing)
+        enough = ceil(2 * found.seconds * all_models / (all_models - found.left_out))
         yield (
             f"{counted(found.left_out, 'model')} did not fit into {found.budget:g} s of CPU time: vibeam verdict "
             f"{quote(str(found.case.path))} --only solid --budget '{enough} s' makes all."
         )
-    rough = [name for name in JUDGED if found.mesh_error(name) > FINE * found.accuracy]
+    rough = {each.number: SAFE * each.size for each in found.coarser.changes if SAFE * each.share > FINE}
     if rough:
-        changed = listed([f"{NAMES[name]} ± {percent(found.mesh_error(name))}" for name in rough])
+        changed = listed([f"{number} ± {size(error)}" for number, error in rough.items()])
         yield f"The solid's mesh leaves an error ({changed}): take more elements, solid.along first."
     for model in (found.beam, found.solid):
-        if model.why_no_peak:
-            yield f"{begun(model.name)}: {'' if isfinite(model.peak) else 'no '}peak: {model.why_no_peak}."
-    lost = [str(place) for place, value in enumerate(found.solid.frequencies, 1) if not isfinite(value)]
+        yield from (f"{begun(model.name)}: {each}." for each in model.remarks)
+    lost = [name[1:] for name in FREQUENCIES if name in found.beam.values and not isfinite(found.solid.value(name))]
     if lost:
         yield f"The solid has no mode of the shape of the beam's mode {listed(lost)}: these are not compared."
-    yield from (f"{each}." for each in found.assumed)
+    scene: Any = found.case.scene_of(found.fidelity)
+    yield from (f"{each}." for each in assumptions(solid_of(scene)))
 
 
 def details(found: SolidVerdict) -> Iterator[str]:
     """Sentences on what is held, on the calibrated, on models that cannot be made, on what has no limit."""
-    yield f"{found.held.label} is held in every model; modes are paired by shape, fidelity {found.fidelity}."
-    if found.chosen:
-        kept = [key for key in found.chosen if key not in found.solid.unread]
-        left = [key for key in found.chosen if key in found.solid.unread]
-        yield (
-            f"Measured numbers chose {listed(found.chosen)}: the beam is calibrated by them"
-            + (
-                f"; the solid reads no {listed(left)}" + ("" if kept else ", and predicts")
-                if left
-                else ", and the solid too"
-            )
-            + "."
+    yield f"{_held(found).label} is held in every model; modes are paired by shape, fidelity {found.fidelity}."
+    if chosen := _chosen(found):
+        left = [key for key in chosen if key in found.solid.unread]
+        solid = (
+            "the solid too" if not left else f"the solid reads no {listed(left)}" + ", and predicts" * (left == chosen)
         )
-    for model in found.models:
-        if model.why:
-            yield f"{begun(model.name)}: {model.why}."
+        yield f"Measured numbers chose {listed(chosen)}: the beam is calibrated by them; {solid}."
+    yield from (f"{begun(name)}: {why}." for name, why in found.missing.items())
     yield (
         "The mobility of a patch in all modes grows without limit as the mesh is refined; natural frequencies, "
         "flexibility, and the mobility of a number of modes converge."
     )
 
 
-def rows(found: SolidVerdict) -> Iterator[Mapping[str, Any]]:
-    """A row for each model: its numbers in SI, the change from the model before over the solid's number."""
-    changes = {step.name: step.changes for step in found.steps}
-    for model in (*found.models, found.coarser):
-        numbers = {name: model.value(name) for name in QUANTITIES}
-        own = changes.get(model.name, {})
-        yield {
-            "model": model.name, "cause": model.cause, "modes": model.modes, **numbers,
-            **{f"change of {name}": own.get(name, nan) for name in QUANTITIES},
-            "cpu_seconds": model.cpu_seconds, "why": model.why or model.why_no_peak,
-        }  # fmt: skip
-
-
-def _data(found: SolidVerdict) -> dict[str, Any]:
-    names = ("fidelity", "accuracy", "held", "enough", "worst", "models", "steps", "coarser", "chosen")
-    errors = {name: found.error(name) for name in QUANTITIES}
-    return {name: getattr(found, name) for name in (*names, "seconds", "left_out")} | {"errors": errors}
-
-
-def steps_and_shapes(found: SolidVerdict) -> Figure:
-    """Figure of the steps and, below, of the modes of beam and solid, unless they take long to make."""
-    from vibeam.figures.page import ShownFigure
-
-    if found.solid.cpu_seconds > PICTURED:
-        figure = ShownFigure(figsize=(6.3, 3.2), layout="constrained")
-        _bars(figure, found)
-        return figure
-    from vibeam.figures.kinds.shapes import draw_modes, shapes_of
-
-    figure = ShownFigure(figsize=(6.3, 8.4), layout="constrained")
-    parts: Any = figure.subfigures(2, 1, height_ratios=(3.2, 5.2))
-    _bars(parts[0], found)
-    scene: Any = found.case.scene_of(found.fidelity)
-    own = Fidelity("own", "modal", found.beam.modes)
-    both = {"the beam": beam_of(scene), "the solid": solid_of(scene)}
-    draw_modes(parts[1], found.case, [shapes_of(name, each, own) for name, each in both.items()])
-    return figure
-
-
-def _bars(figure: FigureBase, found: SolidVerdict) -> None:
-    """Draw a group of bars for each quantity that is judged, over the error of the solid's mesh."""
-    from vibeam.figures.style import COLOURS
-
-    named = [name for name in JUDGED if isfinite(found.error(name))]
-    axes = figure.subplots()
-    width = 0.8 / len(found.steps)
-    mesh = [100 * found.mesh_error(name) for name in named]
-    axes.bar(range(len(named)), [2 * each for each in mesh], 0.9, [-each for each in mesh], color="0.9", label="mesh")
-    for place, step in enumerate(found.steps):
-        left = [at + (place + 0.5) * width - 0.4 for at in range(len(named))]
-        heights = [100 * step.changes[name] for name in named]
-        axes.bar(left, heights, width, label=step.cause, color=COLOURS[place % len(COLOURS)])
-    axes.axhline(0, color="0.3", linewidth=0.6)
-    axes.set_xticks(range(len(named)), [NAMES[name] for name in named])
-    axes.set_ylabel("change over the solid's number (%)")
-    axes.legend(frameon=False, fontsize=8)
+def _chosen(found: SolidVerdict) -> list[str]:
+    """Keys that measured numbers chose."""
+    return sorted({key for each in found.case.measured.values() for key in each.chose})

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import groupby
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from vibeam.figures.record import unit_of_signal
-from vibeam.report.output import StudySheet
+from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank
-from vibeam.report.transient_answer import DUST, ENSEMBLE, answers, difference_text, time_text, transient_answer
+from vibeam.report.transient_answer import (
+    DUST,
+    ENSEMBLE,
+    answers,
+    difference_text,
+    enough_at,
+    time_text,
+    transient_answer,
+)
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.summary import assumed
 from vibeam.runs.transient.comparison import TransientComparison
@@ -40,6 +50,31 @@ def transient_report(result: TransientResult) -> StudySheet:
         _data(result),
         rows=[row for part in result.columns()[0] for row in _rows(part)],
     )
+
+
+def by_value(result: TransientResult, accuracy: float) -> StudySheet:
+    """Sheet of the fidelity that suffices at each value of the factor; as CSV a row a difference."""
+    found, told = enough_at(result, accuracy), transient_report(result)
+    parts = [(name, [value for value, _ in group]) for name, group in groupby(found, lambda pair: pair[1])]
+    said = [f"{name} {_at_values(result, values)}" if len(parts) > 1 else name for name, values in parts]
+    values = [{"value": value, "cheapest": name} for value, name in found]
+    rows = [
+        {"fidelity": name, "value": result.factors[each.at], "enough": found[each.at][1], **plain(each)}
+        for name, of in result.comparison.items() for each in of.differences
+    ]  # fmt: skip
+    answer = f"Enough for {percent(accuracy)} of peaks and the hardest impact: {listed(said)}."
+    return replace(
+        told,
+        answer=answer,
+        details=[told.answer, *told.details],
+        data={**told.data, "accuracy": accuracy, "values": values},
+        rows=rows,
+    )
+
+
+def _at_values(result: TransientResult, values: Sequence[float]) -> str:
+    ends = [factor_text(result, values[0]), factor_text(result, values[-1])]
+    return f"at {result.over} {' to '.join(dict.fromkeys(ends))}"
 
 
 def fidelities(result: TransientResult) -> ReportTable:

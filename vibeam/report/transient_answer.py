@@ -8,7 +8,7 @@ make them sensitive, the peaks before the horizon of agreement count in place of
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite, log
 
 import numpy as np
@@ -91,6 +91,23 @@ def _before(of: TransientComparison, finest: Transient, plain: set[str]) -> Iter
             yield PairedDifference(
                 BEFORE, signal.name, 0, float(known[np.abs(known).argmax()]), float("nan"), len(known)
             )
+
+
+def enough_at(result: TransientResult, accuracy: float) -> list[tuple[float, str]]:
+    """At each value of the factor the fidelity with the fewest modes that is within the accuracy, else the finest."""
+    top = next(iter(result.comparison.values())).finest
+    alike = sorted((each for each in result.comparison.values() if each.finest == top),
+                   key=lambda each: result[each.fidelity].modes)  # fmt: skip
+    found = []
+    for at, value in enumerate(result.factors):
+        rows = [_judged(result, _at_value(each, at)) for each in alike]
+        found.append((value, next((row.name for row in rows if row.is_within(accuracy)), top)))
+    return found
+
+
+def _at_value(of: TransientComparison, at: int) -> TransientComparison:
+    arrays = {name: getattr(of, name)[[at]] for name in ("horizon", "own_horizon", "off", "off_before")}
+    return replace(of, **arrays, differences=tuple(each for each in of.differences if each.at == at))
 
 
 def transient_answer(result: TransientResult, accuracy: float) -> str:

@@ -49,7 +49,7 @@ def sheet(study: Any, case: Case | None = None) -> StudySheet:
     more = [each for each in (beside(study), changes(study), errors(study)) if each is not None]
     return StudySheet(
         said, [inputs(study), fidelities(study)], uncertain, further, more, data, list(rows(study)),
-        lambda: bands(study, units_in(study)), coarse=True,
+        lambda: bands(study, units_in(study)),
     )  # fmt: skip
 
 

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from vibeam.case.case import Case
-from vibeam.case.study_plans import VerdictPlan
-from vibeam.report import cost, effects, modes_needed, record_studies
+from vibeam.case.study_plans import USUAL_STAGES, VerdictPlan
+from vibeam.report import cost, effects, modes_needed
 from vibeam.report.maps import verdict as fidelity_map
 from vibeam.report.maps.page import map_figure
-from vibeam.report.output import StudySheet
+from vibeam.report.output import SheetPicture, StudySheet
 from vibeam.report.tables import ReportTable, blank
+from vibeam.report.transient import by_value
 from vibeam.studies.verdict import Stage, Verdict, plan_of_modes, require_plane
 
 QUESTIONS = {
@@ -22,11 +22,6 @@ QUESTIONS = {
     "map": "Where on the plane?",
     "solid": "Is the beam enough?",
 }
-
-
-UNDER_RECORD: Mapping[str, Callable[[Any], StudySheet]] = {
-    "modes": record_studies.of_modes, "map": record_studies.of_fidelities,
-}  # fmt: skip
 FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map", "solid": "solid"}
 
 
@@ -46,24 +41,56 @@ def sheet(found: Verdict) -> StudySheet:
     if len(sheets) == 1:
         stage, made = sheets[0]
         return replace(made, study=FILES[stage.name])
-    from vibeam.report.page.page import study_page
-
     asked = QUESTIONS if found.case.record is None else QUESTIONS | {"map": "Which fidelity?"}
     rows = [StageRow(stage.name, asked[stage.name], made.answer, stage.cpu_seconds) for stage, made in sheets]
     answered = [row for row, (stage, _) in zip(rows, sheets, strict=True) if not stage.why]
     notes = [note for _, made in sheets for note in made.notes[:1]]
-    unanswered = [f"{stage.name} ({stage.why})" for stage, _ in sheets if stage.why]
+    without = [f"{stage.name} ({stage.why})" for stage, _ in sheets if stage.why]
+    unanswered = [f"Not answered: {', '.join(without)}."] * bool(without)
     answer = answered[0].answer if answered else rows[0].answer
     return StudySheet(
         answer,
         [_answers(answered, answer)] if answered else [],
-        [*notes, *[f"Not answered: {', '.join(unanswered)}."] * bool(unanswered)],
+        [*notes, *unanswered],
         [note for _, made in sheets for note in [*made.notes[1:], *made.details]],
         [table for _, made in sheets for table in [*made.tables, *made.more]],
         data={"stages": {stage.name: {"answer": made.answer, **made.data} for stage, made in sheets}},
         rows=rows,
-        page=lambda: study_page(found.case.title, answer, [(asked[each.name], made) for each, made in sheets]),
+        page=lambda: _page(found, answer, sheets, asked, [*notes, *unanswered]),
     )
+
+
+def _page(
+    found: Verdict, answer: str, sheets: Sequence[tuple[Stage, StudySheet]], asked: Mapping[str, str],
+    notes: Sequence[str],
+) -> str:  # fmt: skip
+    """Page of a verdict: what decides above, each stage with all that is not there folded below."""
+    from vibeam.report.page.page import study_page
+
+    folded = [
+        (asked[stage.name], replace(made, draw=None, pictures=()) if stage.name in ("modes", "solvers") else made)
+        for stage, made in sheets if not stage.why
+    ]  # fmt: skip
+    rest = ", ".join(name for name in USUAL_STAGES if name not in found.plan.only)
+    left_out = [f"Not asked for: {rest}; without --only all stages are computed."] * bool(rest)
+    return study_page(found.case.title, answer, folded, list(pictures(found)), [*notes, *left_out])
+
+
+def pictures(found: Verdict) -> Iterator[SheetPicture]:
+    """Pictures that decide: models over each other, error against CPU time of models and solvers, the plane."""
+    swept = found.case.record is None  # a study under a record has tables alone
+    stages = {stage.name: stage.record for stage in found.stages if swept and not stage.why}
+    decided = modes_needed.decision(stages["modes"]) if "modes" in stages else None
+    if "solvers" in stages:
+        by_solvers = cost.decision(stages["solvers"], found.case, found.plan.accuracy)
+        decided = by_solvers if decided is None else replace(
+            decided, errors=(*decided.errors, *by_solvers.errors), left_out=(*decided.left_out, *by_solvers.left_out),
+            against=f"{decided.reference}, of solvers against {by_solvers.reference}",
+        )  # fmt: skip
+    yield from decided.pictures if decided else ()
+    if "map" in stages:
+        words = "The cheapest model that suffices, over the plane"
+        yield SheetPicture("Where on the plane", words, lambda: fidelity_map.regions_figure(stages["map"]))
 
 
 def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
@@ -76,10 +103,10 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
         return solid.sheet(stage.record)
     if stage.name == "effects":
         return effects.sheet(stage.record)
-    if case.record is not None:
-        return UNDER_RECORD[stage.name](stage.record)
     if stage.name == "modes":
         return modes_needed.sheet(stage.record)
+    if case.record is not None:
+        return by_value(stage.record, accuracy)
     if stage.name == "solvers":
         return cost.sheet(stage.record, case, accuracy)
     return replace(fidelity_map.sheet(stage.record), draw=lambda: map_figure(stage.record))

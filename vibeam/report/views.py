@@ -69,7 +69,7 @@ def _result(result: Result) -> StudySheet:
     from vibeam.figures.response_curve import frc
     from vibeam.report.run_report import run_report
 
-    return replace(run_report(result), draw=lambda: frc(result))
+    return replace(run_report(result), draw=lambda: frc(result), pictures=())
 
 
 def _transient(result: TransientResult) -> StudySheet:
@@ -132,7 +132,7 @@ def _contacts(orbit: Orbit) -> list[tuple[str, str, str]]:
 
 def _place(orbit: Orbit, times: NDArray[np.float64]) -> NDArray[np.float64]:
     """Displacement of the contact; of what is no motion, as if there were no stop between its impacts."""
-    from vibeam.periodic.trains import carried
+    from vibeam.periodic.between_impacts import carried
 
     if orbit.admissible:
         return orbit.path().at(times)

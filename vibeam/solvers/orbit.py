@@ -8,11 +8,12 @@ from dataclasses import fields, replace
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.periodic.closed_orbits import AdmissibilityCheck, closed_orbits
+from vibeam.flight.solver import FlightSolver
+from vibeam.periodic.between_impacts import phasors
+from vibeam.periodic.closed_orbits import closed_orbits
 from vibeam.periodic.modal_sums import offsets, resonant
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import checked
-from vibeam.periodic.trains import phasors
 from vibeam.solvers.steady import SteadySolver
 from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -30,7 +31,7 @@ class OrbitSolver(SteadySolver):
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, periods: int = 1) -> None:
         checked(system, slowest, periods)
-        self.system, self.periods, self.check = system, int(periods), AdmissibilityCheck(system, slowest)
+        self.system, self.periods, self.flight = system, int(periods), FlightSolver(system, slowest)
 
     def point(
         self, response: FrequencyResponse, index: int, drive: Drive, carried: State, settle: int, hold: int, output: str
@@ -55,18 +56,17 @@ class OrbitSolver(SteadySolver):
                 found.velocity[at], found.reach[at] = orbit.velocity, orbit.reach
                 found.stable[at], found.admissible[at] = orbit.stable, orbit.admissible
                 if orbit.admissible:
-                    window, _ = self.check.watched(orbit.drive, orbit.state, orbit.time, self.periods, output)
-                    found.amplitude[at] = window.amplitude[0]
+                    found.amplitude[at] = orbit.amplitude(output)
         return found
 
     def _point(self, drive: Drive, hold: int, output: str) -> tuple[FrequencyResponse, State]:
         orbit = self._orbit(drive)
         if orbit is not None:
-            window, last = self.check.watched(drive, orbit.state, orbit.time, self.periods, output)
+            window, last = orbit.window(output)
             return _with_one_impact(window, orbit, hold), last
         linear = self._linear(drive)
         if linear is not None:
-            return self.check.watched(drive, linear, 0.0, 1, output)
+            return self.flight.steady([drive.omega], drive.amplitude, linear, 0, 1, output)
         blank = FrequencyResponse.empty(np.array([drive.omega / (2 * np.pi)]), self.system.size)
         return replace(blank, ended=np.array([Ended.NO_ORBIT.code])), equilibrium(self.system)
 
@@ -78,7 +78,7 @@ class OrbitSolver(SteadySolver):
         """All motions, harder impact first; none at the resonance of an undamped mode."""
         if resonant(self.system, drive.omega, self.periods):
             return ()
-        return closed_orbits(self.system, drive, self.periods, self.check)
+        return closed_orbits(self.system, drive, self.periods, self.flight)
 
     def _linear(self, drive: Drive) -> State | None:
         """Motion under the drive alone at its phase 0, where it exists and never reaches the stop."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
 from vibeam.flight.solver import exact_solver
+from vibeam.periodic.motion_at import shot
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.orbit_search import every, near
+from vibeam.periodic.orbit_search import every
 from vibeam.periodic.shooting import NoOrbit
 from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.solvers.orbit import copy_point
@@ -68,12 +70,10 @@ class ShotOrbitSolver(SteadySolver):
         return found
 
     def _orbit(self, section: StroboscopicMap, carried: State) -> Orbit | None:
-        try:
-            found = near(section, carried, self.periods)
-        except NoOrbit:
-            found = None
-        if found is not None and found.stable:
-            return found
+        with suppress(NoOrbit):
+            found = shot(section, carried, self.periods)
+            if found.stable:
+                return found
         searched = [each for periods in dict.fromkeys((self.periods, 1)) for each in every(section, periods)]
         return next((each for each in searched if each.stable and self._meant(each)), None)
 
@@ -84,7 +84,7 @@ class ShotOrbitSolver(SteadySolver):
     def _followed(self, section: StroboscopicMap, last: list[Orbit]) -> list[Orbit]:
         """Motions near those of the last point; none where one of them is lost."""
         try:
-            found = [near(section, orbit, self.periods) for orbit in last]
+            found = [shot(section, orbit, self.periods) for orbit in last]
         except NoOrbit:
             return []
         apart = {round(orbit.velocity / found[0].velocity, 6) for orbit in found}

@@ -6,21 +6,25 @@ The response of a sweep is compared as a whole: amplitudes, ends of branches, ki
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite, nan
+from types import MappingProxyType
 
 import numpy as np
 
 from vibeam.periodic.motion_kind import width
-from vibeam.runs.comparison.errors import ResponseComparison
+from vibeam.runs.comparison.errors import Asked, ResponseComparison
+from vibeam.runs.comparison.responses import Response, compared
 from vibeam.runs.transient.statistics import paired
 from vibeam.studies.recorded_numbers import AskedNumber
-from vibeam.studies.variants import PEAK, Ensemble
+from vibeam.studies.variants import Ensemble
 from vibeam_models.arrays import Array
 
 #: what the comparison of two sweeps says: both errors, and how wide a range has another kind of motion
 COMPARED = AMPLITUDES, ENDS, KINDS = tuple(map(AskedNumber, ("amplitudes", "ends_of_branches", "kinds_of_motion")))
+PRINCIPAL = ("peak", "hardest_impact")  # quantities by which a model is judged under a record
+LEFT_OUT = "left out: "  # begin of the reasons that are not of the model
 
 
 @dataclass(frozen=True)
@@ -48,11 +52,59 @@ class NumberChange:
         return self.size / self.allowed if self.allowed < inf else 0.0
 
 
+@dataclass(frozen=True)
+class ModelVariant:
+    """Model of so many ``modes`` beside a reference: ``changes`` of its numbers, ``comparison`` of its sweep.
+
+    ``seconds``: CPU time of its motions; ``why`` it was not made, else empty; ``remarks`` on its numbers.
+    """
+
+    changes: tuple[NumberChange, ...] = field(default=(), repr=False)
+    comparison: ResponseComparison | None = None
+    modes: int = 0
+    seconds: float = nan
+    why: str = ""
+    remarks: tuple[str, ...] = field(default=(), repr=False)
+
+    @property
+    def worst(self) -> float:
+        """Largest change over what is allowed of it; ∞ where it is not known."""
+        return max(
+            (each.share for each in self.changes if each.share == each.share and each.allowed < inf), default=inf
+        )
+
+    @property
+    def left_out(self) -> bool:
+        """True where it was left out, and may exist."""
+        return self.why.startswith(LEFT_OUT)
+
+    def change(self, number: AskedNumber) -> float:
+        """Change of a number; NaN where it is not known."""
+        return next((each.change for each in self.changes if each.number == number), nan)
+
+
+def compared_by(asked: Asked, ours: Response, reference: Response, fine: bool) -> ResponseComparison:
+    """Comparison of two sweeps; without ``fine`` ends are bracketed only where that may decide alone."""
+    coarse = compared(Response(ours.places), Response(reference.places), asked.frequency)
+    known = not fine and coarse.suffices(asked) is False
+    return coarse if known else compared(ours, reference, asked.frequency)
+
+
+def limits_of_record(asked: Asked, numbers: Iterable[AskedNumber]) -> dict[AskedNumber, float]:
+    """Limits of the numbers that decide under a record: peaks and the hardest impact, as where it is run."""
+    return {each: asked.amplitude for each in numbers if each.quantity in PRINCIPAL}
+
+
+def limits(asked: Asked) -> dict[AskedNumber, float]:
+    """Limits of what the comparison of two sweeps says."""
+    return dict(zip(COMPARED, (asked.amplitude, asked.frequency, asked.frequency), strict=True))
+
+
 def changes(
     reference: Ensemble,
     other: Ensemble,
     found: ResponseComparison | None = None,
-    limits: Mapping[AskedNumber, float] | None = None,
+    limits: Mapping[AskedNumber, float] = MappingProxyType({}),
 ) -> tuple[NumberChange, ...]:
     """Changes of all numbers, of a sweep those of its comparison ``found`` first; ``limits``: what is allowed of each.
 
@@ -60,7 +112,16 @@ def changes(
     """
     made = () if found is None else _of_comparison(found)
     own = (_largest(each, reference, other, found is not None) for each in reference.numbers)
-    return tuple(replace(each, allowed=(limits or {}).get(each.number, inf)) for each in (*made, *own))
+    return _beside((*made, *own), limits)
+
+
+def of_comparison(found: ResponseComparison, asked: Asked) -> tuple[NumberChange, ...]:
+    """Changes that the comparison of two sweeps says, beside what is ``asked``."""
+    return _beside(_of_comparison(found), limits(asked))
+
+
+def _beside(found: Iterable[NumberChange], limits: Mapping[AskedNumber, float]) -> tuple[NumberChange, ...]:
+    return tuple(replace(each, allowed=limits.get(each.number, inf)) for each in found)
 
 
 def _of_comparison(found: ResponseComparison) -> Iterator[NumberChange]:
@@ -93,9 +154,3 @@ def change_of(number: AskedNumber, theirs: Array, ours: Array) -> NumberChange:
         return NumberChange(number, mean, inf if np.any(ours[known]) else 0.0, nan)
     found = paired(ours, theirs)
     return NumberChange(number, mean, found.mean, found.error)
-
-
-def worst(found: Sequence[NumberChange], quantity: str = PEAK) -> float:
-    """Largest size of the changes of a quantity that are known; NaN without any."""
-    sizes = [each.size for each in found if each.number.quantity == quantity]
-    return max((each for each in sizes if each == each), default=nan)

@@ -17,8 +17,7 @@ from vibeam.case.held import Held, held_of, other_choice
 from vibeam.case.source import of_source
 from vibeam.exchange.faults import reason_of
 from vibeam.runs.comparison.errors import Asked, ResponseComparison
-from vibeam.runs.comparison.responses import Response, compared
-from vibeam.studies.changes import AMPLITUDES, ENDS, KINDS, NumberChange, changes
+from vibeam.studies.changes import LEFT_OUT, ModelVariant, changes, compared_by, limits, limits_of_record
 from vibeam.studies.effect_sets import Subsets, smallest, subsets
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.variants import PEAK, DearSweep, Ensemble, ensembles, require_usual, usual_numbers, within
@@ -27,43 +26,16 @@ from vibeam_models.arrays import ValueRecord
 
 OF_SWEEPS = ("quantities", "frequency", "frequency_accuracy", "points", "settle", "hold")  # keys of [influence]
 FREQUENCIES = ("peak_frequency", "period_one_from", "period_one_to")
-LEFT_OUT = "left out: "  # begin of the reasons that are not of the model
 SURE = 1e-4  # changes smaller than this share have no sign
 DEAREST, SHORT = 20.0, 1.0  # times the work of the whole, and seconds of it, that a sweep may take
 Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class EffectsVariant:
-    """Model with the effects ``kept`` alone, of so many ``modes``: its ``changes`` from the one with all.
+class EffectsVariant(ModelVariant):
+    """Model with the effects ``kept`` alone, beside the one with all."""
 
-    ``comparison`` of its sweep; ``why`` it cannot be built, else empty; ``seconds``: CPU time of its motions;
-    ``remarks`` on its numbers.
-    """
-
-    kept: tuple[str, ...]
-    changes: tuple[NumberChange, ...] = ()
-    comparison: ResponseComparison | None = None
-    modes: int = 0
-    seconds: float = nan
-    why: str = ""
-    remarks: tuple[str, ...] = ()
-
-    @property
-    def worst(self) -> float:
-        """Largest change over what is allowed of it; ∞ where it is not known."""
-        return max(
-            (each.share for each in self.changes if each.share == each.share and each.allowed < inf), default=inf
-        )
-
-    @property
-    def left_out(self) -> bool:
-        """True where it was left out, and may exist."""
-        return self.why.startswith(LEFT_OUT)
-
-    def change(self, number: AskedNumber) -> float:
-        """Change of a number; NaN where it is not known."""
-        return next((each.change for each in self.changes if each.number == number), nan)
+    kept: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -142,10 +114,9 @@ def limits_of(case: Case, asked: Asked, whole: Ensemble) -> Mapping[AskedNumber,
     Of a sweep without contact the peak and its frequency decide.
     """
     if whole.response is None:
-        return {each: asked.amplitude for each in whole.numbers if each.quantity == PEAK}
+        return limits_of_record(asked, whole.numbers)
     named, clear = case.influence.quantities or (), not whole.response.largest
-    limits = {AMPLITUDES: asked.amplitude, ENDS: asked.frequency, KINDS: asked.frequency}
-    return limits | {
+    return limits(asked) | {
         each: asked.frequency if each.quantity in FREQUENCIES else asked.amplitude
         for each in whole.numbers
         if clear or each.quantity in named
@@ -170,7 +141,7 @@ class _EffectModels:
     def _variant(self, kept: tuple[str, ...], found: Ensemble, beside: ResponseComparison | None) -> EffectsVariant:
         changed = changes(self.whole, found, beside, self.limits)
         remarks = tuple(f"{number}: {why}" for number, why in found.why.items())
-        return EffectsVariant(kept, changed, beside, found.modes, float(found.seconds.sum()), remarks=remarks)
+        return EffectsVariant(changed, beside, found.modes, float(found.seconds.sum()), remarks=remarks, kept=kept)
 
     def variant(self, kept: Collection[str]) -> EffectsVariant:
         """The model with some effects."""
@@ -183,23 +154,16 @@ class _EffectModels:
     def _made(self, kept: tuple[str, ...]) -> EffectsVariant:
         spent = [each.seconds for each in self.known.values() if not each.why]
         if sum(spent) * (1 + 1 / len(spent)) > self.budget:
-            return EffectsVariant(kept, why=f"{LEFT_OUT}over the budget")
+            return EffectsVariant(why=f"{LEFT_OUT}over the budget", kept=kept)
         try:
             [found] = ensembles([(self.sets.case(kept), self.sets.fidelity)], self.numbers, limit=self.limit)
         except DearSweep as dear:
-            return EffectsVariant(kept, why=f"{LEFT_OUT}{dear}")
+            return EffectsVariant(why=f"{LEFT_OUT}{dear}", kept=kept)
         except ValueError as refusal:
-            return EffectsVariant(kept, why=reason_of(refusal))
-        return self._variant(kept, found, self._compared(found, fine=len(kept) == len(self.sets.effects) - 1))
-
-    def _compared(self, found: Ensemble, fine: bool) -> ResponseComparison | None:
-        """Comparison of a sweep with the whole; without ``fine`` ends are bracketed where that may decide alone."""
-        ours, whole = found.response, self.whole.response
-        if ours is None or whole is None:
-            return None
-        coarse = compared(Response(ours.places), Response(whole.places), self.asked.frequency)
-        known = not fine and coarse.suffices(self.asked) is False
-        return coarse if known else compared(ours, whole, self.asked.frequency)
+            return EffectsVariant(why=reason_of(refusal), kept=kept)
+        ours, whole, fine = found.response, self.whole.response, len(kept) == len(self.sets.effects) - 1
+        beside = None if ours is None or whole is None else compared_by(self.asked, ours, whole, fine)
+        return self._variant(kept, found, beside)
 
     def study(self) -> Effects:
         """The whole study."""

@@ -105,7 +105,7 @@ def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
     load = [-structure.load @ shape for shape in modes.shapes.T]
     columns = np.array([modes.frequency, damping, contact, sensor, load, cut / mobility, cut])
     rows = [
-        ModeRow(number, f, zeta, w, u, force, share, *_restitutions(rig, float(contact[0]), cut_off))
+        ModeRow(number, f, zeta, w, u, force, share, *restitutions(rig, float(contact[0]), cut_off))
         for number, (f, zeta, w, u, force, share, cut_off) in enumerate(columns.T.tolist(), 1)
     ]
     unit = LOAD_UNITS[None if rig.base.on_beam is None else rig.base.on_beam[1]]
@@ -143,7 +143,7 @@ def _notes(scene: RigScene, rows: list[ModeRow]) -> tuple[str, ...]:
     return (*scene.assumed, *ill_posed({where: below.first_mode_restitution}, scene))
 
 
-def _restitutions(scene: RigScene, first: float, mobility: float) -> tuple[float, float]:
+def restitutions(scene: RigScene, first: float, mobility: float) -> tuple[float, float]:
     """First mode's and contact's coefficient, whichever of them is given; NaN of a stop that yields."""
     if scene.stop.law is not None and scene.stop.law.compliant:
         return nan, nan

@@ -19,9 +19,10 @@ from vibeam.case.source import of_source
 from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.casefile.tables.table import plan_with
 from vibeam.runs.comparison.beyond import MANY, beside_fuller, is_whole, response_of
-from vibeam.runs.comparison.errors import Asked, ComparedFidelity, ResponseComparison
+from vibeam.runs.comparison.errors import Asked, ComparedFidelity
 from vibeam.runs.comparison.responses import Response, compared
 from vibeam.runs.comparison.work import Work
+from vibeam.studies.changes import ModelVariant, of_comparison
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array, Flags, ValueRecord
@@ -38,21 +39,16 @@ COSTLY = "the sweep of {} modes does not fit into the budget of {:g} s"
 
 
 @dataclass(frozen=True)
-class ModesTried:
-    """Model of ``modes`` beside the reference, by ``reduction``; ``why`` it was not swept, else empty.
+class ModesTried(ModelVariant):
+    """Model of so many modes beside the reference, by ``reduction``; ``seconds``: CPU time of a point, or a motion."""
 
-    ``seconds``: CPU time of a point, about.
-    """
-
-    modes: int
     reduction: str = "modal"
-    comparison: ResponseComparison | None = None
-    seconds: float = 0.0
-    why: str = ""
 
     def suffices(self, asked: Asked) -> bool | None:
         """Test whether it is within what is asked; None where that is not known."""
-        return None if self.comparison is None else self.comparison.suffices(asked)
+        if self.comparison is not None:
+            return self.comparison.suffices(asked)
+        return self.worst <= 1 if self.changes else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +72,7 @@ class ModesNeeded(ValueRecord, ViewedTable):
 
     ``own``: the reference beside a finer model. ``frequencies``: number of those swept, in every direction.
     ``curves``: of the reference, the number that is enough and the next fewer. ``seconds``: CPU time of a point of the
-    reference.
+    reference, or of a motion under a record, of which there are ``realisations``, and ``left_out`` over the budget.
     """
 
     case: Case
@@ -90,6 +86,8 @@ class ModesNeeded(ValueRecord, ViewedTable):
     frequencies: int = field(repr=False)
     curves: tuple[ModesCurve, ...] = field(default=(), repr=False)
     seconds: float = field(default=0.0, repr=False)
+    realisations: int = field(default=0, repr=False)
+    left_out: int = field(default=0, repr=False)
 
     @property
     def enough(self) -> ModesTried | None:
@@ -222,11 +220,15 @@ class _Sweeps:
         try:
             found = self.swept.get(modes) or self._fewer(self._system(modes))
         except ValueError as refusal:  # a restitution of mode 1 that no contact gives
-            return ModesTried(modes, why=str(refusal))
+            return ModesTried(modes=modes, why=str(refusal))
         if found is None:
-            return ModesTried(modes, why=COSTLY.format(modes, self.budget))
+            return ModesTried(modes=modes, why=COSTLY.format(modes, self.budget))
         self.swept[modes] = found
-        return ModesTried(modes, "modal", compared(found, reference, self.asked.frequency), found.cost)
+        return self._tried(modes, "modal", found, reference)
+
+    def _tried(self, modes: int, reduction: str, found: Response, reference: Response) -> ModesTried:
+        beside = compared(found, reference, self.asked.frequency)
+        return ModesTried(of_comparison(beside, self.asked), beside, modes, found.cost, reduction=reduction)
 
     def _single(self, reference: Response) -> ModesTried | None:
         """One degree of freedom along the static deflection at the contact; None of a rig that has none."""
@@ -236,7 +238,7 @@ class _Sweeps:
             return None
         if found is None:
             return None
-        return ModesTried(1, "static_mode", compared(found, reference, self.asked.frequency), found.cost)
+        return self._tried(1, "static_mode", found, reference)
 
     def _own(self, reference: Response) -> ComparedFidelity:
         """The reference beside a finer model."""

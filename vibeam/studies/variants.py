@@ -33,6 +33,7 @@ from vibeam.store.blocks import Values
 from vibeam.store.shares import are_shared, evaluate_each
 from vibeam.studies.recorded_numbers import AskedNumber, few_numbers, suits
 from vibeam.studies.swept_numbers import numbers_of
+from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, ValueRecord
 
 if TYPE_CHECKING:
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 Told = Callable[[int, int], None]
 PEAK = "peak"  # quantity by which a model is judged: the others hang on each single impact
 OF_IMPACTS = ("impacts", "hardest_impact", "lost_at_impacts")
+SHARE = 1.0
 KNOWN = tuple(name for name, each in QUANTITIES.items() if each.of != "pair")
 
 
@@ -105,7 +107,7 @@ def ensembles(
     that takes longer than ``limit`` seconds of work, counted.
     """
     if variants[0][0].record is None:
-        return [_swept(*each, asked, limit) for each in variants]
+        return [swept(*each, asked, limit) for each in variants]
     makers = [MotionMaker(case, name) for case, name in variants]
     jobs = [(at, each) for at, (case, name) in enumerate(variants) for each in motions_of(case, name)]
     for maker in {each.name: each for each in makers}.values():
@@ -132,13 +134,19 @@ def ensembles(
     ]
 
 
-def _swept(case: Case, name: str, asked: Sequence[AskedNumber], limit: float) -> Ensemble:
-    """The sweep of a fidelity by exact motions, as an ensemble of one; one whose gap grows by impacts as it is run."""
-    system = case.system(name)
+def swept(
+    case: Case, name: str, asked: Sequence[AskedNumber], limit: float = inf, other: ImpactSystem | None = None
+) -> Ensemble:  # fmt: skip
+    """The sweep of a fidelity, of the ``other`` system in its place, by exact motions as an ensemble of one.
+
+    That of a fidelity whose gap grows by impacts is run; DearSweep where it takes longer than ``limit`` s of work. Ends
+    of branches, and means of motions that do not repeat, may take ``SHARE`` of the work of a sweep of another system.
+    """
+    system = case.system(name) if other is None else other
     omega = 2 * np.pi * case.sweep.frequency[:1]
     warm_up_once("flight", system, float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]), "contact", {})
     begun, work = time.thread_time(), Work(limit)
-    if gap_wear(case.scene_of(name)) is not None:
+    if other is None and gap_wear(case.scene_of(name)) is not None:
         worn: Any = run(case, show=False, fidelities=[name])
         response: Response | None = Response.of(worn[name])
     else:
@@ -149,6 +157,7 @@ def _swept(case: Case, name: str, asked: Sequence[AskedNumber], limit: float) ->
     read = numbers_of(case, name, system, response, [each.quantity for each in asked], case.influence.frequency)
     values = {each: np.array([[read[each.quantity].number]]) for each in asked}
     why = {each: read[each.quantity].why for each in asked if read[each.quantity].why}
+    work.most = limit if other is None else work.spent * (1 + SHARE)
     return Ensemble(name, system.size, values, seconds, spent, response, why)
 
 
@@ -194,12 +203,6 @@ def require_usual(table: str, plan: Any, *names: str) -> None:
         raise ValueError(f"{', '.join(f'{table}.{name}' for name in said)}: of a [sweep]: take it away beside [record]")
 
 
-def plain_finest(case: Case, named: str | None = None) -> str:
-    """Finest fidelity, the first of several, of those of the case's own rig, or the one that is ``named``.
-
-    ValueError where that changes the rig.
-    """
-    names = plain(case)
-    if named is not None and named not in names:
-        raise ValueError(f"fidelity {named!r} changes the rig: name one of the rig itself")
-    return named or finest(case, {name: case.system(name).size for name in names or case.fidelities})
+def plain_finest(case: Case) -> str:
+    """Finest fidelity, the first of several, of those of the case's own rig."""
+    return finest(case, {name: case.system(name).size for name in plain(case) or case.fidelities})

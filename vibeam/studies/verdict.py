@@ -134,7 +134,10 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
     if name == "solid":
         from vibeam.studies.solid.study import solid_verdict
 
-        return solid_verdict(case, accuracy=plan.accuracy, progress=progress, budget=plan.allowed)
+        return solid_verdict(
+            case, accuracy=plan.accuracy, frequency_accuracy=plan.frequency_accuracy, progress=progress,
+            budget=plan.allowed,
+        )  # fmt: skip
     if case.record is not None:
         require_usual("verdict", plan, "over", "points")
     if name == "effects":
@@ -153,15 +156,19 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
 
 
 def _under_record(name: str, case: Case, plan: VerdictPlan, progress: Progress | bool | None) -> Any:
-    """Record of a stage of a case under a record; ValueError for the stage that it has not."""
-    from vibeam.studies.record.fidelities import record_fidelities
+    """Record of a stage of a case under a record, of ``map`` its run; ValueError for the stage that it has not."""
+    from vibeam.runs.transient.run import run_record
     from vibeam.studies.record.modes import record_modes
 
     if name == "solvers":
         raise ValueError("the solvers' errors are of steady motions; vibeam run says the CPU time of every fidelity")
-    study: Any = {"modes": record_modes, "map": record_fidelities}[name]
     with telling(progress, name) as told:
-        return study(case, plan.accuracy, told=told, **({} if name == "map" else {"budget": plan.allowed}))
+        if name == "modes":
+            return record_modes(case, ModesNeededPlan(plan.accuracy, plan.frequency_accuracy), told, plan.allowed)
+        result = run_record(case, None, told, False, lambda line: None)
+    if not result.comparison:
+        raise ValueError("fewer than two fidelities of one rig: there is none to compare with the finest")
+    return result
 
 
 def plan_of_modes(case: Case, plan: VerdictPlan) -> ModesNeededPlan:

@@ -78,7 +78,7 @@ def test_a_record_with_numbers_that_chose_keys_has_each_stage_of_a_verdict(stage
     if stage == "effects":
         told = [[(row.effect, row.without.worst) for row in each.rows] for each in (found, bare)]
     if stage == "map":
-        told = [[(each.cheapest, [row.worst for row in each.rows]) for each in one.values] for one in (found, bare)]
+        told = [[each.mean for of in one.comparison.values() for each in of.differences] for one in (found, bare)]
     assert told[0]
     assert told[0] == told[1]
 

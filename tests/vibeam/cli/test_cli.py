@@ -358,7 +358,7 @@ def test_modes_needed_answers_first_and_writes_its_errors(command: Command, tmp_
     plain = ("--set", "beam.elements=8", "--set", 'figure.format=["svg"]', "--set", "sweep.frequency.points=9")
     words = ("study", "modes_needed", RIG, *plain, "--most", 4, "--out", "found/")
     done = command(*words)
-    names = {f"{RIG.stem}_modes_needed{ending}" for ending in (".csv", ".svg")}
+    names = {f"{RIG.stem}_modes_needed{ending}" for ending in (".csv", ".svg", "_times.svg")}
     assert {path.name for path in (tmp_path / "found").iterdir()} == names
     lines = done.stdout.splitlines()
     assert len(lines) <= 40
@@ -405,7 +405,7 @@ def test_new_writes_a_case_that_runs(command: Command, tmp_path: Path) -> None:
     assert "is there already" in command("new", "rig/", expect=2).stderr
     assert {file: file.read_bytes() for file in (tmp_path / "rig").iterdir()} == before
     assert json.loads(command("modes", "rig/case.toml", "--json").stdout)["rows"][0]["frequency"] > 1
-    assert command("run", "rig/case.toml").stdout.endswith("case.svg\n")
+    assert command("run", "rig/case.toml").stdout.endswith("case_errors_times.svg\n")
 
 
 def test_new_knows_its_examples(command: Command) -> None:

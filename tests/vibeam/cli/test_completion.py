@@ -26,7 +26,7 @@ def completed(*words: str) -> list[str]:
 @pytest.mark.parametrize(
     ("words", "offered"),
     [
-        (("map", "x.toml", "--picture", "s"), ["spectra", "stability"]),
+        (("map", "x.toml", "--picture", "s"), ["stability"]),
         (("map", "x.toml", "--quantity", "im"), ["impacts_per_period", "impact_velocity"]),
         (("map", "x.toml", "--over", "stop.ga"), ["stop.gap", "stop.gap_at"]),
         (("map", "x.toml", "--from", ""), []),

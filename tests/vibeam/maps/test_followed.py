@@ -43,7 +43,7 @@ reduction = "static_mode"
 
 def test_points_of_a_line_have_the_motions_of_closed_forms() -> None:
     omega = np.linspace(1.9, 3.0, 7)
-    shot = ShotLine(FollowedLine(FAR, lambda omega: 0.1, 1.9, 3.0, 1), omega)
+    shot = ShotLine([(FAR, vibeam.Drive(each, 0.1)) for each in omega], 1)
     shot.fill([])
     velocity, admissible, stable = shot.points()
     known = orbit_points(PLAIN, 1, omega, np.full(7, 0.1), np.full(7, 0.02))
@@ -56,23 +56,14 @@ def test_points_of_a_line_have_the_motions_of_closed_forms() -> None:
 
 def test_a_line_begun_from_another_needs_no_search(monkeypatch: pytest.MonkeyPatch) -> None:
     omega = np.linspace(2.0, 2.4, 5)
-    first = ShotLine(FollowedLine(FAR, lambda omega: 0.1, 2.0, 2.4, 1), omega)
+    first = ShotLine([(FAR, vibeam.Drive(each, 0.1)) for each in omega], 1)
     first.fill([])
     monkeypatch.setattr("vibeam.maps.shot_lines.orbits", None)
     nearby = replace(FAR, gap=0.021)
-    second = ShotLine(FollowedLine(nearby, lambda omega: 0.1, 2.0, 2.4, 1), omega)
+    second = ShotLine([(nearby, vibeam.Drive(each, 0.1)) for each in omega], 1)
     second.fill(first.motions)
     known = orbit_points(replace(PLAIN, gap=0.021), 1, omega, np.full(5, 0.1), np.full(5, 0.021))
     np.testing.assert_allclose(second.points()[0][:, 0], known.velocity[:, 0], rtol=1e-10)
-
-
-def test_a_point_whose_neighbour_is_far_is_come_to_in_shorter_steps() -> None:
-    omega = np.array([1.9, 3.0])
-    shot = ShotLine(FollowedLine(FAR, lambda omega: 0.1, 1.9, 3.0, 1), omega)
-    [start] = [each for each in vibeam.orbits(FAR, vibeam.Drive(1.9, 0.1)) if len(each.times) == 1]
-    found = shot._carried(start, 3.0)
-    assert found is not None
-    assert found.velocity == pytest.approx(vibeam.orbits(PLAIN, vibeam.Drive(3.0, 0.1))[0].velocity, rel=1e-10)
 
 
 def test_maps_by_shooting_have_fewer_points_by_themselves() -> None:

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 import vibeam
 from vibeam.flight.solver import FlightSolver
+from vibeam.periodic.between_impacts import carried
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import orbit_curve
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.trains import carried
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 

@@ -12,13 +12,14 @@ from scipy.optimize import brentq
 
 import vibeam
 from vibeam.flight.linear.propagator import pair, pairs, propagators
-from vibeam.periodic.closed_orbits import AdmissibilityCheck
+from vibeam.flight.solver import FlightSolver
+from vibeam.periodic.between_impacts import carried, state_after
+from vibeam.periodic.closed_orbits import admits
 from vibeam.periodic.modal_sums import balance, sums
 from vibeam.periodic.multipliers import largest, monodromy, multipliers, real_crossing
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_curve import orbit_curve
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.trains import carried, state_after
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 
@@ -116,7 +117,7 @@ def test_a_ball_on_a_shaken_table() -> None:
         table = -drive.omega * drive.amplitude * cos(phase)  # η = g t²/2 + … − B sin Ωt
         assert table == pytest.approx((1 - restitution) / 2 * velocity, rel=1e-12)
         after = state_after(ball, drive, 1, phase, impulse)
-        assert AdmissibilityCheck(ball, drive.omega).admits(drive, after, phase / drive.omega, 1, velocity)
+        assert admits(FlightSolver(ball, drive.omega), drive, after, phase / drive.omega, 1, velocity)
     radius = [abs(multipliers(ball, np.array([span]), found.relative_acceleration[:, k])[0, 0]) for k in (0, 1)]
     assert radius[0] > 1 > radius[1]  # the earlier impact is the unstable one
 

@@ -8,13 +8,13 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from vibeam.periodic.between_impacts import carried
 from vibeam.periodic.bifurcation_functions import Kind, clearances, motions
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.clearance import least_minimum
 from vibeam.periodic.gap import FlightGap
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.trains import carried
 from vibeam.system.impact_system import Drive, ImpactSystem
 
 NOMINAL = ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, restitution=0.9)

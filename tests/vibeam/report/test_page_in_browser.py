@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import vibeam
 from tests.vibeam.report.test_page import CASE, HOSTILE, SHEETS
-from vibeam.report.output import StudySheet
+from vibeam.report.output import SheetPicture, StudySheet
 from vibeam.report.page.page import page, study_page
 from vibeam.report.tables import blank
 from vibeam.studies.stored import stored
@@ -200,6 +200,43 @@ def test_a_wide_table_fits_a_printed_page(browser, file):
     found.page.close()
 
 
+@pytest.fixture(scope="module")
+def decisive(file):
+    """Page of a verdict: two pictures, a note, two stages of which one has a wide table."""
+    figures = [SheetPicture(name, "Words", lambda: Figure(figsize=(5, 4))) for name in ("Models", "Costs")]
+    stages = [("How many modes?", wide_study()), ("Which <effects>?", StudySheet("None."))]
+    text = study_page("Verdict", "Two modes suffice.", stages, figures, ["Not answered: solvers (too dear)."])
+    file.with_name("verdict.html").write_text(text, encoding="utf-8")
+    return file.with_name("verdict.html")
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+@pytest.mark.parametrize("folded", [True, False])
+def test_a_verdict_fits_its_window_folded_and_not(browser, decisive, width, folded):
+    """Tables scroll in a box of their own; pictures are as wide as there is room."""
+    found = Opened(browser, decisive, viewport={"width": width, "height": 800})
+    found.page.evaluate(
+        f"document.querySelectorAll('details').forEach((each) => {{ each.open = {str(not folded).lower()}; }})"
+    )
+    assert found.page.evaluate("document.documentElement.scrollWidth") <= width
+    assert found.page.locator("table").first.is_visible() is not folded
+    wide = [each.bounding_box()["width"] for each in found.page.locator("figure img").all()[:2]]
+    assert all(min(width, 736) - 40 <= each <= width for each in wide)
+    found.page.close()
+
+
+def test_a_printed_verdict_has_what_decides_and_the_parts_that_a_reader_has_opened(browser, decisive):
+    found = Opened(browser, decisive)
+    found.page.emulate_media(media="print")
+    seen = ("h1", ".headline >> nth=0", "#picture-1 img", "#picture-2 img", "#notes li")
+    assert [each for each in seen if not found.page.locator(each).is_visible()] == []
+    assert not found.page.locator("#numbers").is_visible()
+    found.page.locator("details").first.evaluate("each => { each.open = true; }")
+    assert found.page.locator("#numbers h2").is_visible()
+    assert [each.is_visible() for each in found.page.locator("details").all()] == [True, False]
+    found.page.close()
+
+
 def test_of_many_fidelities_the_reference_and_the_pointed_one_have_their_colours(browser, file, tmp_path):
     """The others are grey until so few are left that each can be told."""
     more = (f'[fidelity.modes_{number}]\nreduction = "modal"\nmodes = {number}\n' for number in (2, 3, 5))
@@ -264,12 +301,12 @@ def test_tab_goes_through_all_that_acts_in_the_order_of_the_page_and_shows_where
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_nothing_is_found_by_axe(browser, file, theme):
-    """Of a result, and of studies; nothing minor either."""
+def test_nothing_is_found_by_axe(browser, file, decisive, theme):
+    """Of a result, of studies and of a verdict; nothing minor either."""
     pytest.importorskip("axe_playwright_python")
     studies = file.with_name("studies.html")
     studies.write_text(study_page("Two <modes>", "One beam.", list(SHEETS)), encoding="utf-8")
-    for each in (file, studies):
+    for each in (file, studies, decisive):
         found = Opened(browser, each, color_scheme=theme)
         for folded in found.page.locator("details").all():
             folded.evaluate("each => { each.open = true; }")

@@ -20,8 +20,8 @@ def test_a_packed_history_encloses_its_values_within_a_step(bins, node):
     least, greatest = bins
     stored = enclosing(least, greatest) | {"begin": -1.0, "width": 0.5}
     script = """
-        const { inflated } = await load("page/numbers.js"), { unfolded } = await load("page/envelope.js");
-        const { least, greatest } = unfolded(given, await inflated(given.data));
+        const { inflated } = await load("page/base64.js"), { unfolded } = await load("page/envelope.js");
+        const { least, greatest } = unfolded(given, await inflated(given.data, "deflate"));
         return [Array.from(least), Array.from(greatest)];
     """
     low, high = np.array(node(script, stored))

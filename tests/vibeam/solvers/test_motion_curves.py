@@ -22,8 +22,8 @@ from vibeam.cli.main import app
 from vibeam.figures.response_curve import write_frc
 from vibeam.flight.solver import FlightSolver
 from vibeam.observe.branches import motion_pieces
+from vibeam.periodic.between_impacts import carried
 from vibeam.periodic.orbit_search import orbits
-from vibeam.periodic.trains import carried
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.averaging import AveragingSolver
 from vibeam.solvers.orbit import OrbitSolver

@@ -33,11 +33,11 @@ import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
-from vibeam.report.effects import answer, bars, details, lines, sheet
+from vibeam.report.effects import answer, details, lines, sheet
 from vibeam.report.effects import table as effects_table
 from vibeam.report.tables import print_table
 from vibeam.runs.comparison.errors import Asked
-from vibeam.studies.changes import AMPLITUDES, ENDS, KINDS
+from vibeam.studies.changes import AMPLITUDES, ENDS, KINDS, PRINCIPAL
 from vibeam.studies.effect_sets import subsets
 from vibeam.studies.effects import Effects, influence
 from vibeam.studies.recorded_numbers import AskedNumber
@@ -210,11 +210,11 @@ def test_the_other_restitution_may_turn_the_change_of_a_peak(place: str) -> None
 
 
 def test_a_record_has_no_numbers_of_a_sweep() -> None:
-    """A shock on the rig: with peaks alone judged, by the same study."""
+    """A shock on the rig: with peaks and the hardest impact judged, by the same study."""
     quick = {"record.duration": "0.05 s", "record.values": [1.0], "record.certify": False, "beam.elements": 8,
              "expect": None, "show": None, "fidelity.beam.modes": 3}  # fmt: skip
     study = influence(vibeam.load(CASES / "inputs" / "half_sine.toml", quick))
-    assert {each.number.quantity for each in study.enough.changes if isfinite(each.allowed)} == {"peak"}
+    assert {each.number.quantity for each in study.enough.changes if isfinite(each.allowed)} == {*PRINCIPAL}
     assert not {AMPLITUDES, ENDS, KINDS} & {each.number for each in study.enough.changes}
     assert study.other is None
     assert answer(study).startswith("For 1 % the scene needs ")
@@ -280,13 +280,12 @@ def test_the_command_prints_and_writes(tmp_path: Path) -> None:
     stem = tmp_path / "rig_influence.csv"
     rows = list(csv.DictReader(stem.read_text(encoding="utf-8").splitlines()))
     assert len(rows) == 5 * (2 * 2 + 1)
-    assert all(stem.with_suffix(ending).stat().st_size > 1000 for ending in (".png", ".svg"))
     bare = runner.invoke(app, ["study", "influence", str(file), "--set=mass.rotary_inertia=0.1 kg"])
     assert bare.exit_code == 2
 
 
-def test_tables_and_plot_show_what_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
-    """A number that a model lacks is a dash, its reason below, and a full bar."""
+def test_tables_show_what_is_not_there(capsys: pytest.CaptureFixture[str]) -> None:
+    """A number that a model lacks is a dash, its reason below."""
     study = study_of(influence__quantities=["ringing"], fidelity__beam__modes=2)
     row = study.rows[0]
     lost = [
@@ -300,9 +299,6 @@ def test_tables_and_plot_show_what_is_not_there(capsys: pytest.CaptureFixture[st
     assert "∞" in line
     assert f"Without {row.effect}, ringing: no impacts at 15 Hz" in list(details(shown))
     assert "the ringing is not there to compare" in answer(shown)
-    widths = [patch.get_width() for patch in bars(shown).axes[0].patches]
-    assert max(widths) == pytest.approx(1e3, rel=1e-3)
-    assert all(isfinite(width) for width in widths)
 
 
 def test_a_solid_loses_an_effect_and_keeps_its_modes() -> None:

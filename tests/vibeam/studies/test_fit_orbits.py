@@ -13,7 +13,7 @@ from vibeam.casefile.read import parse
 from vibeam.exchange.curves.record import ReferenceCurve
 from vibeam.studies.fit.estimate import Minimum, minimise, settled
 from vibeam.studies.fit.explanation import explained
-from vibeam.studies.fit.flights import FlyingModel, NotFollowed, OrbitModel
+from vibeam.studies.fit.flights import FlyingModel, OrbitModel
 from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.orbits import OtherMotion, Shooting, differentiate
 from vibeam.studies.fit.problem import FOLLOWED, Problem
@@ -158,7 +158,7 @@ def test_a_motion_that_is_followed_beyond_its_fold_is_lost_and_told():
     assert [problem.called(each) for each in found.chosen.tolist()] == 4 * ["1 impact a period"]
     trail, near = problem.trails.every[int(found.chosen[-1]) - FOLLOWED], found.x
     small = near - [0.0, 0.25]
-    with pytest.raises(NotFollowed, match="lost"):
+    with pytest.raises(vibeam.NoOrbit, match="lost"):
         trail.at(small)
     value, _ = problem.predicted(small, found.chosen)
     assert np.isfinite(value).all()  # as the tangent goes on
@@ -203,8 +203,8 @@ def test_a_side_that_cannot_be_flown_leaves_the_derivatives_of_all_points(monkey
     usual, failing, fly = [each.by for each in orbits], [1], FlyingModel.over
     gap = [each.key for each in problem.keys].index("stop.gap")
 
-    def over(self, omega, starts, periods):
-        read, after = fly(self, omega, starts, periods)
+    def over(self, omega, *given):
+        read, after = fly(self, omega, *given)
         here = orbits[0].made.system.gap
         if self.system.gap * failing[0] > here * failing[0] or (not failing[0] and self.system.gap != here):
             fails = omega == orbits[1].shooting.omega
@@ -258,7 +258,9 @@ def test_shot_motions_have_the_values_and_derivatives_of_the_closed_form(changes
     assert (group.gain is not None) == bool(changes)
     made, like = model.at(problem.start), OtherMotion(1, 1, 0.0, False, 0.0, 0.0)
     for each in settled_points(group, made, np.array([1]), LONG):
-        orbit = Shooting(model, group, each.place, each.place).settled(problem.start, each.state, like)
+        orbit = Shooting(model, group, float(group.omega[each.place]), each.place).settled(
+            problem.start, each.state, like
+        )
         differentiate([orbit])
         assert orbit.value == pytest.approx(value[0, 1], rel=1e-6 if changes else 1e-8)
         scale = np.abs(by[:, 0, 1]).max()

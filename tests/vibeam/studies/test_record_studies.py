@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from functools import cache
 from typing import Any
 
@@ -12,14 +11,17 @@ from scipy.signal import lsim
 from typer.testing import CliRunner
 
 import vibeam
+from vibeam.case.study_plans import ModesNeededPlan
 from vibeam.cli.main import app
 from vibeam.report.effects import sheet
-from vibeam.report.record_studies import of_modes
+from vibeam.report.modes_needed import sheet as modes_sheet
+from vibeam.report.transient import by_value
+from vibeam.report.transient_answer import enough_at
 from vibeam.runs.transient.run import run_record
 from vibeam.studies.changes import changes
 from vibeam.studies.effects import influence
-from vibeam.studies.record.fidelities import judged
-from vibeam.studies.record.modes import RecordModes, record_modes
+from vibeam.studies.modes_needed import ModesNeeded
+from vibeam.studies.record.modes import record_modes
 from vibeam.studies.record.plane import axes_asked, record_map
 from vibeam.studies.recorded_numbers import AskedNumber, suits
 from vibeam.studies.variants import KNOWN, asked_number, ensembles, usual_numbers
@@ -94,32 +96,33 @@ def test_a_plane_has_a_row_a_value_of_the_first_key() -> None:
     assert found.means["few"][1, 2] == one["few"].of("hardest_impact")[0, 0]
 
 
+def modes_of(case: vibeam.Case, accuracy: float, budget: float = np.inf) -> ModesNeeded:
+    return record_modes(case, ModesNeededPlan(accuracy), budget=budget)
+
+
 def test_modes_suffice_where_scipy_says_so() -> None:
     off = [abs(linear_peak(count) / linear_peak(4) - 1) for count in (1, 2, 3)]
-    found = record_modes(modal_case(), off[0] / 2)
+    found = modes_of(modal_case(), off[0] / 2)
     assert [row.modes for row in found.rows] == [1, 2, 3]
-    assert [row.worst for row in found.rows] == pytest.approx(off, abs=4e-5)
+    assert [row.worst * off[0] / 2 for row in found.rows] == pytest.approx(off, abs=4e-5)
     enough = next(count for count in (1, 2, 3) if max(off[count - 1 :]) <= off[0] / 2)
-    assert found.enough() == enough > 1
-    assert replace_accuracy(found, 1e-9).enough() is None
+    assert found.enough is not None
+    assert found.enough.modes == enough > 1
+    assert "modes suffice for " in modes_sheet(found).answer
+    none = modes_of(modal_case(), 1e-9)
+    assert none.enough is None
+    assert "of three modes the peak of sensor is " in modes_sheet(none).answer
 
 
 def test_a_budget_leaves_realisations_out() -> None:
     case = noisy()
-    whole, less = (record_modes(case, 0.1, budget=each) for each in (1e6, 1e-6))
+    whole, less = (modes_of(case, 0.1, each) for each in (1e6, 1e-6))
     assert (whole.realisations, whole.left_out) == (6, 0)  # two values, three seeds
     assert (less.realisations, less.left_out) == (2, 2)
-    assert less.reference.of(AskedNumber("peak", "sensor")).tolist() == [
-        row[:1] for row in whole.reference.of(AskedNumber("peak", "sensor")).tolist()
-    ]
-    assert of_modes(less).answer.endswith("; 2 realisations left out over the budget.")
+    assert "2 realisations left out over the budget." in modes_sheet(less).answer
     effects = influence(case, budget=1e-6)
     assert (effects.realisations, effects.left_out) == (2, 0)
     assert "; 2 realisations left out over the budget. " in sheet(effects).answer
-
-
-def replace_accuracy(found: RecordModes, accuracy: float) -> RecordModes:
-    return dataclasses.replace(found, accuracy=accuracy)
 
 
 def noisy(**more: Any) -> vibeam.Case:
@@ -167,17 +170,28 @@ def test_the_cheapest_within_is_named_at_each_value() -> None:
     """Differences by hand: mean over the seeds of the difference of the peaks over the mean peak; s/√3 its error."""
     case = noisy()
     result = run_record(case, None, lambda *each: None, False, lambda line: None)
-    found = judged(result, 1e9)
-    assert [each.cheapest for each in found.values] == ["one", "one"]
-    for at, each in enumerate(found.values):
+    assert enough_at(result, 1e9) == [(0.5, "one"), (1.0, "one")]
+    for at in range(2):
         ours, theirs = (result[name].of("peak")[at] for name in ("one", "two"))
-        [row] = each.rows
-        peak = row.changes[0]
-        assert peak.number == AskedNumber("peak", "sensor")
-        assert peak.change == pytest.approx(np.mean(ours - theirs) / np.mean(theirs), rel=1e-12)
+        peak = result.comparison["one"].difference("peak", "sensor", at)
+        assert peak.mean == pytest.approx(np.mean(ours - theirs) / np.mean(theirs), rel=1e-12)
         assert peak.error == pytest.approx(np.std(ours - theirs, ddof=1) / np.sqrt(3) / np.mean(theirs), rel=1e-12)
-        assert row.worst == pytest.approx(abs(peak.change) + 2 * peak.error, rel=1e-12)
-    assert [each.cheapest for each in judged(result, 1e-9).values] == ["two", "two"]
+    assert enough_at(result, 1e-9) == [(0.5, "two"), (1.0, "two")]
+
+
+def test_a_value_is_judged_by_its_own_differences_alone() -> None:
+    """Halfway between the errors of the two values the fidelity suffices at one of them; so it is in the sheet."""
+    result = run_record(noisy(), None, lambda *each: None, False, lambda line: None)
+    of = result.comparison["one"]
+    both = [[of.difference(*key, at) for key in (("peak", "sensor"), ("hardest_impact", ""))] for at in range(2)]
+    sizes = [max(abs(each.mean) + 2 * each.error for each in principal) for principal in both]
+    accuracy = sum(sizes) / 2
+    expected = ["one" if size <= accuracy else "two" for size in sizes]
+    assert sorted(expected) == ["one", "two"]
+    assert [name for _, name in enough_at(result, accuracy)] == expected
+    made = by_value(result, accuracy)
+    assert [each["cheapest"] for each in made.data["values"]] == expected
+    assert f"one at level {(0.5, 1.0)[expected.index('one')]:g}" in made.answer
 
 
 def test_what_an_effect_changes_is_what_the_case_without_it_does() -> None:

@@ -98,11 +98,9 @@ def _own_keys(path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
 def picture_complaints(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about what the picture needs and the axes give."""
     axes, starts = len(table.axes or ()), [axis.key_ for axis in table.axes or () if axis.key_ in STARTS]
-    if table.picture == "spectra" and any((axis.key_ or "").endswith(".modes") for axis in table.axes or ()):
-        yield (*path, "picture"), '"spectra" is of one number of modes: take another axis'
     yield from _own_keys(path, table)
-    if table.picture in ("bifurcation", "spectra") and axes > 1:
-        yield (*path, "axes"), f'picture = "{table.picture}" is of one axis, not {axes}'
+    if table.picture == "bifurcation" and axes > 1:
+        yield (*path, "axes"), f'picture = "bifurcation" is of one axis, not {axes}'
     elif table.picture == "period" and axes == 1:
         yield (*path, "axes"), 'picture = "period" is of two axes or three: add one, or write picture = "values"'
     elif table.picture in PLANES and (axes != 2 or table.axes[-1].key_ not in (FREQUENCY, None)):

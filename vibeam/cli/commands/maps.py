@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _NAMES = "These maps of the case; absent = all that it has."
 Names = Annotated[list[str] | None, typer.Argument(metavar="NAME", help=_NAMES, autocompletion=names_of("map"))]
 _OUT = "The map's file (.h5), or the folder for all; folders on the way are made; absent = the current folder."
-_PICTURE = "For a case without such a table: period, values, bifurcation, spectra, stability, verdict."
+_PICTURE = "For a case without such a table: period, values, bifurcation, stability, verdict."
 _OVER = "gap, drive, restitution, frequency or a dotted key."
 _POINTS = "Values of each key, one number for all."
 _ACCURACY = "Of verdict: how near the finest model; absent = 1 %."

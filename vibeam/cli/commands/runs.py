@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -68,12 +69,10 @@ def run(
     def prepared(path: Path) -> Case:
         case = of_fidelities(load(path, set_), fidelity)
         if within is not None:
-            case = loaded("vibeam.runs.comparison.errors:asking")(case, within)
+            case = replace(case, asked={**case.asked, "verdict": replace(case.asked["verdict"], accuracy=within)})
         require_readable(case)
         if len(cases) > 1:
-            from vibeam.runs.systems import require_runnable
-
-            require_runnable(case)
+            loaded("vibeam.runs.systems:require_runnable")(case)
         return case
 
     if len(cases) > 1:

@@ -19,6 +19,7 @@ from vibeam.report.explore.dampings import with_dampings
 from vibeam.report.explore.drive import drive_amplitude, motion_without_stop, slider_frequencies
 from vibeam.report.explore.models import array_of, ended_words, model_of, packed
 from vibeam.report.explore.sliders import CaseSliders, Slider, case_sliders
+from vibeam.runs.comparison.errors import asked_of
 from vibeam_models.outputs import DISPLACEMENT
 
 #: libraries of the kernels by which each engine flies
@@ -52,8 +53,11 @@ def payload(case: Case, units: DisplayUnits | None = None) -> dict[str, Any]:
         "fixed": fixed_keys(case, sliders),
         "ended": ended_words(),
         "sweep": _sweep(case, units or guessed_units(case)),
-        "case": _case(case, sliders),
-    }
+        "asked": vars(asked_of(case)),
+        "case": {
+            "title": case.title, "name": case.path.stem, "file": case.path.name, "template": template(case, sliders),
+        },
+    }  # fmt: skip
 
 
 def _engine(packed: Mapping[str, str]) -> dict[str, Any]:
@@ -118,8 +122,3 @@ def guessed_units(case: Case) -> DisplayUnits:
         near = [gap for each in systems if (gap := abs(each.gap)) < FAR * size]
         size = min([max([size, *near]), *rooms])
     return units_of(case, size, 2 * np.pi * float(case.sweep.frequency[-1]) * size, quantity.name)
-
-
-def _case(case: Case, sliders: CaseSliders) -> dict[str, Any]:
-    own = {"title": case.title, "name": case.path.stem, "file": case.path.name}
-    return own | {"template": template(case, sliders)}

@@ -12,9 +12,10 @@ from matplotlib.patches import Patch
 
 from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of
+from vibeam.maps.axes import edges
 from vibeam.maps.motions import Labelled, counted, label
 from vibeam.maps.run import MapResult
-from vibeam.report.maps.labels import edges, shown_axis
+from vibeam.report.maps.labels import shown_axis
 from vibeam.report.maps.plane import shade
 from vibeam.system.number_text import percent
 

@@ -4,10 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.case import Case, units_of_output
 from vibeam.case.grid_keys import FREQUENCY, AxisPlan
@@ -49,11 +45,6 @@ def shown_axis(case: Case, axis: AxisPlan) -> ShownAxis:
     return ShownAxis(axis.key, name, with_unit(name, unit), unit, factor)
 
 
-def cells(values: NDArray[Any]) -> NDArray[Any]:
-    """Values as rows of cells: one row where there is one axis."""
-    return values[None, :] if values.ndim == 1 else values
-
-
 def quantity_label(result: MapResult, quantity: str) -> str:
     """Label of a quantity with its SI unit."""
     own = {"energy": "time-mean energy of all modes", "lyapunov": "largest Lyapunov exponent (1/s)"}
@@ -62,11 +53,3 @@ def quantity_label(result: MapResult, quantity: str) -> str:
         return own.get(quantity, quantity)
     unit = unit_of(described, units_of_output(result.case, result.plan.output))
     return plain(described.long_name if unit == "1" else f"{described.long_name} ({unit})")
-
-
-def edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Edges of the cells round ``centres``, (points + 1,): half-way between neighbours."""
-    if len(centres) == 1:
-        return np.array([centres[0] - 0.5, centres[0] + 0.5])
-    inner = (centres[1:] + centres[:-1]) / 2
-    return np.concatenate([[2 * centres[0] - inner[0]], inner, [2 * centres[-1] - inner[-1]]])

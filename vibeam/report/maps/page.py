@@ -19,7 +19,6 @@ CAPTIONS = {
     "period": "period of the motion",
     "bifurcation": "bifurcation diagram: output at the end of each drive period",
     "basins": "coexisting motions",
-    "spectra": "spectra along one axis",
 }
 IN_PLANE = ("period", "values")  # pictures that ``plane`` draws; each other has a module of its name
 
@@ -63,7 +62,7 @@ def _figure(found: Any, exact: bool, notes: list[str]) -> Figure:
     handles, said = getattr(module, picture)(figure, found, exact)
     notes += said
     shown = _caption(found) if isinstance(found, MapResult) else module.caption(found)
-    titled(figure, found.case.figure, found.case.title, "\n".join([shown, *(said if picture == "spectra" else ())]))
+    titled(figure, found.case.figure, found.case.title, shown)
     legend(figure, handles)
     return figure
 

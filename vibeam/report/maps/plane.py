@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from vibeam.figures.page import PAGE, plain
 from vibeam.figures.style import COLOURS, name_of
-from vibeam.maps.axes import own_value
+from vibeam.maps.axes import cells, edges, own_value
 from vibeam.maps.boundaries import KINDS, PlaneBoundary, boundaries_of
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.result import MapResult
 from vibeam.observe.periodicity import classes
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.report.maps.labels import ShownAxis, cells, edges, quantity_label, shown_axis
+from vibeam.report.maps.labels import ShownAxis, quantity_label, shown_axis
 from vibeam_models.arrays import Array
 
 BOUNDARIES: dict[Kind, dict[str, Any]] = {

@@ -12,15 +12,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from vibeam.case.held import held_of
-from vibeam.figures.page import plain
+from vibeam.figures.page import blank_page, legend, plain, titled
 from vibeam.figures.style import name_of
+from vibeam.maps.axes import edges
 from vibeam.maps.boundaries import PlaneBoundary
-from vibeam.report.maps.labels import edges, shown_axis
+from vibeam.report.maps.labels import shown_axis
 from vibeam.report.maps.plane import COLUMNS, Handles, PlanePanel, draw_planes, page_size, place_of, shade, swatch
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
-from vibeam.runs.comparison.differences import listed
-from vibeam.studies.fidelity_map.judgement import DIFFERENCES, IN_CHAOS, IN_NUMBER, IN_PERIOD, SAME, FidelityRow, share
+from vibeam.studies.fidelity_map.judgement import DIFFERENCES, IN_CHAOS, IN_NUMBER, IN_PERIOD, SAME
 from vibeam.studies.fidelity_map.study import FidelityMap
 from vibeam.system.number_text import percent, signed
 from vibeam_models.arrays import Array
@@ -30,18 +30,18 @@ FINEST = "#8FA9C8"
 NEAR, FAR, FARTHER = "#E4F1DA", "#F7E3B5", "#EBB78B"  # within the accuracy, five times it, beyond
 APART = {IN_PERIOD: "#C9B6DD", IN_NUMBER: "#8E7CC3", IN_CHAOS: "#4F4789"}
 FIVE = 5.0
+ALONE = (5.0, 4.4)  # inches of the regions without the other panels
 HATCH, CLEAR = "////", ListedColormap(["#00000000"])
 BOUNDARY = ("fidelity", "boundary", "branch", "frequency", "value", "velocity", "clear")  # fields in JSON
 
 
 def sheet(found: FidelityMap) -> StudySheet:
     """Sheet of a fidelity map; every point of the map as CSV."""
-    answer, notes, details = _answer(found), list(_notes(found)), list(_details(found))
-    said = [answer, *notes, *details]
+    answer, notes = _answer(found), list(_notes(found))
     curves = [{name: getattr(each, name) for name in BOUNDARY} for each in found.boundaries]
-    data = {"fidelities": found.rows, "shares": found.shares, "boundaries": curves, "sentences": said}
+    data = {"fidelities": found.rows, "shares": found.shares, "boundaries": curves, "sentences": [answer, *notes]}
     return StudySheet(
-        answer, [_table(found)], notes, details, more=[_worth(found)], data=data, rows=found.points,
+        answer, [_table(found)], notes, data=data, rows=found.points,
     )  # fmt: skip
 
 
@@ -90,22 +90,6 @@ def _notes(found: FidelityMap) -> Iterator[str]:
     yield from found.refused
 
 
-def _details(found: FidelityMap) -> Iterator[str]:
-    """Sentences on how each model differs in kind."""
-    finest = found.finest.name
-    for row, apart in zip(found.rows[:-1], found.differences, strict=False):
-        kinds = [
-            f"{words} on {percent(share(apart == code, found.touched))}"
-            for code, words in DIFFERENCES.items()
-            if (apart == code).any()
-        ]
-        if kinds:
-            part = f"{percent(row.other_kind)} of the places with impacts"
-            yield f"{row.fidelity} differs from {finest} in kind on {part}: {listed(kinds)}."
-        else:
-            yield f"{row.fidelity} has the same kind of motion as {finest} everywhere on the map."
-
-
 def _table(found: FidelityMap) -> ReportTable:
     """Table of all models: where they suffice, how far they are off."""
     table = blank(f"Against {found.finest.name}", "fidelity", "modes|", "cost|", "suffices|", "bias|", "rms|")
@@ -123,34 +107,14 @@ def _table(found: FidelityMap) -> ReportTable:
     return table
 
 
-def _worth(found: FidelityMap) -> ReportTable:
-    """Table of what each model is good for, and where it is not."""
-    table = blank("Use of each model", "fidelity", "wrong between", "use it for")
-    for row in found.rows:
-        table.add_row(row.fidelity, _where(found, row), row.use_it_for)
-    return table
-
-
 def quantity_of(found: FidelityMap) -> str:
     """Quantity that the accuracy is of."""
     return "reach at the contact" if found.plan.quantity == "reach" else f"amplitude at the {found.plan.output}"
 
 
-def _where(found: FidelityMap, row: FidelityRow) -> str:
-    """The ranges in which a model does not suffice."""
-    if row.wrong_frequency is None or row.wrong_key is None:
-        return "–"
-    upward, across = (shown_axis(found.case, axis) for axis in found.plan.axes[-2:])
-    shown = []
-    for axis, ends in ((across, row.wrong_frequency), (upward, row.wrong_key)):
-        low, high = (f"{value * axis.factor:.4g}" for value in ends)
-        shown.append(f"{low} … {high} {axis.unit}".rstrip())
-    return ", ".join(shown)
-
-
 def caption(found: FidelityMap) -> str:
     """Caption of the picture."""
-    return f"how much model: {found.plan.accuracy * 100:.3g} % of the {quantity_of(found)} against {found.finest.name}"
+    return f"which model: {found.plan.accuracy * 100:.3g} % of the {quantity_of(found)} against {found.finest.name}"
 
 
 def size_of(found: FidelityMap) -> tuple[float, float]:
@@ -168,6 +132,15 @@ def verdict(figure: Figure, found: FidelityMap, exact: bool) -> tuple[Handles, l
         handles += keys
     handles += draw_planes(figure, found.result, shown)
     return list({str(handle.get_label()): handle for handle in handles}.values()), []
+
+
+def regions_figure(found: FidelityMap) -> Figure:
+    """The regions alone, small enough for any page."""
+    figure = blank_page(ALONE, found.case.figure)
+    keys = _region_keys(found) + draw_planes(figure, found.result, [_regions(found, found.plan.boundaries)])
+    titled(figure, found.case.figure, "", caption(found))
+    legend(figure, keys)
+    return figure
 
 
 def _colours(found: FidelityMap) -> list[str]:

@@ -1,4 +1,5 @@
 // Numbers as texts, packed arrays.
+import { bytesOf } from "./base64.js";
 /** @import { Packed } from "./types.d.ts" */
 
 /** @type {(value: number | null | undefined, digits?: number) => string} */
@@ -15,11 +16,6 @@ export const metres = (value) => {
   const [unit, factor] = LENGTHS.find(([, each]) => Math.abs(value) * each >= 0.1) || LENGTHS[3];
   return `${short(value * factor, 2)} ${unit}`;
 };
-
-/** @type {(text: string) => Uint8Array<ArrayBuffer>} */
-const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-/** Bytes from base64 of zlib. @type {(text: string) => Promise<ArrayBuffer>} */
-export const inflated = (text) => new Response(new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
 
 /** @type {(packed: Packed) => number[]} */
 export function unpacked(packed) {

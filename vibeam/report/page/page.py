@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from vibeam.figures.response_curve import frc
-from vibeam.report.output import StudySheet
+from vibeam.report.output import SheetPicture, StudySheet
 from vibeam.report.page.charts import chart_data
 from vibeam.report.page.parts import LivePart, as_json, picture, rendered
 from vibeam.report.page.standing import PAGE_BYTES, standing
@@ -13,7 +14,7 @@ from vibeam.report.run_report import run_report
 from vibeam.runs.stored_result import StoredResult
 from vibeam.system.response import modes_of
 
-VIEWS = ("numbers", "chart", "result", "response", "participation")
+VIEWS = ("base64", "numbers", "chart", "result", "response", "participation")
 
 
 def page(stored: StoredResult, live: LivePart | None = None) -> str:
@@ -26,19 +27,30 @@ def page(stored: StoredResult, live: LivePart | None = None) -> str:
     response = picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result))
     data = as_json(chart_data(stored))
     modes = max((modes_of(each) for each in result.values()), default=0)
-    room = PAGE_BYTES - len(data) - len(response.data)
+    report = run_report(result)
+    decisive = [picture(each.name, each.words, each.draw) for each in report.pictures]
+    room = PAGE_BYTES - len(data) - len(response.data) - sum(len(each.data) + len(each.numbers) for each in decisive)
     return rendered(
         "results.html",
         ("state", "saving", *VIEWS, "start"),
         live,
         **standing(result, modes, result.overview, stored.provenance, stored.left_out, room),
         missing=stored.missing,
-        verdict=run_report(result),
+        verdict=report,
+        decisive=decisive,
         response=response,
         data=data,
     )
 
 
-def study_page(title: str, overview: str, sheets: Sequence[tuple[str, StudySheet]]) -> str:
-    """The page of studies: ``title``, the sentence (or lines) ``overview``, a section for each (heading, sheet)."""
-    return rendered("study.html", ("state", "saving", "start"), title=title, overview=overview, sheets=sheets)
+def study_page(
+    title: str, overview: str, sheets: Sequence[tuple[str, StudySheet]], pictures: Sequence[SheetPicture] = (),
+    notes: Sequence[str] | None = None,
+) -> str:  # fmt: skip
+    """The page of studies: ``title``, the sentence (or lines) ``overview``, a section for each (heading, sheet).
+
+    With ``notes`` that for a reader who decides: sentence, ``pictures`` and notes, the sheets folded below.
+    """
+    given: dict[str, Any] = {"title": title, "overview": overview, "sheets": sheets, "pictures": pictures}
+    template = "study.html" if notes is None else "verdict.html"
+    return rendered(template, ("state", "saving", "start"), notes=notes, **given)

@@ -1,6 +1,7 @@
 // What the views of a motion under a record share: its numbers, the fidelities that are shown.
 import { byId, colourOf, element, hidden, on, tell, tickBox } from "./state.js";
-import { inflated, unpacked } from "./numbers.js";
+import { inflated } from "./base64.js";
+import { unpacked } from "./numbers.js";
 import { unfolded } from "./envelope.js";
 /** @import { History, Impacts, RecordData } from "./histories.d.ts" */
 
@@ -9,7 +10,7 @@ export const data = JSON.parse(byId("data").textContent);
 /** Histories by signal and fidelity, once they are inflated: of all of the record, and of parts. @type {Map<string, History[]>} */
 const histories = new Map();
 Promise.all(data.histories.map(async (each) => {
-  return { key: `${each.signal}\n${each.fidelity}`, history: unfolded(each, await inflated(each.data)) };
+  return { key: `${each.signal}\n${each.fidelity}`, history: unfolded(each, await inflated(each.data, "deflate")) };
 })).then((all) => {
   for (const { key, history } of all) histories.set(key, [...(histories.get(key) ?? []), history]);
   for (const several of histories.values()) several.sort((a, b) => a.width - b.width);

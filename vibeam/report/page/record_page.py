@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from vibeam.runs.transient.result import TransientResult
 
 STILL = 110  # columns of a panel of the still picture
-VIEWS = ("numbers", "chart", "envelope", "record", "zoom", "timeline", "families")
+VIEWS = ("base64", "numbers", "chart", "envelope", "record", "zoom", "timeline", "families")
 
 
 def record_page(stored: StoredResult) -> str:

@@ -26,8 +26,9 @@ from vibeam.maps.irregular import NO_CONTACT, judged
 from vibeam.maps.points import GridPoints, scattered
 from vibeam.periodic.lift import response_alone
 from vibeam.periodic.modal_sums import sums
+from vibeam.periodic.motion_at import shot
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.orbit_search import near, orbits
+from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.shooting import NoOrbit
 from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.runs.parallel import run_parallel
@@ -134,7 +135,7 @@ class _Known:
         """Motions near those at the places around."""
         for start in self.starts:
             with suppress(NoOrbit):
-                yield near(self.section, State(*start.reshape(2, -1)), ONE)
+                yield shot(self.section, State(*start.reshape(2, -1)), ONE)
 
     def rules_out(self, kind: int) -> bool:
         """Test whether there is no motion of a kind here."""

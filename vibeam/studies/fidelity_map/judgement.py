@@ -170,8 +170,6 @@ def relative(model: MappedMotions, finest: MappedMotions) -> NDArray[np.float64]
     return np.asarray(np.take_along_axis(shares, worst[None], axis=0)[0])
 
 
-EVERYWHERE = 0.99  # share of the places with impacts that counts as all of them
-
 KINDS = {
     NO_CONTACT: "no contact", IRREGULAR: "long or quasiperiodic", CHAOTIC: "chaos", FAILED: "failed",
 }  # fmt: skip
@@ -184,8 +182,7 @@ class FidelityRow:
     ``cost_ratio``: how many times cheaper a point is than of the finest (CPU time here); ``within``: share of the
     places with impacts where it suffices (NaN without any); ``bias``, ``rms``: mean and root mean square of the
     relative difference there, where both are of one kind; ``other_kind``: share of the places with impacts where it
-    differs in kind, ``kinds``: of what the finest has there; ``wrong_frequency`` (Hz) and ``wrong_key`` (SI): the
-    ranges where it does not suffice.
+    differs in kind, ``kinds``: of what the finest has there.
     """
 
     fidelity: str
@@ -197,9 +194,6 @@ class FidelityRow:
     rms: float
     other_kind: float
     kinds: str
-    wrong_frequency: tuple[float, float] | None
-    wrong_key: tuple[float, float] | None
-    use_it_for: str
 
 
 def fidelity_row(model: MappedMotions, found: ComparedModels) -> FidelityRow:
@@ -210,11 +204,11 @@ def fidelity_row(model: MappedMotions, found: ComparedModels) -> FidelityRow:
     shares = model.value[alike] / finest.value[alike] - 1
     bias = float(shares.mean()) if shares.size else float("nan")
     rms = float(np.sqrt(np.mean(shares**2))) if shares.size else float("nan")
-    ratio, wrong = finest.cpu / model.cpu, ~near
+    ratio = finest.cpu / model.cpu
     part, other = share(near, touched), share(apart != SAME, touched)
     return FidelityRow(
         model.name, model.modes, model.cpu, ratio, part, bias, rms, other,
-        _kinds(finest, apart != SAME), *_ranges(wrong, found), _use(model is finest, part, other, rms),
+        _kinds(finest, apart != SAME),
     )  # fmt: skip
 
 
@@ -227,28 +221,3 @@ def _kinds(finest: MappedMotions, places: NDArray[np.bool_]) -> str:
     order = np.argsort(-counts, kind="stable")[:2]
     names = [KINDS.get(kind, f"period {kind}") for kind in kinds.tolist()]
     return ", ".join(f"{names[i]} ({percent(round(counts[i] / found.size, 2))})" for i in order)
-
-
-def _ranges(
-    wrong: NDArray[np.bool_], found: ComparedModels
-) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
-    if not wrong.any():
-        return None, None
-    columns, rows = found.frequency[wrong.any(axis=0)], found.values[wrong.any(axis=1)]
-    return (float(columns.min()), float(columns.max())), (float(rows.min()), float(rows.max()))
-
-
-def _use(finest: bool, share: float, other: float, rms: float) -> str:
-    """Use of a model, in a few words."""
-    if finest:
-        return "the reference"
-    if share >= EVERYWHERE:
-        return "everything here"
-    parts = []
-    if share >= 0.5:
-        parts.append("its own regions of the map")
-    if other <= 1 - EVERYWHERE:
-        parts.append(f"which motion there is; sizes to {percent(rms)} (rms)")
-    elif other < 0.5 and np.isfinite(rms):
-        parts.append(f"sizes to {percent(rms)} (rms) where the motion is the same")
-    return "; ".join(parts) or "nothing here"

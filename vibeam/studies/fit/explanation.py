@@ -22,8 +22,8 @@ import numpy as np
 from vibeam.periodic.bifurcation_functions import clearances
 from vibeam.periodic.bifurcation_functions import motions as motions_at
 from vibeam.periodic.orbit_curve import stability
+from vibeam.periodic.shooting import NoOrbit
 from vibeam.periodic.tangents import ModalData
-from vibeam.studies.fit.flights import NotFollowed
 from vibeam.studies.fit.orbits import FollowedOrbit, OtherMotion, Shooting
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import FOLLOWED, IMPOSSIBLE, LEFT, NO_CONTACT, Problem, robust, value_of
@@ -49,7 +49,7 @@ def other_motions(problem: Problem, x: Array, which: Index) -> dict[int, list[Ot
         places, settle = _with_neighbours(group, asked), LONG if forward.closed else SHORT
         for each in settled_points(group, model.at(x), places, settle):
             if int(at[each.place]) in found:
-                shooting = Shooting(model, group, each.place, int(at[each.place]))
+                shooting = Shooting(model, group, float(group.omega[each.place]), int(at[each.place]))
                 found[shooting.point] += _outside(problem, x, shooting, each)
         for j in asked.tolist():
             known = [each.number for each in found[int(at[j])]]
@@ -80,7 +80,7 @@ def _outside(problem: Problem, x: Array, shooting: Shooting, flown: SettledPoint
     number = _number(problem.trails, shooting, x, flown.state, seen)
     if number is None and seen.period == 0 and not shooting.model.forward.closed:  # it may not have settled yet
         beside = shooting.points.omega[flown.place : flown.place + 1]
-        read, (after,) = shooting.model.at(x).swept(beside, flown.state, LONG, HOLD)
+        read, (after,) = shooting.model.at(x).swept(beside, flown.state, LONG, HOLD, shooting.points.quantity)
         seen = _seen(shooting, x, SettledPoint(flown.place, read, 0, after)) or seen
         number = _number(problem.trails, shooting, x, after, seen) if seen.period else None
     if number is not None:
@@ -92,7 +92,7 @@ def _number(trails: Trails, shooting: Shooting, x: Array, state: State, seen: Ot
     """Number of the periodic motion that a flight settles on; one that has not repeated yet: of a stable one near."""
     number = trails.alike(shooting.point, x, shooting.model.at(x).row(state), max(seen.period, 1), SETTLED)
     if number is None and (seen.period or not shooting.model.forward.closed):
-        with suppress(NotFollowed):
+        with suppress(NoOrbit):
             found = shooting.settled(x, state, seen)
             return trails.number(found) if seen.period or found.stable else None
     return number

@@ -10,7 +10,9 @@ import numpy as np
 
 from vibeam.case.fidelity import system
 from vibeam.flight.solver import ExactSolver, exact_solver, reading_of
-from vibeam.periodic.stroboscopic import MotionEnded, StroboscopicMap
+from vibeam.periodic.motion_at import Way, motion_at
+from vibeam.periodic.orbit import Orbit
+from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.studies.fit.surface import Forward
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.quantities import Ended
@@ -19,13 +21,9 @@ from vibeam.system.state import State
 from vibeam_models.arrays import Array
 from vibeam_models.base_motion import drive_amplitude
 
-KEPT = 24  # models kept ready to fly
+KEPT = 64  # models kept ready to fly
 LIMIT = 100_000  # impacts in one flight
-READING = reading_of("reach")
-
-
-class NotFollowed(ArithmeticError):
-    """No periodic motion was found where one was looked for."""
+ITERATIONS = 12  # of Newton's method
 
 
 @dataclass(frozen=True)
@@ -68,33 +66,37 @@ class FlyingModel:
         return [0.0] * len(found.rest) if self.system.contact_law.yields else found.rest.tolist()
 
     def swept(
-        self, omega: Array, state: State | None, settle: int, hold: int
+        self, omega: Array, start: State | list[State] | None, settle: int, hold: int, quantity: str
     ) -> tuple[FrequencyResponse, list[State]]:  # fmt: skip
-        """Points in turn, the state carried on, and the state after each."""
+        """Points in turn, the state carried on or each from its own start, and the state after each."""
         states: list[State] = []
-        found, _ = self.solver.steady(omega, self.base(omega), state, settle, hold, self.output, READING, states)
+        reading = reading_of(quantity)
+        found, _ = self.solver.steady(omega, self.base(omega), start, settle, hold, self.output, reading, states)
         return found, states
 
-    def over(self, omega: Array, starts: list[State], periods: int) -> tuple[FrequencyResponse, Array]:
+    def over(
+        self, omega: Array, starts: list[State], periods: int, quantities: set[str] | None = None
+    ) -> tuple[FrequencyResponse, Array]:  # fmt: skip
         """Flights over whole periods, each from its own start: what is read off, and states after (points, 2n).
 
         NaN where one fails.
         """
-        after: list[State] = []
-        found, _ = self.solver.steady(omega, self.base(omega), starts, 0, periods, self.output, READING, after)
+        quantity = "reach" if quantities and "reach" in quantities else "amplitude"
+        found, after = self.swept(omega, starts, 0, periods, quantity)
         vectors = np.array([self.row(each) for each in after])
         vectors[found.ended != Ended.COMPLETE.code] = np.nan
         return found, vectors
 
-    def mapped(self, drive: Drive, start: State, periods: int) -> tuple[Array, Array]:
-        """State (2n,) after some periods and the tangent map in units of velocity; NotFollowed where that fails."""
-        section = StroboscopicMap(self.system, drive, runner=self.solver)
-        try:
-            flown = section.flown(start, periods)
-            scale = self.signs * self.units / section.units
-            return self.row(flown.state), section.jacobian(start, periods, flown) * (scale[:, None] / scale)
-        except MotionEnded as ended:
-            raise NotFollowed(str(ended)) from None
+    def orbit(self, omega: float, start: State, periods: int) -> Orbit:
+        """The motion that a state at the drive's phase 0 leads to, its own state there; NoOrbit without."""
+        section = StroboscopicMap(self.system, self.drive(omega), runner=self.solver)
+        return motion_at(section, start, periods, ways=(Way.SHOT,), steps=ITERATIONS, kept=True)
+
+    def tangent(self, orbit: Orbit) -> Array:
+        """Tangent map of a motion over its span (2n, 2n), in the units and with the signs of the model."""
+        own = np.where(self.system.omega > 0, self.system.omega, orbit.drive.omega)
+        scale = self.signs * self.units / np.append(own, np.ones(self.system.size))
+        return np.asarray(orbit.monodromy * (scale[:, None] / scale))
 
 
 class OrbitModel:

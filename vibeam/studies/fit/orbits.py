@@ -19,7 +19,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vibeam.studies.fit.flights import LIMIT, FlyingModel, NotFollowed, OrbitModel
+from vibeam.periodic.shooting import NoOrbit, Reason
+from vibeam.studies.fit.flights import LIMIT, FlyingModel, OrbitModel
 from vibeam.studies.fit.points import Points
 from vibeam.system.quantities import Ended
 from vibeam.system.response import FrequencyResponse
@@ -28,7 +29,6 @@ from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 
 STEP = 3e-5  # of a difference quotient, share of the bounds
-ITERATIONS, QUADRATIC = 12, 1e-6  # of Newton's method; share of the size of a correction that is the last one
 ALLOWED = 0.02  # share of the motion's size by which a correction may exceed what the derivative moved
 STEADY = 1 + 1e-9  # modulus of a multiplier up to which a motion is stable
 SAMPLES = 8192  # a period, of what is filtered: an impact's kink reaches high harmonics
@@ -74,52 +74,34 @@ class OtherMotion(MotionKind):
 
 @dataclass(frozen=True, eq=False)
 class Shooting:
-    """Shooting at a measured point: number ``point`` of all, at ``place`` of its group."""
+    """Shooting at ``omega``, rad/s, of measured point number ``point`` or beside it; ``points``: its group."""
 
     model: OrbitModel
     points: Points
-    place: int
+    omega: float
     point: int
 
-    @property
-    def omega(self) -> float:
-        """Drive frequency, rad/s."""
-        return float(self.points.omega[self.place])
-
     def orbit(self, x: Array, start: Array, like: MotionKind) -> FollowedOrbit:
-        """Periodic motion at shares ``x`` that Newton's method finds from a state; NotFollowed without.
+        """Periodic motion at shares ``x`` that Newton's method finds from a state; NoOrbit without.
 
         It has the periods of the motion ``like``, and rests where that does.
         """
-        made, state, periods = self.model.at(x), start, max(like.period, 1)
-        for _ in range(ITERATIONS):
-            after, tangent = made.mapped(made.drive(self.omega), made.state(state, like.resting), periods)
-            off, size = (after - state) * made.units, float(np.linalg.norm(after * made.units))
-            step = np.linalg.lstsq(np.eye(len(off)) - tangent, off, rcond=None)[0]
-            length = float(np.linalg.norm(step))
-            if not length <= size:
-                raise NotFollowed("Newton's method left the motion")
-            state = state + step / made.units
-            if length <= QUADRATIC * size:
-                return self._read(x, state, periods, like.resting, tangent)
-        raise NotFollowed("Newton's method did not converge")
-
-    def _read(self, x: Array, state: Array, periods: int, resting: bool, tangent: Array) -> FollowedOrbit:
-        made = self.model.at(x)
-        start = made.state(state, resting)
-        found, _ = made.over(np.array([self.omega]), [start], periods)
+        made, periods = self.model.at(x), max(like.period, 1)
+        orbit = made.orbit(self.omega, made.state(start, like.resting), periods)
+        found, _ = made.over(np.array([self.omega]), [orbit.state], periods, {self.points.quantity})
         if found.ended[0] != Ended.COMPLETE.code:
-            raise NotFollowed(Ended.of_code(int(found.ended[0])).value)
-        value = float(quantities(made, [self], found, [start], periods)[0])
+            raise NoOrbit(Reason.ENDED, Ended.of_code(int(found.ended[0])).value)
+        value = float(quantities(made, [self], found, [orbit.state], periods)[0])
         impacts = round(float(found.impacts_per_period[0]) * periods)
-        return FollowedOrbit(periods, impacts, made.rest(found)[0], resting, value, self, x, state, tangent)
+        rest, state, tangent = made.rest(found)[0], made.row(orbit.state), made.tangent(orbit)
+        return FollowedOrbit(periods, impacts, rest, like.resting, value, self, x, state, tangent)
 
     def further(self, near: FollowedOrbit, x: Array) -> FollowedOrbit:
-        """The motion at shares ``x`` from where its derivative leads; NotFollowed where Newton's method leaves it."""
+        """The motion at shares ``x`` from where its derivative leads; NoOrbit where Newton's method leaves it."""
         return self.orbit(x, near.predicted(x), near).beside(near.predicted(x), near)
 
     def settled(self, x: Array, state: State, like: MotionKind) -> FollowedOrbit:
-        """Periodic motion that a flight has settled on, or nearly; NotFollowed where there is none so near."""
+        """Periodic motion that a flight has settled on, or nearly; NoOrbit where there is none so near."""
         start = self.model.at(x).row(state)
         return self.orbit(x, start, like).beside(start)
 
@@ -173,10 +155,10 @@ class FollowedOrbit(MotionKind):
     def beside(self, start: Array, near: FollowedOrbit | None = None) -> FollowedOrbit:
         """Itself, where it is as near to the ``start`` of Newton's method as that is to the motion ``near``, or nearly.
 
-        NotFollowed elsewhere: then it may be any other motion.
+        NoOrbit elsewhere: then it may be any other motion.
         """
         if not self.apart(start) <= ALLOWED + (0.0 if near is None else near.apart(start)):
-            raise NotFollowed("Newton's method left the motion")
+            raise NoOrbit(Reason.LEFT)
         return self
 
 
@@ -203,23 +185,24 @@ def _differentiate(orbits: list[FollowedOrbit]) -> None:
 
     value = np.array([each.value for each in orbits])
 
-    def flown(at: Array, starts: Array) -> tuple[Array, Array]:
+    def flown(at: Array, starts: Array, read: bool) -> Array:
+        """States after the motions from ``starts``, or the quantities that are read off them."""
         try:
             made = model.at(at)
         except ValueError:  # no such system on this side
-            return np.full_like(state, np.nan), np.full_like(value, np.nan)
+            return np.full_like(value if read else state, np.nan)
         own = [made.state(row, each.resting) for row, each in zip(starts, orbits, strict=True)]
-        found, after = made.over(omega, own, periods)
-        return after, quantities(made, shootings, found, own, periods)
+        found, after = made.over(omega, own, periods, {each.points.quantity for each in shootings} if read else None)
+        return quantities(made, shootings, found, own, periods) if read else after
 
     for k in np.flatnonzero(model.forward.changed).tolist():
         ends = np.clip(x[k] + np.array([-STEP, STEP]), 0.0, 1.0)
         low, high = (np.where(np.arange(len(x)) == k, end, x) for end in ends)
-        apart = _slope(ends - x[k], flown(low, state)[0], state, flown(high, state)[0])
+        apart = _slope(ends - x[k], flown(low, state, False), state, flown(high, state, False))
         state_by[:, k] = (closing @ (apart * units)[..., None])[..., 0] / units
         known = np.array([bool(np.isfinite(row).all()) for row in state_by[:, k]])
         starts = [state + (each[k] - x[k]) * np.where(known[:, None], state_by[:, k], 0.0) for each in (low, high)]
-        below, above = (flown(each, own)[1] for each, own in zip((low, high), starts, strict=True))
+        below, above = (flown(each, own, True) for each, own in zip((low, high), starts, strict=True))
         by[:, k] = np.where(known, _slope(ends - x[k], below, value, above), np.nan)
     for each, own, motion in zip(orbits, by, state_by, strict=True):
         each.by, each.state_by = own, motion

@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.studies.fit.flights import FlyingModel, NotFollowed, OrbitModel
+from vibeam.periodic.shooting import NoOrbit, Reason
+from vibeam.studies.fit.flights import FlyingModel, OrbitModel
 from vibeam.studies.fit.orbits import FollowedOrbit, Shooting, differentiate
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.surface import Forward
@@ -40,7 +41,7 @@ def settled_points(
     """Motions that a model settles on, swept up and down over the points ``places``."""
     order = places[np.argsort(points.omega[places], kind="stable")]
     for leg in (order, order[::-1]):
-        found, states = made.swept(points.omega[leg], None, settle, hold)
+        found, states = made.swept(points.omega[leg], None, settle, hold, points.quantity)
         for k, place in enumerate(leg.tolist()):
             yield SettledPoint(place, found, k, states[k])
 
@@ -70,7 +71,7 @@ class Trail:
         return min(known, key=lambda each: float(np.abs(each.x - x).max()), default=near)
 
     def at(self, x: Array) -> FollowedOrbit:
-        """The motion at shares ``x``; NotFollowed where it is lost."""
+        """The motion at shares ``x``; NoOrbit where it is lost."""
         return self._reached(x, HALVINGS)
 
     def beside(self, x: Array, omega: float) -> FollowedOrbit:
@@ -78,8 +79,7 @@ class Trail:
         found = self.at(x)
         if omega == self.shooting.omega:
             return found
-        moved = replace(self.shooting, points=self.shooting.points.at(np.array([omega]) / (2 * np.pi)), place=0)
-        return moved.orbit(x, found.state, found)
+        return replace(self.shooting, omega=omega).orbit(x, found.state, found)
 
     def _reached(self, x: Array, halvings: int) -> FollowedOrbit:
         near = self.nearest(x)
@@ -88,9 +88,9 @@ class Trail:
         try:
             differentiate([near])
             self.found.append(self.shooting.further(near, x))
-        except (NotFollowed, ValueError):
+        except ValueError:
             if not halvings:
-                raise NotFollowed("the motion is lost") from None
+                raise NoOrbit(Reason.LEFT, "it is lost") from None
             self._reached((near.x + x) / 2, halvings - 1)
             return self._reached(x, halvings - 1)
         return self.found[-1]
@@ -137,12 +137,12 @@ class Trails:
         """Motions of a point that are known nearby and can be followed to shares ``x``, with their numbers."""
         for number, trail in enumerate(self.every):
             if trail.shooting.point == point and float(np.abs(trail.nearest(x).x - x).max()) < NEARBY:
-                with suppress(NotFollowed):
+                with suppress(NoOrbit):
                     yield number, trail.at(x)
 
     def exists(self, number: int, x: Array, unstable: bool) -> bool:
         """Test whether the model has a motion at shares ``x``, with derivatives, stable; ``unstable``: or not."""
-        with suppress(NotFollowed):
+        with suppress(NoOrbit):
             found = self.every[number].at(x)
             return (found.stable or unstable) and found.differentiable
         return False
@@ -160,7 +160,7 @@ class Trails:
         for trail, near, rate in zip(trails, nearest, omega.tolist(), strict=True):
             try:
                 found.append(trail.beside(x, rate))
-            except NotFollowed:
+            except NoOrbit:
                 found.append(near)
         if slopes:
             differentiate([each for each in found if np.array_equal(each.x, x)])
@@ -175,16 +175,15 @@ class Trails:
         known: list[FollowedOrbit] = []
         for trail in (self.every[each] for each in sorted(numbers)):
             if trail.called == kind and trail.shooting.points.reference == reference:
-                with suppress(NotFollowed):
+                with suppress(NoOrbit):
                     known.append(trail.at(x))
         value, by = np.full(len(frequency), np.nan), np.zeros((len(x), len(frequency)))
         omega, own = 2 * np.pi * frequency, dict[int, FollowedOrbit]()
         first = [min((abs(rate - each.shooting.omega) for each in known), default=0.0) for rate in omega]
         for k in np.argsort(first, kind="stable").tolist() if known else []:
             near = min(known, key=lambda each: abs(each.shooting.omega - omega[k]))
-            beside = replace(near.shooting, points=near.shooting.points.at(frequency[k : k + 1]), place=0)
-            with suppress(NotFollowed):
-                found = beside.orbit(x, near.state, near)
+            with suppress(NoOrbit):
+                found = replace(near.shooting, omega=float(omega[k])).orbit(x, near.state, near)
                 if found.called == kind:
                     known.append(found)
                     own[k] = found

@@ -1,91 +1,55 @@
-"""Number of modes that suffice under a record: convergence of the motions' numbers with the modes of one fidelity."""
+"""Number of modes that a case needs under a record: motions of 1, 2, 3 … modes beside twice those of its fidelity."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibeam.case.case import plan_of_record
-from vibeam.studies.changes import NumberChange, changes, worst
-from vibeam.studies.variants import PEAK, Ensemble, Told, ensembles, plain_finest, usual_numbers, within
-from vibeam_models.arrays import ValueRecord
+from vibeam.runs.comparison.beyond import is_whole
+from vibeam.runs.comparison.errors import GIVEN, Asked, ComparedFidelity
+from vibeam.studies.changes import changes, limits_of_record
+from vibeam.studies.modes_needed import FIRST, STEPS, ModesNeeded, ModesTried
+from vibeam.studies.variants import Told, ensembles, plain_finest, usual_numbers, within
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.study_plans import ModesNeededPlan
 
-STEPS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64)  # numbers of modes that are flown
+MORE = "no more than twice those of {} are computed under a record"
 BEYOND = 2  # the reference has so many times the modes of the fidelity
-LEAST = 8  # modes of the reference, where the mesh has them
 
 
-@dataclass(frozen=True)
-class ModesRow:
-    """Model with that number of ``modes``: its ``changes`` from the reference, and CPU time of a motion, s."""
+def record_modes(case: Case, plan: ModesNeededPlan, told: Told | None = None, budget: float = inf) -> ModesNeeded:
+    """Number of modes that suffice under a record, of the finest fidelity that changes nothing of the rig.
 
-    modes: int
-    changes: tuple[NumberChange, ...]
-    seconds: float
-
-    @property
-    def worst(self) -> float:
-        """Largest change of the peaks, as a share, its error counted twice."""
-        return worst(self.changes)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class RecordModes(ValueRecord):
-    """``rows`` of fewer modes of a ``fidelity``, ascending, against its ``reference`` with ``modes`` of them.
-
-    ``accuracy``: largest change allowed. ``realisations``: motions of each model; ``left_out``: of the case's seeds,
-    over the budget.
+    ``budget``: CPU seconds, about, by which realisations are left out. ValueError where its number of modes is no key
+    of it, or where it has one alone.
     """
-
-    case: Case
-    fidelity: str
-    accuracy: float
-    rows: tuple[ModesRow, ...]
-    reference: Ensemble
-    realisations: int
-    left_out: int = 0
-
-    @property
-    def modes(self) -> int:
-        """Number of modes of the reference."""
-        return self.reference.modes
-
-    def enough(self, quantity: str = PEAK) -> int | None:
-        """Least number of modes from which on all that were flown are within the accuracy; None where none is."""
-        found = None
-        for row in reversed(self.rows):
-            if not worst(row.changes, quantity) <= self.accuracy:
-                break
-            found = row.modes
-        return found
-
-
-def record_modes(
-    case: Case, accuracy: float, fidelity: str | None = None, told: Told | None = None, budget: float = inf
-) -> RecordModes:
-    """Fly one fidelity with more and more modes through the case's record, up to twice its own.
-
-    ``budget``: CPU seconds, about, by which realisations are left out. ``fidelity``: None: the one with most modes that
-    changes nothing of the rig. ValueError where its number of modes is no key of it, or where it has one alone.
-    """
-    name = plain_finest(case, fidelity)
-    own = case.fidelities[name]
+    name, asked = plain_finest(case), Asked.of(plan.accuracy, plan.frequency_accuracy)
+    own, whole, numbers = case.fidelities[name], case.alone(name), usual_numbers(case)
     if own.modes is None:
         raise ValueError(f'fidelity {name}: reduction = "{own.reduction}" says its modes itself: take one with modes')
-    whole = case.alone(name)
-    wanted = max(BEYOND * own.modes, LEAST)
-    top = min(whole.model(name).most_modes or wanted, wanted)
-    numbers = [*(count for count in STEPS if count < top), top]
-    if len(numbers) < 2:
+    wanted = max(BEYOND * own.modes, FIRST)
+    most = whole.model(name).most_modes
+    top = min(most or wanted, wanted)
+    counts = [*(count for count in STEPS if count < top), top]
+    if len(counts) < 2:
         raise ValueError(f"fidelity {name}: its rig has {top} mode: there are no fewer to compare with")
-    finest = whole.with_keys({f"fidelity.{name}.modes": top})
-    chosen = within(finest, name, budget, sum(numbers) / top)
-    variants = [(chosen.with_keys({f"fidelity.{name}.modes": count}), name) for count in numbers]
-    *fewer, reference = ensembles(variants, usual_numbers(whole), told)
-    rows = tuple(ModesRow(each.modes, changes(reference, each), float(each.seconds.mean())) for each in fewer)
+    of = f"fidelity.{name}.modes"
+    chosen = within(whole.with_keys({of: top}), name, budget, sum(counts) / top)
+    *fewer, reference = ensembles([(chosen.with_keys({of: count}), name) for count in counts], numbers, told)
+    allowed = limits_of_record(asked, numbers)
+    rows = tuple(
+        ModesTried(changes(reference, each, limits=allowed), modes=each.modes, seconds=float(each.seconds.mean()))
+        for each in fewer
+    )
+    scene: Any = case.scene_of(name)
+    every = is_whole(whole, name, top)
+    why = "" if every else MORE.format(name) if scene.all_modes else GIVEN
+    beyond = ComparedFidelity(name, "", None, top, whole=every, why=why)
     left_out = len(plan_of_record(case).seeds) - len(plan_of_record(chosen).seeds)
-    return RecordModes(case, name, accuracy, rows, reference, reference.seconds.size, left_out)
+    return ModesNeeded(
+        case, plan, asked, rows, None, beyond, top, most or wanted + 1, 0, seconds=float(reference.seconds.mean()),
+        realisations=reference.seconds.size, left_out=left_out,
+    )  # fmt: skip

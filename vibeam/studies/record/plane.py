@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.grid_keys import AxisPlan
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
 from vibeam.exchange.faults import suggest
 from vibeam.runs.transient.motions import SCALED
@@ -24,15 +25,6 @@ SHORT = {"gap": "stop.gap", "restitution": "stop.restitution"}
 AROUND = (0.2, 2.0)  # usual range of the level and the speed
 
 
-@dataclass(frozen=True)
-class RecordAxis:
-    """Axis of a map: ``"level"``, ``"speed"`` or a dotted key, its values in ``unit``, SI (empty: a plain number)."""
-
-    key: str
-    values: tuple[float, ...]
-    unit: str
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class RecordMap(ValueRecord):
     """Number of the motions over one axis or two: ``means`` of each fidelity over them, and their standard ``errors``.
@@ -42,7 +34,7 @@ class RecordMap(ValueRecord):
     """
 
     case: Case
-    axes: tuple[RecordAxis, ...]
+    axes: tuple[AxisPlan, ...]
     number: AskedNumber
     means: Mapping[str, Array]
     errors: Mapping[str, Array]
@@ -75,7 +67,7 @@ def record_map(
     names = list(fidelities or case.fidelities)
     if unknown := [name for name in names if name not in case.fidelities]:
         raise ValueError(f"--fidelity: no fidelity {unknown[0]!r}; {suggest(unknown[0], case.fidelities)}")
-    made = tuple(RecordAxis(key, tuple(map(float, each)), _unit(case, key)) for key, each in axes.items())
+    made = tuple(AxisPlan(key, tuple(map(float, each)), _unit(case, key)) for key, each in axes.items())
     points = [_settings(dict(zip(axes, point, strict=True))) for point in product(*axes.values())]
     variants = [(own.with_keys(each), name) for name in names for own in (case.alone(name),) for each in points]
     found = ensembles(variants, [number], told)

@@ -1,155 +1,162 @@
-"""Verdict on the beam by the solid of the same rig: what each of the beam's assumptions changes, their sum the whole.
+"""Verdict on the beam by the solid of the same rig: whether it suffices, and what each of its assumptions changes.
 
-Each step is the difference of two models, over the solid's number, so that the steps of a quantity add up to what the
-beam is off, to the bit of their rounding. Held is what the case holds, R of the contact or R₁ of mode 1; the other one
-follows in each model. The mobility is that of as many modes as the beam has, told by their shapes: of a patch that of
-all modes grows without limit as the mesh is refined, and is not compared. What half as many elements in each direction
-change tells the error of the mesh, below which a step of the solid's is not resolved.
+The models from the beam to the solid are variants of one rig, each with one assumption of the beam's less; the solid is
+their reference. Held is what the case holds, R of the contact or R₁ of mode 1; the other one follows in each model.
+The mobility is that of as many modes as the beam has, told by their shapes: of a patch that of all modes grows without
+limit as the mesh is refined, and is not compared. What half as many elements in each direction change tells the error
+of the mesh.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from math import inf, isfinite, nan
 from time import process_time
 
+import numpy as np
+
 from vibeam.case.case import Case
-from vibeam.case.held import Held, held_of
 from vibeam.case.source import of_source
+from vibeam.runs.comparison.differences import listed
+from vibeam.runs.comparison.errors import Asked, ResponseComparison
 from vibeam.runs.comparison.responses import Response
-from vibeam.studies.solid.model import FIRST, LadderModel, SteppedModel, distance, with_peak
+from vibeam.studies.changes import COMPARED, ModelVariant, change_of, compared_by, of_comparison
+from vibeam.studies.recorded_numbers import AskedNumber
+from vibeam.studies.solid.model import FIRST, SteppedModel
 from vibeam.studies.solid.steps import LadderStep, coarser, ladder, solid_of
 from vibeam.system.curves import evenly
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 from vibeam_models.arrays import ValueRecord
 from vibeam_models.scene import Scene
-from vibeam_models.solid.scene import SolidScene, assumptions
+from vibeam_models.solid.scene import SolidScene
 
 USUAL, MOST = 8, 16  # modes of a beam whose fidelity does not count them, or counts more
 POINTS = 31  # frequencies of the sweep at most
-BUDGET = 20.0  # s
+FREQUENCIES = tuple(f"f{number}" for number in range(1, FIRST + 1))
 QUANTITIES = (
-    *(f"f{number}" for number in range(1, FIRST + 1)), "twist", "flexibility", "mobility", "restitution",
-    "first_mode_restitution", "peak", "peak_frequency", "rms",
+    *(each.quantity for each in COMPARED), *FREQUENCIES, "twist", "flexibility", "mobility", "restitution",
+    "first_mode_restitution", "peak", "peak_frequency",
 )  # fmt: skip
-JUDGED = (*QUANTITIES[:FIRST], "peak", "rms")
 SAFE = 0.5  # of the change: ⅓ of it is the error where that is of second order, as in flat elements and at clamps
 LEFT_OUT = "left out: over the budget"
 MORE = (3, 8)  # halves of the beam's number of modes, in which the first ones are looked for
+COARSER = "solid, half the elements", "the mesh"
 OF_RECORD = "is not compared under a record: vibeam verdict --only map has the peaks of all fidelities"
 
 
 @dataclass(frozen=True)
-class StepChange:
-    """Change that a step's ``cause`` makes: of each quantity from the last model that has it, over the solid's number.
+class SolidVariant(ModelVariant):
+    """Model on the way to the solid, which ``cause`` leads to: its ``values``, and their changes from the solid's.
 
-    NaN of what the model does not have, which the next step then has in it.
+    ``numbers`` of the beam's bending modes among its own, ``twisted`` that of the first one in torsion, 0 without;
+    ``unread``: keys of the case that it does not read.
     """
 
-    name: str
-    cause: str
-    changes: dict[str, float]
+    name: str = ""
+    cause: str = ""
+    values: Mapping[str, float] = field(default_factory=dict)
+    numbers: tuple[int, ...] = ()
+    twisted: int = 0
+    unread: tuple[str, ...] = ()
+
+    def value(self, quantity: str) -> float:
+        """Value of a quantity; NaN where it has none."""
+        return self.values.get(quantity, nan)
+
+    def error(self, quantity: str) -> float:
+        """Error of a quantity beside the solid, as a share; NaN where one of the two has none."""
+        return self.change(AskedNumber(quantity))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SolidVerdict(ValueRecord, ViewedTable):
     """Beam and solid of a rig and what is between them: ``models``, the beam first, the solid last.
 
-    ``coarser``: the solid with half as many elements in each direction; ``held``: the restitution; ``assumed``:
-    sentences on what the case does not say; ``chosen``: keys that measured numbers chose; ``accuracy``: the largest
-    error allowed. ``left_out`` models did not fit into ``budget`` s of CPU time of the ``seconds`` spent.
+    ``asked``: the errors allowed; ``coarser``: the solid with half as many elements in each direction, without numbers
+    where it was left out. ``missing``: why models were not made, some to keep to ``budget`` s of CPU time of the
+    ``seconds`` spent; the next one has their causes too.
 
     >>> import vibeam
     >>> case = vibeam.load("cases/dtu_neutral.toml", {"beam.elements": 12, "sweep.frequency.points": 3})
-    >>> [step.cause for step in vibeam.studies.solid_verdict(case, budget=1e-9).steps]
-    ['shear', 'three dimensions', 'plate stiffening', 'the clamp']
+    >>> list(vibeam.studies.solid_verdict(case, budget=1e-9).steps)
+    ['shear, three dimensions, plate stiffening and the clamp']
     """
 
     case: Case
     fidelity: str
-    accuracy: float
-    held: Held
-    models: tuple[LadderModel, ...]
-    coarser: LadderModel
-    assumed: tuple[str, ...] = ()
-    chosen: tuple[str, ...] = ()
+    asked: Asked
+    models: tuple[SolidVariant, ...]
+    coarser: SolidVariant
+    missing: dict[str, str] = field(default_factory=dict)
     seconds: float = nan
     budget: float = inf
-    left_out: int = 0
 
     @property
-    def beam(self) -> LadderModel:
+    def left_out(self) -> int:
+        """Number of models that did not fit into the budget."""
+        return list(self.missing.values()).count(LEFT_OUT)
+
+    @property
+    def beam(self) -> SolidVariant:
         """The beam as the case has it."""
         return self.models[0]
 
     @property
-    def solid(self) -> LadderModel:
+    def solid(self) -> SolidVariant:
         """The solid as the case has it."""
         return self.models[-1]
 
     def error(self, quantity: str) -> float:
         """Error of the beam in a quantity, relative to the solid's; NaN where one of the two has none."""
-        return self._over(self.beam, self.solid.value(quantity), quantity)
+        return self.beam.error(quantity)
 
     def mesh_error(self, quantity: str) -> float:
         """Error of the solid's quantity by its mesh, relative: ``SAFE`` times what half as many elements change."""
-        return SAFE * abs(self._over(self.coarser, self.solid.value(quantity), quantity))
+        return next((SAFE * each.size for each in self.coarser.changes if each.number.quantity == quantity), nan)
 
     @property
-    def steps(self) -> tuple[StepChange, ...]:
-        """Change by each step; of every quantity they add up to what the beam is off, with the other sign."""
-        found, before = [], {name: self.beam.value(name) for name in QUANTITIES}
-        for model in self.models[1:]:
-            changes = {name: self._over(model, before[name], name) for name in QUANTITIES}
-            before |= {name: model.value(name) for name in QUANTITIES if isfinite(model.value(name))}
-            found.append(StepChange(model.name, model.cause, changes))
-        return tuple(found)
+    def own(self) -> ResponseComparison | None:
+        """The solid's own error by its mesh; None where it is not known."""
+        return None if self.coarser.comparison is None else self.coarser.comparison.carried_on(SAFE)
 
-    def _over(self, model: LadderModel, other: float, quantity: str) -> float:
-        """Difference of a model's value from another one over the solid's; of the rms distance as it is."""
-        whole = 1.0 if quantity == "rms" else self.solid.value(quantity)
-        return (model.value(quantity) - other) / whole if whole else nan
+    @property
+    def steps(self) -> dict[str, dict[str, float]]:
+        """Change of each error by its cause; of a quantity they add up to what the beam is off, with the other sign."""
+        return {
+            now.cause: {each: now.error(each) - before.error(each) for each in QUANTITIES}
+            for before, now in pairwise(self.models)
+        }
 
     @property
     def worst(self) -> str:
-        """Quantity, of those judged, in which the beam is off most; empty where none is known."""
-        known = [name for name in JUDGED if isfinite(self.error(name))]
-        return max(known, key=lambda name: abs(self.error(name)), default="")
+        """Error of the comparison in which the beam is off most, over what is allowed; empty where none is known."""
+        known = [each for each in self.beam.changes if each.number in COMPARED and isfinite(each.change)]
+        return max(known, key=lambda each: each.share).number.quantity if known else ""
 
     @property
-    def largest(self) -> tuple[tuple[str, ...], float]:
-        """Causes of the largest change in the quantity ``worst``, several where what is between is not known."""
-        found: list[tuple[tuple[str, ...], float]] = []
-        causes: tuple[str, ...] = ()
-        for step in self.steps:
-            causes, change = (*causes, step.cause), step.changes.get(self.worst, nan)
-            if isfinite(change):
-                found.append((causes, change))
-                causes = ()
-        return max(found, key=lambda each: abs(each[1]), default=((), nan))
+    def largest(self) -> str:
+        """Cause of the largest change in the error ``worst``; empty where the mesh resolves none."""
+        found = {cause: abs(changes.get(self.worst, nan)) for cause, changes in self.steps.items()}
+        least = max(0.0, self.mesh_error(self.worst))
+        return max((cause for cause in found if found[cause] > least), key=lambda cause: found[cause], default="")
 
     def quantity(self, number: float | None) -> str:
         """Quantity that is the natural frequency of the beam's mode ``number``; empty where it is none of them."""
-        named = {at: f"f{place}" for place, at in enumerate(self.beam.numbers, 1)} | {self.beam.twist_number: "twist"}
+        named = {at: f"f{place}" for place, at in enumerate(self.beam.numbers, 1)} | {self.beam.twisted: "twist"}
         return named.get(int(number or -1), "")
 
     @property
-    def beyond(self) -> bool:
-        """Test whether the beam is beyond the accuracy by more than the mesh error."""
-        return any(self._off(name, -1) > self.accuracy for name in JUDGED)
-
-    @property
-    def enough(self) -> bool:
-        """Test whether the beam is within the accuracy in all of that, the mesh error counted, and the peak known."""
-        within = all(self._off(name, 1) <= self.accuracy for name in JUDGED if isfinite(self.error(name)))
-        return isfinite(self.error("peak")) and within and not self.beyond
-
-    def _off(self, quantity: str, side: int) -> float:
-        """Error of the beam in size with the mesh error, where that is known, on this side."""
-        mesh = self.mesh_error(quantity)
-        return abs(self.error(quantity)) + side * (mesh if isfinite(mesh) else 0.0)
+    def enough(self) -> bool | None:
+        """Sufficiency of the beam; None where the own error of the solid, or what is not known, leaves that open."""
+        beside, own = self.beam.comparison, self.own
+        within = None if beside is None else beside.suffices(self.asked)
+        if beside is not None and within is False:
+            mesh = 0.0 if own is None else own.worst(self.asked)
+            return False if beside.worst(self.asked) > 1 + mesh else None
+        return True if within and own is not None and own.suffices(self.asked) else None
 
 
 @of_source
@@ -159,6 +166,7 @@ def solid_verdict(
     fidelity: str = "",
     accuracy: float = 0.05,
     *,
+    frequency_accuracy: float | None = None,
     progress: Callable[[int, int], None] | bool | None = None,
     budget: float = inf,
 ) -> SolidVerdict:
@@ -174,9 +182,9 @@ def solid_verdict(
     -0.8
     """
     scene, name = _solid(case, fidelity)
-    begun = process_time()
+    asked, begun = Asked.of(accuracy, frequency_accuracy), process_time()
     with telling(progress, "solid") as told:
-        return _Ladder(_thinned(case), name, scene, budget, begun, told).verdict(accuracy)
+        return _Ladder(_thinned(case), name, scene, asked, told).verdict(begun, budget)
 
 
 def _solid(case: Case, fidelity: str) -> tuple[SolidScene, str]:
@@ -207,59 +215,59 @@ class _Ladder:
     """Models in the order in which they are made: beam and solid, the coarser mesh, then what is between."""
 
     def __init__(
-        self, case: Case, fidelity: str, scene: SolidScene, budget: float, begun: float,
-        told: Callable[..., None],
+        self, case: Case, fidelity: str, scene: SolidScene, asked: Asked, told: Callable[[int, int], None]
     ) -> None:  # fmt: skip
-        self.case, self.fidelity, self.scene, self.budget, self.told = case, fidelity, scene, budget, told
-        self.steps, self.begun, self.done = ladder(scene), begun, 0
+        self.case, self.fidelity, self.scene, self.asked, self.told = case, fidelity, scene, asked, told
+        self.steps = ladder(scene)
         self.count = min(case.fidelities[fidelity].modes or USUAL, MOST)
-        self.responses: dict[str, Response] = {}
-        self.longest, self.left_out = 0.0, 0
+        self.responses: dict[str, Response | None] = {}
+        self.missing: dict[str, str] = {}
 
-    def verdict(self, accuracy: float) -> SolidVerdict:
+    def verdict(self, begun: float, budget: float) -> SolidVerdict:
         """The verdict; ValueError where beam or solid cannot be made."""
-        self._told()
-        reference = SteppedModel(self.steps[0], self.count)
-        ends = [self._made(step, reference) for step in (self.steps[0], self.steps[-1])]
-        for each in ends:
-            if each.why:
-                raise ValueError(f"{'no solid' if each.cause else 'no beam'}: {each.why}")
+        reference, rough = SteppedModel(self.steps[0], self.count), LadderStep(*COARSER, coarser(self.scene))
+        beam, solid = self._end(self.steps[0], reference), self._end(self.steps[-1], reference)
         fine = self._wide_enough(self.steps[-1], reference)  # of which the coarser mesh has the same modes
-        rough = self._of(LadderStep("solid, half the elements", "the mesh", coarser(self.scene)), fine, True)
-        between = [self._of(step, reference, True) for step in self.steps[1:-1]]
-        chosen = {key for number in self.case.measured.values() for key in number.chose}
-        return SolidVerdict(
-            self.case, self.fidelity, accuracy, held_of(self.scene),
-            tuple(map(self._with_distance, (ends[0], *between, ends[1]))), self._with_distance(rough),
-            tuple(assumptions(self.scene)), tuple(sorted(chosen)), process_time() - self.begun, self.budget,
-            self.left_out,
-        )  # fmt: skip
-
-    def _of(self, step: LadderStep, beam: SteppedModel, may_wait: bool = False) -> LadderModel:
-        """Model of a step; left out where it may be and would take longer than the rest of the budget."""
-        if may_wait and process_time() - self.begun + self.longest > self.budget:
-            self.left_out += 1
+        found = dict[str, SolidVariant]()
+        for step, beside in [(rough, fine), *((each, reference) for each in self.steps[1:-1])]:
             self._told()
-            return LadderModel(step.name, step.cause, why=LEFT_OUT, unread=step.keys)
-        return self._made(step, beam)
+            longest = max(each.seconds for each in (beam, solid, *found.values()))
+            try:
+                if process_time() - begun + longest > budget:
+                    raise ValueError(LEFT_OUT)
+                found[step.name] = self._made(step, beside)
+            except ValueError as refusal:
+                self.missing[step.name] = str(refusal)
+        mesh = found.pop(rough.name, SolidVariant(name=rough.name, cause=rough.cause))
+        between = _with_causes(self.steps[1:], found | {solid.name: solid})
+        beam, mesh, *others = (self._beside(each, solid) for each in (beam, mesh, *between))
+        return SolidVerdict(
+            self.case, self.fidelity, self.asked, (beam, *others), mesh, self.missing, process_time() - begun, budget
+        )
 
-    def _made(self, step: LadderStep, beam: SteppedModel) -> LadderModel:
-        begun = process_time()
+    def _end(self, step: LadderStep, beam: SteppedModel) -> SolidVariant:
+        self._told()
         try:
-            model = self._wide_enough(step, beam)
-            found = model.linear()
+            return self._made(step, beam)
         except ValueError as refusal:
-            return LadderModel(step.name, step.cause, why=str(refusal), unread=step.keys)
+            raise ValueError(f"{'no solid' if step.cause else 'no beam'}: {refusal}") from None
+
+    def _made(self, step: LadderStep, beam: SteppedModel) -> SolidVariant:
+        begun, model = process_time(), self._wide_enough(step, beam)
+        values, remarks = model.linear(), tuple[str, ...]()
         try:
             if self.case.record is not None:
                 raise ValueError(OF_RECORD)
-            self.responses[step.name] = model.response(self.case, self.fidelity)
-            found = with_peak(found, self.responses[step.name])
+            found = model.ensemble(self.case, self.fidelity)
+            self.responses[step.name] = found.response
+            values |= {each.quantity: found.mean(each).mean for each in found.numbers}
+            remarks = tuple(dict.fromkeys(found.why.values()))
         except ValueError as refusal:
-            found = replace(found, why_no_peak=str(refusal))
-        self.longest = max(self.longest, process_time() - begun)
-        self._told()
-        return replace(found, cpu_seconds=process_time() - begun)
+            remarks = (str(refusal),)
+        return SolidVariant(
+            modes=model.kept.size, seconds=process_time() - begun, remarks=remarks, name=step.name, cause=step.cause,
+            values=values, numbers=tuple((model.partners[0] + 1).tolist()), twisted=model.twisted, unread=step.keys,
+        )  # fmt: skip
 
     def _wide_enough(self, step: LadderStep, beam: SteppedModel) -> SteppedModel:
         """Model with the beam's modes among its own: of a solid some do not bend it, of a wide strip many."""
@@ -268,11 +276,26 @@ class _Ladder:
         first, last = (SteppedModel(step, times * self.count // 2 + 4, beam) for times in MORE)
         return first if min(first.partners[0][:FIRST], default=0) >= 0 else last
 
-    def _with_distance(self, model: LadderModel) -> LadderModel:
-        """The model with its distance from the solid's amplitudes, where at least half of them can be compared."""
-        ours, solid = (self.responses.get(name) for name in (model.name, self.steps[-1].name))
-        return model if ours is None or solid is None else replace(model, rms=distance(ours, solid))
+    def _beside(self, model: SolidVariant, solid: SolidVariant) -> SolidVariant:
+        """The model with what changes in it from the solid."""
+        ours, theirs = (self.responses.get(each.name) for each in (model, solid))
+        if ours is not None and model.cause not in ("", COARSER[1]):
+            ours = Response(ours.places)  # ends of models between are known to the grid
+        found = None if ours is None or theirs is None else compared_by(self.asked, ours, theirs, not model.cause)
+        errors = () if found is None else of_comparison(found, self.asked)
+        pairs = ((name, np.array([solid.value(name)]), np.array([value])) for name, value in model.values.items())
+        changed = tuple(change_of(AskedNumber(name), *pair) for name, *pair in pairs)
+        return replace(model, comparison=found, changes=(*errors, *changed))
 
     def _told(self) -> None:
-        self.told(min(self.done, len(self.steps) + 1), len(self.steps) + 1)
-        self.done += 1
+        self.told(len(self.responses) + len(self.missing), len(self.steps) + 1)
+
+
+def _with_causes(steps: Sequence[LadderStep], found: Mapping[str, SolidVariant]) -> Iterator[SolidVariant]:
+    """Models of the steps; the cause of one that was not made goes to the next."""
+    causes = list[str]()
+    for step in steps:
+        causes.append(step.cause)
+        if step.name in found:
+            yield replace(found[step.name], cause=listed(causes))
+            causes = []

@@ -16,14 +16,8 @@ from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.uncertainty.replicates import replicates
 from vibeam.studies.uncertainty.samples import inputs_of
 from vibeam.studies.uncertainty.statistics import Distribution, Indices, indices, saltelli
-from vibeam.studies.variants import (
-    Ensemble,
-    Told,
-    ensembles,
-    plain_finest,
-    usual_numbers,
-)
-from vibeam_models.arrays import Array, ValueRecord
+from vibeam.studies.variants import Told, ensembles, plain_finest, usual_numbers
+from vibeam_models.arrays import ValueRecord
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -58,45 +52,25 @@ class RecordUncertainty(ValueRecord):
 
 
 def record_uncertainty(case: Case, samples: int, seed: int, told: Told | None = None) -> RecordUncertainty:
-    """Carry the uncertain inputs of a case through its record.
+    """Carry the uncertain inputs of a case through its record, at the first value of its factor.
 
     The finest fidelity is simulated at (2 + d)·``samples`` values of d inputs (independent scramblings of Sobol'
     points). CaseError for a value that the case may not have.
     """
-    finest = plain_finest(case)
-    flown = _Samples(case, seed, told)
-    count, d = replicates(samples), len(case.uncertain)
-    inputs = inputs_of(case.uncertain, saltelli(d, samples, seed)).reshape(-1, d)
-    every, seconds = flown.at(finest, inputs, nominal=True)
-    found = every[:, :-1].reshape(-1, samples, 2 + d)
-    spread = [
-        Distribution.of(float(own), each[:, :2].reshape(count, -1))
-        for own, each in zip(every[:, -1], found, strict=True)
-    ]
-    parts = indices(np.moveaxis(found, 0, -1))
+    finest, asked, plan = plain_finest(case), usual_numbers(case), plan_of_record(case)
+    count, keys = replicates(samples), [each.key for each in case.uncertain]
+    inputs = inputs_of(case.uncertain, saltelli(len(keys), samples, seed)).reshape(-1, len(keys))
+    own = case.alone(finest).with_keys({"record.over": plan.over, "record.values": [plan.values[0]]})
+    cases = [*(own.with_keys(dict(zip(keys, row, strict=True))) for row in inputs.tolist()), own]
+    made = ensembles([(each, finest) for each in cases], asked, told)
+    every = np.array([[float(np.mean(each.of(number))) for each in made] for number in asked])
+    found = every[:, :-1].reshape(len(asked), samples, -1)
     rows = tuple(
-        UncertainNumber(each, spread[at], Indices(*(part[:, at : at + 1] for part in (
-            parts.first, parts.total, parts.low, parts.high))))
-        for at, each in enumerate(flown.asked)
-    )  # fmt: skip
-    failed, realisations = int(np.count_nonzero(np.isnan(found[0]))), max(len(plan_of_record(case).seeds), 1)
+        UncertainNumber(
+            number, Distribution.of(float(nominal), each[:, :2].reshape(count, -1)), indices(each[..., None])
+        )
+        for number, nominal, each in zip(asked, every[:, -1], found, strict=True)
+    )
+    failed, seconds = int(np.count_nonzero(np.isnan(found[0]))), float(np.mean([each.seconds.sum() for each in made]))
+    realisations = max(len(plan.seeds), 1)
     return RecordUncertainty(case, finest, rows, samples, count, len(inputs), seed, failed, seconds, realisations)
-
-
-class _Samples:
-    """Motions of a case at values of its uncertain inputs, all through the same realisations."""
-
-    def __init__(self, case: Case, seed: int, told: Told | None) -> None:
-        self.case, self.seed, self.told = case, seed, told
-        self.keys = [each.key for each in case.uncertain]
-        self.asked = usual_numbers(case)
-
-    def at(self, fidelity: str, inputs: Array, nominal: bool = False) -> tuple[Array, float]:
-        """Numbers (q, m) of a fidelity at inputs (m, d), and the CPU time of a sample, s; ``nominal``: those at the
-        case's own values behind them."""
-        plan = plan_of_record(self.case)
-        own = self.case.alone(fidelity).with_keys({"record.over": plan.over, "record.values": [plan.values[0]]})
-        cases = [own.with_keys(dict(zip(self.keys, row, strict=True))) for row in inputs.tolist()] + [own] * nominal
-        made: list[Ensemble] = ensembles([(each, fidelity) for each in cases], self.asked, self.told)
-        numbers = np.array([[float(np.mean(each.of(asked))) for each in made] for asked in self.asked])
-        return numbers, float(np.mean([each.seconds.sum() for each in made]))

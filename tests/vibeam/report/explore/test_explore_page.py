@@ -67,8 +67,10 @@ def policy(text):
 
 def test_a_payload_has_what_the_page_reads(case, made):
     assert made.keys() == {
-        "version", "level", "digest", "libraries", "slots", "models", "sliders", "fixed", "ended", "sweep", "case"
+        "version", "level", "digest", "libraries", "slots", "models", "sliders", "fixed", "ended", "sweep", "asked",
+        "case",
     }  # fmt: skip
+    assert made["asked"] == {"amplitude": 0.05, "frequency": pytest.approx(0.01)}
     assert (made["version"], made["level"], len(made["digest"])) == (vibeam.__version__, "wasm", 16)
     assert made["libraries"].keys() == {"tables", "flight", "points"}
     for text in made["libraries"].values():

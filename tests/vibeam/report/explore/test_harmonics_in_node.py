@@ -33,8 +33,8 @@ const engine = await open(given.payload);
 return given.places.map(({ fidelity, at, ...place }) => {
   const motion = engine.motion(fidelity, place, { periods: given.periods }), { x, v, modes } = motion.at(at);
   const { state, ...steady } = engine.steady(fidelity, place, { settle: given.settle, hold: given.hold });
-  const settings = engine.settings(fidelity, place), { impacts, rests, counts, ended } = motion;
-  return { settings, impacts, rests, counts, ended, x, v, modes, steady, displacement: state.displacement };
+  const settings = engine.settings(fidelity, place), { impacts, counts, ended } = motion;
+  return { settings, impacts, counts, ended, x, v, modes, steady, displacement: state.displacement };
 });
 """
 
@@ -82,7 +82,7 @@ def apart(first: Any, second: Any) -> float:
 
 
 def test_motions_are_those_of_python(answered: Any) -> None:
-    """Impacts, rests, counts, the output and the system's own modes: these motions are regular."""
+    """Impacts, counts, the output and the system's own modes: these motions are regular."""
     case, pairs = answered
     rested = 0
     for place, found in pairs:
@@ -92,7 +92,6 @@ def test_motions_are_those_of_python(answered: Any) -> None:
         assert found["counts"] == {"impacts": path.stats["impacts"], "evaluations": path.stats["evaluations"]}
         assert apart(times, path.impact_times) <= 1e-12
         assert apart(speeds, path.impact_velocities) <= 1e-12
-        assert apart(np.array(found["rests"]).reshape(-1, 2), path.rests) <= 1e-12
         assert apart(found["x"], path.at(place["at"], "sensor")) <= 1e-12
         assert apart(found["v"], path.velocity_at(place["at"], "sensor")) <= 1e-12
         own, _ = several.in_own_modes(path.modes_at(place["at"]), place["at"])

@@ -91,9 +91,8 @@ def test_motion_without_contact(found, name):
         assert len(there) == (state is not None)
         if state is not None:
             wide = replace(system, gap=1e6)
-            response, _ = OrbitSolver(wide, OMEGA[0]).check.watched(
-                vibeam.Drive(omega, AMPLITUDE), state, 0.0, 1, "contact"
-            )
+            flight = OrbitSolver(wide, OMEGA[0]).flight
+            response, _ = flight.steady([omega], AMPLITUDE, state, 0, 1, "contact")
             for key in ("amplitude", "maximum", "minimum"):
                 assert there[0][key] == pytest.approx(getattr(response, key)[0], rel=1e-10)
 
@@ -106,18 +105,20 @@ def test_faults(node):
     assert "static force toward the stop" in said
 
 
-def test_spectral_radius(node):
-    """Against LAPACK: random and lightly damped ones to 1e-9; a Jordan block's eigenvalue is known to ε^(1/3) alone."""
+def test_powers_say_whether_a_matrix_contracts(node):
+    """Against the eigenvalues of LAPACK: random ones, near and on the unit circle, far from normal."""
     rng = np.random.default_rng(5)
-    matrices = [rng.standard_normal((n, n)) for n in (1, 2, 3, 4, 7, 16, 16)]
+    matrices = [scale * rng.standard_normal((n, n)) for n in (1, 2, 3, 4, 7, 16, 16) for scale in (0.2, 1.0)]
     turn = np.linalg.qr(rng.standard_normal((6, 6)))[0]
-    matrices += [turn, np.zeros((4, 4)), np.eye(5), np.diag(10.0 ** -np.arange(16)), np.roll(np.eye(4), 1, axis=0)]
+    matrices += [0.999999 * turn, 1.000001 * turn, np.zeros((4, 4)), np.diag(10.0 ** -np.arange(1, 16))]
+    matrices += [np.array([[0.99, 1e6], [0.0, 0.98]]), np.array([[1.01, 1e6], [0.0, 0.98]])]
     span, relative = np.full(30, 0.07), rng.normal(scale=100, size=30)
     matrices += list(monodromy(SYSTEMS["eight modes, loaded"], span, relative))
-    script = """const { spectralRadius } = await load("explore/engine/multipliers.js");
-    return given.matrices.map((rows) => spectralRadius(Float64Array.from(rows.flat()), rows.length));"""
-    radii = node(script, {"matrices": [each.tolist() for each in matrices]})
-    wanted = [np.abs(np.linalg.eigvals(each)).max() for each in matrices]
-    assert radii == pytest.approx(wanted, rel=1e-9)
-    jordan = [[0.5, 1.0, 0.0], [0.0, 0.5, 1.0], [0.0, 0.0, 0.5]]
-    assert node(script, {"matrices": [jordan]})[0] == pytest.approx(0.5, abs=1e-4)
+    script = """const { isContracting } = await load("explore/engine/multipliers.js");
+    return given.matrices.map((rows) => isContracting(Float64Array.from(rows.flat()), rows.length));"""
+    found = node(script, {"matrices": [each.tolist() for each in matrices]})
+    radii = [np.abs(np.linalg.eigvals(each)).max() for each in matrices]
+    assert found == [radius < 1 for radius in radii]
+    assert set(found) == {True, False}
+    still = [np.eye(5).tolist(), np.roll(np.eye(4), 1, axis=0).tolist()]
+    assert node(script, {"matrices": still}) == [False, False]

@@ -168,7 +168,7 @@ def test_periodic_motions(node):
         for f, omega in zip(HZ, OMEGA, strict=True):
             state = solver._linear(vibeam.Drive(omega, AMPLITUDE))
             if state is not None:
-                window, _ = solver.check.watched(vibeam.Drive(omega, AMPLITUDE), state, 0.0, 1, output_of(system))
+                window, _ = solver.flight.steady([omega], AMPLITUDE, state, 0, 1, output_of(system))
                 assert_extremes(by_place.pop((f, 1, "free")), window)
         assert not by_place, name
 

@@ -14,8 +14,11 @@ from browsers import Opened
 
 import vibeam
 from tests.vibeam.report.test_page import CASE, HOSTILE
+from vibeam.periodic.motion_kind import kinds_of
 from vibeam.report.explore.page import results_page
 from vibeam.report.page.page import page
+from vibeam.runs.comparison.errors import asked_of
+from vibeam.runs.comparison.responses import Response, compared
 from vibeam.studies.stored import stored
 
 pytestmark = pytest.mark.slow
@@ -23,6 +26,15 @@ pytestmark = pytest.mark.slow
 SETTLED = """() => document.getElementById("state").textContent.startsWith("Settled")
   && !document.getElementById("state").textContent.includes("follow")
   && !document.getElementById("readings").textContent.includes("…")"""
+WATCHED = """() => {
+  const rows = () => [...document.querySelectorAll("#readings tr")];
+  const row = () => rows().find((each) => each.textContent.startsWith("suffices"));
+  window.seen = [];
+  new MutationObserver(() => {
+    const now = row() && [...row().querySelectorAll("td")].map((each) => each.textContent);
+    if (now && JSON.stringify(now) !== JSON.stringify(window.seen.at(-1))) window.seen.push(now);
+  }).observe(document.getElementById("readings"), { childList: true });
+}"""
 VIEWS = ("response at the sliders' place", "beam", "displacement over time", "phase portrait", "spectrum")
 
 
@@ -90,7 +102,7 @@ def words(response):
 
 
 def test_numbers_are_those_of_a_run_at_the_sliders_place(folder, explored):
-    """With four digits, here and after three sliders have moved; the words say the difference."""
+    """With four digits, here and after three sliders have moved; the sentence says the verdict and both motions."""
     assert [float(each) for each in explored.reading("amplitude (mm)")] == amplitudes(folder, {}, 40.0)
     explored.set("gap", 0.05)
     explored.set("restitution", 0.5)
@@ -98,14 +110,28 @@ def test_numbers_are_those_of_a_run_at_the_sliders_place(folder, explored):
     keys = {"stop.gap": "0.05 mm", "stop.restitution": 0.5, "drive.amplitude": "24 um"}
     sdof, beam = found = amplitudes(folder, keys, 40.0)
     assert [float(each) for each in explored.reading("amplitude (mm)")] == found
-    size, way = re.fullmatch(r"(\S+) % too (low|high)", explored.reading("from the finest")[0]).groups()
-    assert (way == "high") == (sdof > beam)
-    np.testing.assert_allclose(float(size), 100 * abs(sdof / beam - 1), atol=0.06)  # 3 and 4 digits shown
-    assert (
-        explored.page.locator("#differences")
-        .inner_text()
-        .startswith(f"Beside four </b> modes: sdof {size} % too {way}")
-    )
+    said = explored.page.locator("#differences").inner_text()
+    ours, theirs = (kinds_of(each)[0] for each in runs(folder, keys, 40.0))
+    same = "as" if ours == theirs else "another motion than"
+    assert said.endswith(f"sdof {sdof:g} mm ({ours}, {same} four </b> modes); four </b> modes {beam:g} mm ({theirs}).")
+
+
+def test_the_verdict_is_that_of_a_run_at_the_sliders_place(folder, explored):
+    """Where the curves are whole; both errors in the numbers, and in words what the sentence of a run says too."""
+    for gap in (0.1, 0.02):
+        if gap != 0.1:
+            explored.set("gap", gap)
+        case = vibeam.load(folder / "case.toml", {"stop.gap": f"{gap} mm"})
+        result, asked = vibeam.run(case, compare=True), asked_of(case)
+        python = compared(*(Response.of(result[name]) for name in ("sdof", "beam")), asked.frequency)
+        state = {True: "suffices", None: "may suffice", False: "does not suffice"}[python.suffices(asked)]
+        said = explored.page.locator("#verdict").inner_text()
+        assert said.startswith(f"Beside four </b> modes, for 5 %: sdof {state}: ")
+        verdict = {True: "yes", None: "open", False: "no"}[python.suffices(asked)]
+        assert explored.reading("suffices for 5 %") == [verdict, "reference"]
+        if python.amplitude is not None:
+            size = explored.reading("amplitude error")[0].split()[0]
+            np.testing.assert_allclose(float(size), 100 * python.amplitude_error, atol=0.051)
 
 
 @pytest.mark.parametrize(
@@ -168,15 +194,25 @@ def test_many_fidelities_are_told_apart_and_no_column_is_cut(browser, folder, tm
     found.page.close()
 
 
-def test_two_motions_are_told_from_a_difference(folder, explored):
-    """Where one fidelity strikes the stop and the other does not; where both do it is a difference."""
+def test_another_motion_is_told_from_one_of_the_same_kind(folder, explored):
+    """Where one fidelity strikes the stop and the other does not; where both do they are of one kind."""
     assert [each.period[0] == -1 for each in runs(folder, {}, 44)] == [False, True]
     explored.set("frequency", 44)
-    said = "another motion, strikes the stop where four </b> modes does not"
-    assert said in explored.page.locator("#differences").inner_text()
-    assert explored.reading("from the finest")[0].endswith(said)
+    said = explored.page.locator("#differences").inner_text()
+    assert "(period 1 with 1 impact, another motion than four </b> modes)" in said
+    assert said.endswith("(no contact).")
     explored.set("frequency", 40)
-    assert "another motion" not in explored.page.locator("#explore").inner_text()
+    assert "another motion" not in explored.page.locator("#differences").inner_text()
+
+
+def test_nothing_suffices_before_the_curves_are_whole(explored):
+    """While the curves are computed anew the verdict is open."""
+    explored.page.evaluate(WATCHED)
+    explored.set("gap", 0.03)
+    *before, (last, reference) = explored.page.evaluate("window.seen")
+    assert [first for first, _ in before] == ["…"] * len(before) != []
+    assert last in {"yes", "no", "open"}
+    assert reference == "reference"
 
 
 def test_motions_are_called_what_they_are(folder, explored):
@@ -232,7 +268,7 @@ def test_a_broken_link_opens_the_place_of_the_case(browser, folder, link):
         "the link's is not from 30 to 60 Hz; that of the case is shown."
         in found.page.locator("#slider-fault").inner_text()
     )
-    assert found.page.locator("#differences").inner_text().endswith("all else as in the case.")
+    assert ", all else as in the case: sdof " in found.page.locator("#differences").inner_text()
     assert found.said == []
     found.page.close()
 
@@ -256,6 +292,8 @@ def test_without_any_fidelity_the_pictures_are_empty_and_come_back(explored):
         each.uncheck()
     explored.settle()
     assert explored.page.locator("#live-spectrum canvas").count() == 0
+    assert explored.page.locator("#verdict").inner_text() == ""
+    assert explored.page.locator("#differences").inner_text().endswith("all else as in the case.")
     boxes[1].check()
     explored.settle()
     assert explored.page.locator("#live-spectrum canvas").count() == 1

@@ -4,11 +4,10 @@
 import { dot } from "./equilibrium.js";
 import { place } from "./segments.js";
 
-/** @typedef {import("./slots.js").Slots} Slots */
-/** @typedef {import("./slots.js").SlotArray} SlotArray */
-/** @typedef {import("./flight.js").Drive} Drive */
-/** @typedef {import("./segments.js").Segments} Segments */
-/** @typedef {import("./regimes.js").PackedRegimes} PackedRegimes */
+/** @import { SlotArray, Slots } from "./slots.js" */
+/** @import { Drive } from "./flight.js" */
+/** @import { Segments } from "./segments.js" */
+/** @import { PackedRegimes } from "./regimes.js" */
 /**
  * row·η', or row·η'' + base·b̈, by its `order`.
  * @typedef {{row: Float64Array, order: number, base: number}} Derivative

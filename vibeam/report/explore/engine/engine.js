@@ -1,6 +1,7 @@
 // The engine in a page: its models at any place of the sliders, flown by the compiled kernels. No part of it is the page's
 // own: the same files run in a page, in a worker and in node.
-import { decoded, unpacked } from "./decoding.js";
+import { inflated } from "../../page/base64.js";
+import { decoded } from "./decoding.js";
 import { EventDriven } from "./flight.js";
 import { orbits } from "./orbits.js";
 import { HarmonicDriven } from "./harmonics.js";
@@ -13,12 +14,9 @@ import { settingsAt } from "./settings.js";
 import { Slots } from "./slots.js";
 import { Motion } from "./trajectory.js";
 
-/** @typedef {import("./equilibrium.js").State} State */
-/** @typedef {import("./flight.js").Packed} Packed */
-/** @typedef {import("./segments.js").SteadyPoint} SteadyPoint */
+/** @import { Place, Settings, State, SteadyPoint } from "./types.d.ts" */
+/** @import { Packed } from "./flight.js" */
 /** @typedef {Packed & {set: (settings: Settings, omega: number) => void}} Settable */
-/** @typedef {import("./settings.js").Place} Place */
-/** @typedef {import("./settings.js").Settings} Settings */
 
 const PAGE = 65536; // bytes
 const MOST_IMPACTS = 50000; // of a motion drawn, and as many while it settles: some tenths of a second
@@ -33,7 +31,7 @@ export const open = async (payload, modules = {}) => {
   const memory = new WebAssembly.Memory({ initial: payload.slots.first / PAGE });
   const compiled = { ...modules };
   await Promise.all(Object.entries(payload.libraries ?? {}).map(async ([name, packed]) => {
-    compiled[name] ??= await WebAssembly.compile(await unpacked(packed));
+    compiled[name] ??= await WebAssembly.compile(await inflated(packed, "gzip"));
   }));
   /** @type {Record<string, any>} */
   const functions = {};
@@ -44,7 +42,7 @@ export const open = async (payload, modules = {}) => {
   return new Engine(payload, new Slots(memory, payload.slots, functions), compiled);
 };
 
-/** Models of a payload, and their motions. */
+/** Models of a payload, their motions, response curves (points.js) and periodic motions (orbits.js). */
 export class Engine {
   /**
    * @param {any} payload
@@ -65,6 +63,8 @@ export class Engine {
     this.sliders = new Map(payload.sliders.map((/** @type {any} */ each) => [each.name, each]));
     /** @type {Map<string, {packed: Settable, flight: EventDriven}>} */
     this.packed = new Map();
+    this.response = response.bind(null, this);
+    this.orbits = orbits.bind(null, this);
   }
 
   /**
@@ -163,28 +163,6 @@ export class Engine {
     const read = ended !== layout.COMPLETE
       ? unread() : readPoint(layout, flight.watch.result.data, { period, hold, turn, gap: settings.gap });
     return { ...read, ended: this.ended[ended], state: flight.state() };
-  }
-
-  /**
-   * Steady points at frequencies, Hz: each by itself, or carried from one to the next.
-   * @param {string} fidelity
-   * @param {Place} place
-   * @param {ArrayLike<number>} frequencies
-   * @param {import("./types.d.ts").Schedule} [schedule]
-   */
-  response(fidelity, place, frequencies, schedule) {
-    return response(this, fidelity, place, frequencies, schedule);
-  }
-
-  /**
-   * Periodic motions at frequencies, Hz, stable and unstable, with one impact in each of `periods` drive periods.
-   * @param {string} fidelity
-   * @param {Place} place
-   * @param {ArrayLike<number>} frequencies
-   * @param {number[]} [periods]
-   */
-  orbits(fidelity, place, frequencies, periods) {
-    return orbits(this, fidelity, place, frequencies, periods);
   }
 }
 

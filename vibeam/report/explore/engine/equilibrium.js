@@ -1,6 +1,6 @@
 // Static equilibrium of a plain system, on the stop where that is in the way, and the size of a motion.
 
-/** @typedef {{displacement: Float64Array, velocity: Float64Array, resting: boolean}} State in the user's order of modes */
+/** @import { State } from "./types.d.ts" */
 /**
  * @typedef {object} Modal a plain system's rows (n,)
  * @property {Float64Array} omega rad/s
@@ -15,9 +15,8 @@ const DRIVEN = 10; // how much larger than the base motion times its share a dri
 const STRONG = 1e6; // drive over start beyond which the size of the motion is that of the start
 
 /**
- * @param {Float64Array} first
- * @param {Float64Array} second
- * @returns {number}
+ * @param {ArrayLike<number>} first
+ * @param {ArrayLike<number>} second
  */
 export function dot(first, second) {
   let sum = 0;

@@ -3,10 +3,10 @@
 import { sizeOfMotion } from "./equilibrium.js";
 import { after, place } from "./segments.js";
 
-/** @typedef {import("./slots.js").Slots} Slots */
-/** @typedef {import("./slots.js").SlotArray} SlotArray */
-/** @typedef {import("./equilibrium.js").State} State */
-/** @typedef {import("./equilibrium.js").Modal} Modal */
+/** @import { SlotArray, Slots } from "./slots.js" */
+/** @import { Modal } from "./equilibrium.js" */
+/** @import { State } from "./types.d.ts" */
+/** @import { Segments } from "./segments.js" */
 /** @typedef {{omega: number, amplitude: number}} Drive rad/s, m */
 /**
  * A system as the kernels' arrays: PackedSystem, or that of regimes.
@@ -24,9 +24,8 @@ import { after, place } from "./segments.js";
  * @property {(pose: Float64Array, status: Float64Array, kind: number) => void} restart
  * @property {(name: string) => Float64Array} output
  * @property {() => boolean} carries
- * @property {() => Record<string, SlotArray>} scratch
+ * @property {Record<string, SlotArray>} spare what `poses_at` needs besides
  */
-/** @typedef {import("./segments.js").Segments} Segments */
 /** @typedef {{ended: number, last: number, state: State, segments: Segments, impacts: number, evaluations: number}} Flown */
 /** @typedef {{settle: number, hold: number, output: string, limit?: number}} Schedule */
 
@@ -63,11 +62,19 @@ export class EventDriven {
   }
 
   /**
+   * The packed system's state of one that is given; null: static equilibrium.
+   * @param {State | null} state
+   */
+  begun(state) {
+    return state ?? this.packed.equilibrium();
+  }
+
+  /**
    * Put a state into `pose` and `status`; null: static equilibrium.
    * @param {State | null} state
    */
   enter(state) {
-    const { packed, slots: { rows: { layout } } } = this, n = packed.size, from = state ?? packed.equilibrium();
+    const { packed, slots: { rows: { layout } } } = this, n = packed.size, from = this.begun(state);
     if (from.displacement.length !== n || from.velocity.length !== n)
       throw new Error(`A state of this model has ${n} displacements and velocities.`);
     const pose = this.pose.data;
@@ -119,9 +126,8 @@ export class EventDriven {
    * @returns {Flown}
    */
   simulate(drive, state, span, limit = MOST_IMPACTS) {
-    const { layout } = this.slots.rows;
+    const { layout } = this.slots.rows, size = sizeOfMotion(this.packed.model, drive.amplitude, this.begun(state));
     this.enter(state);
-    const start = state ?? this.packed.equilibrium(), size = sizeOfMotion(this.packed.model, drive.amplitude, start);
     let flown = this.flown(drive, span, limit, size);
     if (flown.ended === layout.UNRESOLVED && this.packed.carries()) {
       this.enter(state);
@@ -213,13 +219,8 @@ export class EventDriven {
     asked.which = slots.fitted(asked.which, "i8", [m]);
     asked.after = slots.fitted(asked.after, "f8", [m]);
     asked.out = slots.fitted(asked.out, "f8", [m, 2, n]);
-    const places = new Int32Array(m);
-    let first = count, last = 0;
-    for (let i = 0; i < m; i++) {
-      places[i] = place(trace, columns, layout.START, count, times[i]);
-      first = Math.min(first, places[i]);
-      last = Math.max(last, places[i]);
-    }
+    const places = Int32Array.from(times, (time) => place(trace, columns, layout.START, count, time));
+    const first = places.reduce((a, b) => Math.min(a, b), count), last = places.reduce((a, b) => Math.max(a, b), 0);
     asked.trace = slots.fitted(asked.trace, "f8", [Math.max(last - first + 1, 0), columns]);
     asked.poses = slots.fitted(asked.poses, "f8", [Math.max(last - first + 1, 0), 2, n]);
     asked.trace.data.set(trace.subarray(first * columns, (last + 1) * columns));
@@ -229,7 +230,7 @@ export class EventDriven {
       which[i] = BigInt(places[i] - first);
       since[i] = times[i] - trace[places[i] * columns + layout.START];
     }
-    slots.call(packed.entries.poses_at, { engine: packed.engine(size), omega, amplitude, ...asked, ...packed.scratch() });
+    slots.call(packed.entries.poses_at, { engine: packed.engine(size), omega, amplitude, ...asked, ...packed.spare });
     return asked.out.data;
   }
 

@@ -3,8 +3,8 @@
 import { heldPlanes } from "./held.js";
 import { ascending, rates } from "./linear.js";
 
-/** @typedef {import("./linear.js").Planes} Planes */
-/** @typedef {import("./plain.js").PlainModel} PlainModel */
+/** @import { Planes } from "./linear.js" */
+/** @import { PlainModel } from "./plain.js" */
 /** @typedef {{re: Float64Array, im: Float64Array}} Phasors */
 /**
  * A harmonic of a drive: its rate, rad/s; responses of the modes; its oscillator's phasor; whether the contact sees it.

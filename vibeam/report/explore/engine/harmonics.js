@@ -1,13 +1,12 @@
 // Motions under several harmonics: settled and read period by period in the system's own modes (Python:
 // solvers/harmonic_point.py), for the oscillators of the further harmonics are larger by far than what they carry.
-import { equilibrium, sizeOfMotion } from "./equilibrium.js";
+import { equilibrium } from "./equilibrium.js";
 import { EventDriven } from "./flight.js";
 
-/** @typedef {import("./equilibrium.js").State} State */
-/** @typedef {import("./flight.js").Drive} Drive */
-/** @typedef {import("./oscillators.js").PackedHarmonics} PackedHarmonics */
+/** @import { State } from "./types.d.ts" */
+/** @import { Drive } from "./flight.js" */
+/** @import { PackedHarmonics } from "./oscillators.js" */
 
-const MOST_IMPACTS = 10_000_000; // of one motion
 const LONGEST = 16; // drive periods after which a motion may repeat
 const REPEATS = 1e-5; // share of the motion's size by which states one period apart may differ
 
@@ -29,15 +28,8 @@ export class HarmonicDriven extends EventDriven {
   /**
    * @param {State | null} state
    */
-  enter(state) {
-    super.enter(this.wide.entered(state ?? this.still()));
-  }
-
-  /**
-   * @returns {State}
-   */
-  still() {
-    return equilibrium(this.wide.driven, this.wide.gap);
+  begun(state) {
+    return this.wide.entered(state ?? equilibrium(this.wide.driven, this.wide.gap));
   }
 
   /**
@@ -45,23 +37,6 @@ export class HarmonicDriven extends EventDriven {
    */
   state() {
     return this.wide.left(super.state());
-  }
-
-  /**
-   * @param {Drive} drive
-   * @param {State | null} state
-   * @param {number} span
-   * @param {number} [limit]
-   */
-  simulate(drive, state, span, limit = MOST_IMPACTS) {
-    const { wide, slots: { rows: { layout } } } = this, start = wide.entered(state ?? this.still());
-    this.enter(state);
-    let flown = this.flown(drive, span, limit, sizeOfMotion(wide.model, drive.amplitude, start));
-    if (flown.ended === layout.UNRESOLVED && wide.carries()) {
-      this.enter(state);
-      flown = this.flown(drive, span, limit, Infinity);
-    }
-    return flown;
   }
 
   /**

@@ -4,8 +4,9 @@
 // the least energy, w/Λ, has a part in. Undamped roots lie one between each two of the modes; damping moves them on.
 import { ascending, rates } from "./linear.js";
 import { dampedRoot, undampedRoot } from "./roots.js";
+import { after } from "./segments.js";
 
-/** @typedef {import("./linear.js").Planes} Planes */
+/** @import { Planes } from "./linear.js" */
 /** @typedef {{omega: Float64Array, sigma: Float64Array, contact: Float64Array}} Modes */
 /** @typedef {{outof: Float64Array[], into: Float64Array[], block: [number, number, number, number], mode: number}} Block */
 
@@ -72,8 +73,8 @@ function undisturbed({ omega, sigma, contact, scale }) {
     const damping = unit.reduce((sum, each, k) => sum + 2 * sigma[k] * each * each, 0);
     const zero = new Float64Array(n);
     found.push(/** @type {Block} */ ({
-      outof: [join(stretched.map((each) => each / length), zero), join(zero, unit)],
-      into: [join(unit.map((each, k) => ((omega[k] * omega[k]) / scale[k]) * each * (length / value)), zero), join(zero, unit)],
+      outof: [after(stretched.map((each) => each / length), zero), after(zero, unit)],
+      into: [after(unit.map((each, k) => ((omega[k] * omega[k]) / scale[k]) * each * (length / value)), zero), after(zero, unit)],
       block: [0, length, -value / length, -damping], mode: -1,
     }));
   }
@@ -168,18 +169,6 @@ function alone({ omega, sigma }, scale, k) {
   first[k] = second[n + k] = 1;
   const block = /** @type {[number, number, number, number]} */ ([0, scale, -(omega[k] * omega[k]) / scale, -2 * sigma[k]]);
   return { outof: [first, second], into: [first, second], block, mode: k };
-}
-
-/**
- * @param {Float64Array} first
- * @param {Float64Array} second
- * @returns {Float64Array}
- */
-function join(first, second) {
-  const both = new Float64Array(first.length + second.length);
-  both.set(first);
-  both.set(second, first.length);
-  return both;
 }
 
 /**

@@ -1,7 +1,6 @@
 // The free modes once more, in blocks of as many as go side by side in the lanes: packing.lay_out.
 
-/** @typedef {import("./slots.js").Slots} Slots */
-/** @typedef {import("./slots.js").SlotArray} SlotArray */
+/** @import { SlotArray, Slots } from "./slots.js" */
 /** @typedef {Record<string, SlotArray>} Arrays */
 
 /**

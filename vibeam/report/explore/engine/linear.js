@@ -1,8 +1,7 @@
 // A linear regime in 2×2 blocks as the kernels' arrays: what flight/linear/block_regime.py does. Numbers of the
 // layout come with the table of slots.
 
-/** @typedef {import("./slots.js").Slots} Slots */
-/** @typedef {import("./slots.js").SlotArray} SlotArray */
+/** @import { SlotArray, Slots } from "./slots.js" */
 /** @typedef {Record<string, SlotArray>} Arrays */
 /**
  * The blocks y' = A y of a linear system, sorted by rate; see the tuple Regime for `into` and `outof`.

@@ -2,11 +2,11 @@
 // of Babitsky and Krupenin, see periodic/modal_sums.py. Contact and restitution leave one quadratic for the impulse p:
 //
 //     Im(H e^{iψ}) = Δ − p G₀,   Ω Re(H e^{iψ}) = p κ,   hence   (Δ − p G₀)² + (p κ/Ω)² = |H|²
-import { mobility } from "./multipliers.js";
+import { dot } from "./equilibrium.js";
 import { propagator } from "./propagator.js";
 
-/** @typedef {import("./multipliers.js").System} System */
-/** @typedef {import("./propagator.js").Propagator} Propagator */
+/** @import { System } from "./multipliers.js" */
+/** @import { Propagator } from "./propagator.js" */
 /** @typedef {{omega: number, amplitude: number}} Drive rad/s, m */
 /** @typedef {{span: number, flown: Propagator[], re: number, im: number, g0: number, g1: number, g2: number,
  *   offset: number, fixed: number | null, mobility: number}} Sums */
@@ -105,7 +105,8 @@ export function sumsAt(system, drive, periods) {
     loose += c * c;
     pushed += c * system.static[i];
   }
-  return { span, flown, ...sum, fixed: loose > 0 ? (-span * pushed) / loose : null, mobility: mobility(system) };
+  const mobility = dot(system.contact, system.contact);
+  return { span, flown, ...sum, fixed: loose > 0 ? (-span * pushed) / loose : null, mobility };
 }
 
 /**

@@ -2,10 +2,10 @@
 // periodic/multipliers.py.
 //
 // det(λ − M) = det(λ − P) D(λ), so that D(1) < 0 or D(−1) < 0 proves a multiplier beyond 1 or −1 at a cost linear in
-// the modes. Where they leave it open, all eigenvalues of the monodromy matrix are found: Hessenberg form by
-// reflections, then Francis' QR steps with a double shift (Golub & Van Loan, Matrix Computations, 7.4 and 7.5).
+// the modes. Where they leave it open, powers of the monodromy matrix say whether it contracts.
+import { dot } from "./equilibrium.js";
 
-/** @typedef {import("./propagator.js").Propagator} Propagator */
+/** @import { Propagator } from "./propagator.js" */
 /**
  * A plain system: rows (n,) and the stop, as ImpactSystem of vibeam.
  * @typedef {{omega: ArrayLike<number>, zeta: ArrayLike<number>, contact: ArrayLike<number>, load: ArrayLike<number>,
@@ -13,8 +13,8 @@
  */
 
 const CERTAIN = 1e8; // size of D(±1) up to which its sign is trusted
-const ROUND_OFF = 2.220446049250313e-16;
-const STEPS = 60; // QR steps for one eigenvalue, of which two or three are usual
+const SQUARINGS = 50; // of the matrix: a multiplier that is not 1 to round-off has left it by then
+const BOUNDLESS = 1e200; // squared norm of a power, beyond which these grow
 
 /**
  * Whether all multipliers lie within the unit circle.
@@ -27,17 +27,7 @@ export function isStable(system, flown, relative) {
     const crossing = realCrossing(system, flown, relative, sign);
     if (crossing < 0 && crossing > -CERTAIN) return false;
   }
-  return spectralRadius(monodromy(system, flown, relative), 2 * flown.length) < 1;
-}
-
-/**
- * Σ c², the velocity of the contact after a unit impulse there.
- * @param {System} system
- */
-export function mobility(system) {
-  let sum = 0;
-  for (let i = 0; i < system.contact.length; i++) sum += system.contact[i] * system.contact[i];
-  return sum;
+  return isContracting(monodromy(system, flown, relative), 2 * flown.length);
 }
 
 /**
@@ -48,7 +38,7 @@ export function mobility(system) {
  * @param {number} sign 1 or −1
  */
 function realCrossing(system, flown, relative, sign) {
-  const s = (1 + system.restitution) / mobility(system);
+  const s = (1 + system.restitution) / dot(system.contact, system.contact);
   let t12 = 0, t22 = 0, k11 = 0, k21 = 0;
   for (let i = 0; i < flown.length; i++) {
     const c = system.contact[i], p = flown[i], damp = 2 * system.zeta[i] * system.omega[i];
@@ -70,7 +60,7 @@ function realCrossing(system, flown, relative, sign) {
  * @param {number} relative
  */
 export function monodromy(system, flown, relative) {
-  const n = flown.length, wide = 2 * n, s = (1 + system.restitution) / mobility(system);
+  const n = flown.length, wide = 2 * n, s = (1 + system.restitution) / dot(system.contact, system.contact);
   const matrix = new Float64Array(wide * wide);
   const { omega, zeta, contact } = system;
   for (let j = 0; j < n; j++) {
@@ -89,124 +79,21 @@ export function monodromy(system, flown, relative) {
 }
 
 /**
- * Largest modulus of the eigenvalues of `a` (n, n), row by row, which is used up; NaN where they are not found.
+ * Whether the powers of a matrix (n, n), row by row, tend to zero: squared until one of them is below 1 in norm, which
+ * proves it, or beyond all bounds.
  * @param {Float64Array} a
  * @param {number} n
  */
-export function spectralRadius(a, n) {
-  for (let k = 0; k < n - 2; k++) {
-    const v = mirror(a, (k + 1) * n + k, n, n - k - 1);
-    if (v) reflect(a, n, v, k + 1, k, n, n);
+export function isContracting(a, n) {
+  for (let round = 0; round < SQUARINGS; round++) {
+    const size = a.reduce((sum, each) => sum + each * each, 0);
+    if (size < 1) return true;
+    if (!(size < BOUNDLESS)) return false;
+    const next = new Float64Array(n * n);
+    for (let i = 0; i < n; i++)
+      for (let k = 0; k < n; k++)
+        for (let j = 0; j < n; j++) next[i * n + j] += a[i * n + k] * a[k * n + j];
+    a = next;
   }
-  let radius = 0, high = n - 1, steps = 0;
-  while (high >= 0) {
-    const low = split(a, n, high);
-    if (low >= high - 1) {
-      radius = Math.max(radius, low === high ? Math.abs(a[high * n + high]) : pairModulus(a, n, low));
-      [high, steps] = [low - 1, 0];
-    } else if (++steps > STEPS) return NaN;
-    else francis(a, n, low, high, steps % 10 === 0);
-  }
-  return radius;
-}
-
-/**
- * First row of the block, up to `high`, that no element below the diagonal splits; what does split is set to 0.
- * @param {Float64Array} a
- * @param {number} n
- * @param {number} high
- */
-function split(a, n, high) {
-  let low = high;
-  for (; low > 0; low--) {
-    const beside = Math.abs(a[low * n + low]) + Math.abs(a[(low - 1) * (n + 1)]);
-    if (Math.abs(a[low * n + low - 1]) <= ROUND_OFF * beside) {
-      a[low * n + low - 1] = 0;
-      break;
-    }
-  }
-  return low;
-}
-
-/**
- * Larger modulus of the two eigenvalues of the 2×2 block at row k.
- * @param {Float64Array} a
- * @param {number} n
- * @param {number} k
- */
-function pairModulus(a, n, k) {
-  const at = k * n + k, half = (a[at] - a[at + n + 1]) / 2, across = a[at + 1] * a[at + n];
-  const disc = half * half + across, mean = (a[at] + a[at + n + 1]) / 2;
-  return disc < 0 ? Math.sqrt(mean * mean - disc) : Math.abs(mean) + Math.sqrt(disc);
-}
-
-/**
- * One QR step with two shifts at once on the block from `low` to `high`; `exceptional`: with other shifts.
- * @param {Float64Array} a
- * @param {number} n
- * @param {number} low
- * @param {number} high
- * @param {boolean} exceptional
- */
-function francis(a, n, low, high, exceptional) {
-  const at = (/** @type {number} */ i, /** @type {number} */ j) => a[i * n + j];
-  let sum = at(high - 1, high - 1) + at(high, high);
-  let product = at(high - 1, high - 1) * at(high, high) - at(high - 1, high) * at(high, high - 1);
-  if (exceptional) {
-    const size = Math.abs(at(high, high - 1)) + Math.abs(at(high - 1, high - 2));
-    [sum, product] = [1.5 * size, size * size];
-  }
-  const next = at(low + 1, low);
-  const bulge = Float64Array.of(
-    at(low, low) * (at(low, low) - sum) + at(low, low + 1) * next + product,
-    next * (at(low, low) + at(low + 1, low + 1) - sum),
-    next * at(low + 2, low + 1),
-  );
-  for (let k = low; k < high; k++) {
-    const rows = Math.min(3, high - k + 1);
-    const v = k === low ? mirror(bulge, 0, 1, rows) : mirror(a, k * n + k - 1, n, rows);
-    if (v) reflect(a, n, v, k, Math.max(k - 1, low), high + 1, Math.min(k + 4, high + 1), low);
-  }
-}
-
-/**
- * The vector v, |v|² = 2, whose reflection 1 − vvᵀ takes `count` numbers, `stride` apart, to the first alone.
- * @param {Float64Array} values
- * @param {number} first
- * @param {number} stride
- * @param {number} count
- */
-function mirror(values, first, stride, count) {
-  let square = 0;
-  for (let i = 0; i < count; i++) square += values[first + i * stride] ** 2;
-  if (square === 0) return null;
-  const lead = values[first], size = Math.sqrt(square), top = lead + (lead < 0 ? -size : size);
-  const scale = Math.sqrt(1 / (size * Math.abs(top)));
-  const v = new Float64Array(count);
-  for (let i = 0; i < count; i++) v[i] = scale * (i ? values[first + i * stride] : top);
-  return v;
-}
-
-/**
- * a ← (1 − vvᵀ) a (1 − vvᵀ), v at rows from `row` on: columns from `left` to `right`, rows from `upper` to `lower`.
- * @param {Float64Array} a
- * @param {number} n
- * @param {Float64Array} v
- * @param {number} row
- * @param {number} left
- * @param {number} right
- * @param {number} lower
- * @param {number} [upper]
- */
-function reflect(a, n, v, row, left, right, lower, upper = 0) {
-  for (let j = left; j < right; j++) {
-    let sum = 0;
-    for (let i = 0; i < v.length; i++) sum += v[i] * a[(row + i) * n + j];
-    for (let i = 0; i < v.length; i++) a[(row + i) * n + j] -= sum * v[i];
-  }
-  for (let i = upper; i < lower; i++) {
-    let sum = 0;
-    for (let j = 0; j < v.length; j++) sum += a[i * n + row + j] * v[j];
-    for (let j = 0; j < v.length; j++) a[i * n + row + j] -= sum * v[j];
-  }
+  return false;
 }

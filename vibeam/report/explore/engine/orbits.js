@@ -5,12 +5,10 @@ import { fault } from "./modal_sums.js";
 import { freeMotion, orbitsAt } from "./periodic.js";
 import { pointsOf } from "./points.js";
 
-/** @typedef {import("./plain.js").PackedSystem} PackedSystem */
-/** @typedef {import("./periodic.js").Motion} Motion */
-/** @typedef {import("./points.js").Point} Point */
-/** @typedef {import("./types.d.ts").Orbit} Orbit */
-/** @typedef {import("./types.d.ts").Place} Place */
-/** @typedef {import("./types.d.ts").Settings} Settings */
+/** @import { PackedSystem } from "./plain.js" */
+/** @import { Motion } from "./periodic.js" */
+/** @import { Point } from "./points.js" */
+/** @import { Orbit, Place, Settings } from "./types.d.ts" */
 
 const CLOSE = 1e-9; // share of the motion's size by which its flight may miss the start
 const PERIODS = [1, 2, 3];

@@ -3,12 +3,12 @@
 // misses is the oscillator's motion.
 import { along, answered, heldWith } from "./following.js";
 import { PackedSystem } from "./plain.js";
+import { after } from "./segments.js";
 
-/** @typedef {import("./slots.js").Slots} Slots */
-/** @typedef {import("./following.js").Harmonic} Harmonic */
-/** @typedef {import("./equilibrium.js").State} State */
-/** @typedef {import("./plain.js").PlainModel} PlainModel */
-/** @typedef {import("./settings.js").Settings} Settings */
+/** @import { Slots } from "./slots.js" */
+/** @import { Harmonic } from "./following.js" */
+/** @import { Settings, State } from "./types.d.ts" */
+/** @import { PlainModel } from "./plain.js" */
 /** `harmonics`: order, share of the first one and phase of each.
  * @typedef {PlainModel & {harmonics: Float64Array}} DrivenModel */
 
@@ -125,11 +125,7 @@ export class PackedHarmonics extends PackedSystem {
  */
 function widened(model) {
   const more = (2 * model.harmonics.length) / 3;
-  const longer = (/** @type {Float64Array} */ row) => {
-    const made = new Float64Array(row.length + more);
-    made.set(row);
-    return made;
-  };
+  const longer = (/** @type {Float64Array} */ row) => after(row, new Float64Array(more));
   const outputs = Object.fromEntries(Object.entries(model.outputs).map(([name, row]) => [name, longer(row)]));
   const contact = longer(model.contact);
   for (let j = 0; j < more; j += 2) contact[model.contact.length + j] = 1; // that of one of the two, see `listen`

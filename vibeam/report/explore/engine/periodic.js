@@ -4,16 +4,13 @@ import { green, isResonant, offset, phasor, roots, sumsAt } from "./modal_sums.j
 import { isStable } from "./multipliers.js";
 import { propagator } from "./propagator.js";
 
-/** @typedef {import("./modal_sums.js").Drive} Drive */
-/** @typedef {import("./modal_sums.js").Root} Root */
-/** @typedef {import("./modal_sums.js").Sums} Sums */
-/** @typedef {import("./multipliers.js").System} System */
+/** @import { Orbit } from "./types.d.ts" */
+/** @import { Drive, Root, Sums } from "./modal_sums.js" */
+/** @import { System } from "./multipliers.js" */
 /**
  * A motion: `phase` of the drive at its impact, `state` at the drive's phase 0, displacements, then velocities (2n,),
  * `growth`: about how much a small change of it grows at the impact. NaN are read off its flight.
- * @typedef {{drive: Drive, periods: number, branch: "harder" | "softer" | "free", phase: number,
- *   amplitude: number, maximum: number, minimum: number, impactVelocity: number, stable: boolean,
- *   admissible: boolean, state: Float64Array | null, growth: number}} Motion
+ * @typedef {Omit<Orbit, "frequency"> & {drive: Drive, state: Float64Array | null, growth: number}} Motion
  */
 
 const SAMPLES = 32; // a drive period

@@ -6,11 +6,9 @@ import {
   ascending, fillInputs, fillOutput, fillPairs, fillPlanes, fillSignal, rates, regimeArrays, topLevel,
 } from "./linear.js";
 
-/** @typedef {import("./slots.js").Slots} Slots */
-/** @typedef {import("./slots.js").SlotArray} SlotArray */
-/** @typedef {import("./linear.js").Planes} Planes */
-/** @typedef {import("./equilibrium.js").State} State */
-/** @typedef {{gap: number, restitution: number, damping: number}} Settings of the fidelity itself: m, R, a factor */
+/** @import { Slots } from "./slots.js" */
+/** @import { Planes } from "./linear.js" */
+/** @import { Settings, State } from "./types.d.ts" */
 /**
  * A fidelity's plain system, its arrays decoded; `rest`: planes of the system held on the stop where roots do not serve.
  * @typedef {object} PlainModel
@@ -160,19 +158,8 @@ export class PackedSystem {
   packLanes(anew) {
     const { slots, free, lanes } = this;
     this.lanes = !beyondLanes(slots, free);
-    if (this.lanes && (anew || !lanes)) {
-      this.setLanes(free.cells.room, free.rungs.room);
-      layOut(slots, free, this.width);
-    } else if (!this.lanes) this.setLanes(0, 0);
-  }
-
-  /**
-   * @param {number} cells
-   * @param {number} rungs
-   */
-  setLanes(cells, rungs) {
-    this.free.cells.reshape([cells]);
-    this.free.rungs.reshape([rungs]);
+    for (const each of [free.cells, free.rungs]) each.reshape([this.lanes ? each.room : 0]);
+    if (this.lanes && (anew || !lanes)) layOut(slots, free, this.width);
   }
 
   /**
@@ -223,14 +210,6 @@ export class PackedSystem {
     const { layout } = this.slots.rows, [, m] = this.rest.blocks.shape;
     const carried = this.rest.blocks.data.subarray(layout.CARRIED * m, (layout.CARRIED + 1) * m);
     return carried.some((each) => each !== 0) || this.free.signal.data[layout.ATTACHED] > 0;
-  }
-
-  /**
-   * Room for a pose, and what else `poses_at` needs.
-   * @returns {Record<string, SlotArray>}
-   */
-  scratch() {
-    return this.spare;
   }
 }
 

@@ -8,14 +8,9 @@ import { equilibrium } from "./equilibrium.js";
 import { Room } from "./room.js";
 import { readPoint, unread } from "./segments.js";
 
-/** @typedef {import("./plain.js").PackedSystem} PackedSystem */
-/** @typedef {import("./equilibrium.js").State} State */
-/** @typedef {import("./segments.js").SteadyPoint} SteadyPoint */
-/** @typedef {import("./types.d.ts").Settings} Settings */
-/** @typedef {import("./types.d.ts").Response} Response */
-/** @typedef {import("./types.d.ts").Schedule} Schedule */
-/** @typedef {import("./types.d.ts").Place} Place */
-/** @typedef {import("./flight.js").EventDriven} EventDriven */
+/** @import { PackedSystem } from "./plain.js" */
+/** @import { Place, Response, Schedule, Settings, State, SteadyPoint } from "./types.d.ts" */
+/** @import { EventDriven } from "./flight.js" */
 /** @typedef {SteadyPoint & {outcome: number, state: State, impacts: number}} Point */
 /** @typedef {{settle: number, hold: number, output: string, slowest: number}} Watched `slowest`: rad/s of the panels */
 

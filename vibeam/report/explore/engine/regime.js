@@ -2,7 +2,7 @@
 // constants go with the gap, tables with the drive.
 import { fillPairs, regimeArrays } from "./linear.js";
 
-/** @typedef {import("./slots.js").Slots} Slots */
+/** @import { Slots } from "./slots.js" */
 /** @typedef {"pairs" | "blocks" | "into" | "outof" | "held" | "signals"} Part */
 /**
  * A regime at the model's own gap, arrays in C order, and what a metre more adds to the constants of its blocks (2, m),

@@ -6,12 +6,11 @@ import { dot, equilibrium } from "./equilibrium.js";
 import { fillOutput, topLevel } from "./linear.js";
 import { PackedRegime } from "./regime.js";
 
-/** @typedef {import("./slots.js").Slots} Slots */
-/** @typedef {import("./slots.js").SlotArray} SlotArray */
-/** @typedef {import("./equilibrium.js").State} State */
-/** @typedef {import("./plain.js").PlainModel} PlainModel */
-/** @typedef {import("./plain.js").Settings} Settings */
-/** @typedef {import("./regime.js").RegimeModel} RegimeModel */
+/** @import { Slots } from "./slots.js" */
+/** @import { Settings, State } from "./types.d.ts" */
+/** @import { PlainModel } from "./plain.js" */
+/** @import { RegimeModel } from "./regime.js" */
+/** @import { Derivative } from "./derivatives.js" */
 /** @typedef {typeof ROWS[number] | "law" | "curve" | "contact" | "yields" | "gaps" | "damper"} OwnName */
 /** @typedef {Record<OwnName, Float64Array>} OwnRows */
 /**
@@ -31,7 +30,6 @@ import { PackedRegime } from "./regime.js";
  * @property {RegimeModel | null} lower
  */
 /** @typedef {Damped & Record<"law" | "damper" | "damping", Float64Array> & {factor: number}} Damping */
-/** @typedef {import("./derivatives.js").Derivative} Derivative */
 /** @typedef {{regimes: OwnRows & RegimesOnly & Damped, dampings?: Damping[]}} InRegimes */
 /** @typedef {PlainModel & InRegimes & {derivatives?: Record<string, Derivative>}} RegimesModel */
 
@@ -196,13 +194,5 @@ export class PackedRegimes {
    */
   carries() {
     return this.regimes.some((each) => each.carries());
-  }
-
-  /**
-   * Room for a pose.
-   * @returns {Record<string, SlotArray>}
-   */
-  scratch() {
-    return this.spare;
   }
 }

@@ -1,9 +1,8 @@
 // Arrays of many points of one plain system, kept from call to call: Task, Lane and Watch of flight/points/points.py.
 import { SlotArray } from "./slots.js";
 
-/** @typedef {import("./plain.js").PackedSystem} PackedSystem */
-/** @typedef {import("./equilibrium.js").State} State */
-/** @typedef {import("./types.d.ts").Settings} Settings */
+/** @import { PackedSystem } from "./plain.js" */
+/** @import { Settings, State } from "./types.d.ts" */
 /** @typedef {Record<string, any>} Tuple arrays and numbers by name, nested */
 
 const ROWS = 256; // segments traced before they are read off
@@ -35,13 +34,13 @@ export class Room {
     this.fit(this.task, "f8", { ...task, ...results }, [count]);
     this.fit(this.task, "i8", { pack: [], counts: [layout.COUNT_ROWS], ended: [2] }, [count]);
     for (const each of Object.values(this.task)) if (each instanceof SlotArray) each.data.fill(0);
-    this.task.packs = alone(engine);
+    this.task.packs = replaced(engine, ({ kind, shape, address }) => new SlotArray(slots, kind, [1, ...shape], address));
     const flat = { common: [points.COMMON_ROWS * wide], modal: [n * points.MODAL_ROWS * wide] };
     const flights = [(points.FLIGHT_COMMON + n * points.FLIGHT_ROWS) * wide];
     this.fit(this.lane, "f8", { ...flat, flights, marks: [points.MARK + n] });
     this.fit(this.lane, "f8", { poses: [2, n], status: [layout.STATUS_ROWS], alone: [points.ALONE_ROWS] }, [wide]);
     this.fit(this.lane, "i8", { counts: [layout.COUNT_ROWS], whole: [points.LANE_ROWS] }, [wide]);
-    this.fit(this.lane.engines, "f8", shapesOf(engine), [wide]);
+    this.fit(this.lane.engines, "f8", replaced(engine, ({ shape }) => shape), [wide]);
     const traced = { nothing: [0, layout.TRACE_COLUMNS], trace: [ROWS, layout.TRACE_COLUMNS], poses: [ROWS, 2, n] };
     const read = { result: [layout.RESULT_ROWS], energy: [n], share: [n + 1], scratch: [2, n], frame: [2, n] };
     this.fit(this.watch, "f8", { ...traced, ...read, row: [n], strobes: [hold + 1, 2, n] });
@@ -109,25 +108,13 @@ export class Room {
 }
 
 /**
- * The same numbers as those of the only one of several systems.
+ * A tuple with something made of each of its arrays in their place.
  * @param {Tuple} tuple
+ * @param {(array: SlotArray) => any} make
  * @returns {Tuple}
  */
-function alone(tuple) {
-  const with1 = (/** @type {SlotArray} */ { slots, kind, shape, address }) =>
-    new SlotArray(slots, kind, [1, ...shape], address);
+function replaced(tuple, make) {
   return Object.fromEntries(
-    Object.entries(tuple).map(([name, each]) => [name, each instanceof SlotArray ? with1(each) : alone(each)]),
-  );
-}
-
-/**
- * Shapes of a tuple's arrays.
- * @param {Tuple} tuple
- * @returns {Tuple}
- */
-function shapesOf(tuple) {
-  return Object.fromEntries(
-    Object.entries(tuple).map(([name, each]) => [name, each instanceof SlotArray ? each.shape : shapesOf(each)]),
+    Object.entries(tuple).map(([name, each]) => [name, each instanceof SlotArray ? make(each) : replaced(each, make)]),
   );
 }

@@ -1,10 +1,7 @@
 // A fidelity's own numbers at a place of the sliders.
 import { driftAt } from "./drift.js";
 
-/** Values of keys in SI; what is left out is the case's.
- * @typedef {{frequency?: number, drive?: number, gap?: number, restitution?: number, damping?: number}} Place */
-/** A fidelity's own numbers: rad/s, m, m, R, a factor.
- * @typedef {{omega: number, amplitude: number, gap: number, restitution: number, damping: number}} Settings */
+/** @import { Place, Settings } from "./types.d.ts" */
 
 const NAMES = ["frequency", "drive", "gap", "restitution", "damping"];
 const SAME = 1e-9; // share by which a frequency may miss the table's, by round-off

@@ -1,9 +1,7 @@
 // Arrays in the memory that all libraries share, and calls of their functions through 8-byte slots, as flight/engine/call.py.
 // Slots of a call: its numbers, room for its results, then every array as its address and the length of each axis.
 
-/** @typedef {string | {tuple: string, fields: [string, Kind][]}} Kind */
-/** @typedef {{arguments: [string, Kind][], results: string[]}} Entry */
-/** @typedef {{entries: Record<string, Entry>, rows: Record<string, Record<string, number>>, first: number}} Table */
+/** @import { Entry, Kind, Table } from "./types.d.ts" */
 /** @typedef {(slots: number) => number} Library */
 
 const ALIGNMENT = 64, PAGE = 65536, WORD = 2 ** 32;

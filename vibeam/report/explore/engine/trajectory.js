@@ -1,11 +1,10 @@
 // A motion of one fidelity from beginning to end, and its values at any time.
-import { contactsOf } from "./contacts.js";
 import { derivativeAlong } from "./derivatives.js";
-import { impactsOf, restsOf } from "./segments.js";
+import { impactsOf } from "./segments.js";
 
-/** @typedef {import("./engine.js").Engine} Engine */
-/** @typedef {import("./flight.js").Flown} Flown */
-/** @typedef {import("./settings.js").Settings} Settings */
+/** @import { Engine } from "./engine.js" */
+/** @import { Flown } from "./flight.js" */
+/** @import { Settings } from "./types.d.ts" */
 
 const POINTS = 480; // of a motion drawn
 const SLACK = 1e-9; // share of a motion by which a time may lie outside, by round-off
@@ -33,8 +32,6 @@ export class Motion {
     this.end = flown.last;
     this.state = flown.state;
     this.impacts = impactsOf(layout, flown.segments);
-    this.rests = restsOf(layout, flown.segments, flown.last);
-    this.contacts = contactsOf(engine.slots, flown.segments);
     this.counts = { impacts: flown.impacts, evaluations: flown.evaluations };
   }
 

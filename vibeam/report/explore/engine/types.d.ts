@@ -48,6 +48,7 @@ export type Payload = {
     frequency: number[]; direction: "up" | "down" | "both"; settle: number; hold: number; output: string;
     units: { frequency: Unit; output: Unit & { name: string }; speed: Unit; contact_speed: Unit };
   };
+  asked: Asked;
   /** The template's parts are texts and sliders' values times a factor. */
   case: { title: string; name: string; file: string; template: (string | { slider: SliderName; times: number })[] };
 };
@@ -66,12 +67,17 @@ export type Poses = { x: Float64Array; v: Float64Array; modes: Float64Array };
 export type Motion = {
   ended: string; omega: number; turn: number; state: State; start: number;
   times(points?: number): Float64Array; at(times: ArrayLike<number>): Poses;
-  impacts: [number, number][]; rests: [number, number][]; contacts: [number, number, number][]; counts: Record<string, number>;
+  impacts: [number, number][]; counts: Record<string, number>;
 };
-export type Steady = {
-  amplitude: number; maximum: number; minimum: number; impactsPerPeriod: number; impactVelocity: number;
-  period: number; rest: number; ended: string; state: State;
+/**
+ * A steady point: how far the contact swings from its stop (m), mean velocity before impact (NaN without), drive periods
+ * until it repeats (0: does not, −1: no contact), share of the time on the stop.
+ */
+export type SteadyPoint = {
+  amplitude: number; maximum: number; minimum: number; reach: number; impactsPerPeriod: number; impactVelocity: number;
+  period: number; rest: number;
 };
+export type Steady = SteadyPoint & { ended: string; state: State };
 /**
  * How points are settled and watched: drive periods; start states, static equilibrium where there is none; `carried`:
  * each from the state of the point before, as a sweep; `slowest`: drive, rad/s, that panels are made for (none: the
@@ -94,6 +100,35 @@ export type Response = {
 export type Orbit = {
   frequency: number; periods: number; branch: "harder" | "softer" | "free"; phase: number;
   amplitude: number; maximum: number; minimum: number; impactVelocity: number; stable: boolean; admissible: boolean;
+};
+
+/** Errors that a case allows: of amplitudes, of ends of branches; shares. */
+export type Asked = { amplitude: number; frequency: number };
+/** Place of a swept curve with the kind of its motion in words; places are in the order swept. */
+export type Swept = { frequency: number; amplitude: number; kind: string };
+/** Curves of two models in one direction of the sweep, "up" or "down", on one grid. */
+export type Leg = { way: string; ours: Swept[]; theirs: Swept[] };
+/** Places from the first to the last of a curve. */
+export type Part = { first: number; last: number };
+/** Range in Hz, its relative width, and how far this is open. */
+export type Span = { low: number; high: number; width: number; open: number };
+/** `head`, `tail`: first and last of its own places, where it has taken in narrow neighbours. */
+export type Branch = Part & { kind: string; head: number; tail: number };
+/** Range in which the kinds of the motions, ours and the reference's, are the same two all over. */
+export type Piece = Part & Span & { kinds: string[] };
+/** End of a branch, Hz, known to ± `open`: kinds before and after it as swept; `jump` of the amplitude: 1 up, −1 down. */
+export type End = { frequency: number; open: number; before: string; after: string; way: string; jump: number };
+/** `scatter`: standard error of an error of means, of motions that do not repeat; else 0. */
+export type AmplitudeError = { error: number; scatter: number; frequency: number; way: string };
+export type EndError = { error: number; open: number; ours: End; reference: End };
+/** `alone`: one of the two has contact, the other has none in the whole sweep of this direction. */
+export type KindDifference = Span & { kinds: string[]; way: string; alone: boolean };
+/** `unknown`: frequencies of places at which the two cannot be compared. */
+export type Errors = { amplitudes: AmplitudeError[]; ends: EndError[]; kinds: KindDifference[]; unknown: number[] };
+export type Comparison = {
+  /** Where the amplitude is surely most off, and where it may be. */
+  amplitude: AmplitudeError | undefined; scattered: AmplitudeError | undefined;
+  ends: EndError[]; kinds: KindDifference[]; unknown: number[]; suffices: boolean | null;
 };
 
 /** A question to the worker: the arguments of the method in its order; the payload for "open". */

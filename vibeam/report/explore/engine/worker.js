@@ -10,8 +10,7 @@
 // chatter that hardly loses speed, a newer question ends the worker, and another one takes up what is still asked.
 import { open } from "./engine.js";
 
-/** @typedef {import("./types.d.ts").Question} Question */
-/** @typedef {import("./types.d.ts").Answer} Answer */
+/** @import { Answer, Question } from "./types.d.ts" */
 /** @typedef {{postMessage: (answer: Answer) => void, onmessage: ((event: {data: Question}) => void) | null}} Port */
 /**
  * The face of a worker, wherever the answers come from.

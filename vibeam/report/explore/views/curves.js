@@ -8,7 +8,7 @@ import { REST, complete, direction, flown, models, payload, place, sliderOf, val
  *   impactsPerPeriod: number, impactVelocity: number, ended: string}} Point */
 /** ``points`` and ``states`` in the order swept; ``back``: points of the way down again, of a sweep up and down. */
 /** @typedef {{points: Point[], back: Point[], states: State[], orbits: Orbit[][], fault: string, at: string,
- *   whole: boolean}} Curve */
+ *   whole: boolean, swept: boolean}} Curve ``swept``: whole, and the way down again is there too */
 
 const QUICK = { settle: 20, hold: 10 };  // drive periods while a slider moves
 export const AFRESH = { settle: 60, hold: 10 };
@@ -56,7 +56,7 @@ export function curves(ask, told) {
   /** @type {Map<string, Curve>} */
   const known = new Map();
   for (const { name } of models) {
-    known.set(name, { points: [], back: [], states: [], orbits: [], fault: "", at: "", whole: false });
+    known.set(name, { points: [], back: [], states: [], orbits: [], fault: "", at: "", whole: false, swept: false });
   }
   /** @type {(model: Model) => Curve} */
   const curveOf = ({ name }) => /** @type {Curve} */ (known.get(name));
@@ -126,9 +126,10 @@ export function curves(ask, told) {
       const curve = curveOf(model);
       if (curve.whole) continue;
       fly(model, at, { settle, hold, carried: true }, () => {
-        curve.whole = !curve.fault && asked === now;  // the sliders may have moved on since the last piece was sent
+        const ended = () => !curve.fault && asked === now;  // the sliders may have moved on since
+        [curve.whole, curve.swept] = [ended(), ended() && direction !== "both"];
         const turned = { settle, hold, carried: true, states: curve.states.slice(-1) };
-        if (curve.whole && direction === "both") fly(model, at, turned, () => {}, true);
+        if (curve.whole && direction === "both") fly(model, at, turned, () => { curve.swept = ended(); }, true);
         if (flown().every((each) => curveOf(each).whole)) tell("swept");
       });
     }
@@ -140,7 +141,7 @@ export function curves(ask, told) {
     timer = setTimeout(rest, REST);
     if (key === now) return;
     [now, resting] = [key, false];
-    for (const curve of known.values()) Object.assign(curve, { whole: false, back: [] });
+    for (const curve of known.values()) Object.assign(curve, { whole: false, swept: false, back: [] });
     flown().forEach(follow);
   }
   on("moved", moved);

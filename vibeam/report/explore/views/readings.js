@@ -1,14 +1,16 @@
-// Numbers at the sliders' place: of each fidelity, and how far it is from the finest.
+// Numbers at the sliders' place: of each fidelity, and whether it suffices beside the reference.
 import { byId, element } from "../../page/state.js";
 import { short, withUnit } from "../../page/numbers.js";
-import { asCase, complete, flown, models, payload, place, shownText } from "./place.js";
+import { accuracy, answer, cells } from "./answer.js";
+import { UNKNOWN, kindOf } from "./branches.js";
+import { compared } from "./comparison.js";
+import { asCase, complete, direction, flown, models, payload, place, shownText } from "./place.js";
 import { startsFrom, sweepWords, units, valueAt } from "./place.js";
 
-/** @import { Model, Steady } from "../engine/types.d.ts" */
+/** @import { Comparison, Model, Steady, Swept } from "../engine/types.d.ts" */
 /** @import { Standing } from "./flying.js" */
 /** @import { Curve, Point } from "./curves.js" */
-
-const LEAST = 5e-5, SAME = "the same";  // relative difference that is called none
+/** @typedef {{model: Model, reference: Model, found: Comparison | string}} Beside ``found``: "…" until it is known */
 
 /** Period and contact in words. @type {(model: Model, steady: Steady) => string} */
 function repeats({ engine }, { period, rest }) {
@@ -18,34 +20,22 @@ function repeats({ engine }, { period, rest }) {
   return (period === 0 ? "does not repeat" : String(period)) + (rest > 0 ? resting : "");
 }
 
-/** "1.5 % too low". @type {(own: number, finest: number) => string} */
-export function differs(own, finest) {
-  const difference = own / finest - 1;
-  if (!isFinite(difference)) return "–";
-  if (Math.abs(difference) < LEAST) return SAME;
-  return `${short(100 * Math.abs(difference), 3)} % too ${difference < 0 ? "low" : "high"}`;
-}
-
-/** Contact in words, where one strikes the stop and the other does not: a difference in per cent would mislead. */
-/** @type {(own: Steady, finest: Steady, name: string) => string} */
-function anotherMotion(own, finest, name) {
-  const [strikes, its] = [own, finest].map(({ period }) => period !== -1);
-  if (strikes === its) return "";
-  return strikes ? `strikes the stop where ${name} does not` : `has no contact where ${name} strikes the stop`;
-}
-
 /** The finest of several fidelities of the same physics that are shown. @type {(model: Model) => Model | undefined} */
-function finestOf(model) {
+function referenceOf(model) {
   const alike = flown().filter((each) => each.finest === model.finest);
   if (alike.length < 2) return undefined;
   return alike.find((each) => each.name === model.finest) ?? alike.sort((a, b) => b.modes - a.modes)[0];
 }
 
-/** @type {(of: (name: string) => number | undefined, model: Model) => string} */
-function beside(of, model) {
-  const finest = finestOf(model), own = of(model.name), its = finest && of(finest.name);
-  if (finest?.name === model.name) return "finest";
-  return own === undefined || its === undefined ? "–" : differs(own, its);
+/** @type {(points: Point[]) => Swept[]} */
+const placesOf = (points) => points.map((each) => ({ ...each, kind: kindOf(complete(each.ended), each) }));
+/** Two curves beside each other, once both are whole. @type {(own: Curve, its: Curve) => Comparison | string} */
+function comparisonOf(own, its) {
+  if (own.fault || its.fault) return "–";
+  if (!own.swept || !its.swept) return "…";
+  const way = direction === "down" ? "down" : "up", back = { ours: placesOf(own.back), theirs: placesOf(its.back) };
+  const legs = [{ way, ours: placesOf(own.points), theirs: placesOf(its.points) }, { way: "down", ...back }];
+  return compared(direction === "both" ? legs : legs.slice(0, 1), payload.asked);
 }
 
 /** The highest of those that ran to their ends. @type {(points: Point[]) => Point | undefined} */
@@ -63,42 +53,39 @@ function where() {
 }
 
 /**
- * Table and sentence; the sentence alone is read out, once the motions are settled.
+ * Table and sentences; these alone are read out, once the curves are whole, and once the motions are settled.
  * @param {Standing} standing
  * @param {(model: Model) => Curve} curveOf
  */
 export function readings({ steady, faults, settled, swept }, curveOf) {
   const { output, contact_speed: speed, frequency } = units, shown = flown();
-  /** @type {(name: string) => number | undefined} */
-  const amplitude = (name) => {
-    const own = steady.get(name);
-    return own && complete(own.ended) ? own.amplitude : undefined;
-  };
-  /** @type {(model: Model) => string} */
-  const fromFinest = (model) => {
-    const finest = finestOf(model), [own, its] = [steady.get(model.name), finest && steady.get(finest.name)];
-    const other = finest && own && its ? anotherMotion(own, its, finest.label) : "";
-    return other ? `${beside(amplitude, model)}: another motion, ${other}` : beside(amplitude, model);
-  };
+  /** @type {Beside[]} */
+  const beside = shown.flatMap((model) => {
+    const reference = referenceOf(model);
+    if (!reference || reference === model) return [];
+    return [{ model, reference, found: comparisonOf(curveOf(model), curveOf(reference)) }];
+  });
   const peaks = new Map(shown.map((each) => [each.name, peakOf(curveOf(each))]));
-  /** @type {(name: string) => number | undefined} */
-  const height = (name) => peaks.get(name)?.amplitude;
   /** @type {[string, (own: Steady, model: Model) => string][]} */
   const here = [
     [withUnit("amplitude", output.unit), (own) => short(own.amplitude * output.factor)],
-    ["from the finest", (_, model) => fromFinest(model)],
     ["repeats after (periods)", (own, model) => repeats(model, own)],
     ["impacts a period", (own) => short(own.impactsPerPeriod)],
     [withUnit("impact velocity", speed.unit),
       (own) => (own.impactsPerPeriod > 0 ? short(own.impactVelocity * speed.factor) : "–")],
   ];
+  /** @type {(at: number) => (best: Point, model: Model) => string} */
+  const error = (at) => (_, model) => {
+    const own = beside.find((each) => each.model === model);
+    return own ? cells(own.found)[at] : referenceOf(model) ? "reference" : "–";
+  };
   /** @type {[string, (best: Point, model: Model) => string][]} */
   const above = [
     [withUnit("peak of the curve", output.unit), (best) => short(best.amplitude * output.factor)],
     [withUnit("peak at", frequency.unit), (best) => short(best.frequency * frequency.factor, 6)],
-    ["peak from the finest", (_, model) => beside(height, model)],
+    ["amplitude error", error(0)], ["frequency error of ends", error(1)], [`suffices for ${accuracy}`, error(2)],
   ];
-  if (!shown.some(finestOf)) { here.splice(1, 1); above.splice(2, 1); }  // no rows of differences
+  if (!beside.length) above.splice(2);  // no rows of errors
   /** @type {(name: string, cells: string[]) => Element} */
   const row = (name, cells) => {
     const made = element("tr");
@@ -120,27 +107,42 @@ export function readings({ steady, faults, settled, swept }, curveOf) {
   const said = shown.flatMap((each) => [faults.get(each.name) ?? curveOf(each).fault].filter(Boolean)
     .map((text) => (text.startsWith(each.label) ? text : `${each.label}: ${text}`)));
   byId("live-faults").replaceChildren(...said.map((text) => element("p", { class: "warning" }, text)));
-  say(settled, swept, fromFinest);
+  const answered = verdicts(beside);
+  if (byId("verdict").textContent !== answered) byId("verdict").textContent = answered;  // read out where it changes
+  say(settled, swept, [where(), motions(steady)].filter(Boolean).join(": "));
 }
 
-/** @type {(settled: boolean, swept: boolean, fromFinest: (model: Model) => string) => void} */
-function say(settled, swept, fromFinest) {
+/** Sentences on which fidelities suffice, one for each reference. @type {(beside: Beside[]) => string} */
+function verdicts(beside) {
+  return [...new Set(beside.map(({ reference }) => reference))].map((reference) => {
+    const own = beside.filter((each) => each.reference === reference), { label } = reference;
+    const texts = own.map(({ model, found }) => `${model.label} ${answer(found, label)}`).join("; ");
+    return `Beside ${label}, for ${accuracy}: ${texts}. The error of ${label} itself is not computed here.`;
+  }).join(" ");
+}
+
+/** Amplitude and kind of the motions at the place. @type {(steady: Map<string, Steady>) => string} */
+function motions(steady) {
+  /** @type {(model: Model) => string} */
+  const kind = ({ name }) => { const own = steady.get(name); return own ? kindOf(complete(own.ended), own) : UNKNOWN; };
+  const { unit, factor } = units.output;
+  return flown().map((model) => {
+    const reference = referenceOf(model) ?? model, own = kind(model);
+    const same = own === kind(reference) ? "as" : "another motion than";
+    const said = `${model.label} ${short((steady.get(model.name)?.amplitude ?? NaN) * factor)} ${unit}`.trim();
+    return `${said} (${own}${reference === model ? "" : `, ${same} ${reference.label}`})`;
+  }).join("; ");
+}
+
+/** @type {(settled: boolean, swept: boolean, sentence: string) => void} */
+function say(settled, swept, sentence) {
   const { settle, hold } = payload.sweep;
   const from = swept ? `on from ${sweepWords}` : "from equilibrium";
   const later = startsFrom() === "sweep" && !swept ? `; those of ${sweepWords} follow` : "";
   byId("state").textContent = settled
     ? `Settled: ${settle} drive periods ${from}, ${hold} more read, as the case has it${later}.`
     : "Settling…  shown: the motion on from where it was, 20 drive periods after the last change.";
-  if (!settled) return;
-  /** @type {Map<string, string[]>} */
-  const groups = new Map();
-  for (const model of flown()) {
-    const finest = finestOf(model)?.label ?? "", text = fromFinest(model);
-    if (!text.includes("%") && text !== SAME) continue;
-    groups.set(finest, [...(groups.get(finest) ?? []), `${model.label} ${text}`]);
-  }
-  const said = [...groups].map(([finest, texts]) => `Beside ${finest}: ${texts.join(", ")}. `);
-  byId("differences").textContent = `${said.join("")}${where()}.`;
+  if (settled) byId("differences").textContent = `${sentence}.`;
 }
 
 /** Which engine flies. */

@@ -1,8 +1,8 @@
-"""Signals of impact trains in closed form, and their extremes over a period.
+"""Signals of motions with one impact a span T in closed form, and their extremes.
 
-After an impact an output is a constant, the drive's harmonic and Σ Re(W_i e^{λ_i τ}) over the modes, with
+After the impact an output is a constant, the drive's harmonic and Σ Re(W_i e^{λ_i τ}) over the modes, with
 
-    W_i = o_i c_i κ_i Σ_k p_k e^{λ_i (t − t_k)},      g_i = Re(κ_i e^{λ_i τ}) the periodic Green's function.
+    W_i = p o_i c_i κ_i,      g_i = Re(κ_i e^{λ_i τ}) the periodic Green's function.
 
 Its values and slopes on a grid of times common to all motions are one product of matrices. Between two times the signal
 is within Σ |W_i| e^{−σ_i τ} min(2, |λ_i h|⁴/384) of its cubic Hermite interpolant (Birkhoff & Priver 1967): the steps
@@ -13,13 +13,11 @@ interval an extreme lies; its value is the signal's own, by Newton's method on t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.periodic.trains import Trains, flights, lags
 from vibeam_models.arrays import Array, Complex
 
 TOLERANCE = 2e-6  # interpolation error aimed at, as a share of the signal's size; the modes left out have as much
@@ -28,26 +26,13 @@ LEVELS, OCTAVES = 18, 14  # step lengths: a 16th of the flight, halved so often;
 APART = 1e-7  # least 1 − ζ² at critical damping, so that the two decays of a mode stay apart
 NEWTON = 3  # steps to an extreme, from where the interpolant has it
 ALIKE = 1e-13  # share by which two values differ in round-off alone
-ROUND_OFF = 1e-9  # share of the motion's size by which a gap may be negative
 
 
-class Excited(NamedTuple):
-    """Modes after each of all impacts (rows,), row by row of points and impacts, as sums of exponentials (parts,).
+class OrbitSignal(NamedTuple):
+    """Output after the impact of each motion: Σ Re(``weights`` e^{λτ}) + Im(``drive`` e^{iΩτ}) + ``constant``.
 
-    ``response`` (parts, rows): per contact value of the part's mode, with ``rates``, 1/s; ``modes`` (parts,).
-    """
-
-    trains: Trains
-    rates: Complex
-    response: Complex
-    modes: NDArray[np.int64]
-
-
-class TrainSignal(NamedTuple):
-    """One output after each impact (rows,): Σ over the parts Re(``weights`` e^{λτ}) + Im(``drive`` e^{iΩτ}) + constant.
-
-    ``weights`` (parts, rows) with ``rates`` (parts,), 1/s; ``drive`` (rows,): phasor of the harmonic just after the
-    impact; ``omega``, ``flights`` (rows,): rad/s, and time to the next impact, s.
+    ``weights`` (parts, motions) with ``rates`` (parts,), 1/s; ``drive`` (motions,): phasor of the harmonic just after
+    the impact; ``omega``, ``span`` (motions,): rad/s, and time to the next impact, s.
     """
 
     rates: Complex
@@ -55,7 +40,7 @@ class TrainSignal(NamedTuple):
     drive: Complex
     constant: float
     omega: Array
-    flights: Array
+    span: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,50 +54,20 @@ class Sampled:
     begin: Array
     end: Array
     times: Array
-    whole: TrainSignal
-
-    @cached_property
-    def highest(self) -> tuple[Array, Array]:
-        """Largest values (rows,) where the interpolants are largest, and their times after the impacts."""
-        return _highest(self, 1.0)
-
-    @cached_property
-    def lowest(self) -> tuple[Array, Array]:
-        """As ``highest``: of the signal's negative."""
-        return _highest(self, -1.0)
+    whole: OrbitSignal
 
 
-class SignalGrid(NamedTuple):
-    """Ascending ``times`` from 0 in stretches of equal steps: the stretch (intervals,) of each, and its step."""
+def signal_of(
+    natural: Array, zeta: Array, kicks: Array, drive: Complex, constant: float, omega: Array, span: Array
+) -> OrbitSignal:
+    """Signal of the displacement that modes (n,) make, whose velocity in it the impacts change by ``kicks``.
 
-    times: Array
-    stretch: NDArray[np.int64]
-    steps: Array
-
-    def turned(self, omega: Array) -> Complex:
-        """The factors e^{iΩτ} (rows, times), by multiplication: an exponential a stretch."""
-        ratios = np.exp(1j * omega[:, None] * self.steps)
-        return np.cumprod(np.concatenate([np.ones((len(omega), 1)), ratios[:, self.stretch]], axis=1), axis=1)
-
-
-def excited(natural: Array, zeta: Array, contact: Array, trains: Trains) -> Excited:
-    """Response of modes (n,) to the impact trains."""
-    seen = np.flatnonzero(contact)
+    ``kicks`` (n, motions); the rest as in ``OrbitSignal``.
+    """
+    seen = np.flatnonzero(kicks.any(axis=1))
     rates, shares, part_of = _parts(natural[seen], zeta[seen])
-    kernels = shares[:, None] / -np.expm1(rates[:, None] * trains.span)
-    response = (kernels[:, :, None] * _summed(rates, trains)).reshape(len(rates), -1)
-    return Excited(trains, rates, response, seen[part_of])
-
-
-def signal_of(modes: Excited, weights: Array, steady: Complex, constant: float, order: int = 0) -> TrainSignal:
-    """Signal, or a derivative in time of that ``order``: row times contact (n,), response to the drive (points,)."""
-    trains = modes.trains
-    weight = weights[modes.modes] * modes.rates**order
-    drive = ((1j * trains.omega) ** order * steady)[:, None] * np.exp(1j * trains.phases)
-    omega = np.repeat(trains.omega, trains.impacts)
-    return TrainSignal(
-        modes.rates, weight[:, None] * modes.response, drive.ravel(), constant, omega, flights(trains).ravel()
-    )  # fmt: skip
+    weights = shares[:, None] / -np.expm1(rates[:, None] * span) * kicks[seen[part_of]]
+    return OrbitSignal(rates, weights, drive, constant, omega, span)
 
 
 def _parts(natural: Array, zeta: Array) -> tuple[Complex, Complex, NDArray[np.int64]]:
@@ -126,15 +81,7 @@ def _parts(natural: Array, zeta: Array) -> tuple[Complex, Complex, NDArray[np.in
     return rates, shares, np.concatenate([np.arange(len(natural)), np.flatnonzero(over)])
 
 
-def _summed(rates: Complex, trains: Trains) -> Complex:
-    """Σ_k p_k e^{λ (t_j − t_k)} (parts, points, m) just after every impact j."""
-    if trains.phases.shape[1] == 1:
-        return np.broadcast_to(trains.impulses.astype(complex), (len(rates), *trains.phases.shape))
-    grown = np.exp(rates[:, None, None, None] * lags(trains))
-    return np.asarray((grown @ trains.impulses[:, :, None])[..., 0])
-
-
-def sampled(found: TrainSignal) -> Sampled:
+def sampled(found: OrbitSignal) -> Sampled:
     """The signal from each impact to the next, which is the last time of each row."""
     heights = np.abs(found.weights)
     size = np.abs(found.drive) + abs(found.constant) + heights.max(axis=0, initial=0.0)
@@ -143,19 +90,19 @@ def sampled(found: TrainSignal) -> Sampled:
     kept = np.sort(ascending[np.cumsum(shares[ascending]) > TOLERANCE])
     followed = found._replace(rates=found.rates[kept], weights=found.weights[kept])
     rates = np.append(found.rates[kept], 1j * found.omega.max(initial=0.0))  # the drive's harmonic is one more
-    grid = graded(rates, np.append(shares[kept], 1.0), float(found.flights.max(initial=0.0)))
-    value, slope = _on_grid(followed, grid)
-    clamped = np.minimum(grid.times, found.flights[:, None])
+    times = graded(rates, np.append(shares[kept], 1.0), float(found.span.max(initial=0.0)))
+    value, slope = _at(followed, times)
+    clamped = np.minimum(times, found.span[:, None])
     width = np.diff(clamped, axis=1)
     return Sampled(value, slope[:, :-1] * width, slope[:, 1:] * width, clamped, found)
 
 
-def _on_grid(found: TrainSignal, grid: SignalGrid) -> tuple[Array, Array]:
-    """Values and slopes (rows, times), those beyond the end of a flight at its end."""
-    times, turned = grid.times, grid.turned(found.omega) * found.drive[:, None]
-    grown, last = np.exp(found.rates[:, None] * times), np.exp(found.rates[:, None] * found.flights)
-    real, end = np.concatenate([grown.real, -grown.imag]), np.exp(1j * found.omega * found.flights) * found.drive
-    beyond, both = times > found.flights[:, None], []
+def _at(found: OrbitSignal, times: Array) -> tuple[Array, Array]:
+    """Values and slopes (rows, times), those beyond the next impact at its end."""
+    turned = np.exp(1j * found.omega[:, None] * times) * found.drive[:, None]
+    grown, last = np.exp(found.rates[:, None] * times), np.exp(found.rates[:, None] * found.span)
+    real, end = np.concatenate([grown.real, -grown.imag]), np.exp(1j * found.omega * found.span) * found.drive
+    beyond, both = times > found.span[:, None], []
     for weights, steady, final in (
         (found.weights, turned.imag + found.constant, end.imag + found.constant),
         (found.weights * found.rates[:, None], found.omega[:, None] * turned.real, found.omega * end.real),
@@ -166,7 +113,7 @@ def _on_grid(found: TrainSignal, grid: SignalGrid) -> tuple[Array, Array]:
     return both[0], both[1]
 
 
-def graded(rates: Complex, shares: Array, length: float) -> SignalGrid:
+def graded(rates: Complex, shares: Array, length: float) -> Array:
     """Times from 0 to ``length``: steps of a length with which the modes are resolved to the tolerance."""
     begins = length * np.concatenate([[0.0], 2.0 ** np.arange(-OCTAVES, 0), [0.625, 0.75, 0.875]])
     steps = length / 16 * 0.5 ** np.arange(LEVELS)
@@ -180,11 +127,11 @@ def graded(rates: Complex, shares: Array, length: float) -> SignalGrid:
             break
         tolerance *= 2
     pieces = [begin + width * np.arange(n) / n for begin, width, n in zip(begins, widths, counts, strict=True)]
-    stretch = np.repeat(np.arange(len(counts)), counts)
-    return SignalGrid(np.append(np.concatenate(pieces), length), stretch, widths / np.maximum(counts, 1))
+    return np.append(np.concatenate(pieces), length)
 
 
-def _highest(found: Sampled, sign: float) -> tuple[Array, Array]:
+def highest(found: Sampled, sign: float) -> tuple[Array, Array]:
+    """Largest values (rows,) of ± a signal where the interpolants are largest, and their times after the impacts."""
     tops, places = _tops(sign * found.value, sign * found.begin, sign * found.end)
     at = np.argmax(tops, axis=1)[:, None]
     begin, end = (np.take_along_axis(found.times, at + k, axis=1)[:, 0] for k in (0, 1))
@@ -192,7 +139,7 @@ def _highest(found: Sampled, sign: float) -> tuple[Array, Array]:
     return _polished(found.whole, sign, place, begin, end)
 
 
-def _polished(found: TrainSignal, sign: float, place: Array, begin: Array, end: Array) -> tuple[Array, Array]:
+def _polished(found: OrbitSignal, sign: float, place: Array, begin: Array, end: Array) -> tuple[Array, Array]:
     """Largest value (rows,) of ± the signal by Newton's method from ``place`` on, in ``begin`` to ``end``; its time."""
     value, slope, bend = sign * _derivatives(found, place)
     top, at = value, place
@@ -205,7 +152,7 @@ def _polished(found: TrainSignal, sign: float, place: Array, begin: Array, end: 
     return top, at
 
 
-def _derivatives(found: TrainSignal, times: Array) -> Array:
+def _derivatives(found: OrbitSignal, times: Array) -> Array:
     """Signal (rows,) at one time of each row, s, with its first and second derivative (3, rows)."""
     free, steady = found.weights * np.exp(found.rates[:, None] * times), found.drive * np.exp(1j * found.omega * times)
     powers = [found.rates[:, None] ** order * free for order in range(3)]
