@@ -119,11 +119,11 @@ def _at_nodes(path: Path) -> list[dict[str, Any]]:
 def _mode(data: dict[str, Any], units: FileUnits) -> tuple[float, float, float, dict[Label, Any]]:
     """Frequency, damping ratio, modal mass, shape, such that all receptances are in SI."""
     shape = {
-        (int(node), direction): value * (units.length if direction > 3 else 1.0)
+        (int(node), direction): value * (1 / units.length if direction > 3 else 1.0)
         for direction in range(1, 7)
         for node, value in zip(data["node_nums"], data.get(f"r{direction}", ()), strict=False)
     }
-    scale = units.length / units.force
+    scale = units.force / units.length
     if data["analysis_type"] == NORMAL:
         damping = data["modal_damp_vis"] or data["modal_damp_his"] / 2
         return float(data["freq"]), float(damping), float(data["modal_m"]) * scale, shape

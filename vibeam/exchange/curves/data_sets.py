@@ -1,4 +1,8 @@
-"""Data sets of universal files: where each lies, and the units of the file (data set 164)."""
+"""Data sets of universal files: where each lies, units (164), functions at nodal degrees of freedom (58 and 58b).
+
+Functions are read here, since pyuff refuses D exponents, last lines that are filled up and abscissae as E20.12, and
+takes files that are cut off as they are. Layout: https://www.ceas3.uc.edu/sdrluff.
+"""
 
 from __future__ import annotations
 
@@ -6,21 +10,31 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from struct import Struct
+from typing import Any
 
-from vibeam.exchange.curves.record import factor
-from vibeam.exchange.files import FormatError, read_by, real, whole
+import numpy as np
+
+from vibeam.exchange.files import FormatError, read_by, real, require_samples, whole
 from vibeam.exchange.units import LENGTH, MASS, unit_size
+from vibeam_models.arrays import Array
 
 ROUNDED = 1e-3  # relative error of a factor of units
-
-#: units of length and force by the code of data set 164; 9 are the user's own
+HEAD = 11  # lines of a function before its numbers
+FILLED = 6  # numbers on a line
+PRECISIONS = {2: "f4", 4: "f8", 5: "f4", 6: "f8"}  # by the type of the ordinates, of which 5 and 6 are complex
+DIRECTIONS = {1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
+FOOT, POUND, KILOGRAM = 0.3048, 4.4482216152605, 9.80665
+#: units of length in m and of force in N by the code of data set 164; 9 are the user's own
 CODES = {
-    1: ("m", "N"), 2: ("ft", "lbf"), 3: ("m", "kgf"), 4: ("ft", "lb ft/s^2"), 5: ("mm", "mN"), 6: ("cm", "cN"),
-    7: ("in", "lbf"), 8: ("mm", "kgf"), 10: ("mm", "N"),
+    1: (1.0, 1.0), 2: (FOOT, POUND), 3: (1.0, KILOGRAM), 4: (FOOT, 0.138254954376), 5: (1e-3, 1e-3), 6: (1e-2, 1e-2),
+    7: (FOOT / 12, POUND), 8: (1e-3, KILOGRAM), 10: (1e-3, 1.0),
 }  # fmt: skip
 _BEGIN = re.compile(rb"^ {4}-1[ \t\r]*\n *([0-9]+b?)([^\n]*)\n", re.MULTILINE)
 _END = re.compile(rb" {4}-1[ \t\r]*$", re.MULTILINE)
-_BEFORE_BYTES = re.compile(rb"(?:[^\n]*\n){11}")
+_BEFORE_BYTES = re.compile(rb"(?:[^\n]*\n){%d}" % HEAD)
+_TOUCHING = re.compile(r"(?<=[0-9.])([+-])")
+_PLACES, _POINTS, _AXIS = Struct("5s25x11x10s4s11x10s4s"), Struct("10s10s10s13s13s13x"), Struct("10s5s5s5s22x20s")
 
 
 @dataclass(frozen=True)
@@ -53,16 +67,11 @@ def data_sets(path: Path) -> list[DataSet]:
 
 @dataclass(frozen=True)
 class FileUnits:
-    """Units of a file: how many of its units of length and force are one of SI; ``words``: their names, if it says."""
+    """Units of a file: that of ``length`` in m, of ``force`` in N; ``words``: both, if it says them."""
 
     length: float = 1.0
     force: float = 1.0
     words: str = ""
-
-    @property
-    def is_si(self) -> bool:
-        """Test whether values are in SI."""
-        return self.length == self.force == 1
 
     def size(self, unit: str) -> float:
         """Size in SI of the file's unit of what has this SI ``unit``."""
@@ -72,7 +81,7 @@ class FileUnits:
 
     def of_powers(self, length: float, force: float) -> float:
         """Size in SI of the file's unit of what has these powers of length and force; time is in s."""
-        return float(self.length**-length * self.force**-force)
+        return float(self.length**length * self.force**force)
 
 
 def units_of(sets: Sequence[DataSet]) -> FileUnits:
@@ -87,13 +96,110 @@ def _units(one: DataSet) -> FileUnits:
     head, _, below = one.content.decode("latin1").partition("\n")
     with read_by("its data set 164 says no units", ValueError, one.line + 1):
         code = whole(head[:10].strip())
-        length, force, _ = (real(each.upper().replace("D", "E"), each) for each in below.split()[:3])
-        if min(length, force) <= 0:
-            raise FormatError("a factor is not above 0")
-        names = CODES.get(code, ("", ""))
-        for name, si, each in zip(names, ("m", "N"), (length, force), strict=True):
-            if name and abs(each * factor(name, si) - 1) > ROUNDED:
-                told = f"the code {code} is {' and '.join(names)}, and the factor of the {name} {each:g}"
-                raise FormatError(f"{told}: correct one of both, or delete data set 164 if the file is in SI")
-    words = " and ".join(names) if names[0] else f"units of {1 / length:g} m and {1 / force:g} N"
+        factors = [_real(each) for each in below.split()[:2]]
+        if len(factors) < 2 or min(factors) <= 0:
+            raise FormatError("a factor is missing, or not above 0")
+    length, force = (1 / each for each in factors)
+    words = f"units of {length:g} m and {force:g} N"
+    if not np.allclose((length, force), CODES.get(code, (length, force)), rtol=ROUNDED, atol=0):
+        told = f"the code {code} is not of the {words} that its factors say"
+        raise FormatError(f"{told}: correct one of both, or delete data set 164 if the file is in SI", one.line + 1)
     return FileUnits(length, force, words)
+
+
+def _real(text: str) -> float:
+    return real(text.replace("D", "E").replace("d", "e"), text)
+
+
+@dataclass(frozen=True)
+class FunctionAxis:
+    """Axis: its specific data ``type``, exponents of length, force and temperature, the label of its unit, the line."""
+
+    type: int
+    exponents: tuple[int, ...]
+    label: str
+    line: int
+
+
+@dataclass(frozen=True, eq=False)
+class Function:
+    """Function: its ``type``, name ``2Z/1Z``, abscissa and values (n,), the axes of both and of the denominator."""
+
+    type: int
+    called: str
+    at: Array
+    value: Array
+    axes: tuple[FunctionAxis, FunctionAxis, FunctionAxis]
+
+
+def function_of(one: DataSet) -> Function:
+    """Function of a data set; FormatError, with the line, for one that is damaged or cut off."""
+    *head, body = one.content.split(b"\n", HEAD)
+    if len(head) < HEAD:
+        raise FormatError("its data set 58 is cut off in its head", one.line)
+    type_, *sides = _fields(_PLACES, head[5], one.line + 6)
+    called = "/".join(f"{node}{'-' * (way < 0)}{DIRECTIONS.get(abs(way), '')}" for node, way in (sides[:2], sides[2:]))
+    at, value = _numbers(one, _fields(_POINTS, head[6], one.line + 7, 3), body)
+    first, second, third = (_axis(head[row], one.line + row + 1) for row in (7, 8, 9))
+    return Function(type_, called, at, value, (first, second, third))
+
+
+def _fields(form: Struct, row: bytes, line: int, count: int = 5) -> list[Any]:
+    """Fields of a row of the head, the first ``count`` of them whole numbers, empty ones 0."""
+    texts = [_text(each) for each in form.unpack(row[: form.size].ljust(form.size))]
+    with read_by("", FormatError, line):
+        return [whole(each or "0") for each in texts[:count]] + texts[count:]
+
+
+def _text(raw: bytes) -> str:
+    try:
+        return raw.decode().strip()
+    except UnicodeDecodeError:
+        return raw.decode("latin1").strip()
+
+
+def _axis(row: bytes, line: int) -> FunctionAxis:
+    type_, *exponents, label = _fields(_AXIS, row, line, 4)
+    return FunctionAxis(type_, tuple(exponents), "" if label.upper() in ("NONE", "-") else label, line)
+
+
+def _numbers(one: DataSet, points: list[Any], body: bytes) -> tuple[Array, Array]:
+    """Abscissa and values, as many as the head says; FormatError for others, which zeros that fill a line are not."""
+    line, (form, count, even, *steps) = one.line + 7, points
+    if form not in PRECISIONS or even not in (0, 1) or count < 1:
+        raise FormatError(f"{count} points of type {form} with the spacing {even} are none of data set 58", line)
+    require_samples((count,))
+    wide = (form > 4) + (2 - even)
+    flat = _bytes(one, body, PRECISIONS[form]) if one.kind == "58b" else _lines(body, one.line + HEAD + 1)
+    more = flat[count * wide :]
+    if len(flat) < count * wide or len(more) >= FILLED or more.any():
+        raise FormatError(f"has {len(flat)} numbers for {count} points of {wide}: is the data set cut off?", line)
+    table = flat[: count * wide].reshape(count, wide)
+    if not np.isfinite(table).all():
+        raise FormatError("has entries that are no finite numbers", line)
+    value: Array = table[:, -2] + 1j * table[:, -1] if form > 4 else table[:, -1]
+    if not even:
+        return table[:, 0], value
+    with read_by("", FormatError, line):
+        first, step = map(_real, steps)
+        if not step and count > 1:
+            raise FormatError("its steps are 0")
+    return np.asarray(first + step * np.arange(count), dtype=float), value
+
+
+def _bytes(one: DataSet, body: bytes, precision: str) -> Array:
+    """Numbers of bytes, little (1) or big endian (2), of IEEE's format (2)."""
+    order, made = _fields(Struct("6s6s"), one.more.encode("latin1"), one.line)
+    if order not in (1, 2) or made != 2:
+        raise FormatError(f"has bytes in the order {order} and numbers of the format {made}: export IEEE 754", one.line)
+    kind = np.dtype(("<" if order == 1 else ">") + precision)
+    return np.frombuffer(body[: len(body) // kind.itemsize * kind.itemsize], kind).astype(float)
+
+
+def _lines(body: bytes, line: int) -> Array:
+    """Numbers of lines of text, with E or D, of any width; a sign may touch the number before it."""
+    found = list[float]()
+    for number, text in enumerate(body.decode("latin1").split("\n"), line):
+        with read_by("", FormatError, number):
+            found += map(_real, _TOUCHING.sub(r" \1", text).split())
+    return np.array(found)

@@ -13,8 +13,16 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, size_in
-from vibeam.exchange.curves.data_sets import ROUNDED, DataSet, FileUnits, data_sets, units_of
-from vibeam.exchange.curves.functions import Function, FunctionAxis, function_of
+from vibeam.exchange.curves.data_sets import (
+    ROUNDED,
+    DataSet,
+    FileUnits,
+    Function,
+    FunctionAxis,
+    data_sets,
+    function_of,
+    units_of,
+)
 from vibeam.exchange.curves.record import known_unit
 from vibeam.exchange.files import FormatError
 
@@ -106,13 +114,13 @@ def _ordinate(one: Function, units: FileUnits) -> tuple[str, float, str]:
         raise FormatError(f"{told}: correct one of both (type 0 is unknown)", upper.line)
     if upper.label:
         return upper.label, 1.0, "by its label"
-    by = "" if units.is_si else f", made SI of {units.words} by data set 164"
+    by = "" if units.length == units.force == 1 else f", made SI of {units.words} by data set 164"
     if made and one.type not in (AUTO, CROSS):
         return made[0][0], units.size(made[0][0]), f"by its type {upper.type}{by}"
     if upper.type == GENERAL and any(upper.exponents):
         powers = [one - other for one, other in zip(upper.exponents, lower.exponents, strict=True)]
         return "", units.of_powers(powers[0], powers[1]), f"by its exponents{by}"
-    return "" if units.is_si else f"not said{by}", 1.0, ""
+    return "" if units.length == units.force == 1 else f"not said{by}", 1.0, ""
 
 
 def _forms(function: int, above: str, lower: FunctionAxis) -> list[tuple[str, str]]:
