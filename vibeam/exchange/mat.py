@@ -11,71 +11,79 @@ import struct
 import warnings
 import zlib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
+from itertools import islice
 from math import prod
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
-from vibeam.exchange.files import BYTES, FormatError, require_coordinates, require_room, state_of
+import numpy as np
+
+from vibeam.exchange.files import BYTES, FormatError, read_by, require_coordinates, require_room, state_of
 
 MATRIX, PACKED = 14, 15  # types of elements
 PARTS = 4  # elements of an array: flags, dimensions, name, content
-TYPES = (*range(1, 8), 9, *range(12, 19))
+TYPES = {*range(1, 8), 9, *range(12, 19)}
 NESTED, SPARSE, NUMERIC = (1, 2, 3), 5, range(6, 16)  # classes: cells, structs and objects; sparse; full
-TEXT, OBJECT = 4, 17  # classes of texts, and of objects of MATLAB's classdef
+OBJECT = 17  # class of objects of MATLAB's classdef
 FILE_HEAD = 128  # bytes
 LONGEST_HEAD = 1000  # bytes that hold the flags, dimensions and name of a variable
-DEEPEST, MOST = 16, 100_000  # variables in variables
-Content = bytes | mmap.mmap
+DEEPEST = 16  # variables in variables
+Content = bytes | memoryview | mmap.mmap
 
 
 @dataclass(frozen=True)
 class Variable:
-    """Variable at bytes of a file, not read yet; ``plain``: a full or sparse array, ``packed`` or not.
+    """Variable at bytes of a file, not read yet, ``packed`` or not; ``plain``: a full or sparse array.
 
-    ``object``: class of an object of MATLAB's own, which cannot be read.
+    ``object``: an object of MATLAB's own, which cannot be read.
     """
 
     path: Path
     name: str
     plain: bool
+    object: bool = False
     start: int = 0
     end: int = 0
     packed: bool = False
-    object: str = ""
 
     def read(self, **how: Any) -> Any:
         """Its value by ``loadmat`` with the options ``how``; FormatError for one that is damaged, or too large."""
-        if not self.end:
-            return self._loaded(self.path.open("rb"), how)
-        with self.path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-            order = _order(content)
-            if not self.packed:
-                _check(content, self.start, self.end, order, [0])
-                return self._loaded(file, how)
-            body = _inflated(content[self.start : self.end], 2 * BYTES)
-            _check(body, 0, len(body), order, [0])
-            return self._loaded(BytesIO(content[:FILE_HEAD] + body), how)
-
-    def _loaded(self, file: BinaryIO, how: dict[str, Any]) -> Any:
         from scipy.io import loadmat
 
-        with file, warnings.catch_warnings():
+        with _mapped(self.path) as content, warnings.catch_warnings():
             warnings.simplefilter("error")
-            return loadmat(file, variable_names=[self.name], **how)[self.name]
+            source: Any = BytesIO(content[:FILE_HEAD] + self._body(content)) if self.end else self.path
+            return loadmat(source, appendmat=False, variable_names=[self.name], **how)[self.name]
+
+    def _body(self, content: mmap.mmap) -> bytes:
+        order, most = _order(content), 2 * BYTES
+        body = content[self.start : min(self.end, self.start + most + 1)]
+        body = zlib.decompressobj().decompress(body, most + 1) if self.packed else body
+        if len(body) > most:
+            raise FormatError(f"holds a variable of more than {most / 1e6:.0f} MB")
+        _, _, start, end = next(_elements(body, 0, order))
+        _check(memoryview(body)[:end], start, order)
+        return body
+
+
+@contextmanager
+def _mapped(path: Path) -> Iterator[mmap.mmap]:
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        yield content
 
 
 def variables(path: Path) -> list[Variable]:
-    """The variables of a file, the first of each name; FormatError where it is none, or damaged."""
+    """The variables of a file; FormatError where it is none, or damaged."""
     state_of(path)
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+    with read_by("is no MATLAB file that can be read"), _mapped(path) as content:
         if 0 in content[:4]:
             return _level_4(path)
         if content[126:128] not in (b"IM", b"MI"):
             raise FormatError("is no MATLAB file that can be read: it does not begin as one")
-        found = list(_level_5(path, content))
-    return list({each.name: each for each in reversed(found)}.values())[::-1]
+        return list(_level_5(path, content))
 
 
 def _level_4(path: Path) -> list[Variable]:
@@ -91,95 +99,67 @@ def _level_4(path: Path) -> list[Variable]:
 
 
 def _level_5(path: Path, content: mmap.mmap) -> Iterator[Variable]:
-    at, order = FILE_HEAD, _order(content)
-    while at < len(content):
-        kind, start, end, _ = _tag(content, at, len(content), order)
+    order = _order(content)
+    for kind, at, start, end in _elements(content, FILE_HEAD, order):
         if kind not in (MATRIX, PACKED):
             raise FormatError(f"is damaged: there is no variable at byte {at}")
-        head: Content = content[start - 8 : min(end, start + LONGEST_HEAD)]
-        if kind == PACKED:
-            head = _inflated(content[start : min(end, start + LONGEST_HEAD)], LONGEST_HEAD, whole=False)
-        made, dimensions, name = _head(head, 8, len(head), order)
-        if made == OBJECT:
-            name, _, own = _words(head, order)
-            yield Variable(path, name, plain=False, object=own)
-            name = ""
-        if name and made in (*NESTED, TEXT, SPARSE, *NUMERIC):
-            if made in NUMERIC:
-                require_room(dimensions, 1)
-            place = (start, end) if kind == PACKED else (at, end)
-            yield Variable(path, name, made == SPARSE or made in NUMERIC, *place, packed=kind == PACKED)
-        at = end
+        packed = kind == PACKED
+        head = content[start if packed else at : min(end, start + LONGEST_HEAD)]
+        head = zlib.decompressobj().decompress(head, LONGEST_HEAD) if packed else head
+        made, dimensions, name = _head(head, 8, order)
+        if made in NUMERIC:
+            require_room(dimensions, 1)
+        if name:
+            plain = made == SPARSE or made in NUMERIC
+            yield Variable(path, name, plain, made > NUMERIC[-1], start if packed else at, end, packed)
 
 
 def _order(content: Content) -> str:
     return "<" if content[126:128] == b"IM" else ">"
 
 
-def _inflated(packed: bytes, most: int, whole: bool = True) -> bytes:
-    engine = zlib.decompressobj()
-    found = engine.decompress(packed, most)
-    if whole and engine.unconsumed_tail:
-        raise FormatError(f"holds a packed variable of more than {most / 1e6:.0f} MB")
-    return found
+def _elements(content: Content, at: int, order: str) -> Iterator[tuple[int, int, int, int]]:
+    """Type and place of each element from a byte on, where its content begins and ends."""
+    while at < len(content):
+        if at + 8 > len(content):
+            raise FormatError("is damaged: it is cut off")
+        kind, size = struct.unpack_from(f"{order}II", content, at)
+        start = at + 8
+        if kind >> 16:  # four bytes at most lie in the tag itself
+            kind, size, start = kind & 0xFFFF, kind >> 16, at + 4
+        if start + size > len(content):
+            raise FormatError("is damaged: it is cut off")
+        yield kind, at, start, start + size
+        at = at + 8 if start == at + 4 else start + size + (-size % 8 if kind != PACKED else 0)
 
 
-def _tag(content: Content, at: int, end: int, order: str) -> tuple[int, int, int, int]:
-    """Type of the element at a byte, where its content begins and ends, where the next element begins."""
-    if at + 8 > end:
-        raise FormatError("is damaged: it is cut off")
-    kind, size = struct.unpack_from(f"{order}II", content, at)
-    start = at + 8
-    if kind >> 16:  # four bytes at most lie in the tag itself
-        kind, size, start = kind & 0xFFFF, kind >> 16, at + 4
-    if start + size > end:
-        raise FormatError("is damaged: it is cut off")
-    return kind, start, start + size, at + 8 if start == at + 4 else start + size + -size % 8
+def _head(content: Content, at: int, order: str) -> tuple[int, tuple[int, ...], str]:
+    """Class, dimensions and name of the variable whose content begins at a byte; objects have no dimensions."""
+    parts = [bytes(content[start:stop]) for _, _, start, stop in islice(_elements(content, at, order), 3)]
+    if len(parts) < 3 or len(parts[0]) < 4:
+        raise FormatError("is damaged: a variable has no head")
+    made = struct.unpack_from(f"{order}I", parts[0])[0] & 0xFF
+    if made == OBJECT:
+        return made, (), parts[1].decode("latin1")
+    return made, tuple(np.frombuffer(parts[1][: len(parts[1]) & ~3], f"{order}i4").tolist()), parts[2].decode("latin1")
 
 
-def _head(content: Content, at: int, end: int, order: str) -> tuple[int, tuple[int, ...], str]:
-    """Class, dimensions and name of the variable whose content begins at a byte."""
-    _, start, _, at = _tag(content, at, end, order)
-    made = struct.unpack_from(f"{order}I", content, start)[0] & 0xFF
-    if made > NUMERIC[-1]:  # functions and classes of MATLAB's own have no dimensions
-        return made, (), ""
-    _, start, stop, at = _tag(content, at, end, order)
-    dimensions = struct.unpack(f"{order}{(stop - start) // 4}i", content[start : stop - (stop - start) % 4])
-    _, start, stop, _ = _tag(content, at, end, order)
-    return made, dimensions, content[start:stop].decode("latin1")
-
-
-def _words(head: Content, order: str) -> list[str]:
-    """Name, system and class of an object, whose head has no dimensions."""
-    found, at = list[str](), _tag(head, 8, len(head), order)[3]
-    for _ in range(3):
-        _, start, stop, at = _tag(head, at, len(head), order)
-        found.append(head[start:stop].decode("latin1"))
-    return found
-
-
-def _check(content: Content, at: int, end: int, order: str, met: list[int], depth: int = 0) -> None:
-    """FormatError for the variable at a byte where it, or one inside, says that it is more than is there."""
-    _, start, end, _ = _tag(content, at, end, order)
-    met[0] += 1
-    if depth > DEEPEST or met[0] > MOST:
-        raise FormatError(f"holds variables in variables, deeper than {DEEPEST} or more than {MOST}")
-    if start == end:
+def _check(content: memoryview, start: int, order: str, depth: int = 0) -> None:
+    """FormatError for the variable whose content ends here where it, or one inside, says more than is there."""
+    if depth > DEEPEST:
+        raise FormatError(f"holds variables in variables, deeper than {DEEPEST}")
+    if start == len(content):
         return
-    made, dimensions, _ = _head(content, start, end, order)
-    inside, parts, at = 0, 0, start
-    while at < end:
-        kind, _, _, behind = _tag(content, at, end, order)
-        if kind not in TYPES:  # scipy would look it up beyond its table
-            raise FormatError(f"is damaged: there is no type {kind} of elements")
-        parts += 1
-        if kind == MATRIX:
-            inside += 1
-            _check(content, at, end, order, met, depth + 1)
-        at = behind
-    if made not in NESTED and (inside or parts < PARTS):  # scipy would go on in the next variable
-        raise FormatError(f"is damaged: a variable has {parts} elements")
+    made, dimensions, _ = _head(content, start, order)
+    parts = list(_elements(content, start, order))
+    inside = [content[first:last] for kind, _, first, last in parts if kind == MATRIX]
+    for each in inside:
+        _check(each, 0, order, depth + 1)
+    if strange := {kind for kind, *_ in parts} - TYPES:  # scipy would look it up beyond its table
+        raise FormatError(f"is damaged: there is no type {min(strange)} of elements")
+    if made not in NESTED and (inside or len(parts) < PARTS):  # scipy would go on in the next variable
+        raise FormatError(f"is damaged: a variable has {len(parts)} elements")
     if made == SPARSE:
         require_coordinates(*dimensions)
-    elif min(dimensions, default=1) < 0 or prod(dimensions) > (max(inside, 1) if made in NESTED else end - start):
+    elif min(dimensions, default=1) < 0 or prod(dimensions) > max(len(inside), 1 if made in NESTED else len(content)):
         raise FormatError(f"is damaged: a variable says that it is {' × '.join(map(str, dimensions))}")

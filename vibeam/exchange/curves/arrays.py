@@ -5,17 +5,17 @@ Units, steps and starts are attributes of a variable or its groups, or stand bes
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
-from math import inf, isfinite
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, WantedColumn, missing, split_head
-from vibeam.exchange.files import FormatError, read_by, require_samples, shown
+from vibeam.exchange.files import FormatError, read_by, require_samples
 from vibeam.exchange.hdf5 import MOST, contents, opened, referred, values_of, words_of
 from vibeam.exchange.mat import Variable, variables
 from vibeam_models.arrays import Array
@@ -24,20 +24,15 @@ UNITS = ("unit", "units", "unit_str", "unit_string", "ni_unitdescription")
 RATES = ("fs", "sampling_rate", "sample_rate", "samplerate", "sampling_frequency")
 STEPS = ("dt", "delta_t", "wf_increment", "sampling_interval")
 STARTS = ("t0", "x0", "wf_start_offset")
+SCALE = ("scale",)  # path of the abscissa of a variable
 CLOCKS = (*RATES, *STEPS, *STARTS)
-SCALE = "scale"
-LOOKED_AT = 100  # variables, for a clock, where none is asked for
+WORDS = (*UNITS, *CLOCKS, *SCALE)
 CLOCK = "time"  # column of times that are made of a rate or step
 COLUMNS = 33  # of an array whose units stand in cells, from 1
 ROUNDED = 1e-3  # relative difference of a rate and a step that are both said
-
-
-@dataclass(frozen=True)
-class Stored:
-    """Variable of a file: how it is read, and how what is ``said`` of it, by small words, ``SCALE`` its abscissa."""
-
-    read: Callable[[], Any]
-    said: Callable[[], Mapping[str, Any]] = dict
+#: how the values of a variable are read, by its path; of an attribute by ``path@attribute``
+Held = Mapping[str, Callable[[], Any]]
+Place = tuple[str, int | None]  # path of a variable, and its column
 
 
 def read_matlab(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
@@ -47,13 +42,13 @@ def read_matlab(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     if h5py.is_hdf5(path):
         return read_hdf5(path, wanted, "variable")
     with read_by("is no MATLAB file that can be read"):
-        found: dict[str, Stored] = {}
+        found: dict[str, Callable[[], Any]] = {}
         for each in variables(path):
             if each.plain or each.object:
-                found[each.name] = Stored(partial(_of_matlab, each))
+                found[each.name] = partial(_of_matlab, each)
             else:
                 inside = _inside(each.name, each.read(simplify_cells=True))
-                found |= {name: Stored(partial(_dense, value)) for name, value in inside}
+                found |= {name: partial(_dense, value) for name, value in inside}
         return of(found, wanted, "variable")
 
 
@@ -71,13 +66,13 @@ def _inside(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 def _of_matlab(variable: Variable) -> Any:
     if variable.object:
-        _refuse_object(variable.name, variable.object)
+        raise _object(variable.name)
     return _dense(variable.read(simplify_cells=True))
 
 
-def _refuse_object(name: str, kind: str) -> None:
-    parts = f"{name}.Time and {name}.Data" if kind == "timeseries" else "its numbers"
-    raise FormatError(f"{name!r} is an object of MATLAB's class {kind}: save {parts} as variables of their own")
+def _object(name: str) -> FormatError:
+    cure = f"save its numbers as variables of their own, of a timeseries {name}.Time and {name}.Data"
+    return FormatError(f"{name!r} is an object of a class of MATLAB's: {cure}")
 
 
 def _dense(value: Any) -> Any:
@@ -91,28 +86,31 @@ def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn], what: str = "datas
     import h5py
 
     with read_by("is no HDF5 file that can be read"), opened(path) as file:
-        found: dict[str, Stored] = {}
+        found = _attributes("", file, CLOCKS)
         for place, item, again in contents(file):
-            if not again and isinstance(item, h5py.Dataset) and item.ndim <= 2 and not place.startswith("#refs#/"):
+            if isinstance(item, h5py.Group):
+                found |= _attributes(place, item, CLOCKS)
+            elif not again and isinstance(item, h5py.Dataset) and item.ndim <= 2 and not place.startswith("#refs#/"):
                 for name, each in referred(place, item):
-                    found[name] = Stored(partial(_of_hdf5, name, each, what == "variable"), partial(_attributes, each))
-                    if len(found) > MOST:
-                        raise FormatError(f"has more than {MOST} datasets")
+                    found |= _attributes(name, each, (*UNITS, *CLOCKS))
+                    found[name] = partial(_of_hdf5, name, each, what == "variable")
+                    scales: Any = each.dims[0].values() if each.ndim == 1 else ()
+                    if len(scales) == 1:
+                        found[f"{name}@{SCALE[0]}"] = partial(str, scales[0].name.strip("/"))
+            if len(found) > MOST:
+                raise FormatError(f"has more than {MOST} datasets and attributes")
         return of(found, wanted, what)
 
 
-def _attributes(dataset: Any) -> dict[str, Any]:
-    """Unit of a dataset, clock of it or its groups, and the path of the one scale of its dimension."""
-    said = words_of([dataset], UNITS) | words_of([dataset, dataset.parent, dataset.file], CLOCKS)
-    scales: Any = dataset.dims[0].values() if dataset.ndim == 1 else ()
-    return said | ({SCALE: str(scales[0].name).strip("/")} if len(scales) == 1 else {})
+def _attributes(place: str, item: Any, words: tuple[str, ...]) -> dict[str, Callable[[], Any]]:
+    return {f"{place}@{word}": partial(np.asarray, value) for word, value in words_of([item], words).items()}
 
 
 def _of_hdf5(name: str, dataset: Any, turned: bool) -> Any:
     """Values of a dataset; of MATLAB's, whose columns are rows of HDF5, ``turned``."""
     made = words_of([dataset], ("matlab_class", "matlab_object_decode"))
     if made.get("matlab_object_decode"):
-        _refuse_object(name, str(made.get("matlab_class")))
+        raise _object(name)
     require_samples(dataset.shape)
     array = np.asarray(values_of(dataset))
     array = array.T if turned else array
@@ -122,31 +120,30 @@ def _of_hdf5(name: str, dataset: Any, turned: bool) -> Any:
     return array["real"] + 1j * array["imag"] if fields and {"real", "imag"} <= set(fields) else array
 
 
-def of(held: Mapping[str, Stored], wanted: Mapping[str, WantedColumn], what: str) -> Columns:
+def of(held: Held, wanted: Mapping[str, WantedColumn], what: str) -> Columns:
     """Columns of variables with their units; FormatError where one is missing, no numbers, or of another length.
 
     Those alone that are wanted are read, and what stands beside them. Times are made of a step or rate where no
     variable is called so. ``what``: word for a variable.
     """
-    names, heads = list(held), [name for name in held if _last(name).casefold() not in (*UNITS, *CLOCKS)]
-    timed = any(_last(name).casefold() in TIMES for name in names)
-    value = _place(names, wanted["value"]) if "value" in wanted else None
-    asked = [value[1]] if value else names[:LOOKED_AT]
-    if not timed and (len(heads) < len(names) or any(held[each].said().keys() - {*UNITS} for each in asked)):
-        names, heads = [*names, CLOCK], [*heads, CLOCK]
-    places = {role: _place(names if role == "frequency" else list(held), each) for role, each in wanted.items()}
-    if fault := missing(heads, wanted, {role: place and place[0] + 1 for role, place in places.items()}):
+    heads = [name for name in held if _last(name) not in WORDS]
+    places = {role: _place([each for each in held if not _is_attribute(each)], one) for role, one in wanted.items()}
+    if not any(_last(name) in TIMES for name in heads) and len(heads) < len(held):
+        heads.append(CLOCK)
+        if "frequency" in wanted and places["frequency"] is None:
+            places["frequency"] = _place([CLOCK], wanted["frequency"])
+    if fault := missing(heads, wanted, {role: place and 0 for role, place in places.items()}):
         raise fault
     columns = {
         role: _read(held, place, wanted[role], what, role != "frequency")
         for role, place in places.items()
-        if place and place[1] in held
+        if place and place[0] in held
     }
-    at = places.get("frequency")
-    if at and value and at[1] not in held:
-        made = _abscissa(held, value[1], len(columns["value"].values), what)
+    at, value = places.get("frequency"), places.get("value")
+    if at and value and at[0] not in held:
+        made = _abscissa(held, value[0], len(columns["value"].values), what)
         if made is None and wanted["frequency"].needed:
-            raise FormatError(f"{value[1]!r} has no times, and neither a rate nor a step is said of it: say the rate")
+            raise FormatError(f"{value[0]!r} has no times, and neither a rate nor a step is said of it: say the rate")
         columns |= {} if made is None else {"frequency": made}
     lengths = {role: len(column.words or column.values) for role, column in columns.items()}
     if len(set(lengths.values())) > 1:
@@ -155,66 +152,61 @@ def of(held: Mapping[str, Stored], wanted: Mapping[str, WantedColumn], what: str
     return Columns(columns, range(1, next(iter(lengths.values())) + 1))
 
 
+def _is_attribute(name: str) -> bool:
+    return "@" in name and _last(name) in WORDS
+
+
 def _last(name: str) -> str:
-    return name.replace(".", "/").rpartition("/")[2]
+    return re.split("[./@]", name)[-1].casefold()
 
 
-def _place(names: list[str], wanted: WantedColumn) -> tuple[int, str, int | None] | None:
-    """Index, name and column of the variable wanted: by its path, by its last part, or as ``name:2``."""
-    last = [_last(name) for name in names]
-    for text in wanted.names:
-        if isinstance(text, int):
-            continue
-        name, colon, number = text.strip("/").rpartition(":")
-        name, column = (name, int(number)) if colon and number.isdecimal() else (text.strip("/"), None)
-        for heads in (names, last):
-            places = [place for place, head in enumerate(heads) if head.casefold() == name.casefold()]
+def _place(heads: list[str], wanted: WantedColumn) -> Place | None:
+    """Name and column of the variable wanted: by its path, by its last part, or as ``name:2``."""
+    for text in (each.strip("/") for each in wanted.names if isinstance(each, str)):
+        name, colon, number = text.rpartition(":")
+        name, column = (name, int(number)) if colon and number.isdecimal() else (text, None)
+        for known in (str.casefold, _last):
+            places = [head for head in heads if known(head) == name.casefold()]
             if len(places) > 1:
-                raise FormatError(
-                    f"has several {name!r}: {', '.join(names[each] for each in places)}; say the whole path"
-                )
+                raise FormatError(f"has several {name!r}: {', '.join(places)}; say the whole path")
             if places:
-                return places[0], names[places[0]], column
+                return places[0], column
     return None
 
 
-def _said(
-    held: Mapping[str, Stored], name: str, words: tuple[str, ...], column: int | None = None, beside: bool = True
-) -> tuple[Any, str]:
-    """Words on a variable under one of these names, and where: of itself, ``beside`` it, at the top; or None.
+def _said(held: Held, name: str, words: tuple[str, ...], beside: bool = True, column: int | None = None) -> Any:
+    """What one of these words says of a variable, and where: of itself, ``beside`` it, at the top; or None.
 
     Of several texts the one of the ``column``, or all of them.
     """
-    own = held[name].said()
-    for word in words:
-        if word in own:
-            return own[word], f"from its attribute {word}"
-    stem = name[: len(name) - len(_last(name))]
     known = {each.casefold(): each for each in held}
-    places = [f"{name}_{word}" for word in words]
-    places += [above + word for above in (stem, "") for word in words] if beside else []
-    for place in (each.casefold() for each in places):
+    above = name[: len(name) - len(_last(name))]
+    stems = (f"{name}@", f"{name}_", *((above, f"{above[:-1]}@", "", "@") if beside else ()))
+    for place in (f"{stem}{word}".casefold() for stem in stems for word in words):
         cells = [known[each] for each in (place, *(f"{place}({n})" for n in range(1, COLUMNS))) if each in known]
-        if not cells or name in cells:
+        if not cells:
             continue
-        found = np.concatenate([np.ravel(np.asarray(held[each].read())) for each in cells])
+        found = np.concatenate([np.ravel(np.asarray(held[each]())) for each in cells])
         if column is not None and len(found) >= column:
             found = found[column - 1 : column]
         if len(found) == 1 or (words is UNITS and 0 < len(found) < MOST):
-            return (found[0] if len(found) == 1 else ", ".join(map(str, found))), f"from {cells[0]} beside it"
+            return (found[0] if len(found) == 1 else ", ".join(map(str, found))), f"from {cells[0]}"
     return None, ""
 
 
-def _abscissa(held: Mapping[str, Stored], name: str, count: int, what: str) -> CurveColumn | None:
+def _abscissa(held: Held, name: str, count: int, what: str) -> CurveColumn | None:
     """Abscissa of a variable: the one that it names, or times of a rate or step; None where neither is said."""
-    place = str(held[name].said().get(SCALE, ""))
-    if place in held:
-        return _read(held, (0, place, None), WantedColumn((place,)), what, False)
+    scale = _said(held, name, SCALE, beside=False)[0]
+    if scale in held:
+        return _read(held, (scale, None), WantedColumn((scale,)), what, False)
     said = {}
     for words in (RATES, STEPS, STARTS):
         value, origin = _said(held, name, words)
         if value is not None:
-            said[words] = _number(value, origin, least=-inf if words is STARTS else 0.0), origin
+            with read_by(f"the number {origin} cannot be used"):
+                said[words] = float(value), origin
+            if not isfinite(said[words][0]) or (words is not STARTS and said[words][0] <= 0):
+                raise FormatError(f"the number {origin} cannot be used: {value}")
     if not said.keys() & {RATES, STEPS}:
         return None
     step, origin = said[STEPS] if STEPS in said else (1 / said[RATES][0], said[RATES][1])
@@ -226,21 +218,10 @@ def _abscissa(held: Mapping[str, Stored], name: str, count: int, what: str) -> C
     return CurveColumn(CLOCK, "s", np.asarray(times, dtype=float), place="times", origin=origin)
 
 
-def _number(value: Any, origin: str, least: float) -> float:
-    try:
-        if isfinite(number := float(value)) and number > least:
-            return number
-    except (ValueError, TypeError):
-        pass
-    raise FormatError(f"{shown(str(value))}, {origin}, is no number that can be used")
-
-
-def _read(
-    held: Mapping[str, Stored], place: tuple[int, str, int | None], wanted: WantedColumn, what: str, beside: bool
-) -> CurveColumn:
+def _read(held: Held, place: Place, wanted: WantedColumn, what: str, beside: bool) -> CurveColumn:
     """One column with its unit: what is said of it, ``beside`` it too, or by its name."""
-    _, name, column = place
-    array = np.asarray(held[name].read())
+    name, column = place
+    array = np.asarray(held[name]())
     require_samples(array.shape)
     if column is not None:
         if array.ndim != 2 or not 0 < column <= array.shape[1]:
@@ -252,7 +233,7 @@ def _read(
     if wanted.words:
         words = tuple(each.decode() if isinstance(each, bytes) else str(each).strip() for each in array)
         return CurveColumn(name, "", np.full(len(words), np.nan), words, what)
-    unit, origin = _said(held, name, UNITS, column, beside)
+    unit, origin = _said(held, name, UNITS, beside, column)
     unit = str(unit or split_head(name.rpartition("/")[2])[1])
     numbers, whole = _numbers(name, array)
     return CurveColumn(name, unit, numbers, (), what, origin, whole)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.arrays import CLOCKS, UNITS, Stored, of
+from vibeam.exchange.curves.arrays import CLOCKS, UNITS, of
 from vibeam.exchange.curves.columns import Columns, WantedColumn
 from vibeam.exchange.files import FormatError, read_by, require_samples
 from vibeam_models.registry import loaded
@@ -27,10 +27,13 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
         raise FormatError(MISSING) from None
     with read_by("is no TDMS file that can be read"), path.open("rb") as raw, files.open(raw) as file:
         _require_whole(file)
-        channels = [(f"{group.name}/{each.name}", each) for group in file.groups() for each in group.channels()]
-        return of(
-            {name: Stored(partial(_values, each), partial(_said, each)) for name, each in channels}, wanted, "channel"
-        )
+        held: dict[str, Any] = {}
+        for each in (channel for group in file.groups() for channel in group.channels()):
+            name = f"{each.group_name}/{each.name}"
+            held[name] = partial(_values, each)
+            said = {word.casefold(): value for word, value in each.properties.items() if value not in ("", None)}
+            held |= {f"{name}@{word}": partial(np.asarray, said[word]) for word in (*UNITS, *CLOCKS) if word in said}
+        return of(held, wanted, "channel")
 
 
 def _require_whole(file: Any) -> None:
@@ -44,8 +47,3 @@ def _require_whole(file: Any) -> None:
 def _values(channel: Any) -> Any:
     require_samples((len(channel),))
     return np.asarray(channel[:])
-
-
-def _said(channel: Any) -> dict[str, Any]:
-    found = {name.casefold(): value for name, value in channel.properties.items()}
-    return {name: value for name, value in found.items() if name in (*UNITS, *CLOCKS) and value not in ("", None)}
