@@ -15,12 +15,12 @@ import numpy as np
 from vibeam.exchange.curves.columns import size_in
 from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import suggest
-from vibeam.exchange.files import read_by
 from vibeam.exchange.time_series import UNITS
 from vibeam.system.record import Record
 from vibeam_models.arguments import number, refuse
 
 Channel = Mapping[str, Any]
+CLOCK = {"fs", "time"}
 
 
 def record_of_sep005(
@@ -29,9 +29,8 @@ def record_of_sep005(
 ) -> Record:  # fmt: skip
     """Record of the channel by this ``name``, or of the only one.
 
-    ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``; None: the channel's quantity, or the one
-    that its unit is of. ``unit`` goes before the channel's. Timestamps are checked and not kept. ValueError with the
-    cure for a channel that does not follow the rules, and for what is no record.
+    ``quantity``, ``interpolation``, ``remove``: as in ``Record.sampled``; None: the quantity that its unit is of.
+    ``unit`` goes before the channel's. Timestamps are not kept. ValueError with the cure for what is no record.
 
     >>> import numpy as np, vibeam
     >>> shock = {"name": "table", "data": np.array([0.0, 2.0, 0.0]), "fs": 1000.0, "unit_str": "g"}
@@ -39,14 +38,15 @@ def record_of_sep005(
     Record(acceleration, 0 … 0.002 s, 2 pieces, peak 19.6133 m/s², samples linear)
     """
     one = _chosen([channels] if isinstance(channels, Mapping) else list(channels), name)
-    said = str(one["unit_str"]) if unit is None else unit
-    if not said.strip():
-        raise ValueError(f"channel {one['name']!r}: its unit_str is empty: say unit = …")
-    asked = quantity or _quantity(one, said)
-    scale = factor(said, UNITS[asked]) if asked in UNITS else 1.0  # Record.sampled refuses other quantities
+    said = str(one["unit_str"] if unit is None else unit)
+    asked = str(quantity or one.get("quantity") or "").casefold()
+    fitting = [each for each, si in UNITS.items() if size_in(said, si) is not None and each.startswith(asked[:3])]
+    if not said.strip() or len(fitting) != 1:
+        told = f"its unit {said!r} is not of {asked or 'one quantity of a record'}"
+        raise ValueError(f"channel {one['name']!r}: {told}: say quantity = … ({', '.join(UNITS)}), or unit = …")
     when = {"times": one["time"]} if "time" in one else {"rate": one["fs"]}
-    data = np.asarray(one["data"], dtype=float) * scale
-    return Record.sampled(data, **when, quantity=asked, interpolation=interpolation, remove=remove)
+    data = np.asarray(one["data"], dtype=float) * factor(said, UNITS[fitting[0]])
+    return Record.sampled(data, **when, quantity=fitting[0], interpolation=interpolation, remove=remove)
 
 
 def to_sep005(
@@ -73,45 +73,20 @@ def to_sep005(
     times = motion.times if rate is None else start + np.arange(int((end - start) * rate * (1 + 1e-12)) + 1) / rate
     spacing = motion.spacing if rate is None else 1 / rate
     clock = {"fs": 1 / spacing} if spacing and not start else {"time": np.asarray(times)}
-    when = {} if start_timestamp is None else {"start_timestamp": start_timestamp}
+    when = {} if start_timestamp is None else {"start_timestamp": datetime.fromisoformat(start_timestamp).isoformat()}
     made = {"name": name or quantity, "quantity": quantity, "unit_str": UNITS[quantity], **clock, **when}
-    _require_rules(made | {"data": np.asarray(motion.at(times))})
     return [made | {"data": np.asarray(motion.at(times))}]
 
 
 def _chosen(channels: Sequence[Channel], name: str | None) -> Channel:
+    """The channel by its name; ValueError where it is not one, or without what it must have."""
     for each in channels:
-        _require_rules(each)
+        if not isinstance(each, Mapping) or not {"data", "name", "unit_str"} <= each.keys() or not CLOCK & each.keys():
+            there = ", ".join(each) if isinstance(each, Mapping) else repr(each)
+            raise ValueError(f"a channel must have data, name, unit_str, and fs or time, and one has {there}")
     names = [str(each["name"]) for each in channels]
     fitting = [each for each in channels if name in (None, each["name"])]
     if len(fitting) != 1:
-        told = "say its name" if name is None else f"{len(fitting)} are called {name!r}: {suggest(name, names)}"
-        raise ValueError(f"{len(channels)} channels, {', '.join(names[:12]) or 'none'}: {told}")
+        cure = "say its name" if name is None else f"{len(fitting)} are called {name!r}: {suggest(name, names)}"
+        raise ValueError(f"{len(channels)} channels, {', '.join(names[:12]) or 'none'}: {cure}")
     return fitting[0]
-
-
-def _require_rules(one: Channel) -> None:
-    """ValueError for a channel without what it must have, and with what it may not have."""
-    if not isinstance(one, Mapping):
-        raise ValueError("channels: must be dictionaries")
-    missing = [key for key in ("data", "name", "unit_str") if key not in one]
-    missing += [] if "time" in one or "fs" in one else ["fs or time"]
-    if missing:
-        raise ValueError(f"channel {one.get('name', '')!r}: without {', '.join(missing)}; it has {', '.join(one)}")
-    for key in (key for key in one if key.lower().endswith("timestamp")):
-        if key.lower() == "timestamp":
-            raise ValueError(f"channel {one['name']!r}: 'timestamp' is none of the keys: write start_timestamp")
-        with read_by(f"channel {one['name']!r}: {key} {one[key]!r} is not as ISO 8601 writes it", ValueError):
-            datetime.fromisoformat(str(one[key]))
-
-
-def _quantity(one: Channel, unit: str) -> str:
-    """Quantity of a channel: the one that it says, or that its unit is of; ValueError where they differ."""
-    said = str(one.get("quantity") or "").casefold()[:3]
-    fitting = [quantity for quantity, si in UNITS.items() if size_in(unit, si) is not None]
-    known = [quantity for quantity in UNITS if said and quantity.startswith(said)]
-    if known and known[0] not in fitting:
-        raise ValueError(f"channel {one['name']!r}: the quantity {known[0]!r} is not in {unit!r}: say unit = …")
-    if not known and len(fitting) != 1:
-        raise ValueError(f"channel {one['name']!r}: its unit {unit!r} is of no quantity of a record: say quantity = …")
-    return (known or fitting)[0]

@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
-from struct import pack_into, unpack_from
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn
 from vibeam.exchange.files import FormatError, read_by, require_samples
 
 SHARES = "shares of its full scale"  # unit of whole numbers
+TAG = 4  # bytes of the name of a part: none are there at the end
 STREAMED = 0x7FFF0000  # bytes from which on a size is that of a stream, whose end was not known
 
 
@@ -23,7 +23,10 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
 
     with read_by("is no WAV file that can be read"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        rate, data = wavfile.read(BytesIO(_sized(bytearray(path.read_bytes()))))
+        raw = path.read_bytes()
+        if raw[:4] in (b"RIFF", b"RIFX"):  # a size of the whole that is wrong does no harm
+            raw = raw[:4] + (len(raw) - 8).to_bytes(4, "big" if raw[:4] == b"RIFX" else "little") + raw[8:]
+        rate, data = wavfile.read(_Whole(raw))
     if not len(data) or not rate:
         raise FormatError(f"holds {len(data)} samples, {rate} a second: record it again")
     require_samples(data.shape)
@@ -46,31 +49,11 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     return Columns(columns, range(1, len(values) + 1), kind="time history")
 
 
-def _sized(raw: bytearray) -> bytearray:
-    """A file up to the end of its samples, with right sizes; FormatError for one that is cut off.
+class _Whole(BytesIO):
+    """Content of a file, whose every part must be as long as its head says; that of a stream may end before."""
 
-    A stream has 0, or the largest size, where none was known, and goes on to the end of the file.
-    """
-    order = ">" if raw[:4] == b"RIFX" else "<"
-    at, frame = 12, 1
-    while at + 8 <= len(raw):
-        (size,), start = unpack_from(f"{order}I", raw, at + 4), at + 8
-        if raw[at : at + 4] == b"data":
-            break
-        if raw[at : at + 4] == b"fmt " and start + 14 <= len(raw):
-            frame = max(1, unpack_from(f"{order}H", raw, start + 12)[0])
-        at = start + size + size % 2
-    else:
-        return raw
-    if raw[:4] == b"RF64" and raw[12:16] == b"ds64":
-        raw[:4], size = b"RIFF", unpack_from("<Q", raw, 28)[0]
-    covered = unpack_from(f"{order}I", raw, 4)[0] + 8
-    there = len(raw) - start
-    if size >= STREAMED or (not size and covered <= start):
-        size = there // frame * frame
-    if size > there:
-        told = f"its head says {size // frame} samples, and {there // frame} are there"
-        raise FormatError(f"is cut off: {told}: record it again, or correct the size in its head")
-    pack_into(f"{order}I", raw, 4, start + size - 8)
-    pack_into(f"{order}I", raw, at + 4, size)
-    return raw[: start + size]
+    def read(self, size: int | None = -1) -> bytes:
+        found = super().read(size)
+        if len(found) < (size or 0) < STREAMED and size != TAG:
+            raise FormatError(f"is cut off: its head says {size} bytes, and {len(found)} are there: record it again")
+        return found
