@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.files import BYTES, FormatError, read_by, require_coordinates, require_room, state_of
+from vibeam.exchange.files import BYTES, FormatError, read_by, require_room, state_of
 
 MATRIX, PACKED = 14, 15  # types of elements
 PARTS = 4  # elements of an array: flags, dimensions, name, content
@@ -89,13 +89,7 @@ def variables(path: Path) -> list[Variable]:
 def _level_4(path: Path) -> list[Variable]:
     from scipy.io import whosmat
 
-    found = whosmat(path, appendmat=False)
-    for _, shape, kind in found:
-        if kind == "sparse":
-            require_coordinates(*shape)
-        else:
-            require_room(shape)
-    return [Variable(path, name, plain=True) for name, _, _ in found]
+    return [Variable(path, name, plain=True) for name, _, _ in whosmat(path, appendmat=False)]
 
 
 def _level_5(path: Path, content: mmap.mmap) -> Iterator[Variable]:
@@ -159,7 +153,6 @@ def _check(content: memoryview, start: int, order: str, depth: int = 0) -> None:
         raise FormatError(f"is damaged: there is no type {min(strange)} of elements")
     if made not in NESTED and (inside or len(parts) < PARTS):  # scipy would go on in the next variable
         raise FormatError(f"is damaged: a variable has {len(parts)} elements")
-    if made == SPARSE:
-        require_coordinates(*dimensions)
-    elif min(dimensions, default=1) < 0 or prod(dimensions) > max(len(inside), 1 if made in NESTED else len(content)):
+    most = max(len(inside), 1) if made in NESTED else len(content)
+    if made != SPARSE and (min(dimensions, default=1) < 0 or prod(dimensions) > most):
         raise FormatError(f"is damaged: a variable says that it is {' × '.join(map(str, dimensions))}")

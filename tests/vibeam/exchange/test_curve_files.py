@@ -218,7 +218,7 @@ def damaged(path: Path, change: Callable[[bytes], bytes]) -> Path:
         (lambda raw: raw.replace(b"  1.25", b"  1.2x"), "a.uff:14: '1.2x"),
         (lambda raw: raw.replace(b"e+01   2.5", b"e+012.5"), "a.uff:14: '1.45000e+012.5"),
         (lambda raw: raw[: len(raw) * 3 // 4], "a.uff:2: its data set 58 does not end: is the file cut off?"),
-        (lambda raw: b"no such thing\n", "a.uff: is no universal file with a curve: a data set 58 is needed"),
+        (lambda raw: b"no such thing\n", "a.uff: has 0 data sets 58, the curves of such a file"),
         (lambda raw: b"", "a.uff: is empty"),
     ],
 )

@@ -251,7 +251,7 @@ def test_wav_files_that_are_none_are_refused(tmp_path: Path) -> None:
     wav_bytes(tmp_path / "a.wav", 2)
     for form, message in (
         ({"scale": 1.0}, "has 2 channels: say which, column = 1 … 2"),
-        ({"column": 3, "scale": 1.0}, "has no channel 3: there are 2, from 1 on"),
+        ({"column": 3, "scale": 1.0}, "has 2 channels: say which, column = 1 … 2"),
         ({"column": 1}, "holds shares of its full scale: say scale, the value of the full scale"),
     ):
         with pytest.raises(vibeam.CaseError, match=message):

@@ -289,7 +289,7 @@ WRONG: list[tuple[str, str]] = [
     (units(5) + data_set(), "the code 5 is not of the units of 1 m and 1 N that its factors say: correct one of both"),
     (units(9, 0.0) + data_set(), "line 3: its data set 164 says no units: a factor is missing, or not above 0"),
     (units(1) + units(5, 1e3, 1e3) + data_set(), "has data sets 164 of different units: keep those of one of them"),
-    (units(1), "is no universal file with a curve: a data set 58 is needed"),
+    (units(1), "has 0 data sets 58, the curves of such a file: there is no number 1"),
     ("    -1\n    58\nshort\n    -1\n", "line 2: its data set 58 is cut off in its head"),
 ]  # fmt: skip
 
@@ -309,7 +309,7 @@ def test_one_of_several_by_number_or_name(tmp_path: Path) -> None:
         assert found.columns["value"].place == "data set 58 number 2"
     with pytest.raises(FormatError, match="has 2 data sets 58, 1: 2Z/1Z, 2: 2X/1Z: say which by its number"):
         read(tmp_path / "a.uff", both)
-    with pytest.raises(FormatError, match="has 2 data sets 58: there is no number 3"):
+    with pytest.raises(FormatError, match="has 2 data sets 58, the curves of such a file: there is no number 3"):
         read(tmp_path / "a.uff", both, EITHER | {"value": WantedColumn((3,))})
 
 

@@ -132,7 +132,23 @@ class Function:
     axes: tuple[FunctionAxis, FunctionAxis, FunctionAxis]
 
 
-def function_of(one: DataSet) -> Function:
+def chosen(sets: Sequence[DataSet], name: str | int) -> tuple[int, Function]:
+    """The function that is wanted of several, by its number from 1 or its name ``2Z/1Z``, and its number."""
+    curves = [each for each in sets if each.kind in ("58", "58b")]
+    number = name if isinstance(name, int) else 1
+    if not isinstance(name, int) and len(curves) > 1:
+        called = [_function(each).called for each in curves]
+        number = called.index(name) + 1 if called.count(name) == 1 else 0
+        if not number:
+            told = ", ".join(f"{place}: {each}" for place, each in enumerate(called[:8], 1))
+            cure = "say which by its number, columns = { value = 1 }"
+            raise FormatError(f"has {len(curves)} data sets 58, {told}: {cure}")
+    if not 0 < number <= len(curves):
+        raise FormatError(f"has {len(curves)} data sets 58, the curves of such a file: there is no number {number}")
+    return number, _function(curves[number - 1])
+
+
+def _function(one: DataSet) -> Function:
     """Function of a data set; FormatError, with the line, for one that is damaged or cut off."""
     *head, body = one.content.split(b"\n", HEAD)
     if len(head) < HEAD:

@@ -13,16 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, size_in
-from vibeam.exchange.curves.data_sets import (
-    ROUNDED,
-    DataSet,
-    FileUnits,
-    Function,
-    FunctionAxis,
-    data_sets,
-    function_of,
-    units_of,
-)
+from vibeam.exchange.curves.data_sets import FileUnits, Function, FunctionAxis, chosen, data_sets, units_of
 from vibeam.exchange.curves.record import known_unit
 from vibeam.exchange.files import FormatError
 
@@ -48,7 +39,8 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     Time and value where ``wanted["frequency"]`` may be called time.
     """
     sets = data_sets(path)
-    place, one = _chosen([each for each in sets if each.kind in ("58", "58b")], wanted["value"])
+    number, one = chosen(sets, wanted["value"].names[0])
+    place = f"data set 58 number {number}"
     over, unit = _abscissa(one.axes[0])
     timed = "time" in wanted["frequency"].names
     if over == "time" and not timed:
@@ -64,23 +56,6 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
         ),
     }  # fmt: skip
     return Columns(columns, range(1, len(values) + 1), kind=kind)
-
-
-def _chosen(curves: list[DataSet], wanted: WantedColumn) -> tuple[str, Function]:
-    """Place of the function that is wanted, by its number or its name ``2Z/1Z``, and itself."""
-    if not curves:
-        raise FormatError("is no universal file with a curve: a data set 58 is needed")
-    name = wanted.names[0] if len(curves) > 1 or isinstance(wanted.names[0], int) else 1
-    if not isinstance(name, int):
-        called = [function_of(each).called for each in curves]
-        if called.count(name) != 1:
-            told = ", ".join(f"{number}: {each}" for number, each in enumerate(called[:8], 1))
-            cure = "say which by its number, columns = { value = 1 }"
-            raise FormatError(f"has {len(curves)} data sets 58, {told}: {cure}")
-        name = 1 + called.index(name)
-    if not 0 < name <= len(curves):
-        raise FormatError(f"has {len(curves)} data sets 58: there is no number {name}")
-    return f"data set 58 number {name}", function_of(curves[name - 1])
 
 
 def _abscissa(axis: FunctionAxis) -> tuple[str, str]:
@@ -107,7 +82,7 @@ def _ordinate(one: Function, units: FileUnits) -> tuple[str, float, str]:
     for wanted, spelt in made if upper.label else ():
         label = spelt.format(upper.label)
         if (by_label := size_in(label, wanted)) is not None:
-            agreed = not units.words or isclose(by_label, units.size(wanted), rel_tol=ROUNDED)
+            agreed = not units.words or isclose(by_label, units.size(wanted), rel_tol=1e-3)
             return label if agreed else f"{label} by its label, {units.words} by data set 164", 1.0, "by its label"
     if made and upper.label and known_unit(upper.label):
         told = f"the ordinate is of type {upper.type}, {made[0][0]}, and its label is {upper.label!r}"

@@ -32,12 +32,9 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     require_samples(data.shape)
     table = data.reshape(len(data), -1)
     channels, name = table.shape[1], wanted["value"].names[0]
-    if channels > 1 and not isinstance(name, int):
-        raise FormatError(f"has {channels} channels: say which, column = 1 … {channels}")
     channel = name if isinstance(name, int) else 1
-    if not 0 < channel <= channels:
-        there = "is 1" if channels == 1 else f"are {channels}"
-        raise FormatError(f"has no channel {channel}: there {there}, from 1 on")
+    if not 0 < channel <= channels or (channels > 1 and name != channel):
+        raise FormatError(f"has {channels} channels: say which, column = 1 … {channels}")
     with np.errstate(invalid="ignore"):  # a number that is none is said of the samples
         values = table[:, channel - 1].astype(float)
     if whole := data.dtype.kind in "iu":
