@@ -124,17 +124,6 @@ def test_attributes_of_hdf5(
     assert record.at(record.times) == pytest.approx(scale * VALUES, rel=1e-12)
 
 
-def test_the_scale_of_a_dimension_is_its_abscissa(tmp_path: Path) -> None:
-    with h5py.File(tmp_path / "a.h5", "w") as file:
-        file["clock"] = 1e3 * TIME
-        file["clock"].attrs["units"] = "ms"
-        file["clock"].make_scale()
-        file["acc"] = VALUES
-        file["acc"].dims[0].attach_scale(file["clock"])
-    record = vibeam.record_of_file(tmp_path / "a.h5")
-    assert record.spacing == pytest.approx(1 / RATE, rel=1e-9)
-
-
 def tdms(path: Path, channels: dict[str, tuple[Any, dict[str, Any]]]) -> Path:
     nptdms = pytest.importorskip("nptdms")
     made = [

@@ -36,15 +36,15 @@ def table(values: Any, uneven: bool) -> Any:
 def data_set(
     over: int = 17, over_label: str = "s", kind: int = 12, label: str = "NONE", under: int = 0,
     under_label: str = "NONE", function: int = 1, form: int = 4, even: int = 1, lines: Any = None, count: int = 5,
-    mark: str = "58", exponents: tuple[int, int] = (0, 0), values: Any = Y, way: int = 3,
+    mark: str = "58", values: Any = Y, way: int = 3,
 ) -> str:  # fmt: skip
     """A data set 58 by its layout; ``lines``: its numbers in place of ``values``."""
-    axes = [(over, over_label, (0, 0)), (kind, label, exponents), (under, under_label, (0, 0)), (0, "NONE", (0, 0))]
+    axes = [(over, over_label), (kind, label), (under, under_label), (0, "NONE")]
     head = [
         "    -1", f"    {mark}", "shaker", "NONE", "NONE", "NONE", "NONE",
         f"{function:5}{0:10}{0:5}{0:10} {'NONE':10}{2:10}{way:4} {'NONE':10}{1:10}{3:4}",
         f"{form:10}{count:10}{even:10}{AT[0] * even:13.5e}{STEP * even:13.5e}{0:13.5e}",
-        *(f"{each:10}{powers[0]:5}{powers[1]:5}{0:5} {'axis':20} {text:20}" for each, text, powers in axes),
+        *(f"{each:10}{0:5}{0:5}{0:5} {'axis':20} {text:20}" for each, text in axes),
     ]  # fmt: skip
     made = numbers(table(values, not even), 20, 12, 4) if lines is None else lines
     return "\n".join([*head, *made, "    -1", ""])
@@ -233,7 +233,6 @@ def test_units_of_a_file_by_their_factors(
         ({"kind": 12, "under": 13, "function": 4}, metres / newtons),
         ({"kind": 12, "under": 12, "function": 5}, 1.0),
         ({"kind": 12, "function": 9}, metres**2),
-        ({"kind": 1, "exponents": (-2, 1)}, newtons / metres**2),
     ):
         for content in (told + data_set(**form), data_set(**form) + told):
             found = read(tmp_path / "a.uff", content)

@@ -24,9 +24,8 @@ UNITS = ("unit", "units", "unit_str", "unit_string", "ni_unitdescription")
 RATES = ("fs", "sampling_rate", "sample_rate", "samplerate", "sampling_frequency")
 STEPS = ("dt", "delta_t", "wf_increment", "sampling_interval")
 STARTS = ("t0", "x0", "wf_start_offset")
-SCALE = ("scale",)  # path of the abscissa of a variable
 CLOCKS = (*RATES, *STEPS, *STARTS)
-WORDS = (*UNITS, *CLOCKS, *SCALE)
+WORDS = (*UNITS, *CLOCKS)
 CLOCK = "time"  # column of times that are made of a rate or step
 COLUMNS = 33  # of an array whose units stand in cells, from 1
 ROUNDED = 1e-3  # relative difference of a rate and a step that are both said
@@ -94,9 +93,6 @@ def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn], what: str = "datas
                 for name, each in referred(place, item):
                     found |= _attributes(name, each, (*UNITS, *CLOCKS))
                     found[name] = partial(_of_hdf5, name, each, what == "variable")
-                    scales: Any = each.dims[0].values() if each.ndim == 1 else ()
-                    if len(scales) == 1:
-                        found[f"{name}@{SCALE[0]}"] = partial(str, scales[0].name.strip("/"))
             if len(found) > MOST:
                 raise FormatError(f"has more than {MOST} datasets and attributes")
         return of(found, wanted, what)
@@ -141,7 +137,7 @@ def of(held: Held, wanted: Mapping[str, WantedColumn], what: str) -> Columns:
     }
     at, value = places.get("frequency"), places.get("value")
     if at and value and at[0] not in held:
-        made = _abscissa(held, value[0], len(columns["value"].values), what)
+        made = _times(held, value[0], len(columns["value"].values))
         if made is None and wanted["frequency"].needed:
             raise FormatError(f"{value[0]!r} has no times, and neither a rate nor a step is said of it: say the rate")
         columns |= {} if made is None else {"frequency": made}
@@ -194,11 +190,8 @@ def _said(held: Held, name: str, words: tuple[str, ...], beside: bool = True, co
     return None, ""
 
 
-def _abscissa(held: Held, name: str, count: int, what: str) -> CurveColumn | None:
-    """Abscissa of a variable: the one that it names, or times of a rate or step; None where neither is said."""
-    scale = _said(held, name, SCALE, beside=False)[0]
-    if scale in held:
-        return _read(held, (scale, None), WantedColumn((scale,)), what, False)
+def _times(held: Held, name: str, count: int) -> CurveColumn | None:
+    """Times of a rate or step that is said of a variable; None where neither is."""
     said = {}
     for words in (RATES, STEPS, STARTS):
         value, origin = _said(held, name, words)

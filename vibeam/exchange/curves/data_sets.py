@@ -34,7 +34,7 @@ _BEGIN = re.compile(rb"^ {4}-1[ \t\r]*\n *([0-9]+b?)([^\n]*)\n", re.MULTILINE)
 _END = re.compile(rb" {4}-1[ \t\r]*$", re.MULTILINE)
 _BEFORE_BYTES = re.compile(rb"(?:[^\n]*\n){%d}" % HEAD)
 _TOUCHING = re.compile(r"(?<=[0-9.])([+-])")
-_PLACES, _POINTS, _AXIS = Struct("5s25x11x10s4s11x10s4s"), Struct("10s10s10s13s13s13x"), Struct("10s5s5s5s22x20s")
+_PLACES, _POINTS, _AXIS = Struct("5s25x11x10s4s11x10s4s"), Struct("10s10s10s13s13s13x"), Struct("10s37x20s")
 
 
 @dataclass(frozen=True)
@@ -77,11 +77,7 @@ class FileUnits:
         """Size in SI of the file's unit of what has this SI ``unit``."""
         powers = (unit_size(unit) or (1, {}))[1]
         force = powers.get(MASS, 0.0)
-        return self.of_powers(powers.get(LENGTH, 0.0) - force, force)
-
-    def of_powers(self, length: float, force: float) -> float:
-        """Size in SI of the file's unit of what has these powers of length and force; time is in s."""
-        return float(self.length**length * self.force**force)
+        return float(self.length ** (powers.get(LENGTH, 0.0) - force) * self.force**force)
 
 
 def units_of(sets: Sequence[DataSet]) -> FileUnits:
@@ -113,10 +109,9 @@ def _real(text: str) -> float:
 
 @dataclass(frozen=True)
 class FunctionAxis:
-    """Axis: its specific data ``type``, exponents of length, force and temperature, the label of its unit, the line."""
+    """Axis: its specific data ``type``, the label of its unit, the line."""
 
     type: int
-    exponents: tuple[int, ...]
     label: str
     line: int
 
@@ -175,8 +170,8 @@ def _text(raw: bytes) -> str:
 
 
 def _axis(row: bytes, line: int) -> FunctionAxis:
-    type_, *exponents, label = _fields(_AXIS, row, line, 4)
-    return FunctionAxis(type_, tuple(exponents), "" if label.upper() in ("NONE", "-") else label, line)
+    type_, label = _fields(_AXIS, row, line, 1)
+    return FunctionAxis(type_, "" if label.upper() in ("NONE", "-") else label, line)
 
 
 def _numbers(one: DataSet, points: list[Any], body: bytes) -> tuple[Array, Array]:

@@ -92,9 +92,6 @@ def _ordinate(one: Function, units: FileUnits) -> tuple[str, float, str]:
     by = "" if units.length == units.force == 1 else f", made SI of {units.words} by data set 164"
     if made and one.type not in (AUTO, CROSS):
         return made[0][0], units.size(made[0][0]), f"by its type {upper.type}{by}"
-    if upper.type == GENERAL and any(upper.exponents):
-        powers = [one - other for one, other in zip(upper.exponents, lower.exponents, strict=True)]
-        return "", units.of_powers(powers[0], powers[1]), f"by its exponents{by}"
     return "" if units.length == units.force == 1 else f"not said{by}", 1.0, ""
 
 
