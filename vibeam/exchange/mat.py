@@ -6,12 +6,10 @@ variable is an element of elements: flags, dimensions, name, content. Level 4 ha
 
 from __future__ import annotations
 
-import mmap
 import struct
 import warnings
 import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from itertools import islice
@@ -29,87 +27,63 @@ TYPES = {*range(1, 8), 9, *range(12, 19)}
 NESTED, SPARSE, NUMERIC = (1, 2, 3), 5, range(6, 16)  # classes: cells, structs and objects; sparse; full
 OBJECT = 17  # class of objects of MATLAB's classdef
 FILE_HEAD = 128  # bytes
-LONGEST_HEAD = 1000  # bytes that hold the flags, dimensions and name of a variable
 DEEPEST = 16  # variables in variables
-Content = bytes | memoryview | mmap.mmap
+Content = bytes | memoryview
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Variable:
-    """Variable at bytes of a file, not read yet, ``packed`` or not; ``plain``: a full or sparse array.
+    """Variable of a file, not read yet; ``plain``: a full or sparse array.
 
-    ``object``: an object of MATLAB's own, which cannot be read.
+    ``object``: an object of a class of MATLAB's own, which cannot be read; ``source``: a file that has it.
     """
 
-    path: Path
     name: str
     plain: bool
-    object: bool = False
-    start: int = 0
-    end: int = 0
-    packed: bool = False
+    object: bool
+    source: Path | bytes
 
     def read(self, **how: Any) -> Any:
-        """Its value by ``loadmat`` with the options ``how``; FormatError for one that is damaged, or too large."""
+        """Its value by ``loadmat`` with the options ``how``."""
         from scipy.io import loadmat
 
-        with _mapped(self.path) as content, warnings.catch_warnings():
+        source: Any = BytesIO(self.source) if isinstance(self.source, bytes) else self.source
+        with warnings.catch_warnings():
             warnings.simplefilter("error")
-            source: Any = BytesIO(content[:FILE_HEAD] + self._body(content)) if self.end else self.path
             return loadmat(source, appendmat=False, variable_names=[self.name], **how)[self.name]
-
-    def _body(self, content: mmap.mmap) -> bytes:
-        order, most = _order(content), 2 * BYTES
-        body = content[self.start : min(self.end, self.start + most + 1)]
-        body = zlib.decompressobj().decompress(body, most + 1) if self.packed else body
-        if len(body) > most:
-            raise FormatError(f"holds a variable of more than {most / 1e6:.0f} MB")
-        _, _, start, end = next(_elements(body, 0, order))
-        _check(memoryview(body)[:end], start, order)
-        return body
-
-
-@contextmanager
-def _mapped(path: Path) -> Iterator[mmap.mmap]:
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-        yield content
 
 
 def variables(path: Path) -> list[Variable]:
-    """The variables of a file; FormatError where it is none, or damaged."""
-    state_of(path)
-    with read_by("is no MATLAB file that can be read"), _mapped(path) as content:
-        if 0 in content[:4]:
-            return _level_4(path)
-        if content[126:128] not in (b"IM", b"MI"):
-            raise FormatError("is no MATLAB file that can be read: it does not begin as one")
-        return list(_level_5(path, content))
-
-
-def _level_4(path: Path) -> list[Variable]:
+    """The variables of a file; FormatError where it is none, damaged, or too large."""
     from scipy.io import whosmat
 
-    return [Variable(path, name, plain=True) for name, _, _ in whosmat(path, appendmat=False)]
+    state_of(path, 2 * BYTES)
+    raw = path.read_bytes()
+    with read_by("is no MATLAB file that can be read"):
+        if 0 in raw[:4]:  # level 4
+            return [Variable(name, True, False, path) for name, _, _ in whosmat(path, appendmat=False)]
+        if raw[126:128] not in (b"IM", b"MI"):
+            raise FormatError("is no MATLAB file that can be read: it does not begin as one")
+        return list(_level_5(raw, "<" if raw[126:128] == b"IM" else ">"))
 
 
-def _level_5(path: Path, content: mmap.mmap) -> Iterator[Variable]:
-    order = _order(content)
-    for kind, at, start, end in _elements(content, FILE_HEAD, order):
+def _level_5(raw: bytes, order: str) -> Iterator[Variable]:
+    room = 2 * BYTES
+    for kind, at, start, end in _elements(raw, FILE_HEAD, order):
         if kind not in (MATRIX, PACKED):
             raise FormatError(f"is damaged: there is no variable at byte {at}")
-        packed = kind == PACKED
-        head = content[start if packed else at : min(end, start + LONGEST_HEAD)]
-        head = zlib.decompressobj().decompress(head, LONGEST_HEAD) if packed else head
-        made, dimensions, name = _head(head, 8, order)
+        body = raw[at:end] if kind == MATRIX else zlib.decompressobj().decompress(raw[start:end], room + 1)
+        room -= len(body)
+        if room < 0:
+            raise FormatError(f"holds more than {2 * BYTES / 1e6:.0f} MB: keep fewer variables in one file")
+        _, _, start, end = next(_elements(body, 0, order))
+        made, dimensions, name = _head(body, start, order)
         if made in NUMERIC:
             require_room(dimensions, 1)
+        if made <= NUMERIC[-1]:
+            _check(memoryview(body)[:end], start, order)
         if name:
-            plain = made == SPARSE or made in NUMERIC
-            yield Variable(path, name, plain, made > NUMERIC[-1], start if packed else at, end, packed)
-
-
-def _order(content: Content) -> str:
-    return "<" if content[126:128] == b"IM" else ">"
+            yield Variable(name, made in (SPARSE, *NUMERIC), made > NUMERIC[-1], raw[:FILE_HEAD] + body)
 
 
 def _elements(content: Content, at: int, order: str) -> Iterator[tuple[int, int, int, int]]:

@@ -127,12 +127,11 @@ def test_a_matlab_variable_that_is_more_than_there_is(packed: bool, tmp_path: Pa
 def test_a_matlab_variable_whose_content_is_no_array_of_its_size(tmp_path: Path, monkeypatch) -> None:
     savemat(tmp_path / "deep.mat", {"a": {"b": {"c": {"K": K}}}})
     monkeypatch.setattr(mat, "DEEPEST", 2)
-    nested = next(each for each in mat.variables(tmp_path / "deep.mat") if each.name == "a")
     with pytest.raises(FormatError, match="holds variables in variables, deeper than 2"):
-        nested.read(simplify_cells=True)
+        mat.variables(tmp_path / "deep.mat")
     savemat(tmp_path / "packed.mat", {"K": np.zeros((300, 300))}, do_compression=True)
     monkeypatch.setattr(mat, "BYTES", 100_000)
-    with pytest.raises(FormatError, match="holds a variable of more than 0 MB"):
+    with pytest.raises(FormatError, match="holds more than 0 MB"):
         read_matrix(tmp_path / "packed.mat")
 
 
