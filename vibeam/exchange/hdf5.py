@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import mmap
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from pathlib import Path
 from struct import unpack_from
 from typing import TYPE_CHECKING, Any
@@ -94,19 +94,18 @@ def values_of(dataset: h5py.Dataset) -> Any:
 
 def text_at(item: Any, *names: str) -> str:
     """The text of the first attribute of these names that there is, empty without one or where it is no short text."""
-    found = words_of([item], names)
+    found = words_of(item, names)
     return next((str(found[name]) for name in names if name in found), "")
 
 
-def words_of(items: Sequence[Any], words: Collection[str]) -> dict[str, Any]:
-    """Numbers and texts of the attributes of these names, in small letters, of the first item that has each."""
+def words_of(item: Any, words: Collection[str]) -> dict[str, Any]:
+    """Numbers and texts of the attributes of these names, in small letters."""
     found: dict[str, Any] = {}
-    for item in items:
-        for name in item.attrs:
-            if name.casefold() in words and item.attrs.get_id(name).shape in ((), (1,)):
-                value = np.asarray(item.attrs[name]).item()
-                text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-                found.setdefault(name.casefold(), text[:WORD] if isinstance(text, str) else text)
+    for name in item.attrs:
+        if name.casefold() in words and item.attrs.get_id(name).shape in ((), (1,)):
+            value = np.asarray(item.attrs[name]).item()
+            text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+            found[name.casefold()] = text[:WORD] if isinstance(text, str) else text
     return found
 
 
@@ -118,7 +117,7 @@ def referred(place: str, dataset: h5py.Dataset) -> Iterator[tuple[str, h5py.Data
         yield place, dataset
         return
     above, _, name = place.rpartition("/")
-    cells = not above or words_of([dataset], ("matlab_class",))
+    cells = not above or words_of(dataset, ("matlab_class",))
     for number, reference in enumerate(np.ravel(dataset[()]), 1):
         inner = dataset.file[reference] if reference else None
         if isinstance(inner, h5py.Dataset):

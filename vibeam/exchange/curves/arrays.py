@@ -99,12 +99,12 @@ def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn], what: str = "datas
 
 
 def _attributes(place: str, item: Any, words: tuple[str, ...]) -> dict[str, Callable[[], Any]]:
-    return {f"{place}@{word}": partial(np.asarray, value) for word, value in words_of([item], words).items()}
+    return {f"{place}@{word}": partial(np.asarray, value) for word, value in words_of(item, words).items()}
 
 
 def _of_hdf5(name: str, dataset: Any, turned: bool) -> Any:
     """Values of a dataset; of MATLAB's, whose columns are rows of HDF5, ``turned``."""
-    made = words_of([dataset], ("matlab_class", "matlab_object_decode"))
+    made = words_of(dataset, ("matlab_class", "matlab_object_decode"))
     if made.get("matlab_object_decode"):
         raise _object(name)
     require_samples(dataset.shape)
