@@ -171,7 +171,7 @@ def _place(heads: list[str], wanted: WantedColumn) -> Place | None:
 
 
 def _said(held: Held, name: str, words: tuple[str, ...], beside: bool = True, column: int | None = None) -> Any:
-    """What one of these words says of a variable, and where: of itself, ``beside`` it, at the top; or None.
+    """Text or number under one of these words, and where: of a variable itself, ``beside`` it, at the top; or None.
 
     Of several texts the one of the ``column``, or all of them.
     """
