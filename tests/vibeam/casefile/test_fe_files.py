@@ -44,8 +44,8 @@ def abaqus(folder: Path) -> tuple[str, str]:
     for name, matrix in (("M", M), ("K", K)):
         lower = zip(*np.nonzero(np.tril(matrix)), strict=True)
         rows = [(*place(row), *place(column), float(matrix[row, column]) / 1000) for row, column in lower]
-        (folder / f"{name}.inp").write_text(f"*MATRIX INPUT, NAME={name}, SCALE FACTOR=1e3, INPUT={name}.txt\n")
-        (folder / f"{name}.txt").write_text("\n".join(", ".join(map(str, row)) for row in rows))
+        head = f"*MATRIX INPUT, NAME={name}, SCALE FACTOR=1e3"
+        (folder / f"{name}.inp").write_text("\n".join([head, *(", ".join(map(str, row)) for row in rows)]))
     return '"M.inp"', '"K.inp"'
 
 

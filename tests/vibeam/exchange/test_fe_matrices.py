@@ -78,27 +78,13 @@ def test_several_matrices_of_a_deck(tmp_path: Path) -> None:
     assert full(read(tmp_path / "d.inp", told, "", "K")) == [[9, -4], [-4, 4]]
 
 
-def test_entries_beside_a_deck(tmp_path: Path) -> None:
-    (tmp_path / "rows.txt").write_text("** rows\n" + LOWER)
-    deck = "*MATRIX INPUT, NAME=K, INPUT=rows.txt, SCALE FACTOR=2\n"
-    assert full(read(tmp_path / "K.inp", deck)) == [[18, -8], [-8, 8]]
-    before = digest_with(tmp_path / "K.inp")
-    (tmp_path / "rows.txt").write_text(LOWER.replace("9.0", "9.25"))
-    assert full(read_matrix(tmp_path / "K.inp"))[0][0] == 18.5  # what stands beside is looked at again
-    assert digest_with(tmp_path / "K.inp") != before
-    (tmp_path / "rows.txt").write_text("1,1,1,1, x\n")
-    assert refusal(tmp_path / "K.inp", deck) == "line 1: rows.txt: line 1: 'x' is no number"
-    (tmp_path / "rows.txt").write_text("*MATRIX INPUT, NAME=Q\n" + LOWER)
-    assert "line 1: rows.txt: has keywords" in refusal(tmp_path / "K.inp", deck)
-    assert refusal(tmp_path / "L.inp", deck.replace("rows", "none")) == "line 1: none.txt: no such file"
-
-
 HEAD = "*MATRIX INPUT, NAME=K"
 REFUSED = {
     f"{HEAD}, SCALE FACTOR=0\n{LOWER}": "line 1: SCALE FACTOR is a number, not 0, and TYPE is SYMMETRIC or UNSYMMETRIC",
     f"{HEAD}, SCALE FACTOR=1,5\n{LOWER}": "line 1: '*MATRIX INPUT, NAME=K, SCALE FACTOR=1,5' is not read",
     f"{HEAD}, SCALE FACTOR=1.5N\n{LOWER}": "line 1: '1.5N' is no number",
     f"{HEAD}, TYPE=DIAGONAL\n{LOWER}": "line 1: SCALE FACTOR is a number",
+    f"{HEAD}, INPUT=K.txt\n": "line 1: '*MATRIX INPUT, NAME=K, INPUT=K.txt' is not read: keep",
     f"{HEAD}, SCALE=1000.\n{LOWER}": "line 1: '*MATRIX INPUT, NAME=K, SCALE=1000.' is not read: keep",
     f"{HEAD}, MATRIX=STIFFNESS\n": "line 1: '*MATRIX INPUT, NAME=K, MATRIX=STIFFNESS' is not read",
     f"{HEAD}, NAME=L\n{LOWER}": "line 1: '*MATRIX INPUT, NAME=K, NAME=L' is not read: keep",
@@ -109,7 +95,7 @@ REFUSED = {
     f"{HEAD}\n{LOWER}1,1,2,1,-5.\n": "has -5 at node 1 direction 1, node 2 direction 1 and -4 opposite",
     f"{HEAD}\n{LOWER}2,1,2,1,4.\n": "the entry of node 2 direction 1, node 2 direction 1 is there twice: add them up",
     f"{HEAD}\n": "holds no entries",
-    "*MATRIX INPUT\n" * 101: "line 100: has more than 100 keywords",
+    "*MATRIX INPUT\n" * 101: "line 101: has more than 100 keywords",
 }  # fmt: skip
 
 
@@ -125,6 +111,10 @@ def test_calculix_with_the_names_of_its_nodes(tmp_path: Path) -> None:
     assert full(found) == [[9000, -4000, 0], [-4000, 4000, 0], [0, 0, 1]]
     assert found.labels == ((12, 3), (2, 1), (2, 2))
     assert found.notes == ("CalculiX", "upper half, mirrored", "nodes of rig.dof")
+    before = digest_with(tmp_path / "rig.sti")
+    (tmp_path / "rig.dof").write_text("12.3\n2.1\n2.3\n")
+    assert digest_with(tmp_path / "rig.sti") != before  # what stands beside is looked at again
+    assert read_matrix(tmp_path / "rig.sti").labels == ((12, 3), (2, 1), (2, 3))
     alone = read(tmp_path / "alone.mas", "1 1 2.\n2 2 3.\n")
     assert alone.labels is None
     assert alone.notes[-1] == "nodes without names, which alone.dof beside it would have"
@@ -132,7 +122,8 @@ def test_calculix_with_the_names_of_its_nodes(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("dof", "message"),
-    [("1.1\n", "has the row 1, and they are 0 to 0"), ("1.1\n1.1\n", "rig.dof: names a node and direction twice"),
+    [("1.1\n", "has the row 1, and they are 0 to 0"),
+     ("1.1\n1.1\n", "line 2: '1.1' is no node and direction, 12.3, or there twice"),
      ("1.1\n2.7\n", "line 2: rig.dof: '2.7' is no node"), ("1.1\nx.1\n", "rig.dof: 'x' is no whole number"),
      ("1.1\n2\n", "'2' is no node and direction, 12.3")],
 )  # fmt: skip
