@@ -31,7 +31,7 @@ def output2(*, modal: bool) -> bytes:
 
 
 FILES = {
-    "deck.inp": DECK.encode() + b"*MATRIX ASSEMBLE, STIFFNESS=one, MASS=Two\n",
+    "deck.inp": DECK.replace("NAME=ONE", "NAME=K").encode(),
     "scaled.inp": b"*MATRIX INPUT, NAME=K, TYPE=SYMMETRIC, SCALE FACTOR=1e3\n" + LOWER.encode(),
     "rig.sti": b"1 1 9.0\n2 2 4.\n3 3 1.\n1 2 -4.\n",
     "rig.hb": harwell_boeing(K, "RSA").encode(),

@@ -2,8 +2,8 @@
 
 Of Abaqus, from *MATRIX GENERATE and *MATRIX OUTPUT, a line is "row node, its degree of freedom, column node, its degree
 of freedom, value" (FORMAT=MATRIX INPUT, LABELS) or "row, column, value" (FORMAT=COORDINATE). Above it may stand *MATRIX
-INPUT: of a symmetric matrix, which one is without TYPE, one half may stand for both; *MATRIX ASSEMBLE says which matrix
-is the mass (Abaqus Keywords Reference Guide). Internal nodes have negative numbers. A degree of freedom that a boundary
+INPUT: of a symmetric matrix, which one is without TYPE, one half may stand for both (Abaqus Keywords Reference Guide).
+Internal nodes have negative numbers. A degree of freedom that a boundary
 condition holds has 1e36 on the diagonal of the stiffness.
 
 CalculiX (*FREQUENCY, SOLVER=MATRIXSTORAGE) writes "row column value" of one half to .sti and .mas, and "node.direction"
@@ -26,35 +26,26 @@ from vibeam.exchange.matrices.text import EXACT, Rows, entries_of, require_no_na
 
 HELD = 1e35  # on the diagonal
 MOST = 100  # keywords of a deck
-READ = {
-    "MATRIX INPUT": {"NAME", "TYPE", "SCALE FACTOR"},
-    "MATRIX ASSEMBLE": {"MASS", "STIFFNESS", "VISCOUS DAMPING"},
-}
-WANTED = {"M": "MASS", "K": "STIFFNESS", "C": "VISCOUS DAMPING"}
+PARAMETERS = {"NAME": "", "TYPE": "SYMMETRIC", "SCALE FACTOR": "1"}  # of *MATRIX INPUT, with what stands for none
 SYMMETRIC = {"SYMMETRIC": True, "UNSYMMETRIC": False}
 _KEYWORD = re.compile(r"^[ \t]*\*(?!\*)[^\r\n]*(?:(?<=,)[ \t]*\r?\n[^\r\n]*)*", re.MULTILINE)  # goes on below a comma
 
 
 def read_abaqus(path: Path, name: str, wanted: str) -> FileMatrix:
-    """The matrix by that name, the one that *MATRIX ASSEMBLE says is ``wanted``, or the only one."""
+    """The matrix by that name, or the only one."""
     (_, _, loose), *sections = _sections(text_of(path))
-    found, assembles = dict[str, tuple[int, dict[str, str], Rows]](), dict[str, str]()
-    for number, keyword, rows in sections:
-        with read_by("", line=number):
-            said = _parameters(keyword)
-            if said[""] == "MATRIX ASSEMBLE":
-                assembles |= said
-                if any(rows()):
-                    raise FormatError(f"{shown(keyword)} has entries below it, and takes none")
-            elif found.setdefault(said.get("NAME", "").upper(), (number, said, rows))[0] != number:
-                raise FormatError(f"{shown(keyword)}: two matrices have one NAME")
     if not sections:
         require_no_name(name)
         return _matrix(loose, None)
-    if any(loose()) or not found:
-        raise FormatError("has no *MATRIX INPUT, or entries above it")
-    alike = assembles.get(WANTED.get(wanted, ""), wanted).upper()
-    return _declared(*found[chosen(list(found), name.upper(), alike)])
+    for number, line in loose():
+        raise FormatError(f"{shown(line)} stands above the first keyword", number)
+    found = dict[str, tuple[int, dict[str, str], Rows]]()
+    for number, keyword, rows in sections:
+        with read_by("", line=number):
+            said = _parameters(keyword)
+            if found.setdefault(said["NAME"].upper(), (number, said, rows))[0] != number:
+                raise FormatError(f"{shown(keyword)}: two matrices have one NAME")
+    return _declared(*found[chosen(list(found), name.upper(), wanted)])
 
 
 def _sections(text: str) -> Iterator[tuple[int, str, Rows]]:
@@ -77,26 +68,26 @@ def _rows(text: str, above: int) -> Iterator[Line]:
 
 
 def _parameters(keyword: str) -> dict[str, str]:
-    """Parameters in capitals, the keyword itself by an empty name; FormatError for others than are read."""
+    """Parameters of *MATRIX INPUT by names in capitals; FormatError for others, and for another keyword."""
     name, *words = (" ".join(word.split()) for word in keyword.strip("*, \t").split(","))
     pairs = [[part.strip(' "') for part in word.split("=")] for word in words]
     said = {pair[0].upper(): pair[-1] for pair in pairs}
-    known, sound = READ.get(name.upper()), all(len(pair) == 2 and pair[1] for pair in pairs)
-    if known is None or said.keys() - known or not sound or len(said) < len(pairs):
-        read = " and ".join(f"*{each}, {' = …, '.join(sorted(READ[each]))} = …" for each in READ)
-        raise FormatError(f"{shown(keyword)} is not read: keep {read}, each once, and the entries in this file")
-    return {"": name.upper(), **said}
+    sound = all(len(pair) == 2 and pair[1] for pair in pairs) and len(said) == len(pairs)
+    if name.upper() != "MATRIX INPUT" or said.keys() - PARAMETERS or not sound:
+        read = " = …, ".join(PARAMETERS)
+        raise FormatError(f"{shown(keyword)} is not read: keep *MATRIX INPUT, {read} = …, each once, and its entries")
+    return PARAMETERS | said
 
 
 def _declared(number: int, said: dict[str, str], rows: Rows) -> FileMatrix:
     """The matrix of *MATRIX INPUT."""
-    kind = said.get("TYPE", "SYMMETRIC").upper()
+    kind = said["TYPE"].upper()
     with read_by("", line=number):
-        factor = real(said.get("SCALE FACTOR", "1"))
+        factor = real(said["SCALE FACTOR"])
         if not factor or kind not in SYMMETRIC:
             raise FormatError(f"SCALE FACTOR is a number, not 0, and TYPE is {' or '.join(SYMMETRIC)}")
-    notes = [f"TYPE={kind}"] * ("TYPE" in said) + [f"× {factor:g} by SCALE FACTOR"] * (factor != 1)
     found = _matrix(rows, SYMMETRIC[kind])
+    notes = (f"TYPE={kind}", *[f"× {factor:g} by SCALE FACTOR"] * (factor != 1))
     return replace(found, matrix=factor * found.matrix, notes=(*found.notes, *notes))
 
 
