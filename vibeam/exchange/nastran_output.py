@@ -82,7 +82,7 @@ def _modes(path: Path, state: State) -> FileModes:
 
 
 def _read(path: Path) -> Any:
-    """What pyNastran makes of a file: matrices by name, of OUTPUT2 its model."""
+    """Content of a file by pyNastran: matrices by name, of OUTPUT2 its model."""
     said, kind = io.StringIO(), path.suffix.lower()[1:]
     with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), warnings.catch_warnings():
         warnings.simplefilter("ignore")

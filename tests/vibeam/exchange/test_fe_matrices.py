@@ -92,6 +92,8 @@ REFUSED = {
     f"{HEAD}\n{LOWER}1,1,2,1,-5.\n": "has -5 at node 1 direction 1, node 2 direction 1 and -4 opposite",
     f"{HEAD}\n{LOWER}2,1,2,1,4.\n": "the entry of node 2 direction 1, node 2 direction 1 is there twice: add them up",
     f"{HEAD}\n": "holds no entries",
+    f"{HEAD},\n SCALE FACTOR=2\n** rows\n{LOWER}1,1,x,1,2.\n": "line 7: 'x' is no number",
+    f"{HEAD}\r{LOWER}*MATRIX INPUT, NAME=L\r{LOWER}".replace("\n", "\r"): "line 5: '*MATRIX INPUT  NAME=L' has",
     "*MATRIX INPUT\n" * 101: "line 101: has more than 100 keywords",
 }  # fmt: skip
 

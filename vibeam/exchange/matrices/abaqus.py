@@ -50,20 +50,20 @@ def read_abaqus(path: Path, name: str, wanted: str) -> FileMatrix:
 
 def _sections(text: str) -> Iterator[tuple[int, str, Rows]]:
     """Line of each keyword, the keyword with its parameters, and the rows below; first those above all keywords."""
-    keyword, at, number, last = "", 0, 1, 0  # place, first and last line of a keyword
+    number, keyword, at, above = 1, "", 0, 0  # ``above``: lines before the one on which a keyword ends
     for count, found in enumerate(_KEYWORD.finditer(text)):
-        yield number, keyword, partial(_rows, text[at : found.start()], last)
-        number = last + text.count("\n", at, found.start()) + 1
-        keyword, at, last = found[0], found.end(), number + found[0].count("\n") - 1
+        yield number, keyword, partial(_rows, text[at : found.start()], above)
+        number = above + text.count("\n", at, found.start()) + 1
+        keyword, at, above = found[0], found.end(), number + found[0].count("\n") - 1
         if count >= MOST:
             raise FormatError(f"has more than {MOST} keywords: keep those of its matrices", number)
-    yield number, keyword, partial(_rows, text[at:], last)
+    yield number, keyword, partial(_rows, text[at:], above)
 
 
 def _rows(text: str, above: int) -> Iterator[Line]:
-    """Lines that are no comment; ``above``: lines of the file before the first, or before the rest of one."""
+    """Lines that are no comment; ``above``: lines of the file before these."""
     for number, line in lines_of(text):
-        if line.lstrip()[0] != "*":
+        if not line.lstrip().startswith("**"):
             yield above + number, line.replace(",", " ")
 
 
