@@ -12,7 +12,7 @@ import numpy as np
 from vibeam.casefile.coordinates import ROWS, SHOWN, StructureReading, given, outputs_of
 from vibeam.casefile.field_tables import DIRECTIONS
 from vibeam.exchange.faults import Complaint
-from vibeam.exchange.output2 import read_modes
+from vibeam.exchange.nastran_output import read_modes
 from vibeam.exchange.uff import FileModes
 from vibeam_models.arrays import Array
 from vibeam_models.given import GivenStructure

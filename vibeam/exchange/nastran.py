@@ -1,4 +1,4 @@
-"""Nastran's bulk data: entries, each with its fields and those of its continuations; records of its binary files.
+"""Nastran's bulk data: entries, each with its fields and those of its continuations.
 
 Fields of 8 columns, of 16 where the entry is NAME*, or between commas; a continuation begins with a blank, + or * (MSC
 Nastran Quick Reference Guide).
@@ -49,15 +49,3 @@ def real_field(field: str) -> float:
     """The real number of a field, whose exponent may have D, or no letter: ``1.5-3``; FormatError where it is none."""
     number = field.replace("D", "E")
     return real(number if "E" in number else re.sub(r"(?<=[0-9.])([+-])", r"E\1", number), field)
-
-
-def records(content: bytes, order: str) -> Iterator[bytes]:
-    """Records of Fortran, each between two counts of its bytes; FormatError where these do not agree."""
-    at = 0
-    while at < len(content):
-        size = int.from_bytes(content[at : at + 4], "little" if order == "<" else "big")
-        end = at + 4 + size
-        if content[end : end + 4] != content[at : at + 4] or end + 4 > len(content):
-            raise FormatError(f"has no whole record at byte {at}: is it cut off, or was it sent as text?")
-        yield content[at + 4 : end]
-        at = end + 4

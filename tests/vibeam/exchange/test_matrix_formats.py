@@ -172,9 +172,12 @@ FAULTS = {
     "g.mtx": (b"** nothing\n", "holds no entries"),
     "h.mtx": (b"1,1,1,1,2.0\n1,1,2,1\n", "line 2: '1 1 2 1' has 4 numbers in place of 5"),
     "i.mtx": (b"1,1,1,1,2.0\n1,1,1,1,2.0\n", "the entry of node 1 direction 1, node 1 direction 1 is there twice"),
-    "j.mtx": (b"1,1,1,1,2.0\n1.5,1,1,1,2.0\n", "line 2: nodes, degrees of freedom, rows and columns are whole numbers"),
+    "j.mtx": (
+        b"1,1,1,1,2.0\n1.5,1,1,1,2.0\n",
+        "line 2: '1.5 1 1 1 2.0' is outside the matrix, or its place is no whole number",
+    ),
     "k.mtx": (b"1,1,1,1,2.0\n1,1,2,1,x\n", "line 2: 'x' is no number"),
-    "l.mtx": (b"0 1 2.0\n", "rows and columns are counted from 1"),
+    "l.mtx": (b"0 1 2.0\n", "line 1: '0 1 2.0' is outside the matrix"),
     "m.pch": (b"DMIG    K              0       9       1\n", "line 1: IFO 9 is a rectangular matrix"),
     "n.pch": (b"DMIG    K              0       6       3\n", "line 1: TIN 3 is complex"),
     "o.pch": (

@@ -2,8 +2,8 @@
 
 Of Abaqus, from *MATRIX GENERATE and *MATRIX OUTPUT, a line is "row node, its degree of freedom, column node, its degree
 of freedom, value" (FORMAT=MATRIX INPUT, LABELS) or "row, column, value" (FORMAT=COORDINATE). Above it may stand *MATRIX
-INPUT: of a symmetric matrix, which one is without TYPE, one half may stand for both; *MATRIX ASSEMBLE says which matrix
-is the mass (Abaqus Keywords Reference Guide). Internal nodes have negative numbers. A degree of freedom that a boundary
+INPUT: of a symmetric matrix, which one is without TYPE, one half may stand for both (Abaqus Keywords Reference Guide).
+Internal nodes have negative numbers. A degree of freedom that a boundary
 condition holds has 1e36 on the diagonal of the stiffness.
 
 CalculiX (*FREQUENCY, SOLVER=MATRIXSTORAGE) writes "row column value" of one half to .sti and .mas, and "node.direction"
@@ -11,10 +11,10 @@ of every row to a file .dof beside them."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from itertools import islice
-from math import inf
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,161 +22,107 @@ import numpy as np
 from vibeam.exchange.files import FormatError, Line, lines_of, read_by, real, shown, text_of, whole
 from vibeam.exchange.matrices.declaration import chosen
 from vibeam.exchange.matrices.entries import FileMatrix, Labels, assembled, labelled
-from vibeam.exchange.matrices.text import require_no_name, table
+from vibeam.exchange.matrices.text import EXACT, Rows, entries_of, require_no_name
 
 HELD = 1e35  # on the diagonal
 MOST = 100  # keywords of a deck
-EXACT = 2.0**53  # up to which a double is any whole number
-READ = {
-    "MATRIX INPUT": {"NAME", "INPUT", "TYPE", "SCALE FACTOR"},
-    "MATRIX ASSEMBLE": {"MASS", "STIFFNESS", "VISCOUS DAMPING"},
-}
-WANTED = {"M": "MASS", "K": "STIFFNESS", "C": "VISCOUS DAMPING"}
+PARAMETERS = {"NAME": "", "TYPE": "SYMMETRIC", "SCALE FACTOR": "1"}  # of *MATRIX INPUT, with what stands for none
 SYMMETRIC = {"SYMMETRIC": True, "UNSYMMETRIC": False}
-
-
-@dataclass
-class DeckSection:
-    """Keyword as it stands, on lines ``first`` to ``last``, with entries to line ``end``; empty above the first."""
-
-    keyword: str = ""
-    first: int = 0
-    last: int = 0
-    end: float = inf
-
-    def parameters(self) -> dict[str, str]:
-        """Parameters in capitals, the keyword itself by an empty name; FormatError for others than are read."""
-        name, *words = (" ".join(word.split()) for word in self.keyword.strip("*, ").split(","))
-        pairs = [[part.strip(' "') for part in word.split("=")] for word in words]
-        said = {pair[0].upper(): pair[-1] for pair in pairs}
-        known, sound = READ.get(name.upper()), all(len(pair) == 2 and pair[1] for pair in pairs)
-        if known is None or said.keys() - known or not sound or len(said) < len(pairs):
-            read = " and ".join(f"*{each}, {' = …, '.join(sorted(READ[each]))} = …" for each in READ)
-            raise FormatError(f"{shown(self.keyword)} is not read: keep {read}, each once", self.first)
-        return {"": name.upper(), **said}
-
-    def rows(self, text: str) -> Iterator[Line]:
-        """Lines below it that are no comment."""
-        for number, line in lines_of(text):
-            if number >= self.end:
-                return
-            if number > self.last and line.lstrip()[0] != "*":
-                yield number, line.replace(",", " ")
-
-
-def _sections(text: str) -> list[DeckSection]:
-    """Sections of a deck: a keyword begins with one *, and goes on below a comma at its end."""
-    found = [DeckSection()]
-    for number, line in lines_of(text):
-        line, last = line.strip(), found[-1]
-        if last.keyword.endswith(",") and last.last == number - 1:
-            last.keyword, last.last = f"{last.keyword} {line}", number
-        elif line[0] == "*" and line[:2] != "**":
-            last.end = number
-            found.append(DeckSection(line, number, number))
-        if len(found) > MOST:
-            raise FormatError(f"has more than {MOST} keywords: keep those of its matrices", number)
-    return found
+_KEYWORD = re.compile(r"^[ \t]*\*(?!\*)[^\r\n]*(?:(?<=,)[ \t]*\r?\n[^\r\n]*)*", re.MULTILINE)  # goes on below a comma
 
 
 def read_abaqus(path: Path, name: str, wanted: str) -> FileMatrix:
-    """The matrix by that name, the one that *MATRIX ASSEMBLE says is ``wanted``, or the only one."""
-    text = text_of(path)
-    loose, *sections = _sections(text)
-    found, assembles = dict[str, tuple[DeckSection, dict[str, str]]](), dict[str, str]()
-    for each in sections:
-        said = each.parameters()
-        if (said[""] != "MATRIX INPUT" or "INPUT" in said) and any(each.rows(text)):
-            raise FormatError(f"{shown(each.keyword)} has entries below it, and takes none", each.first)
-        if said[""] != "MATRIX INPUT":
-            assembles |= said
-        elif found.setdefault(said.get("NAME", "").upper(), (each, said))[0] is not each:
-            raise FormatError(f"{shown(each.keyword)}: two matrices have one NAME", each.first)
-    if any(loose.rows(text)) or not found:
-        if sections:
-            raise FormatError("has no *MATRIX INPUT, or entries above it")
+    """The matrix by that name, or the only one."""
+    (_, _, loose), *sections = _sections(text_of(path))
+    if not sections:
         require_no_name(name)
-        return _matrix(_entries(text, loose), None)
-    alike = assembles.get(WANTED.get(wanted, ""), wanted).upper()
-    return _declared(path, text, *found[chosen(list(found), name.upper(), alike)])
+        return _matrix(loose, None)
+    for number, line in loose():
+        raise FormatError(f"{shown(line)} stands above the first keyword", number)
+    found = dict[str, tuple[int, dict[str, str], Rows]]()
+    for number, keyword, rows in sections:
+        with read_by("", line=number):
+            said = _parameters(keyword)
+            if found.setdefault(said["NAME"].upper(), (number, said, rows))[0] != number:
+                raise FormatError(f"{shown(keyword)}: two matrices have one NAME")
+    return _declared(*found[chosen(list(found), name.upper(), wanted)])
 
 
-def _declared(path: Path, text: str, section: DeckSection, said: dict[str, str]) -> FileMatrix:
-    """The matrix of *MATRIX INPUT, whose entries may stand in a file beside the deck."""
-    kind = said.get("TYPE", "SYMMETRIC").upper()
-    with read_by("", line=section.first):
-        factor = real(said.get("SCALE FACTOR", "1"))
+def _sections(text: str) -> Iterator[tuple[int, str, Rows]]:
+    """Line of each keyword, the keyword with its parameters, and the rows below; first those above all keywords."""
+    number, keyword, at, above = 1, "", 0, 0  # ``above``: lines before the one on which a keyword ends
+    for count, found in enumerate(_KEYWORD.finditer(text)):
+        yield number, keyword, partial(_rows, text[at : found.start()], above)
+        number = above + text.count("\n", at, found.start()) + 1
+        keyword, at, above = found[0], found.end(), number + found[0].count("\n") - 1
+        if count >= MOST:
+            raise FormatError(f"has more than {MOST} keywords: keep those of its matrices", number)
+    yield number, keyword, partial(_rows, text[at:], above)
+
+
+def _rows(text: str, above: int) -> Iterator[Line]:
+    """Lines that are no comment; ``above``: lines of the file before these."""
+    for number, line in lines_of(text):
+        if not line.lstrip().startswith("**"):
+            yield above + number, line.replace(",", " ")
+
+
+def _parameters(keyword: str) -> dict[str, str]:
+    """Parameters of *MATRIX INPUT by names in capitals; FormatError for others, and for another keyword."""
+    name, *words = (" ".join(word.split()) for word in keyword.strip("*, \t").split(","))
+    pairs = [[part.strip(' "') for part in word.split("=")] for word in words]
+    said = {pair[0].upper(): pair[-1] for pair in pairs}
+    sound = all(len(pair) == 2 and pair[1] for pair in pairs) and len(said) == len(pairs)
+    if name.upper() != "MATRIX INPUT" or said.keys() - PARAMETERS or not sound:
+        read = " = …, ".join(PARAMETERS)
+        raise FormatError(f"{shown(keyword)} is not read: keep *MATRIX INPUT, {read} = …, each once, and its entries")
+    return PARAMETERS | said
+
+
+def _declared(number: int, said: dict[str, str], rows: Rows) -> FileMatrix:
+    """The matrix of *MATRIX INPUT."""
+    kind = said["TYPE"].upper()
+    with read_by("", line=number):
+        factor = real(said["SCALE FACTOR"])
         if not factor or kind not in SYMMETRIC:
             raise FormatError(f"SCALE FACTOR is a number, not 0, and TYPE is {' or '.join(SYMMETRIC)}")
-    notes = [f"TYPE={kind}"] * ("TYPE" in said) + [f"× {factor:g} by SCALE FACTOR"] * (factor != 1)
-    if "INPUT" in said:
-        notes.append(f"entries of {said['INPUT']}")
-        with read_by(said["INPUT"], line=section.first):
-            text = text_of(path.parent / said["INPUT"])
-            section, *more = _sections(text)
-            if more:
-                raise FormatError("has keywords: of what INPUT names entries alone are read")
-            entries = _entries(text, section)
-    else:
-        entries = _entries(text, section)
-    found = _matrix(entries, SYMMETRIC[kind])
+    found = _matrix(rows, SYMMETRIC[kind])
+    notes = (f"TYPE={kind}", *[f"× {factor:g} by SCALE FACTOR"] * (factor != 1))
     return replace(found, matrix=factor * found.matrix, notes=(*found.notes, *notes))
 
 
-def _matrix(entries: np.ndarray, symmetric: bool | None, labels: Labels | None = None) -> FileMatrix:
+def _matrix(rows: Rows, symmetric: bool | None, labels: Labels | None = None) -> FileMatrix:
     """The matrix of entries at nodes, or at rows and columns, as many as ``labels`` where these are known."""
-    places, values = entries[:, :-1].astype(np.int64), entries[:, -1]
-    if places.shape[1] == 4:
-        found = labelled(places[:, :2], places[:, 2:], values, symmetric)
-    else:
-        if places.min() < 1:
-            raise FormatError("rows and columns are counted from 1")
-        size = int(places.max()) if labels is None else len(labels)
-        found = assembled(places[:, 0] - 1, places[:, 1] - 1, values, (size, size), symmetric, labels)
-    held = np.flatnonzero(found.matrix.diagonal() >= HELD)
-    return replace(found, held=frozenset(held.tolist()))
-
-
-def _entries(text: str, section: DeckSection) -> np.ndarray:
-    """The numbers (entries, 3 or 5)."""
-    number, first = next(section.rows(text), (0, ""))
-    if not first:
-        raise FormatError("holds no entries")
+    number, first = next(rows(), (None, ""))
     width = len(first.split(maxsplit=5))
     if width not in (3, 5):
-        raise FormatError(
-            f'{width} numbers: an entry is "row node, dof, column node, dof, value", or "row, column, value"', number
-        )
-    found = table(lambda: section.rows(text), width)
-    wrong = ((found[:, :-1] % 1 != 0) | (np.abs(found[:, :-1]) > EXACT)).any(axis=1)
-    if wrong.any():
-        number = next(islice(section.rows(text), int(wrong.argmax()), None))[0]
-        raise FormatError("nodes, degrees of freedom, rows and columns are whole numbers", number)
-    return found
+        raise FormatError('holds no entries, "row node, dof, column node, dof, value" or "row, column, value"', number)
+    places, values = entries_of(rows, width, 1 if width == 3 else -EXACT)
+    if width == 5:
+        found = labelled(places[:, :2], places[:, 2:], values, symmetric)
+    else:
+        size = int(places.max()) if labels is None else len(labels)
+        found = assembled(places[:, 0] - 1, places[:, 1] - 1, values, (size, size), symmetric, labels)
+    return replace(found, held=frozenset(np.flatnonzero(found.matrix.diagonal() >= HELD).tolist()))
 
 
 def read_calculix(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix of a file, its coordinates named by the file .dof beside it where that is there."""
     require_no_name(name)
-    entries = _entries(text_of(path), DeckSection())
-    if entries.shape[1] != 3:
-        raise FormatError('an entry of CalculiX is "row column value"')
     beside = path.with_suffix(".dof")
     labels = _nodes(beside) if beside.exists() else None
-    found = _matrix(entries, True, labels)
+    found = _matrix(partial(_rows, text_of(path), 0), True, labels)
     note = f"nodes of {beside.name}" if labels else f"nodes without names, which {beside.name} beside it would have"
     return replace(found, notes=(*found.notes, note))
 
 
 def _nodes(path: Path) -> Labels:
     """Node and direction of each coordinate, ``12.3`` on a line."""
-    labels = []
+    labels = dict[tuple[int, int], None]()
     with read_by(path.name):
         for number, line in lines_of(text_of(path)):
             node, _, direction = line.strip().partition(".")
-            if direction not in tuple("123456"):
-                raise FormatError(f"{shown(line)} is no node and direction, 12.3", number)
-            labels.append((whole(node), int(direction)))
-    if len(set(labels)) < len(labels):
-        raise FormatError(f"{path.name} names a node and direction twice")
+            if direction not in tuple("123456") or (whole(node), int(direction)) in labels:
+                raise FormatError(f"{shown(line)} is no node and direction, 12.3, or there twice", number)
+            labels[whole(node), int(direction)] = None
     return tuple(labels)

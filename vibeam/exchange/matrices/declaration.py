@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from io import BytesIO
@@ -20,7 +19,6 @@ from vibeam_models.registry import Registry, loaded
 
 HEAD = 512  # bytes by which a format is told where the ending does not
 SHOWN = 12  # names in a message
-_INPUT = re.compile(rb"(?i)\bINPUT\s*=\s*([^,\r\n]+)")  # of *MATRIX INPUT: a file beside the deck
 
 
 @dataclass(frozen=True)
@@ -45,8 +43,8 @@ FORMATS = Registry(
     MatrixFormat("Abaqus", (".mtx", ".inp"), f"{_HOME}.abaqus:read_abaqus"),
     MatrixFormat("CalculiX", (".sti", ".mas"), f"{_HOME}.abaqus:read_calculix"),
     MatrixFormat("Harwell–Boeing", (".hb", ".rb", ".rsa", ".rua"), f"{_HOME}.harwell_boeing:read_harwell_boeing"),
-    MatrixFormat("Nastran OUTPUT4", (".op4",), f"{_HOME}.output4:read_output4"),
-    MatrixFormat("Nastran OUTPUT2", (".op2",), "vibeam.exchange.output2:read_output2"),
+    MatrixFormat("Nastran OUTPUT4", (".op4",), "vibeam.exchange.nastran_output:read_output"),
+    MatrixFormat("Nastran OUTPUT2", (".op2",), "vibeam.exchange.nastran_output:read_output"),
     MatrixFormat("NumPy", (".npy", ".npz"), f"{_HOME}.binary:read_numpy"),
     MatrixFormat("HDF5", (".h5", ".hdf5"), f"{_HOME}.binary:read_hdf5"),
     MatrixFormat("MATLAB 7.3", (".mat",), f"{_HOME}.binary:read_hdf5", b"MATLAB 7.3"),
@@ -72,13 +70,10 @@ def digest_with(path: Path) -> str:
     return " ".join(map(digest_of, (path, *_beside(path))))
 
 
-def _beside(path: Path) -> Iterator[Path]:
-    """Files that one is read with: CalculiX' names of nodes, and what a deck of Abaqus names by INPUT."""
-    names = [f"{path.stem}.dof"] if path.suffix.lower() in (".sti", ".mas") else []
-    if path.suffix.lower() in (".inp", ".mtx") and file_fault(path) is None:
-        with read_by(refusal=OSError):
-            names = [each.decode("utf-8", "replace").strip(' "') for each in _INPUT.findall(path.read_bytes())]
-    return (path.parent / each for each in names if file_fault(path.parent / each) is None)
+def _beside(path: Path) -> list[Path]:
+    """Files that one is read with: CalculiX' names of nodes."""
+    names = path.with_suffix(".dof")
+    return [names] if path.suffix.lower() in (".sti", ".mas") and file_fault(names) is None else []
 
 
 @lru_cache(maxsize=32)

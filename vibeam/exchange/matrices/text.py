@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.exchange.files import FormatError, Line, lines_of, read_by, real, require_room, shown, text_of
 from vibeam.exchange.matrices.entries import FileMatrix, assembled
+
+EXACT = 2.0**53  # up to which a double is any whole number
+Rows = Callable[[], Iterator[Line]]
 
 
 def read_text(path: Path, name: str, wanted: str) -> FileMatrix:
@@ -40,7 +43,7 @@ def require_no_name(name: str) -> None:
         raise FormatError(f"holds one matrix without a name: leave name = {name!r} away")
 
 
-def table(rows: Callable[[], Iterable[Line]], width: int) -> NDArray[np.float64]:
+def table(rows: Rows, width: int) -> NDArray[np.float64]:
     """The numbers (lines, width) of rows, between blanks; FormatError with the first line that has others.
 
     ``rows`` is called again to find that line. Only digits of ASCII are numbers, and only finite ones.
@@ -53,6 +56,19 @@ def table(rows: Callable[[], Iterable[Line]], width: int) -> NDArray[np.float64]
         _refuse(rows(), width)
     require_room(found.shape)
     return found
+
+
+def entries_of(
+    rows: Rows, width: int, least: float, most: Any = EXACT
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Places, from ``least`` to ``most``, and values of rows; FormatError with the first row that has others."""
+    found = table(rows, width)
+    places = found[:, :-1]
+    wrong = ((places < least) | (places > most) | (places % 1 != 0)).any(axis=1)
+    if wrong.any():
+        number, line = next(islice(rows(), int(wrong.argmax()), None))
+        raise FormatError(f"{shown(line)} is outside the matrix, or its place is no whole number", number)
+    return places.astype(np.int64), found[:, -1]
 
 
 def _refuse(rows: Iterable[Line], width: int) -> NoReturn:
@@ -70,7 +86,6 @@ def _refuse(rows: Iterable[Line], width: int) -> NoReturn:
 BANNER = "%%matrixmarket"
 LAYOUTS, FIELDS = ("coordinate", "array"), ("real", "integer", "double")
 SYMMETRIES = ("general", "symmetric", "hermitian")
-Rows = Callable[[], Iterator[Line]]
 
 
 def read_matrix_market(path: Path, name: str, wanted: str) -> FileMatrix:
@@ -110,16 +125,10 @@ def _sizes(line: Line | None, count: int) -> list[int]:
 
 
 def _coordinate(rows: Rows, shape: tuple[int, int], count: int, symmetric: bool) -> FileMatrix:
-    entries = table(rows, 3)
-    if len(entries) != count:
-        raise FormatError(f"has {len(entries)} entries, and its line of sizes says {count}: is it cut off?")
-    places = entries[:, :2]
-    wrong = ((places < 1) | (places > shape) | (places % 1 != 0)).any(axis=1)
-    if wrong.any():
-        number, line = next(islice(rows(), int(wrong.argmax()), None))
-        raise FormatError(f"{shown(line)} is outside the matrix, {shape[0]} × {shape[1]}", number)
-    row, column = (places.astype(np.int64) - 1).T
-    return assembled(row, column, entries[:, 2], shape, symmetric)
+    places, values = entries_of(rows, 3, 1, shape)
+    if len(values) != count:
+        raise FormatError(f"has {len(values)} entries, and its line of sizes says {count}: is it cut off?")
+    return assembled(places[:, 0] - 1, places[:, 1] - 1, values, shape, symmetric)
 
 
 def _array(rows: Rows, shape: tuple[int, int], _: int, symmetric: bool) -> FileMatrix:
