@@ -28,8 +28,7 @@ from vibeam.exchange.curves.columns import (
 )
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import taking
-from vibeam.exchange.curves.taken import Taken
-from vibeam.exchange.curves.told import tell
+from vibeam.exchange.curves.taken import Taken, tell
 from vibeam.exchange.curves.waves import SHARES
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, State, file_fault, state_of

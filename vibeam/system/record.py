@@ -60,8 +60,7 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
             faults.append("times: must be two or more numbers, s")
         else:
             faults.extend(ascent_faults(times))
-        shape = (np.size(self.times) - 1, 4)
-        if coefficients is None or coefficients.shape != shape or not np.isfinite(coefficients).all():
+        if coefficients is None or coefficients.shape != (np.size(times) - 1, 4) or not np.isfinite(coefficients).all():
             faults.append("coefficients: must be (K, 4) finite numbers for K + 1 times")
         start = read_only(self.initial)
         if start is None or start.shape != (2,) or not np.isfinite(start).all():

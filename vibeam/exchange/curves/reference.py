@@ -22,9 +22,8 @@ from vibeam.exchange.curves.record import (
     given,
     taking,
 )
-from vibeam.exchange.curves.taken import Taken
+from vibeam.exchange.curves.taken import Taken, tell
 from vibeam.exchange.curves.text import TextForm
-from vibeam.exchange.curves.told import tell
 from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in, suggest
 from vibeam.exchange.files import FormatError, file_fault, read_by
 from vibeam_models.arrays import Array
