@@ -8,7 +8,6 @@ rate must be said in its place.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
 from os import PathLike
 from pathlib import Path
@@ -31,7 +30,7 @@ from vibeam.exchange.curves.record import taking
 from vibeam.exchange.curves.taken import Taken, tell
 from vibeam.exchange.curves.waves import SHARES
 from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError, State, file_fault, state_of
+from vibeam.exchange.files import FormatError, State, state_of
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
 from vibeam_models.arguments import number, shown, word
@@ -93,10 +92,10 @@ def record_of_file(
     Record(acceleration, 0 … 0.004 s, 4 pieces, peak 490.332 m/s², samples linear)
     """
     path = Path(path)
-    if fault := file_fault(path):
-        raise CaseError([fault_in(path, None, fault)])
     try:
-        _require_keys(quantity, column, time, unit, scale, start, since, until)
+        begin = None if start == FIRST else start
+        numbers = {"scale": scale, "start": begin, "since": since, "until": until}
+        _require_keys(quantity, {"column": column, "time": time}, unit, numbers)
         found = _columns(path, column, time, quantity, rate)
         if found.columns["value"].unit == SHARES:
             unit = unit or ""
@@ -120,7 +119,8 @@ def record_of_file(
     except ValueError as wrong:
         raise CaseError([fault_in(path, None, str(wrong).removeprefix("record: "))]) from None
     taken = _taken(path, found, UNITS[quantity], unit, clock, even, None if start is None else zero)
-    return _described(made, taken)
+    object.__setattr__(made, "taken", taken)
+    return made
 
 
 def record_in_run(path: Path, duration: float | None, quote: bool, said: Mapping[str, Any]) -> Record:
@@ -135,25 +135,14 @@ def record_in_run(path: Path, duration: float | None, quote: bool, said: Mapping
         raise CaseError([fault_in(path, fault.line, fault.message)]) from None
     made = _record_of(*asked)
     if "start" not in said and not 0 <= made.start < (made.duration if duration is None else duration):
-        made = _from_first(*asked)
+        made = _record_of(*asked, start=FIRST)
     tell(made.taken)
     return made
 
 
 @lru_cache(maxsize=4)
-def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any], ...]) -> Record:
-    return record_of_file(path, quote=quote, **dict(form))
-
-
-@lru_cache(maxsize=1)
-def _from_first(*asked: Any) -> Record:
-    made = _record_of(*asked)
-    return _described(made.shifted(-made.start), replace(made.taken, zero=made.taken.start))
-
-
-def _described(record: Record, taken: Taken) -> Record:
-    object.__setattr__(record, "taken", taken)
-    return record
+def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any], ...], **more: str) -> Record:
+    return record_of_file(path, quote=quote, **dict(form), **more)
 
 
 def _stretch(clock: Array, since: float | None, until: float | None) -> slice:
@@ -175,36 +164,29 @@ def _taken(
     columns = [taken_column(found.columns["value"], si, unit)]
     if "frequency" in found.columns:
         columns.append(taken_column(found.columns["frequency"], "s"))
-    notes = list(found.notes)
-    if len(clock) < len(found.lines):
-        notes.append(f"{len(found.lines) - len(clock)} of {len(found.lines)} samples left out by from and to")
+    notes, left, steps = list(found.notes), len(found.lines) - len(clock), np.diff(clock)
+    if left:
+        notes.append(f"{left} of {len(found.lines)} samples left out by from and to")
     if even is None:
-        steps = np.diff(clock)
         notes.append(f"uneven steps of {steps.min():.4g} to {steps.max():.4g} s")
     if how := taking(found.columns["value"].unit)[1]:
         notes.append(f"its head says {how} values, and samples are taken as they are")
-    return Taken(
-        path.name, "time history", tuple(columns), len(clock), float(clock[0]), float(clock[-1]), "s", even,
-        tuple(notes), zero,
-    )  # fmt: skip
+    span = float(clock[0]), float(clock[-1])
+    return Taken(path.name, "time history", tuple(columns), len(clock), *span, "s", even, tuple(notes), zero)
 
 
-def _require_keys(
-    quantity: Any, column: Any, time: Any, unit: Any, scale: Any, start: Any, since: Any, until: Any
-) -> None:  # fmt: skip
+def _require_keys(quantity: Any, places: Mapping[str, Any], unit: Any, numbers: Mapping[str, Any]) -> None:
     """FormatError for what no file can have."""
     faults: list[str] = []
     word("quantity", quantity, JOINED, faults)
-    for name, each in (("column", column), ("time", time)):
+    for name, each in places.items():
         if not (each is None or isinstance(each, str) or (isinstance(each, int) and each > 0)):
             faults.append(f"{name}: {shown(each)} must be a head, or a number from 1")
     if not (unit is None or isinstance(unit, str)):
         faults.append(f"unit: {shown(unit)} must be text")
-    for name, each in (("scale", scale), ("start", start), ("since", since), ("until", until)):
-        if each is not None and not (name == "start" and each == FIRST):
+    for name, each in numbers.items():
+        if each is not None:
             number(name, each, faults)
-    if isinstance(since, float | int) and isinstance(until, float | int) and since >= until:
-        faults.append(f"until: {until:g} s is not after since, {since:g} s")
     if faults:
         raise FormatError("; ".join(faults))
 
@@ -232,15 +214,10 @@ def _require_times(clock: CurveColumn, value: CurveColumn, rate: float | None) -
     """FormatError for times that are read as the samples, or go by another rate than the one that is said."""
     if clock.head == value.head and np.array_equal(clock.values, value.values, equal_nan=True):
         raise FormatError(f"column {clock.head!r} is that of the times: name that of the samples, column = …")
-    times = in_si(clock, "s", None, SAY_RATE) if rate is not None else np.zeros(0)
-    if len(times) > 1 and (span := float(times[-1] - times[0])) > 0:
-        _require_rate(rate, (len(times) - 1) / span, len(times), f"column {clock.head!r}")
-
-
-def _require_rate(said: float | None, own: float, samples: int, where: str) -> None:
-    """FormatError for a rate by which the last sample is far from where the file has it."""
-    if said is not None and abs(said / own - 1) * (samples - 1) > max(1.0, LONGER * samples):
-        told = f"rate is {said:.6g} Hz, and {where} has {own:.6g} samples a second"
+    times = in_si(clock, "s", None, SAY_RATE) if rate is not None else np.zeros(1)
+    steps, span = len(times) - 1, float(times[-1] - times[0])
+    if rate is not None and span > 0 and abs(rate * span - steps) > max(1.0, LONGER * len(times)):
+        told = f"rate is {rate:.6g} Hz, and column {clock.head!r} has {steps / span:.6g} samples a second"
         raise FormatError(f"{told}: take rate out, or correct the times or their unit")
 
 
