@@ -141,7 +141,7 @@ def record_in_run(path: Path, duration: float | None, quote: bool, said: Mapping
 
 
 @lru_cache(maxsize=4)
-def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any], ...], **more: str) -> Record:
+def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any], ...], **more: Any) -> Record:
     return record_of_file(path, quote=quote, **dict(form), **more)
 
 

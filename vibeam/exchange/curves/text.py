@@ -72,24 +72,26 @@ def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None =
     below = [(line, text) for line, text in lines[rest:] if text.lstrip()[0] not in "#%"]
     if below and not form.separator:
         separator = _of_rows(*below[0], len(heads), separator)
-    plain = not form.decimal and not any(wanted[role].words for role in places)
-    if plain and (all_numbers := _table(below, heads, separator)) is not None:
-        numbers = {role: _column(heads, units, place, all_numbers[:, place].copy()) for role, place in places.items()}
+    words = {role for role in places if wanted[role].words}
+    whole = range(len(heads), len(heads) + 1)
+    plain = None if form.decimal or words else plain_table([text for _, text in below], separator, whole, places)
+    if plain is not None:
+        numbers = {role: _column(heads, units, places[role], values) for role, values in plain.items()}
         return Columns(numbers, tuple(line for line, _ in below), tuple(heads))
     rows = list(_rows(below, heads, separator, 1 + max(needed)))
     kept = [row for row in rows if any(row[1][places[role]].strip() for role in places if wanted[role].needed)]
     if not kept:
         raise FormatError("has no line of numbers below its heads")
-    cells = ((line, row[place]) for line, row in kept for role, place in places.items() if not wanted[role].words)
-    decimal = form.decimal or decimal_sign(cells)
+    spelt = [place for role, place in places.items() if role not in words]
+    decimal = form.decimal or decimal_sign((line, row[place]) for line, row in kept for place in spelt)
     columns = {}
-    for role, column in places.items():
-        own = [(line, cells[column]) for line, cells in kept]
-        if wanted[role].words:
-            words = tuple(cell.strip() for _, cell in own)
-            columns[role] = CurveColumn(split_head(heads[column])[0], "", np.full(len(own), np.nan), words)
+    for role, place in places.items():
+        own = [(line, cells[place]) for line, cells in kept]
+        if role in words:
+            said, values = tuple(cell.strip() for _, cell in own), np.full(len(own), np.nan)
         else:
-            columns[role] = _column(heads, units, column, np.array([number(each, decimal) for each in own]))
+            said, values = (), np.array([number(each, decimal) for each in own])
+        columns[role] = replace(_column(heads, units, place, values), words=said)
     return Columns(columns, tuple(line for line, _ in kept), tuple(heads))
 
 
@@ -130,16 +132,20 @@ def _cells_like(line: int, text: str, table: Table) -> list[str]:
     return _heads_of(line, text, table.separator)
 
 
-def _table(below: list[Line], heads: list[str], separator: str) -> Array | None:
-    """All lines as one table, where each cell is a plain finite number with a decimal point; None where one is not."""
-    lines = [text for _, text in below]
-    if not lines or (separator != " " and any(line.count(separator) != len(heads) - 1 for line in lines)):
+Plain = dict[str, Array]
+
+
+def plain_table(lines: Sequence[str], separator: str, cells: range, places: Mapping[str, int]) -> Plain | None:
+    """Columns of lines of so many ``cells`` that are plain finite numbers with a decimal point; None where not."""
+    counts = (len(line.split()) if separator == " " else line.count(separator) + 1 for line in lines)
+    if not lines or any(count not in cells for count in counts):
         return None
+    mark = None if separator == " " else separator
     try:
-        table = np.loadtxt(lines, delimiter=None if separator == " " else separator, comments=None, ndmin=2)
+        table = np.loadtxt(lines, delimiter=mark, comments=None, usecols=[*places.values()], ndmin=2)
     except ValueError:
         return None
-    return table if table.shape[1] == len(heads) and np.isfinite(table).all() else None
+    return dict(zip(places, table.T.copy(), strict=True)) if np.isfinite(table).all() else None
 
 
 def _head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> Table:
