@@ -15,22 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import (
-    TIMES,
-    Columns,
-    CurveColumn,
-    HeadError,
-    WantedColumn,
-    in_si,
-    split_head,
-    taken_column,
-)
+from vibeam.exchange.curves.columns import TIMES, Columns, HeadError, WantedColumn, in_si, split_head, taken_column
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import taking
 from vibeam.exchange.curves.taken import Taken, tell
 from vibeam.exchange.curves.waves import SHARES
 from vibeam.exchange.faults import CaseError, fault_in
-from vibeam.exchange.files import FormatError, State, state_of
+from vibeam.exchange.files import FormatError, State, file_fault, state_of
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
 from vibeam_models.arguments import number, shown, word
@@ -93,8 +84,7 @@ def record_of_file(
     """
     path = Path(path)
     try:
-        begin = None if start == FIRST else start
-        numbers = {"scale": scale, "start": begin, "since": since, "until": until}
+        numbers = {"scale": scale, "start": None if start == FIRST else start, "since": since, "until": until}
         _require_keys(quantity, {"column": column, "time": time}, unit, numbers)
         found = _columns(path, column, time, quantity, rate)
         if found.columns["value"].unit == SHARES:
@@ -102,8 +92,7 @@ def record_of_file(
             if scale is None:
                 raise FormatError(f"holds {SHARES}: say scale, the value of the full scale")
         value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
-        clock = in_si(found.columns["frequency"], "s", None, SAY_RATE) if "frequency" in found.columns else np.zeros(1)
-        clock = clock if rate is None else clock[:1] + np.arange(len(value)) / rate
+        clock = _clock(found, rate)
         kept = _stretch(clock, since, until)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
@@ -129,12 +118,11 @@ def record_in_run(path: Path, duration: float | None, quote: bool, said: Mapping
     Read once while the file is unchanged. A clock that begins before 0 or after the run begins at its first sample.
     """
     form = tuple(({"from": "since", "to": "until"}.get(name, name), value) for name, value in said.items())
-    try:
-        asked = path, state_of(path), quote, form
-    except FormatError as fault:
-        raise CaseError([fault_in(path, fault.line, fault.message)]) from None
+    if fault := file_fault(path):
+        raise CaseError([fault_in(path, None, fault)])
+    asked = path, state_of(path), quote, form
     made = _record_of(*asked)
-    if "start" not in said and not 0 <= made.start < (made.duration if duration is None else duration):
+    if "start" not in said and not 0 <= made.start < (duration or made.duration):
         made = _record_of(*asked, start=FIRST)
     tell(made.taken)
     return made
@@ -150,11 +138,11 @@ def _stretch(clock: Array, since: float | None, until: float | None) -> slice:
     if since is until is None:
         return slice(None)
     low, high = -np.inf if since is None else since, np.inf if until is None else until
-    near = 1e-6 * abs(float(np.median(np.diff(clock)))) if len(clock) > 1 else 0.0
+    near = 1e-6 * abs(clock[-1] - clock[0]) / len(clock)
     places = np.flatnonzero((clock >= low - near) & (clock <= high + near))
     if not len(places):
-        told = f"has no sample from {low:.6g} s to {high:.6g} s"
-        raise FormatError(f"{told}: its clock goes from {clock[0]:.6g} to {clock[-1]:.6g} s")
+        there = f"its clock goes from {clock[0]:.6g} to {clock[-1]:.6g} s"
+        raise FormatError(f"has no sample from {low:.6g} s to {high:.6g} s: {there}")
     return slice(int(places[0]), int(places[-1]) + 1)
 
 
@@ -185,8 +173,7 @@ def _require_keys(quantity: Any, places: Mapping[str, Any], unit: Any, numbers: 
     if not (unit is None or isinstance(unit, str)):
         faults.append(f"unit: {shown(unit)} must be text")
     for name, each in numbers.items():
-        if each is not None:
-            number(name, each, faults)
+        number(name, 0 if each is None else each, faults)
     if faults:
         raise FormatError("; ".join(faults))
 
@@ -194,52 +181,53 @@ def _require_keys(quantity: Any, places: Mapping[str, Any], unit: Any, numbers: 
 def _columns(
     path: Path, column: str | int | None, time: str | int | None, quantity: str, rate: float | None
 ) -> Columns:
-    """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, which may be absent with a rate."""
+    """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, which may be absent with a rate.
+
+    Where no ``column`` is said, the value may be the only one that is not the times.
+    """
     wanted = {
         "frequency": WantedColumn(TIMES if time is None else (time,), needed=rate is None),
         "value": WantedColumn(HEADS[quantity] if column is None else (column,)),
     }
-    found = _read(path, wanted, column is None)
-    clock = found.columns.get("frequency")
-    if clock is not None and clock.unit == "Hz":
-        raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
-    if found.kind not in ("", "time history", "impulse response"):
-        raise FormatError(f"has a {found.kind}: a record is a time history")
-    if clock is not None:
-        _require_times(clock, found.columns["value"], rate)
-    return found
-
-
-def _require_times(clock: CurveColumn, value: CurveColumn, rate: float | None) -> None:
-    """FormatError for times that are read as the samples, or go by another rate than the one that is said."""
-    if clock.head == value.head and np.array_equal(clock.values, value.values, equal_nan=True):
-        raise FormatError(f"column {clock.head!r} is that of the times: name that of the samples, column = …")
-    times = in_si(clock, "s", None, SAY_RATE) if rate is not None else np.zeros(1)
-    steps, span = len(times) - 1, float(times[-1] - times[0])
-    if rate is not None and span > 0 and abs(rate * span - steps) > max(1.0, LONGER * len(times)):
-        told = f"rate is {rate:.6g} Hz, and column {clock.head!r} has {steps / span:.6g} samples a second"
-        raise FormatError(f"{told}: take rate out, or correct the times or their unit")
-
-
-def _read(path: Path, wanted: Mapping[str, WantedColumn], any_head: bool) -> Columns:
-    """Columns of a file; with ``any_head`` the value may be the only column that is not the times."""
     try:
-        return read_columns(path, wanted)
+        found = read_columns(path, wanted)
     except HeadError as fault:
         times = wanted["frequency"].names
         left = [each for each in fault.heads if {each, split_head(each)[0].casefold()}.isdisjoint(times)]
-        if not any_head or len(left) != 1:
+        if column is not None or len(left) != 1:
             raise
-        return read_columns(path, {**wanted, "value": WantedColumn((left[0],))})
+        found = read_columns(path, {**wanted, "value": WantedColumn((left[0],))})
+    if found.kind not in ("", "time history", "impulse response"):
+        raise FormatError(f"has a {found.kind}: a record is a time history")
+    return found
+
+
+def _clock(found: Columns, rate: Any) -> Array:
+    """Times in s, by ``rate`` from the first on; FormatError where they are none, the samples, or by another rate."""
+    value, clock = found.columns["value"], found.columns.get("frequency")
+    if clock is None:
+        return np.asarray(np.arange(len(value.values)) / rate)
+    if clock.unit == "Hz":
+        raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
+    if clock.head == value.head and np.array_equal(clock.values, value.values, equal_nan=True):
+        raise FormatError(f"column {clock.head!r} is that of the times: name that of the samples, column = …")
+    times = in_si(clock, "s", None, SAY_RATE)
+    if rate is None:
+        return times
+    steps, span = len(times) - 1, float(times[-1] - times[0])
+    if span > 0 and abs(rate * span - steps) > max(1.0, LONGER * len(times)):
+        told = f"rate is {rate:.6g} Hz, and column {clock.head!r} has {steps / span:.6g} samples a second"
+        raise FormatError(f"{told}: take rate out, or correct the times or their unit")
+    return np.asarray(times[0] + np.arange(len(times)) / rate)
 
 
 def _require_sound(path: Path, lines: Sequence[int], value: Array, times: Array | None, least: int) -> None:
     """CaseError with all faults of samples and times, by line or row."""
-    word = "line" if is_text(path) else "row"
     faults: list[str] = []
-    samples_of(value, least, faults, lambda row: f"{word} {lines[row]}")
+    spelt = ("line {}" if is_text(path) else "row {}").format
+    samples_of(value, least, faults, lambda row: spelt(lines[row]))
     if times is not None:
-        times_of(len(value), None, times, None, faults, lambda row: f"{word} {lines[row]}")
+        times_of(len(value), None, times, None, faults, lambda row: spelt(lines[row]))
         if not faults and not SHORTEST < (mean := float(times[-1] - times[0]) / len(times)) < 1 / SHORTEST:
             faults.append(f"times: steps of {mean:.3g} s are those of no record: correct its rate, or their unit")
     if faults:

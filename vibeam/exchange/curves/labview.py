@@ -9,8 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, WantedColumn, find, is_unit, missing, split_head
-from vibeam.exchange.curves.numbers import number, numeric
-from vibeam.exchange.curves.text import plain_table
+from vibeam.exchange.curves.numbers import number, numeric, plain_table
 from vibeam.exchange.curves.units_said import one_unit
 from vibeam.exchange.files import FormatError, Line, read_by, shown
 from vibeam_models.arrays import Array

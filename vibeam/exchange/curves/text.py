@@ -21,7 +21,7 @@ from vibeam.exchange.curves.columns import (
     missing,
     split_head,
 )
-from vibeam.exchange.curves.numbers import decimal_sign, number, numeric
+from vibeam.exchange.curves.numbers import decimal_sign, number, numeric, plain_table
 from vibeam.exchange.curves.units_said import one_unit, settings, units_row
 from vibeam.exchange.files import FormatError, lines_of, read_by, shown, text_of
 from vibeam_models.arrays import Array
@@ -132,22 +132,6 @@ def _cells_like(line: int, text: str, table: Table) -> list[str]:
     return _heads_of(line, text, table.separator)
 
 
-Plain = dict[str, Array]
-
-
-def plain_table(lines: Sequence[str], separator: str, cells: range, places: Mapping[str, int]) -> Plain | None:
-    """Columns of lines of so many ``cells`` that are plain finite numbers with a decimal point; None where not."""
-    counts = (len(line.split()) if separator == " " else line.count(separator) + 1 for line in lines)
-    if not lines or any(count not in cells for count in counts):
-        return None
-    mark = None if separator == " " else separator
-    try:
-        table = np.loadtxt(lines, delimiter=mark, comments=None, usecols=[*places.values()], ndmin=2)
-    except ValueError:
-        return None
-    return dict(zip(places, table.T.copy(), strict=True)) if np.isfinite(table).all() else None
-
-
 def _head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> Table:
     """The heads that have all columns that are needed."""
     if all(isinstance(name, int) for each in wanted.values() for name in each.names if each.needed):
@@ -180,17 +164,14 @@ def _heads_of(line: int, text: str, separator: str) -> list[str]:
 
 def _no_heads(lines: list[Line], wanted: Mapping[str, WantedColumn], separators: tuple[str, ...]) -> HeadError:
     """The message for a file whose heads are other ones: those of the line that looks most like heads."""
-    likely, line = list[str](), None
-    for count, text in _first(lines):
-        heads = max((_trimmed(_heads_of(count, text, each)) for each in separators[:-1] or separators), key=len)
-        if sum(map(bool, heads)) > len(likely) and not any(
-            re.fullmatch(r"[+-]?[0-9.,eE+-]+", each) for each in heads if each
-        ):
-            likely, line = heads, count
-    found = {role: find(likely, each) for role, each in wanted.items()}
-    fault = missing(likely, wanted, found)
+    heads = [(lines[0][0] if lines else None, list[str]())]
+    for line, text in _first(lines):
+        cells = max((_trimmed(_heads_of(line, text, each)) for each in separators[:-1] or separators), key=len)
+        heads += [(line, cells)] * (not any(map(numeric, cells)))
+    place, likely = max(heads, key=lambda each: sum(map(bool, each[1])))
+    fault = missing(likely, wanted, {role: find(likely, each) for role, each in wanted.items()})
     assert fault is not None  # or it would have been the head
-    return HeadError(fault.message, likely, line or (lines[0][0] if lines else None))
+    return HeadError(fault.message, likely, place)
 
 
 def _cells_of(line: int, text: str, separator: str) -> list[str]:
