@@ -136,7 +136,7 @@ def _numbers(segment: Segment, places: Mapping[str, int], value: int) -> dict[st
     """Numbers by role, up to the last one of the value; NaN where a cell is empty."""
     most, found = len(segment.heads), {role: np.full(len(segment.rows), np.nan) for role in places}
     mark, least = MARKS[segment.file["Separator"]], 1 + max(places.values())
-    first = segment.rows[0][1].split(mark)
+    first = [*segment.rows[0][1].split(mark), *[""] * most]
     full = {role: place for role, place in places.items() if role != "frequency" or first[place].strip()}
     point = segment.file.get("Decimal_Separator") != ","
     texts = [text for _, text in segment.rows]

@@ -1,4 +1,4 @@
-"""What was taken of a file of measured data, in one line, told to a command that listens: once a file."""
+"""Data taken of a file, in one line: columns, units, samples, rate, start; told once to a command that listens."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class TakenColumn:
 
 @dataclass(frozen=True)
 class Taken:
-    """What was taken of a ``file``: ``kind``, columns, number of ``samples``; ``notes`` on what was cut or shifted.
+    """Data taken of a ``file``: ``kind``, columns, number of ``samples``; ``notes`` on what was cut or shifted.
 
     ``rate`` in Hz of samples in equal steps, else None; ``start``, ``end``: of the abscissa, in its SI unit ``over``;
     ``zero``: the time of the file that became 0, None: its own.

@@ -45,7 +45,7 @@ class TextForm:
 
 
 @dataclass(frozen=True)
-class Table:
+class TableHead:
     """Heads and the separator between them; index of their line (None: none), and of the first line below.
 
     Where columns are told by number the first line below is that of the first numbers.
@@ -101,7 +101,7 @@ def _column(heads: list[str], units: Units, column: int, values: Array) -> Curve
     return CurveColumn(name, unit, values, (), f"column {column + 1}", origin)
 
 
-def _units(lines: list[Line], table: Table, places: Mapping[str, int], needed: Sequence[int]) -> tuple[Units, int]:
+def _units(lines: list[Line], table: TableHead, places: Mapping[str, int], needed: Sequence[int]) -> tuple[Units, int]:
     """Units by column that are said outside its head, each with where, and the index of the line after the last row."""
     at, value = places.get("frequency"), places.get("value", next(iter(places.values())))
     units, rest = dict[int, list[tuple[str, str]]](), table.begin
@@ -123,7 +123,7 @@ def _units(lines: list[Line], table: Table, places: Mapping[str, int], needed: S
     return units, rest
 
 
-def _cells_like(line: int, text: str, table: Table) -> list[str]:
+def _cells_like(line: int, text: str, table: TableHead) -> list[str]:
     """Cells of a line by the separator that gives as many as there are heads, else by that of the heads."""
     for separator in (table.separator, *SEPARATORS):
         cells = _heads_of(line, text, separator)
@@ -132,19 +132,19 @@ def _cells_like(line: int, text: str, table: Table) -> list[str]:
     return _heads_of(line, text, table.separator)
 
 
-def _head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> Table:
+def _head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> TableHead:
     """The heads that have all columns that are needed."""
     if all(isinstance(name, int) for each in wanted.values() for name in each.names if each.needed):
         return _without_head(lines, wanted, form)
     separators = (form.separator,) if form.separator else SEPARATORS
-    best: Table | None = None
+    best: TableHead | None = None
     for place, (line, text) in enumerate(_first(lines)):
         for separator in separators:
             heads = _heads_of(line, text, separator)
             if best and (separator == " " or len(heads) <= len(best.heads)):
                 continue
             if all(find(heads, each) is not None for each in wanted.values() if each.needed):
-                best = Table(place, heads, separator, place + 1)
+                best = TableHead(place, heads, separator, place + 1)
         if best:
             return replace(best, heads=_trimmed(best.heads))
     raise _no_heads(lines, wanted, separators)
@@ -189,20 +189,20 @@ def _trimmed(cells: list[str]) -> list[str]:
     return cells
 
 
-def _without_head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> Table:
+def _without_head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> TableHead:
     """As ``_head`` of a file whose columns are told by number: numbers begin where all of these are numbers."""
     needed = [name for each in wanted.values() if each.needed for name in each.names if isinstance(name, int)]
     for place, (line, text) in enumerate(_first(lines)):
         for separator in (form.separator,) if form.separator else SEPARATORS:
             cells = _cells_of(line, text, separator)
             if len(cells) >= max(needed) and all(numeric(cells[each - 1]) for each in needed):
-                plain = Table(None, [f"column {each + 1}" for each in range(len(cells))], separator, place)
+                plain = TableHead(None, [f"column {each + 1}" for each in range(len(cells))], separator, place)
                 at = [name for name in wanted["frequency"].names if isinstance(name, int)]
                 return _named(lines, plain, [each - 1 for each in needed], at[0] - 1 if at else None)
     raise FormatError(f"has no line with numbers in the columns {' and '.join(map(str, needed))}")
 
 
-def _named(lines: list[Line], table: Table, needed: Sequence[int], at: int | None) -> Table:
+def _named(lines: list[Line], table: TableHead, needed: Sequence[int], at: int | None) -> TableHead:
     """The table with its heads, where the line above its numbers, or above the row of units there, has as many."""
     for index in range(table.begin - 1, -1, -1):
         line, text = lines[index]
