@@ -77,7 +77,5 @@ def keys_of(kind: type[Any]) -> dict[str, Key]:
 
 def defaults_of(kind: type[Any]) -> dict[str, Any]:
     """The defaults of those keys that may be absent."""
-    made = {
-        each.name.rstrip("_"): each.default_factory() for each in fields(kind) if each.default_factory is not MISSING
-    }
-    return made | {each.name.rstrip("_"): each.default for each in fields(kind) if each.default is not MISSING}
+    made = {one.name.rstrip("_"): one.default_factory() for one in fields(kind) if one.default_factory is not MISSING}
+    return made | {one.name.rstrip("_"): one.default for one in fields(kind) if one.default is not MISSING}

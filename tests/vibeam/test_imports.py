@@ -174,7 +174,7 @@ def test_a_start_makes_no_more_than_it_needs(tmp_path: Path, monkeypatch: pytest
     counts("run", case, *short)
     frozen, modules, tables = counts("run", case, *short)
     assert frozen == "True"
-    assert modules <= 214
+    assert modules <= 213
     assert tables <= 48
 
 

@@ -20,7 +20,7 @@ from vibeam.cli.streams import STOPPED
 if TYPE_CHECKING:
     from vibeam.report.output import StudySheet
     from vibeam.store.long_work import LongWork, WorkPart
-    from vibeam.store.parts import Ending, Taken
+    from vibeam.store.parts import Ending, TakenPart
     from vibeam.store.shares import Sharing, Told
 
     Asked = WorkPart | Literal["price", "gather"] | None  # a part, the price, the gathering, or all here
@@ -61,7 +61,7 @@ def command_typed() -> str:
     return shlex.join(["vibeam", *kept])
 
 
-def taken(doing: str, part: WorkPart, take: Callable[[Callable[[int, int], None], Ending], Taken]) -> Taken:
+def taken(doing: str, part: WorkPart, take: Callable[[Callable[[int, int], None], Ending], TakenPart]) -> TakenPart:
     """Take a part, with a bar; SIGTERM and Ctrl-C end it with the step in hand, kept, by exit code 143 or 130."""
     from vibeam.cli.progress import Bar, stderr
 
@@ -86,7 +86,7 @@ def in_parts(doing: str, path: Path, asked: Asked, last: bool = False) -> Iterat
     from vibeam.cli.progress import stderr
     from vibeam.runs.keys import digest_of_code
     from vibeam.store.long_work import WorkPart
-    from vibeam.store.parts import StepsOnDisk, Taken, take_part
+    from vibeam.store.parts import StepsOnDisk, TakenPart, take_part
     from vibeam.store.shares import Sharing, set_aside, sharing
 
     command = command_typed()
@@ -112,10 +112,10 @@ def in_parts(doing: str, path: Path, asked: Asked, last: bool = False) -> Iterat
         raise KeyboardInterrupt(str(stopped) or kept) from None
     if isinstance(asked, WorkPart):
         total = sum(work.size(step) for work in made.rounds for step in work.every)
-        raise Answered(part_sheet(doing, asked, Taken(total, total, total), command))
+        raise Answered(part_sheet(doing, asked, TakenPart(total, total, total), command))
 
 
-def part_sheet(doing: str, part: WorkPart, found: Taken, command: str, points: str = "points") -> StudySheet:
+def part_sheet(doing: str, part: WorkPart, found: TakenPart, command: str, points: str = "points") -> StudySheet:
     """Sheet of a part that was computed; ``points``: what it computes."""
     from vibeam.report.output import StudySheet
 

@@ -14,6 +14,7 @@ from vibeam.cli.completion import words
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_sheet
 from vibeam.cli.parts import GatherOption, PartOption, PriceOption, in_parts, part_asked
+from vibeam.cli.streams import tell
 from vibeam.cli.verbosity import parameter, taking, verbosity
 from vibeam.system.number_text import begun
 from vibeam_models.keys import Key, defaults_of, keys_of
@@ -123,10 +124,8 @@ def files_of(sheet: StudySheet, path: Path, title: str, meaning: str, plan: Figu
 
 def _look(study: StudyDeclaration, case: Case) -> None:
     """Print what a quick look tells beside the progress of a study that has one: the answer follows on stdout."""
-    from vibeam.cli.progress import stderr
-
     if study.first is None or verbosity().json or verbosity().quiet:
         return
     said = of_case(case.path, lambda: loaded(study.first)(case))
     if said:
-        stderr().print(said)
+        tell(said)

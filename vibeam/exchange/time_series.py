@@ -8,7 +8,6 @@ rate must be said in its place.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
 from os import PathLike
 from pathlib import Path
@@ -16,20 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import (
-    TIMES,
-    Columns,
-    CurveColumn,
-    HeadError,
-    WantedColumn,
-    in_si,
-    split_head,
-    taken_column,
-)
+from vibeam.exchange.curves.columns import TIMES, Columns, HeadError, WantedColumn, in_si, split_head, taken_column
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import taking
-from vibeam.exchange.curves.taken import Taken
-from vibeam.exchange.curves.told import tell
+from vibeam.exchange.curves.taken import Taken, tell
 from vibeam.exchange.curves.waves import SHARES
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, State, file_fault, state_of
@@ -94,18 +83,16 @@ def record_of_file(
     Record(acceleration, 0 … 0.004 s, 4 pieces, peak 490.332 m/s², samples linear)
     """
     path = Path(path)
-    if fault := file_fault(path):
-        raise CaseError([fault_in(path, None, fault)])
     try:
-        _require_keys(quantity, column, time, unit, scale, start, since, until)
+        numbers = {"scale": scale, "start": None if start == FIRST else start, "since": since, "until": until}
+        _require_keys(quantity, {"column": column, "time": time}, unit, numbers)
         found = _columns(path, column, time, quantity, rate)
         if found.columns["value"].unit == SHARES:
             unit = unit or ""
             if scale is None:
                 raise FormatError(f"holds {SHARES}: say scale, the value of the full scale")
         value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
-        clock = in_si(found.columns["frequency"], "s", None, SAY_RATE) if "frequency" in found.columns else np.zeros(1)
-        clock = clock if rate is None else clock[:1] + np.arange(len(value)) / rate
+        clock = _clock(found, rate)
         kept = _stretch(clock, since, until)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
@@ -121,7 +108,8 @@ def record_of_file(
     except ValueError as wrong:
         raise CaseError([fault_in(path, None, str(wrong).removeprefix("record: "))]) from None
     taken = _taken(path, found, UNITS[quantity], unit, clock, even, None if start is None else zero)
-    return _described(made, taken)
+    object.__setattr__(made, "taken", taken)
+    return made
 
 
 def record_in_run(path: Path, duration: float | None, quote: bool, said: Mapping[str, Any]) -> Record:
@@ -130,31 +118,19 @@ def record_in_run(path: Path, duration: float | None, quote: bool, said: Mapping
     Read once while the file is unchanged. A clock that begins before 0 or after the run begins at its first sample.
     """
     form = tuple(({"from": "since", "to": "until"}.get(name, name), value) for name, value in said.items())
-    try:
-        asked = path, state_of(path), quote, form
-    except FormatError as fault:
-        raise CaseError([fault_in(path, fault.line, fault.message)]) from None
+    if fault := file_fault(path):
+        raise CaseError([fault_in(path, None, fault)])
+    asked = path, state_of(path), quote, form
     made = _record_of(*asked)
-    if "start" not in said and not 0 <= made.start < (made.duration if duration is None else duration):
-        made = _from_first(*asked)
+    if "start" not in said and not 0 <= made.start < (duration or made.duration):
+        made = _record_of(*asked, start=FIRST)
     tell(made.taken)
     return made
 
 
 @lru_cache(maxsize=4)
-def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any], ...]) -> Record:
-    return record_of_file(path, quote=quote, **dict(form))
-
-
-@lru_cache(maxsize=1)
-def _from_first(*asked: Any) -> Record:
-    made = _record_of(*asked)
-    return _described(made.shifted(-made.start), replace(made.taken, zero=made.taken.start))
-
-
-def _described(record: Record, taken: Taken) -> Record:
-    object.__setattr__(record, "taken", taken)
-    return record
+def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any], ...], **more: Any) -> Record:
+    return record_of_file(path, quote=quote, **dict(form), **more)
 
 
 def _stretch(clock: Array, since: float | None, until: float | None) -> slice:
@@ -162,11 +138,11 @@ def _stretch(clock: Array, since: float | None, until: float | None) -> slice:
     if since is until is None:
         return slice(None)
     low, high = -np.inf if since is None else since, np.inf if until is None else until
-    near = 1e-6 * abs(float(np.median(np.diff(clock)))) if len(clock) > 1 else 0.0
+    near = 1e-6 * abs(clock[-1] - clock[0]) / len(clock)
     places = np.flatnonzero((clock >= low - near) & (clock <= high + near))
     if not len(places):
-        told = f"has no sample from {low:.6g} s to {high:.6g} s"
-        raise FormatError(f"{told}: its clock goes from {clock[0]:.6g} to {clock[-1]:.6g} s")
+        there = f"its clock goes from {clock[0]:.6g} to {clock[-1]:.6g} s"
+        raise FormatError(f"has no sample from {low:.6g} s to {high:.6g} s: {there}")
     return slice(int(places[0]), int(places[-1]) + 1)
 
 
@@ -176,36 +152,28 @@ def _taken(
     columns = [taken_column(found.columns["value"], si, unit)]
     if "frequency" in found.columns:
         columns.append(taken_column(found.columns["frequency"], "s"))
-    notes = list(found.notes)
-    if len(clock) < len(found.lines):
-        notes.append(f"{len(found.lines) - len(clock)} of {len(found.lines)} samples left out by from and to")
+    notes, left, steps = list(found.notes), len(found.lines) - len(clock), np.diff(clock)
+    if left:
+        notes.append(f"{left} of {len(found.lines)} samples left out by from and to")
     if even is None:
-        steps = np.diff(clock)
         notes.append(f"uneven steps of {steps.min():.4g} to {steps.max():.4g} s")
     if how := taking(found.columns["value"].unit)[1]:
         notes.append(f"its head says {how} values, and samples are taken as they are")
-    return Taken(
-        path.name, "time history", tuple(columns), len(clock), float(clock[0]), float(clock[-1]), "s", even,
-        tuple(notes), zero,
-    )  # fmt: skip
+    span = float(clock[0]), float(clock[-1])
+    return Taken(path.name, "time history", tuple(columns), len(clock), *span, "s", even, tuple(notes), zero)
 
 
-def _require_keys(
-    quantity: Any, column: Any, time: Any, unit: Any, scale: Any, start: Any, since: Any, until: Any
-) -> None:  # fmt: skip
+def _require_keys(quantity: Any, places: Mapping[str, Any], unit: Any, numbers: Mapping[str, Any]) -> None:
     """FormatError for what no file can have."""
     faults: list[str] = []
     word("quantity", quantity, JOINED, faults)
-    for name, each in (("column", column), ("time", time)):
+    for name, each in places.items():
         if not (each is None or isinstance(each, str) or (isinstance(each, int) and each > 0)):
             faults.append(f"{name}: {shown(each)} must be a head, or a number from 1")
     if not (unit is None or isinstance(unit, str)):
         faults.append(f"unit: {shown(unit)} must be text")
-    for name, each in (("scale", scale), ("start", start), ("since", since), ("until", until)):
-        if each is not None and not (name == "start" and each == FIRST):
-            number(name, each, faults)
-    if isinstance(since, float | int) and isinstance(until, float | int) and since >= until:
-        faults.append(f"until: {until:g} s is not after since, {since:g} s")
+    for name, each in numbers.items():
+        number(name, 0 if each is None else each, faults)
     if faults:
         raise FormatError("; ".join(faults))
 
@@ -213,57 +181,53 @@ def _require_keys(
 def _columns(
     path: Path, column: str | int | None, time: str | int | None, quantity: str, rate: float | None
 ) -> Columns:
-    """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, which may be absent with a rate."""
+    """Columns ``value`` and ``frequency``, as readers of curves call the abscissa, which may be absent with a rate.
+
+    Where no ``column`` is said, the value may be the only one that is not the times.
+    """
     wanted = {
         "frequency": WantedColumn(TIMES if time is None else (time,), needed=rate is None),
         "value": WantedColumn(HEADS[quantity] if column is None else (column,)),
     }
-    found = _read(path, wanted, column is None)
-    clock = found.columns.get("frequency")
-    if clock is not None and clock.unit == "Hz":
-        raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
-    if found.kind not in ("", "time history", "impulse response"):
-        raise FormatError(f"has a {found.kind}: a record is a time history")
-    if clock is not None:
-        _require_times(clock, found.columns["value"], rate)
-    return found
-
-
-def _require_times(clock: CurveColumn, value: CurveColumn, rate: float | None) -> None:
-    """FormatError for times that are read as the samples, or go by another rate than the one that is said."""
-    if clock.head == value.head and np.array_equal(clock.values, value.values, equal_nan=True):
-        raise FormatError(f"column {clock.head!r} is that of the times: name that of the samples, column = …")
-    times = in_si(clock, "s", None, SAY_RATE) if rate is not None else np.zeros(0)
-    if len(times) > 1 and (span := float(times[-1] - times[0])) > 0:
-        _require_rate(rate, (len(times) - 1) / span, len(times), f"column {clock.head!r}")
-
-
-def _require_rate(said: float | None, own: float, samples: int, where: str) -> None:
-    """FormatError for a rate by which the last sample is far from where the file has it."""
-    if said is not None and abs(said / own - 1) * (samples - 1) > max(1.0, LONGER * samples):
-        told = f"rate is {said:.6g} Hz, and {where} has {own:.6g} samples a second"
-        raise FormatError(f"{told}: take rate out, or correct the times or their unit")
-
-
-def _read(path: Path, wanted: Mapping[str, WantedColumn], any_head: bool) -> Columns:
-    """Columns of a file; with ``any_head`` the value may be the only column that is not the times."""
     try:
-        return read_columns(path, wanted)
+        found = read_columns(path, wanted)
     except HeadError as fault:
         times = wanted["frequency"].names
         left = [each for each in fault.heads if {each, split_head(each)[0].casefold()}.isdisjoint(times)]
-        if not any_head or len(left) != 1:
+        if column is not None or len(left) != 1:
             raise
-        return read_columns(path, {**wanted, "value": WantedColumn((left[0],))})
+        found = read_columns(path, {**wanted, "value": WantedColumn((left[0],))})
+    if found.kind not in ("", "time history", "impulse response"):
+        raise FormatError(f"has a {found.kind}: a record is a time history")
+    return found
+
+
+def _clock(found: Columns, rate: Any) -> Array:
+    """Times in s, by ``rate`` from the first on; FormatError where they are none, the samples, or by another rate."""
+    value, clock = found.columns["value"], found.columns.get("frequency")
+    if clock is None:
+        return np.asarray(np.arange(len(value.values)) / rate)
+    if clock.unit == "Hz":
+        raise FormatError(f"column {clock.head!r} is in Hz: a record goes over time, this is a spectrum")
+    if clock.head == value.head and np.array_equal(clock.values, value.values, equal_nan=True):
+        raise FormatError(f"column {clock.head!r} is that of the times: name that of the samples, column = …")
+    times = in_si(clock, "s", None, SAY_RATE)
+    if rate is None:
+        return times
+    steps, span = len(times) - 1, float(times[-1] - times[0])
+    if span > 0 and abs(rate * span - steps) > max(1.0, LONGER * len(times)):
+        told = f"rate is {rate:.6g} Hz, and column {clock.head!r} has {steps / span:.6g} samples a second"
+        raise FormatError(f"{told}: take rate out, or correct the times or their unit")
+    return np.asarray(times[0] + np.arange(len(times)) / rate)
 
 
 def _require_sound(path: Path, lines: Sequence[int], value: Array, times: Array | None, least: int) -> None:
     """CaseError with all faults of samples and times, by line or row."""
-    word = "line" if is_text(path) else "row"
     faults: list[str] = []
-    samples_of(value, least, faults, lambda row: f"{word} {lines[row]}")
+    spelt = ("line {}" if is_text(path) else "row {}").format
+    samples_of(value, least, faults, lambda row: spelt(lines[row]))
     if times is not None:
-        times_of(len(value), None, times, None, faults, lambda row: f"{word} {lines[row]}")
+        times_of(len(value), None, times, None, faults, lambda row: spelt(lines[row]))
         if not faults and not SHORTEST < (mean := float(times[-1] - times[0]) / len(times)) < 1 / SHORTEST:
             faults.append(f"times: steps of {mean:.3g} s are those of no record: correct its rate, or their unit")
     if faults:

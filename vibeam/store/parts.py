@@ -176,7 +176,7 @@ class Ending:
 
 
 @dataclass(frozen=True)
-class Taken:
+class TakenPart:
     """Share of a part: points in all, those ``found`` on disk and those ``done`` now with them."""
 
     total: int
@@ -195,7 +195,7 @@ ALL = WorkPart()
 def take_part(
     work: LongWork, part: WorkPart = ALL, workers: int | None = None,
     tell: Callable[[int, int], None] | None = None, ending: Ending | None = None,
-) -> Taken:  # fmt: skip
+) -> TakenPart:  # fmt: skip
     """Compute what is missing of a part's files, each step written once it is done.
 
     ``workers``: threads (None: one a core); ``tell`` is called with points done and their total, from any thread.
@@ -223,7 +223,7 @@ def take_part(
         except OutOfTime:
             if not ending.wished:
                 raise
-    return Taken(total, found, writer.done)
+    return TakenPart(total, found, writer.done)
 
 
 class _Writer:

@@ -33,9 +33,8 @@ class Record(SampledRecords, ShapedRecords, RandomRecords, ValueRecord):
       ``"velocity"`` or ``"displacement"`` of the base; None: the pieces are the load itself; ``taken``: of a file, how.
 
     A system moves by η'' + 2ζωη' + ω²η = load · (∓u) + static, with − for an acceleration: where ``Drive`` has
-    Ω²B sin Ωt, it is −b̈. ``sampled``, ``random``, ``half_sine``, ``saw_tooth``, ``trapezoid``, ``step``, ``sine``,
-    ``chirp``, ``tone_burst`` and ``sine_beat`` make records; ``scaled``, ``shifted``, ``then`` and ``+`` others.
-    ValueError names all that is wrong: times that do not ascend, by their index, what is not finite, other shapes.
+    Ω²B sin Ωt, it is −b̈. ``sampled``, ``random``, ``half_sine`` … make records; ``scaled``, ``shifted``, ``then`` and
+    ``+`` others. ValueError names all that is wrong: times that do not ascend, what is not finite, other shapes.
 
     >>> import vibeam
     >>> ramp = vibeam.Record([0.0, 0.5], [[0.0, 2.0, 0.0, 0.0]], "force")

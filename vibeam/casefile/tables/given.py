@@ -211,9 +211,7 @@ class ModesTable(Table):
     (Nastran's .op2; universal, data set 55: pip install 'vibeam[lab]'), a node and its direction.
     """
 
-    file: Annotated[str | None, TEXT] = key(
-        "file with the modes, .op2 or universal; absent = they stand here", "rig.uff", None
-    )
+    file: Annotated[str | None, TEXT] = key("file with the modes; absent = they stand here", "rig.uff", None)
     skip: Annotated[tuple[float, ...] | None, Several(Frequency)] = key("modes of the file to omit", ["9.3 Hz"], None)
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
         "natural frequencies; absent = the file's", ["5.2754 Hz", "12.398 Hz"], None

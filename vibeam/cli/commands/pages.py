@@ -12,7 +12,7 @@ import typer
 from vibeam.cli.arguments import CaseFile, Fidelities, Overrides, load, of_fidelities, option, out_option, output_path
 from vibeam.cli.errors import UsageError, of_case
 from vibeam.cli.output import print_json, put_lines
-from vibeam.cli.streams import say
+from vibeam.cli.streams import say, tell
 from vibeam.cli.verbosity import verbosity
 
 if TYPE_CHECKING:
@@ -54,13 +54,12 @@ def report(
     wanted = (f"{results.stem}_{rows}.csv", (".csv",), "a table")
     path = output_path(out, *(wanted if csv else (f"{results.stem}.html", PAGES, "a page")))
     if csv:
-        from vibeam.cli.progress import stderr
         from vibeam.report.result_tables import many_energies, write_tables
 
         left_out = [] if verbosity().verbose else many_energies(found.result)
         files = write_tables(found.result, path, left_out)
         if left_out:
-            stderr().print(f"{left_out[0]} to {left_out[-1]} are left out: -v writes them")
+            tell(f"{left_out[0]} to {left_out[-1]} are left out: -v writes them")
     else:
         from vibeam.exchange.whole_files import write_whole
 

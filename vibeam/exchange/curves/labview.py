@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field
-from datetime import datetime
-from itertools import pairwise
 
 import numpy as np
 
 from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, WantedColumn, find, is_unit, missing, split_head
-from vibeam.exchange.curves.numbers import number, numeric
+from vibeam.exchange.curves.numbers import number, numeric, plain_table
 from vibeam.exchange.curves.units_said import one_unit
 from vibeam.exchange.files import FormatError, Line, read_by, shown
 from vibeam_models.arrays import Array
@@ -67,19 +64,21 @@ def read(lines: Sequence[Line], wanted: Mapping[str, WantedColumn]) -> Columns:
     if fault := missing(dict.fromkeys(heads), wanted, found):
         raise fault
     places = {role: place for role, place in found.items() if place is not None}
-    parts = [_numbers(segment, places, value) for segment in segments]
-    notes = [note for segment in segments for note in _counted(segment, value)]
-    if "frequency" in places:
-        for segment, part in zip(segments, parts, strict=True):
+    parts, notes, kept = list[dict[str, Array]](), list[str](), list[int]()
+    for segment in segments:
+        part = _numbers(segment, places, value)
+        if "frequency" in part:
             part["frequency"] = _times(segment, part["frequency"], value)
-        for (one, before), (other, part) in pairwise(zip(segments, parts, strict=True)):
-            part["frequency"] += _shift(one, other, before["frequency"], part["frequency"], value)
-    whole = {role: np.concatenate([part[role] for part in parts]) for role in places}
-    columns = {role: _column(first, place, value, whole[role], role == "frequency") for role, place in places.items()}
-    kept = [line for segment, part in zip(segments, parts, strict=True)
-            for line, _ in segment.rows[: len(next(iter(part.values())))]]  # fmt: skip
-    several = (f"{len(segments)} segments",) * (len(segments) > 1)
-    return Columns(columns, tuple(kept), tuple(heads), notes=(*notes, *several))
+            if parts:
+                later = _stamp(segment, value) - _stamp(first, value)
+                part["frequency"] += _shift(segment, parts[-1]["frequency"], part["frequency"], later)
+        parts.append(part)
+        notes += _counted(segment, value)
+        kept += [line for line, _ in segment.rows[: len(next(iter(part.values())))]]
+    notes += [f"{len(segments)} segments"] * (len(segments) > 1)
+    columns = {role: _column(first, place, value, np.concatenate([part[role] for part in parts]), role == "frequency")
+               for role, place in places.items()}  # fmt: skip
+    return Columns(columns, tuple(kept), tuple(heads), tuple(notes))
 
 
 def _segments(lines: Sequence[Line]) -> list[Segment]:
@@ -136,25 +135,23 @@ def _abscissa(segment: Segment, wanted: WantedColumn, value: int) -> int | None:
 def _numbers(segment: Segment, places: Mapping[str, int], value: int) -> dict[str, Array]:
     """Numbers by role, up to the last one of the value; NaN where a cell is empty."""
     most, found = len(segment.heads), {role: np.full(len(segment.rows), np.nan) for role in places}
-    mark, texts = MARKS[segment.file["Separator"]], [text for _, text in segment.rows]
-    point, least = segment.file.get("Decimal_Separator") != ",", max(places.values())
-    if point and all(least <= text.count(mark) < most for text in texts):
-        first = texts[0].split(mark)
-        full = {role: place for role, place in places.items() if role != "frequency" or first[place].strip()}
-        with suppress(ValueError):  # a cell that is empty, or no number
-            table = np.loadtxt(texts, delimiter=mark, comments=None, usecols=[*full.values()], ndmin=2)
-            if np.isfinite(table).all():
-                return found | dict(zip(full, table.T.copy(), strict=True))
+    mark, least = MARKS[segment.file["Separator"]], 1 + max(places.values())
+    first = [*segment.rows[0][1].split(mark), *[""] * most]
+    full = {role: place for role, place in places.items() if role != "frequency" or first[place].strip()}
+    point = segment.file.get("Decimal_Separator") != ","
+    texts = [text for _, text in segment.rows]
+    if point and (plain := plain_table(texts, mark, range(least, most + 1), full)) is not None:
+        return found | plain
     for row, (line, text) in enumerate(segment.rows):
         cells = text.split(mark)
-        if len(cells) <= least or (len(cells) > most and any(map(numeric, cells[most:]))):
+        if len(cells) < least or (len(cells) > most and any(map(numeric, cells[most:]))):
             raise FormatError(f"{len(cells)} cells for {most} columns, {shown(text)}: complete the line", line)
         for role, place in places.items():
             found[role][row] = segment.value(line, cells[place].strip())
-    there = next(~np.isnan(found[role]) for role, place in places.items() if place == value)
-    if not there.any():
+    there = next(np.flatnonzero(~np.isnan(found[role])) for role, place in places.items() if place == value)
+    if not len(there):
         raise FormatError(f"has no number in the column {shown(segment.heads[value])}", segment.rows[0][0])
-    return {role: each[: np.flatnonzero(there)[-1] + 1] for role, each in found.items()}
+    return {role: each[: there[-1] + 1] for role, each in found.items()}
 
 
 def _counted(segment: Segment, value: int) -> Sequence[str]:
@@ -176,28 +173,26 @@ def _times(segment: Segment, written: Array, value: int) -> Array:
     return even if empty or np.abs(written - even).max() < ROUNDED * step else written
 
 
-def _shift(one: Segment, other: Segment, before: Array, own: Array, value: int) -> float:
+def _shift(segment: Segment, before: Array, own: Array, later: float) -> float:
     """Shift of the abscissa of a further segment: none where it goes on, else by the time at which it was begun."""
     step = float(np.median(np.diff(before))) if len(before) > 1 else 0.0
-    later = float(before[0]) + _stamp(other, value) - _stamp(one, value)
-    for shift in (0.0, later):
-        if abs(own[0] + shift - before[-1] - step) < 0.5 * step:
-            return float(before[-1] + step - own[0]) if shift else 0.0
-    if not own[0] + later > before[-1]:
+    shift = 0.0 if own[0] > before[-1] else float(later)
+    if abs(own[0] + shift - before[-1] - step) < 0.5 * step:
+        return float(before[-1] + step - own[0])
+    if not own[0] + shift > before[-1]:
         told = f"begins a segment at {own[0]:.6g}, before the end of the one ahead: keep one segment in the file"
-        raise FormatError(told, other.rows[0][0])
-    return later
+        raise FormatError(told, segment.rows[0][0])
+    return shift
 
 
 def _stamp(segment: Segment, value: int) -> float:
     """Date and time at which a segment was begun, in s; 0 where it is not said."""
-    text = f"{segment.entry('Date', value)} {segment.entry('Time', value)}".replace(",", ".")
-    found = re.fullmatch(r"(\d{4}/\d\d/\d\d \d\d:\d\d:\d\d)(\.\d*)?", text)
-    if found is None:
+    date, time = (segment.entry(name, value) for name in ("Date", "Time"))
+    if not (date and time):
         return 0.0
     with read_by("has no date", ValueError, segment.entries["Date"][0]):
-        begun = datetime.strptime(found[1], "%Y/%m/%d %H:%M:%S")
-    return (begun - datetime(1904, 1, 1)).total_seconds() + float(found[2] or 0)
+        begun = np.datetime64(f"{date.replace('/', '-')}T{time.replace(',', '.')[:15]}", "us")
+    return float(begun.astype(int)) / 1e6
 
 
 def _column(segment: Segment, place: int, value: int, values: Array, abscissa: bool) -> CurveColumn:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite, nan
 
+import numpy as np
+
 from vibeam.exchange.files import FormatError, shown
+from vibeam_models.arrays import Array
 
 LONGEST = 100  # characters of a number: some expressions below take time with their square
 EMPTY = ("", "-", "--", "n/a", "na", "nan", "null", "none")
@@ -16,6 +19,7 @@ _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?")
 _EITHER = re.compile(r"[+-]?[1-9][0-9]{0,2}[.,][0-9]{3}")  # 1,234: a thousand and more, or one and a bit
 _THOUSANDS = {mark: re.compile(rf"[+-]?[0-9]{{1,3}}(?:{re.escape(mark)}[0-9]{{3}})+") for mark in ".,"}
 Cell = tuple[int, str]  # line, text
+Plain = dict[str, Array]
 
 
 def decimal_sign(cells: Iterable[Cell]) -> str:
@@ -77,3 +81,16 @@ def _hint(text: str) -> str:
     if re.match(r"[+-]?[0-9.,]+\s*[A-Za-zµ%/]+", text):
         return ": write the unit into the head, or into units of the case"
     return ": delete the line, or begin it with #"
+
+
+def plain_table(lines: Sequence[str], separator: str, cells: range, places: Mapping[str, int]) -> Plain | None:
+    """Columns of lines of so many ``cells`` that are plain finite numbers with a decimal point; None where not."""
+    counts = (len(line.split()) if separator == " " else line.count(separator) + 1 for line in lines)
+    if not lines or any(count not in cells for count in counts):
+        return None
+    mark = None if separator == " " else separator
+    try:
+        table = np.loadtxt(lines, delimiter=mark, comments=None, usecols=[*places.values()], ndmin=2)
+    except ValueError:
+        return None
+    return dict(zip(places, table.T.copy(), strict=True)) if np.isfinite(table).all() else None

@@ -16,15 +16,15 @@ from vibeam.exchange.curves.record import (
     COLUMNS,
     CURES,
     QUANTITIES,
+    ROLES,
     Point,
     ReferenceCurve,
     ReferenceForm,
     given,
     taking,
 )
-from vibeam.exchange.curves.taken import Taken
+from vibeam.exchange.curves.taken import Taken, tell
 from vibeam.exchange.curves.text import TextForm
-from vibeam.exchange.curves.told import tell
 from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in, suggest
 from vibeam.exchange.files import FormatError, file_fault, read_by
 from vibeam_models.arrays import Array
@@ -120,18 +120,10 @@ def _told(wrong: FormatError, quantity: str, form: ReferenceForm, quote: bool) -
 
 def _wanted(quantity: str, form: ReferenceForm) -> dict[str, WantedColumn]:
     """Columns by role: those that the case names, or the usual heads."""
-    columns = dict(form.columns)
-    found = {
-        "frequency": WantedColumn(_names(columns, "frequency", FREQUENCY_HEADS)),
-        "value": WantedColumn(_names(columns, quantity, (quantity,))),
-    }
-    for role, words in (("uncertainty", False), ("direction", True), ("period", True)):
-        found[role] = WantedColumn(_names(columns, role, (role,)), needed=role in columns, words=words)
-    return found
-
-
-def _names(columns: dict[str, str | int], role: str, usual: tuple[str, ...]) -> tuple[str | int, ...]:
-    return (columns[role],) if role in columns else usual
+    said = {role: (name,) for role, name in form.columns.items()}
+    found = {role: WantedColumn(said.get(role, (role,)), role in said, role != "uncertainty") for role in ROLES[1:]}
+    found["frequency"] = WantedColumn(said.get("frequency", FREQUENCY_HEADS))
+    return found | {"value": WantedColumn(said.get(quantity, (quantity,)))}
 
 
 def _points(found: Columns, quantity: str, form: ReferenceForm) -> list[Point]:
@@ -157,7 +149,9 @@ def _points(found: Columns, quantity: str, form: ReferenceForm) -> list[Point]:
             raise FormatError(
                 "the frequency is missing" if np.isnan(at) else f"the frequency {at:g} Hz is not above 0", line
             )
-        way, period = _way(columns.get("direction"), row, line), _period(periods, row, line)
+        way = _way(columns["direction"].words[row], line) if "direction" in columns else None
+        with read_by("", ValueError, line):
+            period = period_of(periods.words[row].removesuffix(".0")) if periods else None
         points.append(Point(line, at, way, given(float(value[row])), period, given(float(uncertainty[row]))))
     return points
 
@@ -186,18 +180,10 @@ def _uncertainty(
     return np.abs(_in_si(column, "uncertainty", form.unit, unit or form.units.get(quantity, of.unit), form.scale_unit))
 
 
-def _way(column: CurveColumn | None, row: int, line: int) -> str | None:
-    if column is None or not column.words[row]:
-        return None
-    word = column.words[row].casefold()
-    if word not in WAYS:
-        raise FormatError(f"direction {as_shown_in_message(column.words[row])} is neither up nor down", line)
-    return WAYS[word]
-
-
-def _period(column: CurveColumn | None, row: int, line: int) -> int | None:
-    with read_by("", ValueError, line):
-        return None if column is None else period_of(column.words[row].removesuffix(".0"))
+def _way(word: str, line: int) -> str | None:
+    if word and word.casefold() not in WAYS:
+        raise FormatError(f"direction {as_shown_in_message(word)} is neither up nor down", line)
+    return WAYS.get(word.casefold())
 
 
 def heading_of(quantity: str) -> str:

@@ -1,10 +1,13 @@
-"""What was taken of a file of measured data, in one line: columns with their units, samples, rate, start."""
+"""Data taken of a file, in one line: columns, units, samples, rate, start; told once to a command that listens."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 
-from vibeam.exchange.files import shown
+from vibeam_models.arguments import shown
 
 
 def grouped(value: float) -> str:
@@ -32,7 +35,7 @@ class TakenColumn:
 
 @dataclass(frozen=True)
 class Taken:
-    """What was taken of a ``file``: ``kind``, columns, number of ``samples``; ``notes`` on what was cut or shifted.
+    """Data taken of a ``file``: ``kind``, columns, number of ``samples``; ``notes`` on what was cut or shifted.
 
     ``rate`` in Hz of samples in equal steps, else None; ``start``, ``end``: of the abscissa, in its SI unit ``over``;
     ``zero``: the time of the file that became 0, None: its own.
@@ -61,3 +64,31 @@ class Taken:
             span += f", {'which' if self.zero == self.start else f'of which {grouped(self.zero)} s'} is taken as 0"
         kind = "" if self.kind == "time history" else f"{self.kind}: "
         return "; ".join([f"taken: {kind}{', '.join(map(str, self.columns))}, {span}", *self.notes])
+
+
+Told = tuple[Callable[[str], None], list[Taken]]
+_TOLD: ContextVar[Told | None] = ContextVar("taken", default=None)
+
+
+def tell(taken: Taken | None) -> None:
+    """Tell what was taken of a file to whoever listens, unless it was told before."""
+    told = _TOLD.get()
+    if told is not None and taken is not None and taken not in told[1]:
+        told[1].append(taken)
+        told[0](f"{taken.file}: {taken}")
+
+
+def all_taken() -> dict[str, list[Taken]]:
+    """All that was told so far in this context, as ``taken``; empty where nothing was."""
+    told = _TOLD.get()
+    return {"taken": told[1]} if told and told[1] else {}
+
+
+@contextmanager
+def taken_told(listener: Callable[[str], None]) -> Iterator[None]:
+    """Context in which a ``listener`` is told, in a line, what is taken of each file."""
+    token = _TOLD.set((listener, []))
+    try:
+        yield
+    finally:
+        _TOLD.reset(token)

@@ -21,7 +21,7 @@ from vibeam.exchange.curves.columns import (
     missing,
     split_head,
 )
-from vibeam.exchange.curves.numbers import decimal_sign, number, numeric
+from vibeam.exchange.curves.numbers import decimal_sign, number, numeric, plain_table
 from vibeam.exchange.curves.units_said import one_unit, settings, units_row
 from vibeam.exchange.files import FormatError, lines_of, read_by, shown, text_of
 from vibeam_models.arrays import Array
@@ -45,7 +45,7 @@ class TextForm:
 
 
 @dataclass(frozen=True)
-class Table:
+class TableHead:
     """Heads and the separator between them; index of their line (None: none), and of the first line below.
 
     Where columns are told by number the first line below is that of the first numbers.
@@ -72,24 +72,26 @@ def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None =
     below = [(line, text) for line, text in lines[rest:] if text.lstrip()[0] not in "#%"]
     if below and not form.separator:
         separator = _of_rows(*below[0], len(heads), separator)
-    plain = not form.decimal and not any(wanted[role].words for role in places)
-    if plain and (all_numbers := _table(below, heads, separator)) is not None:
-        numbers = {role: _column(heads, units, place, all_numbers[:, place].copy()) for role, place in places.items()}
+    words = {role for role in places if wanted[role].words}
+    whole = range(len(heads), len(heads) + 1)
+    plain = None if form.decimal or words else plain_table([text for _, text in below], separator, whole, places)
+    if plain is not None:
+        numbers = {role: _column(heads, units, places[role], values) for role, values in plain.items()}
         return Columns(numbers, tuple(line for line, _ in below), tuple(heads))
     rows = list(_rows(below, heads, separator, 1 + max(needed)))
     kept = [row for row in rows if any(row[1][places[role]].strip() for role in places if wanted[role].needed)]
     if not kept:
         raise FormatError("has no line of numbers below its heads")
-    cells = ((line, row[place]) for line, row in kept for role, place in places.items() if not wanted[role].words)
-    decimal = form.decimal or decimal_sign(cells)
+    spelt = [place for role, place in places.items() if role not in words]
+    decimal = form.decimal or decimal_sign((line, row[place]) for line, row in kept for place in spelt)
     columns = {}
-    for role, column in places.items():
-        own = [(line, cells[column]) for line, cells in kept]
-        if wanted[role].words:
-            words = tuple(cell.strip() for _, cell in own)
-            columns[role] = CurveColumn(split_head(heads[column])[0], "", np.full(len(own), np.nan), words)
+    for role, place in places.items():
+        own = [(line, cells[place]) for line, cells in kept]
+        if role in words:
+            said, values = tuple(cell.strip() for _, cell in own), np.full(len(own), np.nan)
         else:
-            columns[role] = _column(heads, units, column, np.array([number(each, decimal) for each in own]))
+            said, values = (), np.array([number(each, decimal) for each in own])
+        columns[role] = replace(_column(heads, units, place, values), words=said)
     return Columns(columns, tuple(line for line, _ in kept), tuple(heads))
 
 
@@ -99,7 +101,7 @@ def _column(heads: list[str], units: Units, column: int, values: Array) -> Curve
     return CurveColumn(name, unit, values, (), f"column {column + 1}", origin)
 
 
-def _units(lines: list[Line], table: Table, places: Mapping[str, int], needed: Sequence[int]) -> tuple[Units, int]:
+def _units(lines: list[Line], table: TableHead, places: Mapping[str, int], needed: Sequence[int]) -> tuple[Units, int]:
     """Units by column that are said outside its head, each with where, and the index of the line after the last row."""
     at, value = places.get("frequency"), places.get("value", next(iter(places.values())))
     units, rest = dict[int, list[tuple[str, str]]](), table.begin
@@ -121,7 +123,7 @@ def _units(lines: list[Line], table: Table, places: Mapping[str, int], needed: S
     return units, rest
 
 
-def _cells_like(line: int, text: str, table: Table) -> list[str]:
+def _cells_like(line: int, text: str, table: TableHead) -> list[str]:
     """Cells of a line by the separator that gives as many as there are heads, else by that of the heads."""
     for separator in (table.separator, *SEPARATORS):
         cells = _heads_of(line, text, separator)
@@ -130,31 +132,19 @@ def _cells_like(line: int, text: str, table: Table) -> list[str]:
     return _heads_of(line, text, table.separator)
 
 
-def _table(below: list[Line], heads: list[str], separator: str) -> Array | None:
-    """All lines as one table, where each cell is a plain finite number with a decimal point; None where one is not."""
-    lines = [text for _, text in below]
-    if not lines or (separator != " " and any(line.count(separator) != len(heads) - 1 for line in lines)):
-        return None
-    try:
-        table = np.loadtxt(lines, delimiter=None if separator == " " else separator, comments=None, ndmin=2)
-    except ValueError:
-        return None
-    return table if table.shape[1] == len(heads) and np.isfinite(table).all() else None
-
-
-def _head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> Table:
+def _head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> TableHead:
     """The heads that have all columns that are needed."""
     if all(isinstance(name, int) for each in wanted.values() for name in each.names if each.needed):
         return _without_head(lines, wanted, form)
     separators = (form.separator,) if form.separator else SEPARATORS
-    best: Table | None = None
+    best: TableHead | None = None
     for place, (line, text) in enumerate(_first(lines)):
         for separator in separators:
             heads = _heads_of(line, text, separator)
             if best and (separator == " " or len(heads) <= len(best.heads)):
                 continue
             if all(find(heads, each) is not None for each in wanted.values() if each.needed):
-                best = Table(place, heads, separator, place + 1)
+                best = TableHead(place, heads, separator, place + 1)
         if best:
             return replace(best, heads=_trimmed(best.heads))
     raise _no_heads(lines, wanted, separators)
@@ -174,17 +164,14 @@ def _heads_of(line: int, text: str, separator: str) -> list[str]:
 
 def _no_heads(lines: list[Line], wanted: Mapping[str, WantedColumn], separators: tuple[str, ...]) -> HeadError:
     """The message for a file whose heads are other ones: those of the line that looks most like heads."""
-    likely, line = list[str](), None
-    for count, text in _first(lines):
-        heads = max((_trimmed(_heads_of(count, text, each)) for each in separators[:-1] or separators), key=len)
-        if sum(map(bool, heads)) > len(likely) and not any(
-            re.fullmatch(r"[+-]?[0-9.,eE+-]+", each) for each in heads if each
-        ):
-            likely, line = heads, count
-    found = {role: find(likely, each) for role, each in wanted.items()}
-    fault = missing(likely, wanted, found)
+    heads = [(lines[0][0] if lines else None, list[str]())]
+    for line, text in _first(lines):
+        cells = max((_trimmed(_heads_of(line, text, each)) for each in separators[:-1] or separators), key=len)
+        heads += [(line, cells)] * (not any(map(numeric, cells)))
+    place, likely = max(heads, key=lambda each: sum(map(bool, each[1])))
+    fault = missing(likely, wanted, {role: find(likely, each) for role, each in wanted.items()})
     assert fault is not None  # or it would have been the head
-    return HeadError(fault.message, likely, line or (lines[0][0] if lines else None))
+    return HeadError(fault.message, likely, place)
 
 
 def _cells_of(line: int, text: str, separator: str) -> list[str]:
@@ -202,20 +189,20 @@ def _trimmed(cells: list[str]) -> list[str]:
     return cells
 
 
-def _without_head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> Table:
+def _without_head(lines: list[Line], wanted: Mapping[str, WantedColumn], form: TextForm) -> TableHead:
     """As ``_head`` of a file whose columns are told by number: numbers begin where all of these are numbers."""
     needed = [name for each in wanted.values() if each.needed for name in each.names if isinstance(name, int)]
     for place, (line, text) in enumerate(_first(lines)):
         for separator in (form.separator,) if form.separator else SEPARATORS:
             cells = _cells_of(line, text, separator)
             if len(cells) >= max(needed) and all(numeric(cells[each - 1]) for each in needed):
-                plain = Table(None, [f"column {each + 1}" for each in range(len(cells))], separator, place)
+                plain = TableHead(None, [f"column {each + 1}" for each in range(len(cells))], separator, place)
                 at = [name for name in wanted["frequency"].names if isinstance(name, int)]
                 return _named(lines, plain, [each - 1 for each in needed], at[0] - 1 if at else None)
     raise FormatError(f"has no line with numbers in the columns {' and '.join(map(str, needed))}")
 
 
-def _named(lines: list[Line], table: Table, needed: Sequence[int], at: int | None) -> Table:
+def _named(lines: list[Line], table: TableHead, needed: Sequence[int], at: int | None) -> TableHead:
     """The table with its heads, where the line above its numbers, or above the row of units there, has as many."""
     for index in range(table.begin - 1, -1, -1):
         line, text = lines[index]

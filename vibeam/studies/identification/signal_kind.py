@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.exchange.curves.record import factor
-from vibeam.exchange.curves.told import tell
+from vibeam.exchange.curves.taken import tell
 from vibeam.exchange.units import unit_size
 from vibeam.studies.identification.decay import identify_decay
 from vibeam.studies.identification.estimates import Identification
