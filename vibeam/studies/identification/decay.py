@@ -34,7 +34,6 @@ ROUGH = (3.0, 0.02)  # residual of an eighth of a record over the usual one, and
 ALIKE = 6.0  # deviation from the fit, over half of those in a stretch, from which on a sample does not follow it
 ROOMS = (*[0.1] * 24, *[0.01] * 6)  # and over the motion, while a stretch grows by a third at a time, and at last
 CYCLES = 3.0  # of a stretch, at least
-LONG, QUIETER = 0.4, 0.94  # share of a record, and of the scatter of two close modes, of one mode that goes before them
 WRONG = 0.15  # share of a motion that is left, from which on it is refused
 FADED = 0.97  # of its first amplitude that a motion has at its end at most, to be a decay
 
@@ -57,10 +56,14 @@ def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
     clipped = _clipped(x)
     if np.mean(clipped) > MOST_CLIPPED:
         raise ValueError(f"{np.mean(clipped):.0%} of the samples are cut off at an end of the range: lower the gain")
-    t, x, notes = t[~clipped], x[~clipped], _of_clipped(clipped)
+    t, x = t[~clipped], x[~clipped]
     start = float(np.asarray(time, dtype=float)[0])
-    first, last, seen = _free(t, x, start)
-    notes += seen
+    first, last = _free(t, x)
+    seen = {
+        f"{counted(int(np.sum(clipped)), 'sample')} cut off at an end of the range: left out": clipped.any(),
+        f"the decay is taken from {start + t[first]:.4g} s on: before it is rest, or another motion": first,
+        f"from {start + t[last - 1]:.4g} s on another event follows: it is cut": last < len(t),
+    }
     begun, t, x = t[first], t[first:last] - t[first], x[first:last]
     envelope = _first_guess(t, x)[1]
     poles = _poles(t, x)
@@ -75,7 +78,8 @@ def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
     rows = estimates(names, poles.ravel().tolist(), spread.half, ("Hz", "1") * len(poles))
     left = float(np.sqrt(np.mean(residual**2)) / max(float(np.max(np.abs(x - linear[-1]))), 1e-300))
     method = f"{'a decaying cosine' if len(poles) == 1 else f'{len(poles)} decaying cosines'} fitted to the decay"
-    notes = [f"the slope of the envelope alone gives a damping ratio of {envelope:.3g}", *notes]
+    notes = [f"the slope of the envelope alone gives a damping ratio of {envelope:.3g}"]
+    notes += [each for each, there in seen.items() if there]
     if left > 1 or (left > WRONG and (first, last) == (0, len(t))):
         told = f"one decay leaves {100 * left:.2g} % of it, and no stretch of it is one by itself"
         raise ValueError(f"the record is not a free decay: {told}: take it from the release to rest, --from and --to")
@@ -101,43 +105,24 @@ def _checked(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Array]:
 
 
 def _clipped(x: Array) -> Any:
-    """Samples (n,) that lie cut off at an end of the range: several equal ones in a row, with a step beside them."""
+    """Samples (n,) that lie cut off at an end of the range: several equal ones in a row, reached by a step."""
     found = np.zeros(len(x), dtype=bool)
     steps = np.abs(np.diff(x))
-    quantum = float(np.min(steps[steps > 0]))
+    step = CLIPPED * float(np.min(steps[steps > 0]))
     for end in (x.max(), x.min()):
         edges = np.flatnonzero(np.diff(np.r_[0, x == end, 0])).reshape(-1, 2)
-        longest = max((other - one for one, other in edges if one and other < len(x)), default=0)
-        for one, other in edges:
-            beside = max(abs(x[max(one - 1, 0)] - end), abs(x[min(other, len(x) - 1)] - end))
-            held = other - one > CLIPPED * longest  # from the first sample on, or to the last
-            found[one:other] = other - one >= CLIPPED and beside > CLIPPED * quantum and not held
+        for one, other in edges[(edges[:, 0] > 0) & (edges[:, 1] < len(x))]:  # one at an end of the record is held
+            found[one:other] = other - one >= CLIPPED and max(steps[one - 1], steps[other - 1]) > step
     return found
 
 
-def _of_clipped(clipped: Any) -> list[str]:
-    count = int(np.sum(clipped))
-    return [f"{counted(count, 'sample')} cut off at an end of the range: left out"] if count else []
-
-
-def _free(t: Array, x: Array, start: float) -> tuple[int, int, list[str]]:
-    """First and last but one sample of the free decay, and what is beside it."""
-    whole = _poles(t, x)
-    follows = _follows(t, x, whole)
-    if follows and not _pairs(whole).any():
-        return 0, len(x), []
-    size, first = (x - _rest(x)) ** 2, _onset(x)
-    if len(x) - first >= LEAST and _follows(t[first:] - t[first], x[first:]):
-        found: list[tuple[int, int] | None] = [(first, len(x))]
-    else:
-        found = [_grown(t, x, seed) for seed in _seeds(x) if seed[1] - seed[0] >= LEAST]
-    first, last = max(filter(None, found), key=lambda each: float(np.sum(size[slice(*each)])), default=(0, len(x)))
-    alone = np.std(_left(t[first:last] - t[first], x[first:last], _one(t[first:last], x[first:last])))
-    if follows and not (last - first > LONG * len(x) and alone < QUIETER * np.std(_left(t, x, whole))):
-        return 0, len(x), []
-    before = [_before(x, first, start + float(t[first]))] if first else []
-    after = f"from {start + t[last - 1]:.4g} s on another event follows: it is cut"
-    return first, last, [*before, *([after] if last < len(x) else [])]
+def _free(t: Array, x: Array) -> tuple[int, int]:
+    """First and last but one sample of the free decay: all, or the stretch with most of the motion."""
+    if _follows(t, x, _poles(t, x)):
+        return 0, len(x)
+    size = (x - _rest(x)) ** 2
+    found = [_grown(t, x, seed) for seed in _seeds(x) if seed[1] - seed[0] >= LEAST]
+    return max(filter(None, found), key=lambda each: float(np.sum(size[slice(*each)])), default=(0, len(x)))
 
 
 def _rest(x: Array) -> float:
@@ -145,9 +130,9 @@ def _rest(x: Array) -> float:
     return float(np.median(x[-max(len(x) // 4, 4) :]))
 
 
-def _follows(t: Array, x: Array, poles: Array | None = None) -> bool:
+def _follows(t: Array, x: Array, poles: Array) -> bool:
     """Test whether a record is one decay throughout: what is left is noise, in no eighth more than in the others."""
-    left = _left(t, x, _poles(t, x) if poles is None else poles)
+    left = _left(t, x, poles)
     rough = np.array([np.sqrt(np.mean(part**2)) for part in np.array_split(left, 8)])
     small = ROUGH[1] * float(np.max(np.abs(x - _rest(x))))
     white = abs(correlation(left)) < CORRELATED
@@ -157,30 +142,6 @@ def _follows(t: Array, x: Array, poles: Array | None = None) -> bool:
 def _pairs(poles: Array) -> Any:
     """Test of each two of the modes (k, k) whether they are close."""
     return np.abs(np.subtract.outer(*[np.log(poles[:, 0])] * 2)) + np.eye(len(poles)) < CLOSE
-
-
-def _onset(x: Array) -> int:
-    """First sample that is away from where the record begins, at rest or held."""
-    begun = np.median(x[:5])
-    away = np.abs(x - begun)
-    limit = max(5 * float(np.max(away[:5])), SMALL * float(np.max(away)))
-    return int(np.argmax(away > limit))
-
-
-def _before(x: Array, first: int, begun: float) -> str:
-    """What is before the release, in words."""
-    part, size = x[:first], float(np.max(np.abs(x[first:] - _rest(x))))
-    off, swing = float(np.max(np.abs(part - _rest(x)))), float(np.std(part))
-    early, late = (float(np.std(each)) if len(each) else 0.0 for each in np.array_split(part, 2))
-    if np.hypot(swing, np.mean(part) - _rest(x)) < 0.1 * size:
-        what = "the record is at rest"
-    elif swing < 0.1 * size:
-        what = "the motion is held"
-    elif off > 1.2 * size:
-        what = "a blow or a larger motion"
-    else:
-        what = "the motion is driven" if 0.7 * early < late < 1.4 * early else "the motion is another one"
-    return f"the decay is taken from {begun:.4g} s on: before it {what}"
 
 
 def _seeds(x: Array) -> list[tuple[int, int]]:
