@@ -28,7 +28,6 @@ MOST_CLIPPED = 0.3  # share of samples
 A_SAMPLE = 1200.0  # bytes of memory of a fit, measured
 MOST = 3  # modes of a decay
 SMALL = 0.05  # share of the first mode's amplitude below which a further one is none
-CLOSE = 0.3  # difference of the logarithms of two frequencies
 BETTER = 10.0  # by which Schwarz' criterion falls for a further mode
 ROUGH = (3.0, 0.02)  # residual of an eighth of a record over the usual one, and over the motion, that is no noise
 ALIKE = 6.0  # deviation from the fit, over half of those in a stretch, from which on a sample does not follow it
@@ -139,21 +138,10 @@ def _follows(t: Array, x: Array, poles: Array) -> bool:
     return bool(rough.max() <= small or (white and rough.max() <= ROUGH[0] * np.median(rough)))
 
 
-def _pairs(poles: Array) -> Any:
-    """Test of each two of the modes (k, k) whether they are close."""
-    return np.abs(np.subtract.outer(*[np.log(poles[:, 0])] * 2)) + np.eye(len(poles)) < CLOSE
-
-
 def _seeds(x: Array) -> list[tuple[int, int]]:
-    """Parts of about three cycles that may be of the decay: after the last large values of more or less of the record.
-
-    Of a motion that has hardly decayed at its end, in the middle.
-    """
-    found, size = [], np.abs(x - _rest(x))
-    for share in (1.0, 0.75, 0.5):
-        end = int(share * len(x))
-        first = int(np.flatnonzero(size[:end] > 0.5 * np.max(size[:end]))[-1])
-        found.append((first, end))
+    """Parts that may begin in the decay: after the last large values of more or less of the record, and later ones."""
+    size, ends = np.abs(x - _rest(x)), [int(share * len(x)) for share in (1.0, 0.75, 0.5)]
+    found = [(int(np.flatnonzero(size[:end] > 0.5 * np.max(size[:end]))[-1]), end) for end in ends]
     return [*found, (int(np.argmax(size)), len(x)), (len(x) // 2, len(x))]
 
 
@@ -219,14 +207,10 @@ def _poles(t: Array, x: Array) -> Array:
 
 
 def _apart(t: Array, x: Array, poles: Array) -> bool:
-    """Test whether all modes have a part in the motion, swing more than once, decay, and two at most are close."""
+    """Test whether all modes have a part in the motion, swing more than once, and decay."""
     linear = np.linalg.lstsq(_basis(t, poles), x, rcond=None)[0]
     size = np.hypot(linear[:-1:2], linear[1:-1:2])
     swinging = (poles[:, 0] * t[-1] > 1) & (poles[:, 1] < 0.2)
-    near = _pairs(poles)
-    alike = np.abs(np.subtract.outer(*[np.log(poles[:, 1])] * 2)) < np.log(3)
-    if bool((near & ~alike).any()) or near.sum() > 2:  # what a beginning or an event looks like
-        return False
     return bool(swinging.all() and size.min() > SMALL * size.max() and size.max() < 10 * np.max(np.abs(x)))
 
 
