@@ -58,7 +58,7 @@ class _Wanted:
     static: bool = False
     most: int = MOST
     terms: bool = True
-    twisted: bool | None = None
+    twisted: bool = False
 
 
 def identify_frequency_response(
@@ -112,7 +112,7 @@ def identify_response(
     moved, sign = drive == DRIVES[0], 1 if drive == DRIVES[2] else -1
     wanted = _Wanted(
         motion + 2 * moved, residue="gain", unit="amplitude/level", factor=sign / level, static=not moved, most=modes,
-        terms=modes > 1, twisted=None if modes > 1 else False,
+        terms=modes > 1,
     )  # fmt: skip
     return _modes(frequency, amplitude, uncertainty, wanted)
 
@@ -271,12 +271,6 @@ def _by_names(fit: Fit, order: Any, wanted: _Wanted) -> tuple[Array, Array]:
         return np.hstack([poles.reshape(-1, 2 * k), weights]), np.zeros(k)
     sizes, columns, rest = fit.weights[order, 0], weights[:, order], weights[:, k:]
     by_size = columns * sizes
-    if fit.twisted:
-        omega, twists = np.exp(fit.poles[order, 0]), fit.weights[k : 2 * k, 0][order]
-        by_twist, rest = weights[:, k : 2 * k][:, order], weights[:, 2 * k :]
-        by_size = by_size + by_twist * twists
-        rest = np.hstack([by_twist * sizes / omega - columns * twists * omega, rest])
-        sizes = np.sign(sizes) * np.hypot(sizes, omega * twists)
     if fit.data.moduli and not fit.data.offset and sizes[0] * wanted.factor < 0:
         sizes = -sizes
     if wanted.static:
@@ -289,8 +283,7 @@ def _method(fit: Fit) -> str:
     terms = {(): "no residual term", (-2,): "a lower residual", (0,): "an upper residual"}
     rest = terms.get(fit.terms, "lower and upper residual")
     to = "moduli" if fit.data.moduli else "real and imaginary parts"
-    kind = " with complex residues" if fit.twisted else ""
-    return f"{counted(len(fit.poles), 'mode')}{kind} and {rest}, fitted to {to}"
+    return f"{counted(len(fit.poles), 'mode')} and {rest}, fitted to {to}"
 
 
 def notes_on(residual: Array, left: float) -> list[str]:

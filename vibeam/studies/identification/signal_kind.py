@@ -249,10 +249,10 @@ def _of_value(signal: Signal) -> Iterator[Clue]:
         yield Clue(f"{' and '.join(map(repr, signal.parts))} are complex numbers or several responses", OVER_FREQUENCY)
     for word in _words(head) & WORDS.keys():
         yield Clue(f"{head!r} is called a {'spectrum' if WORDS[word] == ('spectrum',) else 'response'}", WORDS[word])
-    known = (Clue(f"{unit} is {words}", allows) for si, words, allows in OF_UNITS if unit and size_in(unit, si))
+    told = [each for each in OF_UNITS if unit and size_in(unit, each[0]) and ("/" in unit or each[2])]
     below = re.findall(r"/\s*\(?\s*([^\s/()*·]+)", unit)
-    if clue := next(known, None):
-        yield clue
+    if told:
+        yield Clue(f"{unit} is {told[0][1]}", told[0][2])
     elif "Hz" in unit or re.search(r"[·*\s]s$", unit):
         yield Clue(f"{unit} is the unit of a Fourier transform", ("spectrum",))
     elif not all(size_in(re.sub(r"\^?[23²³]$", "", each), "s") for each in below):
