@@ -218,9 +218,9 @@ def _one(t: Array, x: Array, poles: Array | None = None) -> Array:
     """Pole (1, 2) of one mode, from ``poles`` or from what the record shows."""
     t = t - t[0]
     frequency, envelope = _first_guess(t, x) if poles is None else poles[0]
-    shares = (envelope, 0.3 * envelope, 3 * envelope)
-    around = _around(frequency, t)[:: 1 if poles is None else 4]
-    starts = [np.array([[f, z]]) for f in around for z in shares]
+    lines = np.linspace(-2, 2, 17 if poles is None else 5) / t[-1]
+    tried = [(frequency + line, share * envelope) for line in lines for share in (1, 0.3, 3)]
+    starts = [np.array([each]) for each in tried if each[0] > 0.1 * frequency]
     return _searched(t, x, min(starts, key=lambda each: float(np.sum(_left(t, x, each) ** 2))))
 
 
@@ -257,12 +257,6 @@ def _first_guess(t: Array, x: Array) -> tuple[float, float]:
     used = slice(0, max(first, 8))
     slope = -float(np.polyfit(at[used], np.log(np.maximum(size[used], 1e-300)), 1)[0])
     return frequency, float(np.clip(slope / (2 * np.pi * frequency), 1e-5, 0.5))
-
-
-def _around(frequency: float, t: Array) -> list[float]:
-    """Frequencies to start from, within two lines of the spectrum."""
-    line = 1 / t[-1]
-    return [each for each in frequency + line * np.linspace(-2, 2, 17) if each > 0.1 * frequency]
 
 
 def _basis(t: Array, poles: Array) -> Array:

@@ -143,12 +143,12 @@ def identify_spectrum(
 
 def _with_leakage(found: Identification, step: float) -> Identification:
     """A note where the record ends before the motion has died."""
-    frequency, ratio = (found[name].value for name in SAMPLE)
-    left = float(np.exp(-2 * np.pi * frequency * ratio / step))
-    if not left > CUT:
-        return found
-    said = f"after {1 / step:.3g} s, the length of the record by its lines, {100 * left:.2g} % of the motion are left"
-    return replace(found, notes=(*found.notes, f"{said}: damping is too high by leakage; take the decay itself"))
+    left = float(np.exp(-2 * np.pi * found.rows[0].value * found.rows[1].value / step))
+    said = (
+        f"after {1 / step:.3g} s, the length of the record by its lines, {100 * left:.2g} % of the motion are left: "
+        "damping is too high by leakage; take the decay itself",
+    )
+    return replace(found, notes=found.notes + said * (left > CUT))
 
 
 def usable(values: Array) -> bool:
