@@ -33,7 +33,7 @@ EQUAL = np.geomspace(1e-4, 1e2, 25)  # scatter that is the same everywhere, over
 
 
 @dataclass(frozen=True, eq=False)
-class Response:
+class ModalResponses:
     """Measured responses: ``values`` (m, n), complex or moduli, at ``s`` = iω/ω₀; form ``power``, ``offset`` h₀.
 
     ``scatter`` (m, n): standard deviations, known; None: found with the fit. ``lower``: a lower residual may be.
@@ -66,7 +66,7 @@ class Fit:
     ``scatter`` (m, n) of each point, up to a factor where it was found.
     """
 
-    data: Response
+    data: ModalResponses
     poles: Array
     weights: Array
     scatter: Array
@@ -130,7 +130,7 @@ class Fit:
         return self.misfit + count * float(np.log(size)) * size / max(size - count - 2, 1)
 
 
-def fitted(data: Response, most: int = MOST, terms: bool = True, twisted: bool = False) -> tuple[Fit, ...]:
+def fitted(data: ModalResponses, most: int = MOST, terms: bool = True, twisted: bool = False) -> tuple[Fit, ...]:
     """As ``_path``; where it leaves what is no noise, the better one of it and of one that goes on carefully."""
     path = _path(data, most, terms, twisted)
     if data.moduli or abs(correlation(path[-1].residual())) < ALIKE:
@@ -140,7 +140,7 @@ def fitted(data: Response, most: int = MOST, terms: bool = True, twisted: bool =
     return min(path, other, key=lambda each: each[-1].criterion)
 
 
-def _path(data: Response, most: int, terms: bool, twisted: bool) -> tuple[Fit, ...]:
+def _path(data: ModalResponses, most: int, terms: bool, twisted: bool) -> tuple[Fit, ...]:
     """Fits with 1, 2, … modes, complex ones where ``twisted``; the best one is last."""
     begun = data.scatter if data.scatter is not None else np.full(data.values.shape, np.max(np.abs(data.values)))
     none = Fit(data, np.empty((0, 2)), np.zeros((0, len(data.values))), begun, twisted=twisted)

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
 from vibeam.studies.identification.estimates import Estimate, Identification, correlation, estimates, spread_of
-from vibeam.studies.identification.residues import MOST, Fit, Response, fitted
+from vibeam.studies.identification.residues import MOST, Fit, ModalResponses, fitted
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 from vibeam_models.memory import check_room
@@ -202,7 +202,7 @@ def _modes(frequency: ArrayLike, response: ArrayLike, uncertainty: ArrayLike | N
     f, a, u = f[inside], a[:, inside], None if u is None else u[:, inside]
     unit, top = 2 * np.pi * float(np.sqrt(f[0] * f[-1])), float(np.abs(a).max())
     scatter, s = None if u is None else u / top, 2j * np.pi * f / unit
-    data = Response(s, a / top, wanted.power, wanted.offset / top, scatter, lower=wanted.unit != "1")
+    data = ModalResponses(s, a / top, wanted.power, wanted.offset / top, scatter, lower=wanted.unit != "1")
     path = fitted(data, wanted.most, wanted.terms, wanted.twisted)
     best = path[-1]
     order = np.argsort(best.poles[:, 0])
