@@ -163,7 +163,7 @@ def test_what_contradicts_a_form_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="'H' is no accelerance: the unit 'm/N' is not one of m/s\\^2/N"):
         identify_signal(path, "accelerance")
     path = written(tmp_path / "b.csv", "f [Hz],Z [N/m]", f, 1 / exact)
-    with pytest.raises(ValueError, match="N/m is of a dynamic stiffness, whose reciprocal is fitted"):
+    with pytest.raises(ValueError, match="N/m is of the reciprocal of a response: take the reciprocal"):
         identify_signal(path)
     path = written(tmp_path / "c.csv", "f [Hz],H", f, exact)
     found = identify_signal(path, "receptance")

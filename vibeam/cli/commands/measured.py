@@ -58,7 +58,7 @@ def fit(
       vibeam fit decay.csv --x "t [s]" --y "u [mm]"
     """
     from vibeam.studies.identification.modes import identify_keys
-    from vibeam.studies.identification.stretch import identify_stretch
+    from vibeam.studies.identification.signal_kind import identify_stretch
 
     of_signal = {"--of": of, "--x": x, "--y": y, "--from": from_, "--to": to, "--drive": drive, "--level": level}
     of_modes = {"--key": key, "--measured": measured}

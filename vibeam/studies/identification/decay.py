@@ -28,13 +28,11 @@ MOST_CLIPPED = 0.3  # share of samples
 A_SAMPLE = 1200.0  # bytes of memory of a fit, measured
 MOST = 3  # modes of a decay
 SMALL = 0.05  # share of the first mode's amplitude below which a further one is none
-CLOSE = 0.3  # difference of the logarithms of two frequencies
 BETTER = 10.0  # by which Schwarz' criterion falls for a further mode
 ROUGH = (3.0, 0.02)  # residual of an eighth of a record over the usual one, and over the motion, that is no noise
 ALIKE = 6.0  # deviation from the fit, over half of those in a stretch, from which on a sample does not follow it
 ROOMS = (*[0.1] * 24, *[0.01] * 6)  # and over the motion, while a stretch grows by a third at a time, and at last
 CYCLES = 3.0  # of a stretch, at least
-LONG, QUIETER = 0.4, 0.94  # share of a record, and of the scatter of two close modes, of one mode that goes before them
 WRONG = 0.15  # share of a motion that is left, from which on it is refused
 FADED = 0.97  # of its first amplitude that a motion has at its end at most, to be a decay
 
@@ -57,10 +55,14 @@ def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
     clipped = _clipped(x)
     if np.mean(clipped) > MOST_CLIPPED:
         raise ValueError(f"{np.mean(clipped):.0%} of the samples are cut off at an end of the range: lower the gain")
-    t, x, notes = t[~clipped], x[~clipped], _of_clipped(clipped)
+    t, x = t[~clipped], x[~clipped]
     start = float(np.asarray(time, dtype=float)[0])
-    first, last, seen = _free(t, x, start)
-    notes += seen
+    first, last = _free(t, x)
+    seen = {
+        f"{counted(int(np.sum(clipped)), 'sample')} cut off at an end of the range: left out": clipped.any(),
+        f"the decay is taken from {start + t[first]:.4g} s on: before it is rest, or another motion": first,
+        f"from {start + t[last - 1]:.4g} s on another event follows: it is cut": last < len(t),
+    }
     begun, t, x = t[first], t[first:last] - t[first], x[first:last]
     envelope = _first_guess(t, x)[1]
     poles = _poles(t, x)
@@ -75,7 +77,8 @@ def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
     rows = estimates(names, poles.ravel().tolist(), spread.half, ("Hz", "1") * len(poles))
     left = float(np.sqrt(np.mean(residual**2)) / max(float(np.max(np.abs(x - linear[-1]))), 1e-300))
     method = f"{'a decaying cosine' if len(poles) == 1 else f'{len(poles)} decaying cosines'} fitted to the decay"
-    notes = [f"the slope of the envelope alone gives a damping ratio of {envelope:.3g}", *notes]
+    notes = [f"the slope of the envelope alone gives a damping ratio of {envelope:.3g}"]
+    notes += [each for each, there in seen.items() if there]
     if left > 1 or (left > WRONG and (first, last) == (0, len(t))):
         told = f"one decay leaves {100 * left:.2g} % of it, and no stretch of it is one by itself"
         raise ValueError(f"the record is not a free decay: {told}: take it from the release to rest, --from and --to")
@@ -101,43 +104,24 @@ def _checked(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Array]:
 
 
 def _clipped(x: Array) -> Any:
-    """Samples (n,) that lie cut off at an end of the range: several equal ones in a row, with a step beside them."""
+    """Samples (n,) that lie cut off at an end of the range: several equal ones in a row, reached by a step."""
     found = np.zeros(len(x), dtype=bool)
     steps = np.abs(np.diff(x))
-    quantum = float(np.min(steps[steps > 0]))
+    step = CLIPPED * float(np.min(steps[steps > 0]))
     for end in (x.max(), x.min()):
         edges = np.flatnonzero(np.diff(np.r_[0, x == end, 0])).reshape(-1, 2)
-        longest = max((other - one for one, other in edges if one and other < len(x)), default=0)
-        for one, other in edges:
-            beside = max(abs(x[max(one - 1, 0)] - end), abs(x[min(other, len(x) - 1)] - end))
-            held = other - one > CLIPPED * longest  # from the first sample on, or to the last
-            found[one:other] = other - one >= CLIPPED and beside > CLIPPED * quantum and not held
+        for one, other in edges[(edges[:, 0] > 0) & (edges[:, 1] < len(x))]:  # one at an end of the record is held
+            found[one:other] = other - one >= CLIPPED and max(steps[one - 1], steps[other - 1]) > step
     return found
 
 
-def _of_clipped(clipped: Any) -> list[str]:
-    count = int(np.sum(clipped))
-    return [f"{counted(count, 'sample')} cut off at an end of the range: left out"] if count else []
-
-
-def _free(t: Array, x: Array, start: float) -> tuple[int, int, list[str]]:
-    """First and last but one sample of the free decay, and what is beside it."""
-    whole = _poles(t, x)
-    follows = _follows(t, x, whole)
-    if follows and not _pairs(whole).any():
-        return 0, len(x), []
-    size, first = (x - _rest(x)) ** 2, _onset(x)
-    if len(x) - first >= LEAST and _follows(t[first:] - t[first], x[first:]):
-        found: list[tuple[int, int] | None] = [(first, len(x))]
-    else:
-        found = [_grown(t, x, seed) for seed in _seeds(x) if seed[1] - seed[0] >= LEAST]
-    first, last = max(filter(None, found), key=lambda each: float(np.sum(size[slice(*each)])), default=(0, len(x)))
-    alone = np.std(_left(t[first:last] - t[first], x[first:last], _one(t[first:last], x[first:last])))
-    if follows and not (last - first > LONG * len(x) and alone < QUIETER * np.std(_left(t, x, whole))):
-        return 0, len(x), []
-    before = [_before(x, first, start + float(t[first]))] if first else []
-    after = f"from {start + t[last - 1]:.4g} s on another event follows: it is cut"
-    return first, last, [*before, *([after] if last < len(x) else [])]
+def _free(t: Array, x: Array) -> tuple[int, int]:
+    """First and last but one sample of the free decay: all, or the stretch with most of the motion."""
+    if _follows(t, x, _poles(t, x)):
+        return 0, len(x)
+    size = (x - _rest(x)) ** 2
+    found = [_grown(t, x, seed) for seed in _seeds(x) if seed[1] - seed[0] >= LEAST]
+    return max(filter(None, found), key=lambda each: float(np.sum(size[slice(*each)])), default=(0, len(x)))
 
 
 def _rest(x: Array) -> float:
@@ -145,54 +129,19 @@ def _rest(x: Array) -> float:
     return float(np.median(x[-max(len(x) // 4, 4) :]))
 
 
-def _follows(t: Array, x: Array, poles: Array | None = None) -> bool:
+def _follows(t: Array, x: Array, poles: Array) -> bool:
     """Test whether a record is one decay throughout: what is left is noise, in no eighth more than in the others."""
-    left = _left(t, x, _poles(t, x) if poles is None else poles)
+    left = _left(t, x, poles)
     rough = np.array([np.sqrt(np.mean(part**2)) for part in np.array_split(left, 8)])
     small = ROUGH[1] * float(np.max(np.abs(x - _rest(x))))
     white = abs(correlation(left)) < CORRELATED
     return bool(rough.max() <= small or (white and rough.max() <= ROUGH[0] * np.median(rough)))
 
 
-def _pairs(poles: Array) -> Any:
-    """Test of each two of the modes (k, k) whether they are close."""
-    return np.abs(np.subtract.outer(*[np.log(poles[:, 0])] * 2)) + np.eye(len(poles)) < CLOSE
-
-
-def _onset(x: Array) -> int:
-    """First sample that is away from where the record begins, at rest or held."""
-    begun = np.median(x[:5])
-    away = np.abs(x - begun)
-    limit = max(5 * float(np.max(away[:5])), SMALL * float(np.max(away)))
-    return int(np.argmax(away > limit))
-
-
-def _before(x: Array, first: int, begun: float) -> str:
-    """What is before the release, in words."""
-    part, size = x[:first], float(np.max(np.abs(x[first:] - _rest(x))))
-    off, swing = float(np.max(np.abs(part - _rest(x)))), float(np.std(part))
-    early, late = (float(np.std(each)) if len(each) else 0.0 for each in np.array_split(part, 2))
-    if np.hypot(swing, np.mean(part) - _rest(x)) < 0.1 * size:
-        what = "the record is at rest"
-    elif swing < 0.1 * size:
-        what = "the motion is held"
-    elif off > 1.2 * size:
-        what = "a blow or a larger motion"
-    else:
-        what = "the motion is driven" if 0.7 * early < late < 1.4 * early else "the motion is another one"
-    return f"the decay is taken from {begun:.4g} s on: before it {what}"
-
-
 def _seeds(x: Array) -> list[tuple[int, int]]:
-    """Parts of about three cycles that may be of the decay: after the last large values of more or less of the record.
-
-    Of a motion that has hardly decayed at its end, in the middle.
-    """
-    found, size = [], np.abs(x - _rest(x))
-    for share in (1.0, 0.75, 0.5):
-        end = int(share * len(x))
-        first = int(np.flatnonzero(size[:end] > 0.5 * np.max(size[:end]))[-1])
-        found.append((first, end))
+    """Parts that may begin in the decay: after the last large values of more or less of the record, and later ones."""
+    size, ends = np.abs(x - _rest(x)), [int(share * len(x)) for share in (1.0, 0.75, 0.5)]
+    found = [(int(np.flatnonzero(size[:end] > 0.5 * np.max(size[:end]))[-1]), end) for end in ends]
     return [*found, (int(np.argmax(size)), len(x)), (len(x) // 2, len(x))]
 
 
@@ -258,14 +207,10 @@ def _poles(t: Array, x: Array) -> Array:
 
 
 def _apart(t: Array, x: Array, poles: Array) -> bool:
-    """Test whether all modes have a part in the motion, swing more than once, decay, and two at most are close."""
+    """Test whether all modes have a part in the motion, swing more than once, and decay."""
     linear = np.linalg.lstsq(_basis(t, poles), x, rcond=None)[0]
     size = np.hypot(linear[:-1:2], linear[1:-1:2])
     swinging = (poles[:, 0] * t[-1] > 1) & (poles[:, 1] < 0.2)
-    near = _pairs(poles)
-    alike = np.abs(np.subtract.outer(*[np.log(poles[:, 1])] * 2)) < np.log(3)
-    if bool((near & ~alike).any()) or near.sum() > 2:  # what a beginning or an event looks like
-        return False
     return bool(swinging.all() and size.min() > SMALL * size.max() and size.max() < 10 * np.max(np.abs(x)))
 
 
@@ -273,9 +218,9 @@ def _one(t: Array, x: Array, poles: Array | None = None) -> Array:
     """Pole (1, 2) of one mode, from ``poles`` or from what the record shows."""
     t = t - t[0]
     frequency, envelope = _first_guess(t, x) if poles is None else poles[0]
-    shares = (envelope, 0.3 * envelope, 3 * envelope)
-    around = _around(frequency, t)[:: 1 if poles is None else 4]
-    starts = [np.array([[f, z]]) for f in around for z in shares]
+    lines = np.linspace(-2, 2, 17 if poles is None else 5) / t[-1]
+    tried = [(frequency + line, share * envelope) for line in lines for share in (1, 0.3, 3)]
+    starts = [np.array([each]) for each in tried if each[0] > 0.1 * frequency]
     return _searched(t, x, min(starts, key=lambda each: float(np.sum(_left(t, x, each) ** 2))))
 
 
@@ -312,12 +257,6 @@ def _first_guess(t: Array, x: Array) -> tuple[float, float]:
     used = slice(0, max(first, 8))
     slope = -float(np.polyfit(at[used], np.log(np.maximum(size[used], 1e-300)), 1)[0])
     return frequency, float(np.clip(slope / (2 * np.pi * frequency), 1e-5, 0.5))
-
-
-def _around(frequency: float, t: Array) -> list[float]:
-    """Frequencies to start from, within two lines of the spectrum."""
-    line = 1 / t[-1]
-    return [each for each in frequency + line * np.linspace(-2, 2, 17) if each > 0.1 * frequency]
 
 
 def _basis(t: Array, poles: Array) -> Array:

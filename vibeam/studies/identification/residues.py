@@ -4,7 +4,7 @@ With s = iω, of an input and an output of which p time derivatives are measured
 
     H(s) = h₀ + s^p [ Σ_k r_k/(s² + 2ζ_k ω_k s + ω_k²) + l/s² + u ]
 
-l and u stand for the modes below and above the band; r_k is r_k + q_k s where modes are complex. Fitted are complex
+l and u stand for the modes below and above the band; of a spectrum r_k is r_k + q_k s. Fitted are complex
 numbers or moduli, several responses with the same poles. The noise has two parts, one the same at all points, one in
 proportion to |H|, whose ratio is that of the largest likelihood. One mode after the other is added, where it explains
 most of what is left, as long as Schwarz' criterion (Ann. Statist. 6 (1978)) gets better; so are the residual terms.
@@ -33,7 +33,7 @@ EQUAL = np.geomspace(1e-4, 1e2, 25)  # scatter that is the same everywhere, over
 
 
 @dataclass(frozen=True, eq=False)
-class Response:
+class ModalResponses:
     """Measured responses: ``values`` (m, n), complex or moduli, at ``s`` = iω/ω₀; form ``power``, ``offset`` h₀.
 
     ``scatter`` (m, n): standard deviations, known; None: found with the fit. ``lower``: a lower residual may be.
@@ -66,7 +66,7 @@ class Fit:
     ``scatter`` (m, n) of each point, up to a factor where it was found.
     """
 
-    data: Response
+    data: ModalResponses
     poles: Array
     weights: Array
     scatter: Array
@@ -130,23 +130,20 @@ class Fit:
         return self.misfit + count * float(np.log(size)) * size / max(size - count - 2, 1)
 
 
-def fitted(data: Response, most: int = MOST, terms: bool = True, twisted: bool | None = None) -> tuple[Fit, ...]:
+def fitted(data: ModalResponses, most: int = MOST, terms: bool = True, twisted: bool = False) -> tuple[Fit, ...]:
     """As ``_path``; where it leaves what is no noise, the better one of it and of one that goes on carefully."""
     path = _path(data, most, terms, twisted)
-    left = path[-1].residual()
-    if data.moduli or abs(correlation(left)) < ALIKE:
+    if data.moduli or abs(correlation(path[-1].residual())) < ALIKE:
         return path
-    other = _path(replace(data, careful=True), most, terms, twisted)
-    again = replace(other[-1], data=data)
-    return min(
-        path, (*other[:-1], _with_scatter(_least_squares(_with_scatter(again)))), key=lambda each: each[-1].criterion
-    )
+    *begun, last = _path(replace(data, careful=True), most, terms, twisted)
+    other = (*begun, _with_scatter(_least_squares(_with_scatter(replace(last, data=data)))))
+    return min(path, other, key=lambda each: each[-1].criterion)
 
 
-def _path(data: Response, most: int = MOST, terms: bool = True, twisted: bool | None = None) -> tuple[Fit, ...]:
-    """Fits with 1, 2, … modes; the best one is last, of real modes where ``twisted`` is not said and these suffice."""
+def _path(data: ModalResponses, most: int, terms: bool, twisted: bool) -> tuple[Fit, ...]:
+    """Fits with 1, 2, … modes, complex ones where ``twisted``; the best one is last."""
     begun = data.scatter if data.scatter is not None else np.full(data.values.shape, np.max(np.abs(data.values)))
-    none = Fit(data, np.empty((0, 2)), np.zeros((0, len(data.values))), begun, twisted=bool(twisted))
+    none = Fit(data, np.empty((0, 2)), np.zeros((0, len(data.values))), begun, twisted=twisted)
     beside = replace(none, terms=data.lower * (-2,) + (0,), weights=np.zeros((1 + data.lower, len(data.values))))
     starts = [none] if data.moduli or not terms else [none, replace(beside, weights=_linear(beside))]
     path = [_best((each for start in starts for each in _with_mode(start)), none)]
@@ -155,8 +152,6 @@ def _path(data: Response, most: int = MOST, terms: bool = True, twisted: bool | 
         ways = [_best(_with_terms(best), best)] if terms else [best]
         if not _better(ways[0], best) and len(best.poles) < most:
             ways.append(_best((each for each in _with_mode(best) if _plain(each)), best))
-        if not _better(ways[-1], best) and twisted is None and not best.twisted and not data.moduli:
-            ways.append(_added(best, twisted=True))
         if not _better(ways[-1], best):
             break
         path = [*path[: len(ways[-1].poles) - 1], ways[-1]]
@@ -181,19 +176,13 @@ def _plain(fit: Fit) -> bool:
 
 
 def _with_terms(fit: Fit) -> Iterator[Fit]:
+    """Fits with other residual terms, begun at the poles and weights of this one."""
+    k, count = (fit.twisted + 1) * len(fit.poles), fit.weights.shape[1]
+    kept = dict(zip(fit.terms, fit.weights[k:], strict=True))
     for terms in ((-2, 0), (-2,), (0,), ()):
         if terms != fit.terms and (fit.data.lower or -2 not in terms):
-            yield _added(fit, terms=terms)
-
-
-def _added(fit: Fit, **more: object) -> Fit:
-    """Fit of another form, begun at another one's poles and weights."""
-    form = replace(fit, **more)  # type: ignore[arg-type]
-    k, count = len(fit.poles), fit.weights.shape[1]
-    shapes, twists = fit.weights[:k], fit.weights[k : 2 * k] if fit.twisted else np.zeros((k, count))
-    kept = dict(zip(fit.terms, fit.weights[len(fit.weights) - len(fit.terms) :], strict=True))
-    rest = [kept.get(each, np.zeros(count))[None] for each in form.terms]
-    return _solved(replace(form, weights=np.vstack([shapes, *([twists] if form.twisted else []), *rest])))
+            rest = [kept.get(each, np.zeros(count))[None] for each in terms]
+            yield _solved(replace(fit, terms=terms, weights=np.vstack([fit.weights[:k], *rest])))
 
 
 def _with_mode(fit: Fit) -> Iterator[Fit]:

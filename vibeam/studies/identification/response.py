@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
 from vibeam.studies.identification.estimates import Estimate, Identification, correlation, estimates, spread_of
-from vibeam.studies.identification.residues import MOST, Fit, Response, fitted
+from vibeam.studies.identification.residues import MOST, Fit, ModalResponses, fitted
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 from vibeam_models.memory import check_room
@@ -58,7 +58,7 @@ class _Wanted:
     static: bool = False
     most: int = MOST
     terms: bool = True
-    twisted: bool | None = None
+    twisted: bool = False
 
 
 def identify_frequency_response(
@@ -112,7 +112,7 @@ def identify_response(
     moved, sign = drive == DRIVES[0], 1 if drive == DRIVES[2] else -1
     wanted = _Wanted(
         motion + 2 * moved, residue="gain", unit="amplitude/level", factor=sign / level, static=not moved, most=modes,
-        terms=modes > 1, twisted=None if modes > 1 else False,
+        terms=modes > 1,
     )  # fmt: skip
     return _modes(frequency, amplitude, uncertainty, wanted)
 
@@ -143,12 +143,12 @@ def identify_spectrum(
 
 def _with_leakage(found: Identification, step: float) -> Identification:
     """A note where the record ends before the motion has died."""
-    frequency, ratio = (found[name].value for name in SAMPLE)
-    left = float(np.exp(-2 * np.pi * frequency * ratio / step))
-    if not left > CUT:
-        return found
-    said = f"after {1 / step:.3g} s, the length of the record by its lines, {100 * left:.2g} % of the motion are left"
-    return replace(found, notes=(*found.notes, f"{said}: damping is too high by leakage; take the decay itself"))
+    left = float(np.exp(-2 * np.pi * found.rows[0].value * found.rows[1].value / step))
+    said = (
+        f"after {1 / step:.3g} s, the length of the record by its lines, {100 * left:.2g} % of the motion are left: "
+        "damping is too high by leakage; take the decay itself",
+    )
+    return replace(found, notes=found.notes + said * (left > CUT))
 
 
 def usable(values: Array) -> bool:
@@ -202,7 +202,7 @@ def _modes(frequency: ArrayLike, response: ArrayLike, uncertainty: ArrayLike | N
     f, a, u = f[inside], a[:, inside], None if u is None else u[:, inside]
     unit, top = 2 * np.pi * float(np.sqrt(f[0] * f[-1])), float(np.abs(a).max())
     scatter, s = None if u is None else u / top, 2j * np.pi * f / unit
-    data = Response(s, a / top, wanted.power, wanted.offset / top, scatter, lower=wanted.unit != "1")
+    data = ModalResponses(s, a / top, wanted.power, wanted.offset / top, scatter, lower=wanted.unit != "1")
     path = fitted(data, wanted.most, wanted.terms, wanted.twisted)
     best = path[-1]
     order = np.argsort(best.poles[:, 0])
@@ -271,12 +271,6 @@ def _by_names(fit: Fit, order: Any, wanted: _Wanted) -> tuple[Array, Array]:
         return np.hstack([poles.reshape(-1, 2 * k), weights]), np.zeros(k)
     sizes, columns, rest = fit.weights[order, 0], weights[:, order], weights[:, k:]
     by_size = columns * sizes
-    if fit.twisted:
-        omega, twists = np.exp(fit.poles[order, 0]), fit.weights[k : 2 * k, 0][order]
-        by_twist, rest = weights[:, k : 2 * k][:, order], weights[:, 2 * k :]
-        by_size = by_size + by_twist * twists
-        rest = np.hstack([by_twist * sizes / omega - columns * twists * omega, rest])
-        sizes = np.sign(sizes) * np.hypot(sizes, omega * twists)
     if fit.data.moduli and not fit.data.offset and sizes[0] * wanted.factor < 0:
         sizes = -sizes
     if wanted.static:
@@ -289,8 +283,7 @@ def _method(fit: Fit) -> str:
     terms = {(): "no residual term", (-2,): "a lower residual", (0,): "an upper residual"}
     rest = terms.get(fit.terms, "lower and upper residual")
     to = "moduli" if fit.data.moduli else "real and imaginary parts"
-    kind = " with complex residues" if fit.twisted else ""
-    return f"{counted(len(fit.poles), 'mode')}{kind} and {rest}, fitted to {to}"
+    return f"{counted(len(fit.poles), 'mode')} and {rest}, fitted to {to}"
 
 
 def notes_on(residual: Array, left: float) -> list[str]:

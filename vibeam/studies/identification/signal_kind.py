@@ -15,10 +15,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.record import factor
+from vibeam.casefile.quantities import FREQUENCY, RATIO, TIME, suits, to_si
+from vibeam.exchange.curves.columns import size_in
 from vibeam.exchange.curves.taken import tell
 from vibeam.exchange.units import unit_size
 from vibeam.studies.identification.decay import identify_decay
@@ -32,23 +34,28 @@ from vibeam.studies.identification.response import (
     identify_spectrum,
     usable,
 )
-from vibeam.studies.identification.signals import NAMES, UNITS, Signal, ascends, name_in, read_signal, suits
+from vibeam.studies.identification.signals import NAMES, UNITS, Signal, ascends, name_in, read_signal
 from vibeam_models.arrays import Array
 
 KINDS = ("decay", "spectrum", "response", *FORMS)
 OVER_FREQUENCY = KINDS[1:]
 RATIOS = ("transmissibility", "relative transmissibility")
 ALLOWED = {"time": KINDS[:1], "frequency": OVER_FREQUENCY}
-SPECTRA = {"fft", "dft", "spectrum", "spektrum", "spectre", "fourier"}
-RESPONSES = {
+#: words of a head, and the kinds of what is called so
+WORDS: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(("fft", "dft", "spectrum", "spektrum", "spectre", "fourier"), ("spectrum",)),
     **dict.fromkeys(("frf", "response", "transfer", "frequenzgang", "h", "h1", "h2", "tf"), KINDS[2:]),
     **dict.fromkeys(("receptance", "compliance", "admittance"), ("receptance",)),
     "mobility": ("mobility",), "accelerance": ("accelerance",), "inertance": ("accelerance",),
     "transmissibility": RATIOS, "relative": ("relative transmissibility",),
 }  # fmt: skip
-MOTIONS = ("m", "m/s", "m/s^2")
-INVERSE = {"N/m": "dynamic stiffness", "N s/m": "impedance", "kg": "apparent mass"}
 POWERS = {"psd", "power", "autopower", "density", "leistungsdichte"}
+#: units of values, what they are of, and the kinds
+OF_UNITS: Sequence[tuple[str, str, tuple[str, ...]]] = (
+    *((FORMS[form][0], f"of {form}", (form,)) for form in KINDS[3:6]),
+    ("1", "of a transmissibility", RATIOS),
+    *((unit, "of the reciprocal of a response: take the reciprocal", ()) for unit in ("N/m", "N s/m", "kg")),
+)
 
 
 @dataclass(frozen=True)
@@ -76,7 +83,7 @@ def identify_signal(
         raise ValueError("values are too large or too small; the largest lies between 1e-60 and 1e+60 in its unit")
     told = [*_of_abscissa(signal), *_of_value(signal), *_of_numbers(signal)]
     if drive is not None or level is not None:
-        forms = () if level is not None else ("receptance", "mobility", "accelerance") if drive == "force" else RATIOS
+        forms = () if level is not None else KINDS[3:6] if drive == "force" else RATIOS
         told.append(Clue("a drive is given, --drive or --level", ("response", *forms)))
     if _is_power(signal):
         told.append(Clue(f"{signal.units[1] or repr(signal.heads[1])} is of power, whose root is taken", ("spectrum",)))
@@ -90,34 +97,59 @@ def identify_signal(
     return replace(found, of=kind, why=why, notes=notes)
 
 
+def identify_stretch(path: Path, since: str | None, until: str | None, **said: Any) -> Identification:
+    """As ``identify_signal``, from one time or frequency to another: numbers in s or Hz, or with a unit of these."""
+    ends = {name: _end(text) for name, text in (("--from", since), ("--to", until)) if text}
+    first, last = (to_si(text, _end(text)) if text else None for text in (since, until))
+    made = identify_signal(path, stretch=(first, last), **said)
+    for name, kind in ends.items():
+        if kind.unit not in ("", "s" if made.of == "decay" else "Hz"):
+            raise ValueError(f"{name} in {kind.unit}, and it is a {made.of}: say another unit, or none")
+    return made
+
+
+def _end(text: str) -> Any:
+    """Kind of a quantity that is a time where it is neither a plain number nor a frequency."""
+    return RATIO if suits(text, RATIO) and "%" not in text else FREQUENCY if suits(text, FREQUENCY) else TIME
+
+
 def _parameters(found: Identification) -> tuple[int, bool, float]:
     """Order of fits by what they need, and leave."""
     return len(found.rows), "no residual term" not in found.method, found.residual
 
 
 def _methods(signal: Signal, drive: str | None, level: float | None) -> Mapping[str, Callable[[], Identification]]:
-    at, value, uncertainty = signal.at, signal.value, signal.uncertainty
-    size, motion = 1.0 if level is None else level, _motion(signal.units[1])
+    at, value, uncertainty, unit = signal.at, signal.value, signal.uncertainty, signal.units[1]
+    size = 1.0 if level is None else level
+    motions = [
+        power for power, each in enumerate(("m", "m/s", "m/s^2")) for below in ("", "/V", "/N", "/A")
+        if unit and size_in(unit, each + below)
+    ]  # fmt: skip
     return {
         "decay": lambda: identify_decay(at, value),
         "spectrum": lambda: identify_spectrum(at, value, uncertainty=uncertainty),
         "response": lambda: identify_response(
-            at, value, drive=drive or DRIVES[0], level=size, uncertainty=uncertainty, modes=MOST, motion=motion
+            at,
+            value,
+            drive=drive or DRIVES[0],
+            level=size,
+            uncertainty=uncertainty,
+            modes=MOST,
+            motion=max(motions, default=0),
         ),
         **{form: partial(_of_form, signal, form) for form in FORMS},
-    }  # fmt: skip
+    }
 
 
 def _of_form(signal: Signal, form: str) -> Identification:
     """Modes of a response whose unit tells its form, in SI."""
     unit, wanted = signal.units[1], FORMS[form][0]
-    try:
-        size = factor(unit, wanted)
-    except ValueError as wrong:
-        raise ValueError(f"{signal.heads[1]!r} is no {form}: {wrong}") from None
+    silent = (f"{signal.heads[1]!r} has no unit: it is taken in {wanted}",) if not unit and wanted != "1" else ()
+    size = size_in(unit, wanted) if unit else 1.0
+    if size is None:
+        raise ValueError(f"{signal.heads[1]!r} is no {form}: the unit {unit!r} is not one of {wanted}")
     uncertainty = None if signal.uncertainty is None else size * signal.uncertainty
     found = identify_frequency_response(signal.at, size * signal.value, of=form, uncertainty=uncertainty)
-    silent = () if unit or wanted == "1" else (f"{signal.heads[1]!r} has no unit: it is taken in {wanted}",)
     return replace(found, notes=(*silent, *found.notes))
 
 
@@ -128,18 +160,6 @@ def _causal(signal: Signal) -> Signal:
         return signal
     told = "its phases rise with the frequency: they are taken with the other sign, as those of exp(−iωt)"
     return replace(signal, value=np.conj(signal.value), notes=(*signal.notes, told))
-
-
-def _motion(unit: str) -> int:
-    """Number of derivatives of a displacement that a unit, over any drive, is of; 0 where it does not say."""
-    for power, each in enumerate(MOTIONS):
-        for below in ("", "/V", "/N", "/A"):
-            try:
-                if unit and factor(unit, each + below) > 0:
-                    return power
-            except ValueError:
-                continue
-    return 0
 
 
 def _is_power(signal: Signal) -> bool:
@@ -174,9 +194,8 @@ def reading(clues: Sequence[Clue], methods: Mapping[str, Callable[[], Identifica
         )
     left = _plainly(left)
     would = " or ".join(f"{_a(each)}{_would(methods[each])}" for each in left)
-    seen = f"{_told(clues)}; " if clues else ""
     cure = " or ".join(f"--of {each}" for each in left)
-    raise ValueError(f"may be {would}: {seen}no head, unit or number says which: say {cure}")
+    raise ValueError(f"may be {would}: {_told(clues)}; no head, unit or number says which: say {cure}")
 
 
 def _a(kind: str) -> str:
@@ -217,7 +236,7 @@ def _short(found: Identification) -> str:
 def _of_abscissa(signal: Signal) -> Iterator[Clue]:
     """Clues of the head and of the unit of the abscissa."""
     (head, _), (unit, _) = signal.heads, signal.units
-    known = [over for over in UNITS if suits(unit, over)]
+    known = [over for over, si in UNITS.items() if unit and size_in(unit, si)]
     yield from (Clue(f"{head!r} is in {unit}", ALLOWED[over]) for over in known)
     named = [over for over in NAMES if name_in(head, over) and over not in known]
     yield from (Clue(f"{head!r} is called a {over}", ALLOWED[over]) for over in named)
@@ -228,28 +247,16 @@ def _of_value(signal: Signal) -> Iterator[Clue]:
     (_, head), (_, unit) = signal.heads, signal.units
     if signal.parts:
         yield Clue(f"{' and '.join(map(repr, signal.parts))} are complex numbers or several responses", OVER_FREQUENCY)
-    words = _words(head)
+    for word in _words(head) & WORDS.keys():
+        yield Clue(f"{head!r} is called a {'spectrum' if WORDS[word] == ('spectrum',) else 'response'}", WORDS[word])
+    told = [each for each in OF_UNITS if unit and size_in(unit, each[0]) and ("/" in unit or each[2])]
     below = re.findall(r"/\s*\(?\s*([^\s/()*·]+)", unit)
-    if words & SPECTRA:
-        yield Clue(f"{head!r} is called a spectrum", ("spectrum",))
-    for word in words & RESPONSES.keys():
-        yield Clue(f"{head!r} is called a response", RESPONSES[word])
-    forms = [form for form in FORMS if _suits(unit, FORMS[form][0])]
-    if forms:
-        yield Clue(f"{unit} is of {_a(forms[0])}", tuple(forms))
-    elif inverse := "/" in unit and next((name for each, name in INVERSE.items() if _suits(unit, each)), ""):
-        yield Clue(f"{unit} is of {_a(inverse)}, whose reciprocal is fitted", ())
+    if told:
+        yield Clue(f"{unit} is {told[0][1]}", told[0][2])
     elif "Hz" in unit or re.search(r"[·*\s]s$", unit):
         yield Clue(f"{unit} is the unit of a Fourier transform", ("spectrum",))
-    elif not all(suits(re.sub(r"\^?[23²³]$", "", each), "time") for each in below):
+    elif not all(size_in(re.sub(r"\^?[23²³]$", "", each), "s") for each in below):
         yield Clue(f"{unit} is a ratio", ("response",))
-
-
-def _suits(unit: str, wanted: str) -> bool:
-    try:
-        return bool(unit) and factor(unit, wanted) > 0
-    except ValueError:
-        return False
 
 
 SWING = 0.15  # of the largest departure from the middle, that counts as a swing

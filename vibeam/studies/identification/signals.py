@@ -21,11 +21,11 @@ from vibeam.exchange.curves.columns import (
     CurveColumn,
     HeadError,
     WantedColumn,
+    size_in,
     split_head,
     taken_column,
 )
 from vibeam.exchange.curves.read import BINARY, is_text, read_columns
-from vibeam.exchange.curves.record import factor
 from vibeam.exchange.curves.taken import Taken
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError
@@ -38,9 +38,9 @@ NAMES = {
 }
 VALUES = ("displacement", "amplitude", "magnitude", "value", "x", "a")
 UNCERTAINTIES = ("uncertainty", "unsicherheit", "u")
-PHASE = re.compile(r"phase(n?winkel)?|angle|argument|arg\b.*", re.IGNORECASE)
+PHASE = re.compile(r"phasen?(winkel)?|angle|argument|arg\b.*")
 OTHERS = re.compile(
-    r"phase|phasen?winkel|angle|argument|coherence|kohärenz|sigma|uncertainty|unsicherheit|u|direction|period|index|no?\.?|nr\.?|#"
+    rf"{PHASE.pattern}|coherence|kohärenz|sigma|{'|'.join(UNCERTAINTIES)}|direction|period|index|no?\.?|nr\.?|#"
 )
 PARTS = (
     re.compile(r"(.*[\s_(])?(re|real(teil| part)?)([\W_\d].*)?"),
@@ -92,26 +92,18 @@ def read_signal(path: Path, over: str = "", x: str | None = None, y: str | None 
     try:
         found = _columns(path, over, x, y)
         signals = [_signal(path, each.columns, over) for each in found]
-        return replace(_together(signals), taken=_taken(path, found, signals[0]))
-    except FormatError as wrong:
-        raise CaseError([fault_in(path, wrong.line, _cured(wrong.message))]) from None
-
-
-def _cured(message: str) -> str:
-    """Message of a reader with the cure of a command in place of that of a case."""
-    said = message.partition("; say which in the case")[0].partition(", columns = {")[0]
-    return said + ("; name them: --x HEAD --y HEAD" if "say which" in message else "")
-
-
-def _together(signals: Sequence[Signal]) -> Signal:
-    """One signal of several over the same abscissa."""
-    first = signals[0]
-    if len(signals) == 1:
-        return first
-    values, units = np.array([each.value for each in signals]), {each.units[1] for each in signals}
-    if len(units) > 1:
-        raise FormatError(f"its columns are in {' and '.join(sorted(units))}: name those of one unit, --y HEAD,HEAD")
-    return replace(first, value=values, parts=tuple(name for each in signals for name in each.parts or each.heads[1:]))
+        signal = replace(signals[0], taken=_taken(path, found, signals[0]))
+        if len(signals) == 1:
+            return signal
+        units = sorted({each.units[1] for each in signals})
+        if len(units) > 1:
+            raise FormatError(f"its columns are in {' and '.join(units)}: name those of one unit, --y HEAD,HEAD")
+        parts = tuple(name for each in signals for name in each.parts or each.heads[1:])
+        return replace(signal, value=np.array([each.value for each in signals]), parts=parts)
+    except FormatError as wrong:  # of a reader, whose cure is that of a case
+        said = wrong.message.partition("; say which in the case")[0].partition(", columns = {")[0]
+        cure = "; name them: --x HEAD --y HEAD" if "say which" in wrong.message else ""
+        raise CaseError([fault_in(path, wrong.line, said + cure)]) from None
 
 
 def _taken(path: Path, found: Sequence[Columns], signal: Signal) -> Taken:
@@ -203,10 +195,11 @@ def _last(name: str) -> str:
 
 
 def _abscissa(heads: Sequence[str], over: Sequence[str]) -> str | None:
-    """Head of time or frequency; FormatError where several may be meant."""
-    fits = [each for each in heads if not split_head(each)[1] or any(suits(split_head(each)[1], one) for one in UNITS)]
-    found = [head for head in fits if any(name_in(head, each) for each in over)]
-    found = found or [head for head in heads if any(suits(split_head(head)[1], each) for each in over)]
+    """Head of time or frequency, by its name and then by its unit; FormatError where several may be meant."""
+    units = {head: split_head(head)[1] for head in heads}
+    of = {head: [each for each in UNITS if _suits(unit, each)] for head, unit in units.items()}
+    named = [head for head in heads if (of[head] or not units[head]) and any(name_in(head, each) for each in over)]
+    found = named or [head for head in heads if {*of[head]} & {*over}]
     if len(found) > 1:
         raise FormatError(f"has {' and '.join(map(repr, found))}: say over which it is, --x HEAD")
     return found[0] if found else None
@@ -217,12 +210,8 @@ def name_in(head: str, over: str) -> bool:
     return _plain(head) in NAMES[over]
 
 
-def suits(unit: str, over: str) -> bool:
-    """Test whether a unit is one of time, or of frequency."""
-    try:
-        return bool(unit) and factor(unit, UNITS[over]) > 0
-    except ValueError:
-        return False
+def _suits(unit: str, over: str) -> bool:
+    return bool(unit and size_in(unit, UNITS[over]))
 
 
 def _plain(head: str) -> str:
@@ -270,19 +259,16 @@ def _signal(path: Path, found: Mapping[str, CurveColumn], over: str) -> Signal:
     at, value = found["frequency"], found["value"]
     paths = path.suffix.lower() in BINARY
     heads = (_last(at.head), _last(value.head)) if paths else (at.head, value.head)
-    known = [each for each in UNITS if suits(at.unit, each)] or [each for each in NAMES if name_in(heads[0], each)]
-    if at.unit and not any(suits(at.unit, each) for each in UNITS):
+    of_unit = [each for each in UNITS if _suits(at.unit, each)]
+    if at.unit and not of_unit:
         told = f"the unit {at.unit!r} is neither one of time nor one of frequency"
         raise FormatError(f"column {heads[0]!r}: {told}: name another, --x HEAD")
-    over = over or next(iter(known), "")
-    try:
-        scaled = at.values * (factor(at.unit, UNITS[over]) if over else 1.0)
-    except ValueError as wrong:
-        raise FormatError(f"column {heads[0]!r}: {wrong}") from None
+    over = over or next(iter(of_unit or [each for each in NAMES if name_in(heads[0], each)]), "")
+    scaled = at.values * (_factor(at, UNITS[over]) if over and at.unit else 1.0)
     notes = [] if at.unit else [f"{heads[0]!r} has no unit: it is taken in {UNITS.get(over, 's or Hz')}"]
     size, unit = _sizes(value, notes)
     parts = tuple(found[role].head for role in ("value", "imaginary", "phase") if role in found)
-    if value.complex_values is not None and not value.unit.casefold().startswith("db"):
+    if value.complex_values is not None and not _decibels(value):
         size = value.complex_values
     if "imaginary" in found:
         size = size + 1j * _sizes(found["imaginary"], [])[0]
@@ -312,7 +298,15 @@ def _phase(column: CurveColumn, notes: list[str]) -> Array:
     unit = column.unit or ("deg" if np.nanmax(np.abs(column.values)) > 7 else "rad")
     if not column.unit:
         notes.append(f"{column.head!r} has no unit: it is taken in {unit}")
-    return np.asarray(column.values * factor(unit, "rad"))
+    return np.asarray(column.values * _factor(replace(column, unit=unit), "rad"))
+
+
+def _factor(column: CurveColumn, wanted: str) -> float:
+    """Factor from the unit of a column to another one."""
+    size = size_in(column.unit, wanted)
+    if size is None:
+        raise FormatError(f"column {column.head!r}: the unit {column.unit!r} is not one of {wanted}")
+    return size
 
 
 def _decibels(column: CurveColumn) -> bool:
@@ -325,8 +319,4 @@ def _uncertainty(column: CurveColumn, value: CurveColumn, size: Array) -> Array:
         return np.asarray(np.abs(size) * column.values / 100)
     if _decibels(value):
         return np.asarray(size * column.values * log(10) / 20)
-    try:
-        known = column.unit in ("", value.unit)
-        return column.values if known else column.values * factor(column.unit, value.unit)
-    except ValueError as wrong:
-        raise FormatError(f"column {column.head!r}: {wrong}") from None
+    return column.values * (1.0 if column.unit in ("", value.unit) else _factor(column, value.unit))
