@@ -224,3 +224,9 @@ def test_the_error_that_is_allowed_is_in_sight_of_errors_far_from_it() -> None:
     for axes, allowed in zip(figure.axes, (5.0, 1.0), strict=True):
         low, high = axes.get_ylim()
         assert low < allowed < high
+
+
+def test_responses_at_one_frequency_are_marks() -> None:
+    one = np.array([15.3]), np.array([4e-4])
+    found = Decision(vibeam.load(NEUTRAL), FIVE, "ten", {("ten", "up"): one, ("one", "up"): one})
+    assert [line.get_marker() for line in responses_figure(found).axes[0].lines] == ["o", "o"]
