@@ -165,7 +165,7 @@ def responses_figure(found: Decision) -> Figure:
         label = labels.get(model, f"{model}, the reference") if way == first_way else "swept down"
         axes.plot(
             frequency * units.frequency_factor, amplitude * units.length_factor, linestyle=WAYS[way], label=label,
-            gid=f"response-{model}-{way}", **looks.get(model, BAND),
+            gid=f"response-{model}-{way}", marker="o" * (len(frequency) == 1), **looks.get(model, BAND),
         )  # fmt: skip
     reference = {way: each for (model, way), each in found.curves.items() if model == found.reference}
     for first, (name, comparison) in zip((True, False), shown.items(), strict=False):

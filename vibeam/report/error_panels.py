@@ -28,9 +28,9 @@ def error_panels(
         known = [each for each in errors if each.seconds > 0 and getattr(each, name).value >= 0]
         _panel(axes, known, name)
         axes.set_ylabel(LABELS[name])
-        _scale(axes)
         allowed = {"color": "0.5", "linewidth": 0.8, "linestyle": ":", "label": "error that is allowed"}
         axes.axhline(100 * getattr(asked, name), gid=f"asked-{name}", **allowed)
+        _scale(axes)
         if reference > 0:
             axes.axvline(1e3 * reference, color="0.8", linewidth=3.4, zorder=0, label="time of the reference")
     grid[-1].set_xlabel("CPU time of a point (ms)")

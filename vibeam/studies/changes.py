@@ -111,7 +111,7 @@ def changes(
     Under a record each at the value of the factor at which it is largest.
     """
     made = () if found is None else _of_comparison(found)
-    own = (_largest(each, reference, other, found is not None) for each in reference.numbers)
+    own = (_largest(each, reference, other) for each in reference.numbers)
     return _beside((*made, *own), limits)
 
 
@@ -138,11 +138,11 @@ def _of_comparison(found: ResponseComparison) -> Iterator[NumberChange]:
     yield NumberChange(KINDS, *max(spans, key=lambda each: each[1] + 2 * each[2], default=none))
 
 
-def _largest(number: AskedNumber, reference: Ensemble, other: Ensemble, swept: bool) -> NumberChange:
-    rows = zip(reference.of(number), other.of(number), strict=True)
+def _largest(number: AskedNumber, reference: Ensemble, other: Ensemble) -> NumberChange:
+    rows = list(zip(reference.of(number), other.of(number), strict=True))
     found = [change_of(number, theirs, ours) for theirs, ours in rows]
-    if swept and np.isfinite(reference.of(number)).all() != np.isfinite(other.of(number)).all():
-        return NumberChange(number, found[0].mean, inf, nan)  # one of the two alone has it
+    if any(np.isfinite(theirs).any() != np.isfinite(ours).any() for theirs, ours in rows):
+        return NumberChange(number, found[0].mean, inf, nan)  # one of the two alone has it: contact, say
     return max(found, key=lambda each: each.size if each.size == each.size else -1.0)
 
 

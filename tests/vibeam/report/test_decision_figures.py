@@ -216,3 +216,17 @@ def test_the_pictures_of_a_record_are_its_own(verdict: vibeam.Verdict) -> None:
     """A study under a record has no response over frequency."""
     case = vibeam.load("cases/inputs/half_sine.toml")
     assert list(pictures(replace(verdict, case=case))) == []
+
+
+def test_the_error_that_is_allowed_is_in_sight_of_errors_far_from_it() -> None:
+    errors = (ModelError("one", 2e-4, ErrorSize(1e-4), ErrorSize(0.4)),)
+    figure = times_figure(Decision(vibeam.load(NEUTRAL), FIVE, "ten", errors=errors))
+    for axes, allowed in zip(figure.axes, (5.0, 1.0), strict=True):
+        low, high = axes.get_ylim()
+        assert low < allowed < high
+
+
+def test_responses_at_one_frequency_are_marks() -> None:
+    one = np.array([15.3]), np.array([4e-4])
+    found = Decision(vibeam.load(NEUTRAL), FIVE, "ten", {("ten", "up"): one, ("one", "up"): one})
+    assert [line.get_marker() for line in responses_figure(found).axes[0].lines] == ["o", "o"]

@@ -9,8 +9,9 @@ import pytest
 from effect_studies import PEAK, case_of
 
 from vibeam.runs.comparison.errors import ResponseComparison
-from vibeam.studies.changes import AMPLITUDES, ENDS, KINDS, changes
+from vibeam.studies.changes import AMPLITUDES, ENDS, KINDS, ModelVariant, changes
 from vibeam.studies.effects import influence
+from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.variants import Ensemble, ensembles
 
 
@@ -51,3 +52,15 @@ def test_of_a_comparison_what_it_may_be_off_at_most_counts() -> None:
     peaks = [float(each.of(PEAK)[0, 0]) for each in (ours, whole)]
     assert by_number[PEAK].change == pytest.approx(peaks[0] / peaks[1] - 1)
     assert by_number[PEAK].allowed == inf
+
+
+@pytest.mark.parametrize("struck", [([0.1, 0.2], [np.nan, np.nan]), ([np.nan, np.nan], [0.1, 0.2])])
+def test_contact_in_one_model_alone_is_never_within_what_is_allowed(struck: tuple[list[float], list[float]]) -> None:
+    """Under a record whose motions have no impact there is no hardest one."""
+    peak, hardest = AskedNumber("peak", "tip"), AskedNumber("hardest_impact")
+    reference, other = (
+        Ensemble("beam", 2, {peak: np.ones((1, 2)), hardest: np.array([each])}, np.ones((1, 2))) for each in struck
+    )
+    found = changes(reference, other, limits={peak: 0.05, hardest: 0.05})
+    assert [each.share for each in found] == [0.0, np.inf]
+    assert ModelVariant(found).worst == np.inf
