@@ -14,5 +14,5 @@ def lowest(requirement: Requirement) -> str:
 
 
 project = tomllib.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))["project"]
-compiler = project["optional-dependencies"]["jit"]
-print("\n".join(lowest(Requirement(each)) for each in (*project["dependencies"], *compiler)))
+extras = project["optional-dependencies"]
+print("\n".join(lowest(Requirement(each)) for each in (*project["dependencies"], *extras["jit"], *extras["fe"])))

@@ -75,7 +75,9 @@ def _object(name: str) -> FormatError:
 
 
 def _dense(value: Any) -> Any:
-    if hasattr(value, "nnz"):
+    from scipy.sparse import issparse
+
+    if issparse(value):
         raise FormatError("holds a sparse matrix in place of a column")
     return np.asarray(value)
 

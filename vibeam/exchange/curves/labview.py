@@ -14,7 +14,7 @@ from vibeam.exchange.curves.units_said import one_unit
 from vibeam.exchange.files import FormatError, Line, read_by, shown
 from vibeam_models.arrays import Array
 
-END, CLOCK = "***End_of_Header***", "X_Value"
+END, CLOCK, COMMENT = "***End_of_Header***", "X_Value", "Comment"
 MARKS = {"Tab": "\t", "Comma": ","}
 FILE = {
     "Separator": tuple(MARKS), "Decimal_Separator": (".", ","), "Multi_Headings": ("Yes", "No"),
@@ -61,7 +61,7 @@ def read(lines: Sequence[Line], wanted: Mapping[str, WantedColumn]) -> Columns:
     value = next((place for place in found.values() if place is not None), 0)
     if "frequency" in wanted:
         found["frequency"] = _abscissa(first, wanted["frequency"], value)
-    if fault := missing(dict.fromkeys(heads), wanted, found):
+    if fault := missing(dict.fromkeys(each for each in heads if each != COMMENT), wanted, found):
         raise fault
     places = {role: place for role, place in found.items() if place is not None}
     parts, notes, kept = list[dict[str, Array]](), list[str](), list[int]()
@@ -116,7 +116,7 @@ def _segments(lines: Sequence[Line]) -> list[Segment]:
 def _channels(segment: Segment, cells: list[str], line: int) -> list[str]:
     """Heads of the columns; FormatError where they are not as many as the head says."""
     heads = cells[: 1 + max(place for place, each in enumerate(cells) if each or not place)]
-    channels = len([each for each in heads if each not in (CLOCK, "Comment")])
+    channels = len([each for each in heads if each not in (CLOCK, COMMENT)])
     if heads[0] != CLOCK or channels != segment.number("Channels", 1):
         said = segment.entry("Channels", 1) or "no number of"
         raise FormatError(f"has {channels} heads of channels behind {shown(heads[0])}, and {said} Channels above", line)
