@@ -27,10 +27,17 @@ class TakenColumn:
     unit: str
     origin: str = ""
 
-    def __str__(self) -> str:
-        named = f"{self.place} {shown(self.head)}" if self.head and self.place not in ("", self.head) else self.place
+    @property
+    def named(self) -> str:
+        """Place and head."""
+        both = self.head and self.place not in ("", self.head)
+        return f"{self.place} {shown(self.head)}" if both else self.place or self.head
+
+    @property
+    def unit_told(self) -> str:
+        """Unit, and where it is from."""
         origin = f" ({self.origin})" if self.origin else ""
-        return f"{named or self.head}, {'a plain number' if self.unit in ('', '1') else self.unit}{origin}"
+        return f"{'a plain number' if self.unit in ('', '1') else self.unit}{origin}"
 
 
 @dataclass(frozen=True)
@@ -63,7 +70,11 @@ class Taken:
         if self.zero is not None:
             span += f", {'which' if self.zero == self.start else f'of which {grouped(self.zero)} s'} is taken as 0"
         kind = "" if self.kind == "time history" else f"{self.kind}: "
-        return "; ".join([f"taken: {kind}{', '.join(map(str, self.columns))}, {span}", *self.notes])
+        groups = {each.unit_told: list[str]() for each in self.columns}
+        for each in self.columns:
+            groups[each.unit_told].append(each.named)
+        columns = ", ".join(", ".join([*named, unit]) for unit, named in groups.items())
+        return "; ".join([f"taken: {kind}{columns}, {span}", *self.notes])
 
 
 Told = tuple[Callable[[str], None], list[Taken]]

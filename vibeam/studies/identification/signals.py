@@ -110,7 +110,7 @@ def _taken(path: Path, found: Sequence[Columns], signal: Signal) -> Taken:
     over, ends = UNITS.get(signal.over, ""), (float(signal.at.min()), float(signal.at.max()))
     units = {"value": "", "imaginary": "", "phase": "rad", "frequency": over, "uncertainty": signal.units[1]}
     columns = [
-        taken_column(each.columns[role], units[role]) for each in found for role in units if role in each.columns
+        taken_column(each.columns[role], units[role]) for role in units for each in found if role in each.columns
     ]
     return Taken(
         path.name, found[0].kind or "time history", tuple(dict.fromkeys(columns)), len(signal.at), *ends, over,
