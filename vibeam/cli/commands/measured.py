@@ -121,7 +121,8 @@ def _of_responses(
     """Fit the keys of [fit] to the responses of a case, or do the part of it that is asked."""
     from vibeam.cli.progress import stderr
     from vibeam.exchange.whole_files import write_whole
-    from vibeam.report.fit import estimated_case, sheet
+    from vibeam.report.fit import sheet
+    from vibeam.studies.fit.estimated_case import estimated_case
     from vibeam.studies.fit.study import fit as fitted
 
     loaded = load(file, set_)
