@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from vibeam.exchange.curves.taken import MeasuredCurve
 from vibeam.report.output import SheetPicture
-from vibeam.studies.measured_curves import MeasuredFiles, measured_curves
+from vibeam.studies.measured_curves import measured_curves, measured_files
 from vibeam.studies.measured_panel import Orders, draw_curve, draw_orders
 
 if TYPE_CHECKING:
@@ -20,14 +19,13 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import FigurePlan
 
-CAPTION = "measured curves as they were read"
-ALONE = 3  # panels up to which they stand below each other
+CAPTION = "measured data as read"
 
 
 def case_pictures(case: Case) -> list[SheetPicture]:
     """Picture of the measured curves of a case, whose files are read when it is drawn; none where it names none."""
     draw = lambda: curves_figure(measured_curves(case), case.figure, case.title)  # noqa: E731
-    return [SheetPicture("measured", CAPTION, draw, "_measured")] * bool(MeasuredFiles.of(case))
+    return [SheetPicture("measured", CAPTION, draw, "_measured")] * any(measured_files(case))
 
 
 def write_measured(case: Case, path: Path | None) -> list[Path]:
@@ -49,13 +47,9 @@ def curves_figure(curves: Sequence[MeasuredCurve], plan: FigurePlan, title: str,
     from vibeam.figures.panels import decades
     from vibeam.figures.style import COLOURS
 
-    columns = 1 if len(curves) <= ALONE else 2
-    rows = ceil(len(curves) / columns)
-    figure = blank_page((5.8 if columns == 1 else 7.2, 2.4 * rows + 1.2), plan)
-    grid, drawn = figure.subplots(rows, columns, squeeze=False), dict[str, Any]()
-    for spare in grid.flat[len(curves) :]:
-        spare.set_axis_off()
-    for axes, curve in zip(grid.flat, curves, strict=False):
+    figure = blank_page((5.8, 2.4 * len(curves) + 1.2), plan)
+    grid, drawn = figure.subplots(len(curves), squeeze=False)[:, 0], dict[str, Any]()
+    for axes, curve in zip(grid, curves, strict=True):
         drawn |= draw_curve(axes, curve, COLOURS)
         if curve.fit is not None and not curve.timed:
             decades(axes, [np.ravel(curve.value)])
@@ -63,7 +57,7 @@ def curves_figure(curves: Sequence[MeasuredCurve], plan: FigurePlan, title: str,
         axes.set_xlabel(plain(curve.labels[0]))
         axes.set_ylabel(plain(curve.labels[1]))
     if len(orders) > 1:
-        drawn |= draw_orders(grid[0, 0].twinx(), orders)
+        drawn |= draw_orders(grid[0].twinx(), orders)
     titled(figure, plan, title, CAPTION)
     legend(figure, drawn)
     return figure

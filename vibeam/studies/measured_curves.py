@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,32 +17,19 @@ if TYPE_CHECKING:
     from vibeam.case.plans import Reference
 
 
-@dataclass(frozen=True)
-class MeasuredFiles:
-    """Measured ``references`` of a case, and its ``inputs`` that are files: what it names, nothing is read.
+def measured_files(case: Case) -> tuple[list[Reference], list[InputPlan]]:
+    """Measured references of a case, and its inputs that are files; none of them is read.
 
-    A reference of vibeam's own form, without a window, is measured where the case says so.
+    A reference in a file of vibeam's own form, without a window, is measured where the case says so.
     """
-
-    references: Sequence[Reference]
-    inputs: Sequence[InputPlan]
-
-    @classmethod
-    def of(cls, case: Case) -> MeasuredFiles:
-        """Those of a case."""
-        references = [
-            each for each in case.references.values() if each.measured or each.form.window or not each.form.own
-        ]
-        return cls(references, [*dict.fromkeys(each for each in case.inputs.values() if each.file is not None)])
-
-    def __bool__(self) -> bool:
-        return bool(self.references or self.inputs)
+    references = [each for each in case.references.values() if each.measured or each.form.window or not each.form.own]
+    return references, [*dict.fromkeys(each for each in case.inputs.values() if each.file is not None)]
 
 
 def measured_curves(case: Case) -> list[MeasuredCurve]:
     """All points of the measured curves of a case, and which it uses; CaseError where a file cannot be read."""
-    files = MeasuredFiles.of(case)
-    return [*map(_of_reference, files.references), *(_of_input(each, case) for each in files.inputs)]
+    references, inputs = measured_files(case)
+    return [*map(_of_reference, references), *(_of_input(each, case) for each in inputs)]
 
 
 def _of_reference(reference: Reference) -> MeasuredCurve:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -31,6 +30,8 @@ from vibeam.cli.streams import MISSED
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.report.output import StudySheet
+
+    Answer = tuple[StudySheet, list[Path]]
 
 DRAWN = (".png", ".svg", ".pdf")
 
@@ -69,11 +70,11 @@ def check(
             raise UsageError("--plot: draws references and drive.file, and this one has none: write a [reference.NAME]")
         return case
 
-    def answer(case: Case) -> tuple[StudySheet, list[Path]]:
+    def answer(case: Case) -> Answer:
         if write:
             return _recorded(case, out, force)
         path = None if plot is None else output_path(plot, f"{case.path.stem}_check.png", DRAWN, "a figure")
-        return _checked(case, out, fresh, set_ or (), path)
+        return _checked(case, out, fresh, set_ or [], path)
 
     if len(cases) > 1:
         require_folder("--out", out, RESULTS)
@@ -88,9 +89,7 @@ def check(
         raise typer.Exit(MISSED)
 
 
-def _checked(
-    case: Case, out: str | None, fresh: bool, settings: Sequence[str], path: Path | None
-) -> tuple[StudySheet, list[Path]]:
+def _checked(case: Case, out: str | None, fresh: bool, set_: list[str], path: Path | None) -> Answer:
     """Report of a check, and its files: references are drawn to ``path``."""
     from vibeam.report.checks import check_report
     from vibeam.report.measured import write_measured
@@ -109,10 +108,10 @@ def _checked(
 
     require_readable(case)
     result = run_case(case, None if out is None else results_path(case, out), show=False, fresh=fresh)
-    partial = any(each.strip().startswith("sweep") for each in settings)
+    partial = any(each.strip().startswith("sweep") for each in set_)
     at = at_references(case, result, partial=partial)
     rows = check_references(case, result, partial=partial, at=at)
-    rows += check_expectations(case, result, partial=bool(settings))
+    rows += check_expectations(case, result, partial=bool(set_))
     held = held_of(case.scene).label if any(each.against for each in case.expectations.values()) else ""
     if path is not None and case.references:
         from vibeam.report.references import write_references
@@ -126,7 +125,7 @@ def _checked(
     return check_report(rows, measured, units_of(case), held, remarks(result)), files
 
 
-def _recorded(case: Case, out: str | None, force: bool) -> tuple[StudySheet, list[Path]]:
+def _recorded(case: Case, out: str | None, force: bool) -> Answer:
     """Write the curves of a case as regression values; the tables that check them, and the files."""
     from vibeam.exchange.whole_files import write_whole
     from vibeam.report.output import StudySheet
