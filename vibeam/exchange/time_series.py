@@ -18,7 +18,7 @@ import numpy as np
 from vibeam.exchange.curves.columns import TIMES, Columns, HeadError, WantedColumn, in_si, split_head, taken_column
 from vibeam.exchange.curves.read import is_text, read_columns
 from vibeam.exchange.curves.record import taking
-from vibeam.exchange.curves.taken import Taken, tell
+from vibeam.exchange.curves.taken import MeasuredCurve, Taken, label, tell
 from vibeam.exchange.curves.waves import SHARES
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, State, file_fault, state_of
@@ -86,13 +86,7 @@ def record_of_file(
     try:
         numbers = {"scale": scale, "start": None if start == FIRST else start, "since": since, "until": until}
         _require_keys(quantity, {"column": column, "time": time}, unit, numbers)
-        found = _columns(path, column, time, quantity, rate)
-        if found.columns["value"].unit == SHARES:
-            unit = unit or ""
-            if scale is None:
-                raise FormatError(f"holds {SHARES}: say scale, the value of the full scale")
-        value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
-        clock = _clock(found, rate)
+        found, unit, value, clock = _samples(path, column, time, quantity, unit, rate, scale)
         kept = _stretch(clock, since, until)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
@@ -131,6 +125,32 @@ def record_in_run(path: Path, duration: float | None, quote: bool, said: Mapping
 @lru_cache(maxsize=4)
 def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any], ...], **more: Any) -> Record:
     return record_of_file(path, quote=quote, **dict(form), **more)
+
+
+def curve_in_run(path: Path, duration: float, kept: Taken, said: Mapping[str, Any]) -> MeasuredCurve:
+    """All samples of a file by the keys of a case; used are those that were ``kept``, in a run of ``duration`` s."""
+    quantity = said.get("quantity", "acceleration")
+    keys = (said.get(each) for each in ("unit", "rate", "scale"))
+    _, _, value, clock = _samples(path, said.get("column"), said.get("time"), quantity, *keys)
+    zero = kept.zero or 0.0
+    first, last = max(kept.start, zero), min(kept.end, zero + duration * (1 + EVEN / len(clock)))
+    used = (clock >= first) & (clock <= last)
+    labels = label("time", "s"), label(kept.columns[0].head or quantity, UNITS[quantity])
+    return MeasuredCurve(clock, value, used, None, labels, kept.file, True)
+
+
+def _samples(
+    path: Path, column: str | int | None, time: str | int | None, quantity: str, unit: str | None, rate: float | None,
+    scale: float | None,
+) -> tuple[Columns, str | None, Array, Array]:  # fmt: skip
+    """Columns of a file, the unit that is said of its samples, these in SI, and their times in s."""
+    found = _columns(path, column, time, quantity, rate)
+    if found.columns["value"].unit == SHARES:
+        unit = unit or ""
+        if scale is None:
+            raise FormatError(f"holds {SHARES}: say scale, the value of the full scale")
+    value = in_si(found.columns["value"], UNITS[quantity], unit, SAY_UNIT) * (1.0 if scale is None else scale)
+    return found, unit, value, _clock(found, rate)
 
 
 def _stretch(clock: Array, since: float | None, until: float | None) -> slice:

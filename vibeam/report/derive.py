@@ -7,6 +7,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from vibeam.case.held import held_of
+from vibeam.report.measured import case_pictures
 from vibeam.report.output import StudySheet, plain
 from vibeam.report.tables import ReportTable, blank, coefficient, shown
 from vibeam.system.number_text import percent, ratio, signed, with_unit, without_round_off
@@ -36,6 +37,7 @@ def sheet(table: DerivedTable, case: Case) -> StudySheet:
         details=list(_assumptions(table)),
         data={"rows": table.rows, "notes": table.notes, "contacts": table.contacts, "impact": impact},
         rows=[plain(row) for row in table],
+        pictures=case_pictures(case),
     )
 
 

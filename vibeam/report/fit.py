@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.held import PLACES, held_of
+from vibeam.case.plans import FigurePlan
+from vibeam.report.measured import curves_figure
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import listed
@@ -18,7 +20,6 @@ from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.profile import FitRow
 from vibeam.studies.fit.study import FitStudy, FittedPoint
 from vibeam.studies.identification.estimates import Estimate, Identification
-from vibeam.studies.identification.picture import modes_figure
 from vibeam.system.number_text import begun, percent, shown_in, with_unit
 from vibeam_models.arguments import counted
 
@@ -97,9 +98,10 @@ def identification_sheet(found: Identification) -> StudySheet:
     told = told if known else f"{of} do not fix {unknown}"
     because = f"; taken as {'an' if found.of[0] == 'a' else 'a'} {found.of}, since {found.why}" if found.of else ""
     answer = f"{begun(told) if found.of or not known else told}{because}."
-    names = [each.name for each in fields(found) if each.name != "fit" and getattr(found, each.name) != ""]
+    names = [each.name for each in fields(found) if each.name != "curve" and getattr(found, each.name) != ""]
     data = {name: getattr(found, name) for name in names}
-    notes, draw = [*found.directions, *found.notes], partial(modes_figure, found) if len(found.orders) > 1 else None
+    draw = None if found.curve is None else partial(curves_figure, [found.curve], FigurePlan(), "", found.orders)
+    notes = [*found.directions, *found.notes]
     return StudySheet(answer, [_identified(found)], notes, data=data, rows=found.rows, draw=draw)
 
 
@@ -165,23 +167,6 @@ def as_data(study: FitStudy) -> dict[str, Any]:
     }
     names = ("rows", "misfit", "judgement", "covariance", "points", "next", "sentences")
     return {name: getattr(study, name) for name in names} | {"profiles": profiles}
-
-
-def estimated_case(study: FitStudy) -> str:
-    """Text of the case's file with the estimated values in place of its own; keys that are not determined keep theirs.
-
-    ValueError for a key that the file does not have, in a table written inline.
-    """
-    from vibeam.casefile.toml import read_text
-    from vibeam.casefile.toml_writing import with_values
-
-    rows = [row for row in study.rows if row.determined]
-    found = {row.key: f'"{row.value:.6g} {row.unit}"' if row.unit else f"{row.value:.6g}" for row in rows}
-    names = dict.fromkeys(point.reference for point in study.points)
-    head = (
-        f"# {', '.join(found) or 'nothing'}: estimated by vibeam fit from {', '.join(names)} of {study.case.path.name}"
-    )
-    return f"{head}\n\n{with_values(read_text(study.case.path), found)}"
 
 
 def fit_figure(study: FitStudy) -> Figure:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -31,6 +30,8 @@ from vibeam.cli.streams import MISSED
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.report.output import StudySheet
+
+    Answer = tuple[StudySheet, list[Path]]
 
 DRAWN = (".png", ".svg", ".pdf")
 
@@ -65,15 +66,15 @@ def check(
 
     def prepared(path: Path) -> Case:
         case = of_fidelities(load(path, set_), fidelity)
-        if plot is not None and not case.references:
-            raise UsageError("--plot: draws the references of a case, and this one has none: write a [reference.NAME]")
+        if plot is not None and not (case.references or any(each.file for each in case.inputs.values())):
+            raise UsageError("--plot: draws references and drive.file, and this one has none: write a [reference.NAME]")
         return case
 
-    def answer(case: Case) -> tuple[StudySheet, list[Path]]:
+    def answer(case: Case) -> Answer:
         if write:
             return _recorded(case, out, force)
-        files = [] if plot is None else [output_path(plot, f"{case.path.stem}_check.png", DRAWN, "a figure")]
-        return _checked(case, out, fresh, set_ or (), files), files
+        path = None if plot is None else output_path(plot, f"{case.path.stem}_check.png", DRAWN, "a figure")
+        return _checked(case, out, fresh, set_ or [], path)
 
     if len(cases) > 1:
         require_folder("--out", out, RESULTS)
@@ -88,16 +89,16 @@ def check(
         raise typer.Exit(MISSED)
 
 
-def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], files: Sequence[Path]) -> StudySheet:
-    """Report of a check; its references are drawn to ``files``."""
+def _checked(case: Case, out: str | None, fresh: bool, set_: list[str], path: Path | None) -> Answer:
+    """Report of a check, and its files: references are drawn to ``path``."""
     from vibeam.report.checks import check_report
+    from vibeam.report.measured import write_measured
+    from vibeam.runs.systems import require_runnable
 
     if not (case.references or case.expectations or case.measured):
-        from vibeam.runs.systems import require_runnable
-
         if case.record is None:
             require_runnable(case)
-        return check_report([], [])
+        return check_report([], []), write_measured(case, path)
     from vibeam.case.held import held_of
     from vibeam.figures.units import units_of
     from vibeam.runs.summary import remarks
@@ -106,30 +107,29 @@ def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], 
     from vibeam.studies.regression.references import require_readable
 
     require_readable(case)
-    if case.record is not None and files:
-        raise UsageError(f"--plot {files[0]}: draws curves over frequency, and this case has a [record]")
     result = run_case(case, None if out is None else results_path(case, out), show=False, fresh=fresh)
-    partial = any(each.strip().startswith("sweep") for each in settings)
+    partial = any(each.strip().startswith("sweep") for each in set_)
     at = at_references(case, result, partial=partial)
     rows = check_references(case, result, partial=partial, at=at)
-    rows += check_expectations(case, result, partial=bool(settings))
+    rows += check_expectations(case, result, partial=bool(set_))
     held = held_of(case.scene).label if any(each.against for each in case.expectations.values()) else ""
-    if files:
+    if path is not None and case.references:
         from vibeam.report.references import write_references
 
-        write_references(case, rows, at, *files)
-    measured = compare_measured(case, result)
+        write_references(case, rows, at, path)
+    measured, files = compare_measured(case, result), write_measured(case, path)
     if case.record is not None:
         from vibeam.report.transient import remarks as remarks_of
 
-        return check_report(rows, measured, held=held, remarks=list(remarks_of(result)))
-    return check_report(rows, measured, units_of(case), held, remarks(result))
+        return check_report(rows, measured, held=held, remarks=list(remarks_of(result))), files
+    return check_report(rows, measured, units_of(case), held, remarks(result)), files
 
 
-def _recorded(case: Case, out: str | None, force: bool) -> tuple[StudySheet, list[Path]]:
+def _recorded(case: Case, out: str | None, force: bool) -> Answer:
     """Write the curves of a case as regression values; the tables that check them, and the files."""
     from vibeam.exchange.whole_files import write_whole
-    from vibeam.report.checks import record, record_report
+    from vibeam.report.output import StudySheet
+    from vibeam.studies.regression.recorded_curves import recorded_answer, recorded_curves
 
     _ = case.sweep  # curves over frequency: a record case has none
     place = case.path.parent / "references" if out is None else Path(out)
@@ -140,5 +140,5 @@ def _recorded(case: Case, out: str | None, force: bool) -> tuple[StudySheet, lis
     result = run_case(case, None, show=False)
     folder(place)
     for name, file in files.items():
-        write_whole(file, record(result, name).encode())
-    return record_report(case, files), list(files.values())
+        write_whole(file, recorded_curves(result, name).encode())
+    return StudySheet(recorded_answer(case, files)), list(files.values())

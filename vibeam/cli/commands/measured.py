@@ -121,19 +121,19 @@ def _of_responses(
     """Fit the keys of [fit] to the responses of a case, or do the part of it that is asked."""
     from vibeam.cli.progress import stderr
     from vibeam.exchange.whole_files import write_whole
-    from vibeam.report.fit import estimated_case, sheet
-    from vibeam.studies.fit.study import fit as fitted
+    from vibeam.report.fit import sheet
+    from vibeam.studies.fit import study as fits
 
     loaded = load(file, set_)
     path = table_path(loaded, out, "fit", ENDINGS)
     if write is not None:
         _require_new(loaded, write, set_)
     with in_parts("fit", path, shared) as rounds:
-        study = of_case(file, lambda: fitted(loaded, stderr().print, next_point=next_))
+        study = of_case(file, lambda: fits.fit(loaded, stderr().print, next_point=next_))
     found = sheet(study)
     files = files_of(found, path, loaded.title, "keys estimated from measured responses", loaded.figure)
     if write is not None:
-        write_whole(write, of_case(file, lambda: estimated_case(study)).encode())
+        write_whole(write, of_case(file, lambda: fits.estimated_case(study)).encode())
         files.append(write)
     rounds.discard()
     print_sheet(found, files)

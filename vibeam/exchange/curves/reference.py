@@ -61,7 +61,7 @@ def read_curve(
     left = len(points) - len(treated)
     notes = (*taken.notes, f"{left} of {len(points)} points left out by window") if left else taken.notes
     taken = replace(taken, notes=notes)
-    if taken.kind != KIND:
+    if taken.kind != KIND or left:
         tell(taken)
     return ReferenceCurve(quantity, treated, str(path), _is_recorded(path), taken)
 

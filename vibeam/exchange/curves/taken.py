@@ -1,4 +1,7 @@
-"""Data taken of a file, in one line: columns, units, samples, rate, start; told once to a command that listens."""
+"""Data taken of a file, in one line: columns, units, samples, rate, start; told once to a command that listens.
+
+A picture shows more of it: the curve as it was read, and which of its points are used.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from typing import Any
 
 from vibeam_models.arguments import shown
+from vibeam_models.arrays import Array
 
 
 def grouped(value: float) -> str:
@@ -75,6 +80,38 @@ class Taken:
             groups[each.unit_told].append(each.named)
         columns = ", ".join(", ".join([*named, unit]) for unit, named in groups.items())
         return "; ".join([f"taken: {kind}{columns}, {span}", *self.notes])
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredCurve:
+    """Curve as it was read, for a picture: ``value`` (n,), or (m, n) of several, at ``at`` (n,), in SI.
+
+    ``used`` (n,): points that are not cut. ``fit``: places (k,), and what was fitted there. ``labels``: of the axes,
+    heads with units. ``timed``: over time, not frequency.
+    """
+
+    at: Array
+    value: Array
+    used: Any
+    fit: tuple[Array, Array] | None = None
+    labels: tuple[str, str] = ("", "")
+    name: str = ""
+    timed: bool = False
+
+    @property
+    def cut(self) -> int:
+        """Number of points that are not used."""
+        return len(self.used) - int(sum(self.used))
+
+    @property
+    def title(self) -> str:
+        """Name, and how many points are cut."""
+        return f"{self.name}: {self.cut} of {len(self.used)} points are cut" if self.cut else self.name
+
+
+def label(head: str, unit: str) -> str:
+    """Label of an axis: the head of a column, and its unit where it has one."""
+    return f"{head} in {unit.replace('^2', '²')}" if unit not in ("", "1") else head
 
 
 Told = tuple[Callable[[str], None], list[Taken]]

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vibeam.exchange.curves.taken import MeasuredCurve
 from vibeam.studies.identification.estimates import Identification, by_logarithms, correlation, estimates, spread_of
 from vibeam.studies.identification.response import CORRELATED, RANGE, SAMPLE, notes_on, numbered, require_room, usable
 from vibeam_models.arguments import counted
@@ -84,7 +85,25 @@ def identify_decay(time: ArrayLike, displacement: ArrayLike) -> Identification:
         raise ValueError(f"the record is not a free decay: {told}: take it from the release to rest, --from and --to")
     notes += notes_on(residual, left)
     stretch = start + float(begun), start + float(begun + t[-1])
-    return Identification(rows, method, len(t), left, spread.directions, tuple(notes), stretch=stretch)
+    curve = _curve(time, displacement, np.flatnonzero(~clipped)[first:last], (poles, linear))
+    return Identification(rows, method, len(t), left, spread.directions, tuple(notes), stretch=stretch, curve=curve)
+
+
+def _curve(time: ArrayLike, displacement: ArrayLike, kept: Any, fit: tuple[Array, Array]) -> MeasuredCurve:
+    """The record, its samples that are ``kept``, and the decay with these poles and weights from the first to the last.
+
+    Also between those that are cut off, whose size it shows.
+    """
+    at, value = np.asarray(time, dtype=float), np.asarray(displacement, dtype=float)
+    used, between = np.zeros(len(at), dtype=bool), slice(kept[0], kept[-1] + 1)
+    used[kept] = True
+    model = _basis(at[between] - at[kept[0]], fit[0]) @ fit[1]
+    return MeasuredCurve(at, value, used, (at[between], _unit(value) * model), timed=True)
+
+
+def _unit(x: Array) -> float:
+    """Power of 2 that a record is divided by: exact, and tolerances of the fit are absolute."""
+    return float(2.0 ** np.frexp(np.max(np.abs(x)))[1])
 
 
 def _checked(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Array]:
@@ -100,7 +119,7 @@ def _checked(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Array]:
         raise ValueError("the times must ascend")
     if np.ptp(x) == 0:
         raise ValueError("the displacement is constant: there is no motion in it")
-    return t - t[0], x / 2.0 ** np.frexp(np.max(np.abs(x)))[1]  # exact; tolerances of the fit are absolute
+    return t - t[0], x / _unit(x)
 
 
 def _clipped(x: Array) -> Any:

@@ -12,11 +12,12 @@ White, J. Econometrics 29 (1985)), unequal, as where it is in proportion to the 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf, log, nan
 
 import numpy as np
 
+from vibeam.exchange.curves.taken import MeasuredCurve
 from vibeam_models.arrays import Array
 
 UNKNOWN = log(2.0)  # half-width of an interval in the logarithm from which on a direction is not determined
@@ -48,8 +49,7 @@ class Identification:
     ``directions``: what the data do not fix. ``method``: what was fitted to what. ``notes``: what limits the numbers.
     Of a file ``of``: ``"decay"``, ``"spectrum"``, ``"receptance"`` …, and ``why`` it is taken as one. ``orders``:
     frequency and damping ratio of each mode of a fit with 1, 2, … modes. ``shapes``: a table [modes] of several
-    responses. ``stretch``: the part of a record that was fitted, in s. ``fit``: frequencies (n,), moduli (m, n)
-    measured and fitted.
+    responses. ``stretch``: the part of a record that was fitted, in s. ``curve``: what was read, used and fitted.
     """
 
     rows: tuple[Estimate, ...]
@@ -63,7 +63,7 @@ class Identification:
     orders: tuple[tuple[tuple[float, float], ...], ...] = ()
     shapes: str = ""
     stretch: tuple[float, float] | None = None
-    fit: tuple[Array, Array, Array] | None = None
+    curve: MeasuredCurve | None = field(default=None, compare=False, repr=False)
 
     @property
     def leading(self) -> tuple[Estimate, ...]:

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vibeam.exchange.curves.taken import MeasuredCurve
 from vibeam.exchange.faults import suggest
 from vibeam.studies.identification.estimates import Estimate, Identification, correlation, estimates, spread_of
 from vibeam.studies.identification.residues import MOST, Fit, ModalResponses, fitted
@@ -224,7 +225,7 @@ def _modes(frequency: ArrayLike, response: ArrayLike, uncertainty: ArrayLike | N
     )
     found = Identification(
         rows, _method(best), a.size, share, spread.directions, tuple(notes_on(residual.ravel(), share)), orders=orders,
-        fit=(f, np.abs(a), np.abs(best.model) * top),
+        curve=MeasuredCurve(f, np.abs(a), f > 0, (f, np.abs(best.model) * top)),
     )  # fmt: skip
     shapes = best.weights[: len(order)][order] * top * unit ** (2 - wanted.power) * wanted.factor
     return _with_shapes(found, shapes) if wanted.unit == "1/kg" else found

@@ -21,7 +21,7 @@ import numpy as np
 
 from vibeam.casefile.quantities import FREQUENCY, RATIO, TIME, suits, to_si
 from vibeam.exchange.curves.columns import size_in
-from vibeam.exchange.curves.taken import tell
+from vibeam.exchange.curves.taken import MeasuredCurve, label, tell
 from vibeam.exchange.units import unit_size
 from vibeam.studies.identification.decay import identify_decay
 from vibeam.studies.identification.estimates import Identification
@@ -49,6 +49,8 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "mobility": ("mobility",), "accelerance": ("accelerance",), "inertance": ("accelerance",),
     "transmissibility": RATIOS, "relative": ("relative transmissibility",),
 }  # fmt: skip
+MOTIONS = ("m", "m/s", "m/s^2", "N", "V")
+PER = tuple(f"{each}{per}" for each in MOTIONS for per in ("/N", "/V", "/A", "/Hz", " s"))
 POWERS = {"psd", "power", "autopower", "density", "leistungsdichte"}
 #: units of values, what they are of, and the kinds
 OF_UNITS: Sequence[tuple[str, str, tuple[str, ...]]] = (
@@ -76,7 +78,8 @@ def identify_signal(
     ``level``: of a response. ``stretch``: times (s) or frequencies (Hz) from which and to which it is taken. CaseError
     with the place and the cure; ValueError where it is none, or cannot be told.
     """
-    signal = read_signal(path, "" if of is None else "time" if of == KINDS[0] else "frequency", x, y).within(stretch)
+    whole = read_signal(path, "" if of is None else "time" if of == KINDS[0] else "frequency", x, y)
+    signal = whole.within(stretch)
     tell(signal.taken)
     signal = _causal(signal)
     if not usable(signal.value):
@@ -85,7 +88,7 @@ def identify_signal(
     if drive is not None or level is not None:
         forms = () if level is not None else KINDS[3:6] if drive == "force" else RATIOS
         told.append(Clue("a drive is given, --drive or --level", ("response", *forms)))
-    if _is_power(signal):
+    if power := _is_power(signal):
         told.append(Clue(f"{signal.units[1] or repr(signal.heads[1])} is of power, whose root is taken", ("spectrum",)))
         signal = replace(signal, value=np.sqrt(np.maximum(signal.value, 0.0)))
     methods = _methods(signal, drive, level)
@@ -94,7 +97,33 @@ def identify_signal(
     if kind == RATIOS[0] and not of and all(RATIOS[1] in each.allows for each in told):
         kind, found = min(((each, methods[each]()) for each in RATIOS), key=lambda each: _parameters(each[1]))
     notes = (*signal.notes, *found.notes, *_of_drive(kind, signal, drive, level))
-    return replace(found, of=kind, why=why, notes=notes)
+    curve = None if found.curve is None else replace(_curve(whole, found.curve, kind, power), name=path.name)
+    return replace(found, of=kind, why=why, notes=notes, curve=curve)
+
+
+def _curve(whole: Signal, fitted: MeasuredCurve, kind: str, power: bool) -> MeasuredCurve:
+    """All that was read, in SI where its unit is known, with what is used of it and the fit; of power its root."""
+    value = whole.value if fitted.timed else np.abs(whole.value)
+    size, unit = _si(whole.units[1], power)
+    if power:
+        value, size, unit = np.sqrt(np.maximum(value, 0.0)), size**0.5, f"√({unit})"
+    assert fitted.fit is not None
+    at, model = fitted.fit
+    fit = at, (1.0 if kind in FORMS else size) * model
+    head = f"modulus of {' and '.join(whole.parts)}" if whole.parts else whole.heads[1]
+    labels = (
+        label(*(("time", "s") if fitted.timed else ("frequency", "Hz"))),
+        label(f"{'root of ' * power}{head}", unit),
+    )
+    return MeasuredCurve(
+        whole.at, size * value, np.isin(whole.at, fitted.at[fitted.used]), fit, labels, timed=fitted.timed
+    )
+
+
+def _si(unit: str, power: bool) -> tuple[float, str]:
+    """Factor of a unit and the SI unit that it is one of; itself where none of the usual ones is."""
+    known = [f"({each})^2{per}" for each in MOTIONS for per in ("/Hz", "")] if power else [*MOTIONS, *PER]
+    return next(((size, each) for each in known if unit and (size := size_in(unit, each))), (1.0, unit))
 
 
 def identify_stretch(path: Path, since: str | None, until: str | None, **said: Any) -> Identification:
