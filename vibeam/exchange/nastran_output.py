@@ -35,10 +35,12 @@ def read_output(path: Path, name: str, wanted: str) -> FileMatrix:
     from scipy.sparse import coo_array
 
     state_of(path, LARGEST_TEXT)
-    found: Mapping[str, Any] = _read(path) if path.suffix.lower() == ".op4" else _read(path).matrices
+    content = _read(path)
+    found: Mapping[str, Any] = content if path.suffix.lower() == ".op4" else content.matrices
     matrix = found[chosen(list(found), name.upper(), alike(found, wanted))]
-    if isinstance(matrix.data, list):
-        raise _twice(matrix.name)
+    tables = getattr(content, "table_count", {})  # of OUTPUT2, of which pyNastran keeps the last one of a name
+    if isinstance(matrix.data, list) or tables.get(matrix.name.encode(), 1) > 1:
+        raise FormatError(f"has several matrices {matrix.name!r}: write the one that is meant alone")
     if matrix.form not in FORMS or matrix.data.dtype.kind != "f":
         read = "square (1), rectangular (2) or symmetric (6), and real, are read"
         raise FormatError(f"{matrix.name!r} has form {matrix.form} and is {matrix.data.dtype}: {read}")
@@ -97,22 +99,8 @@ def _read(path: Path) -> Any:
                 return library.OP4(debug=None).read_op4(str(path))
             _require_whole(path.read_bytes())
             model = library.OP2(debug=None)
-            model.matrices = _Once()
             model.read_op2(str(path), build_dataframe=False)
             return model
-
-
-def _twice(name: str) -> FormatError:
-    return FormatError(f"has several matrices {name!r}: write the one that is meant, or each to a file of its own")
-
-
-class _Once(dict[str, Any]):
-    """Matrices of OUTPUT2 by name, of which pyNastran would keep the last one."""
-
-    def __setitem__(self, name: str, matrix: Any) -> None:
-        if name in self:
-            raise _twice(name)
-        super().__setitem__(name, matrix)
 
 
 def _require_whole(content: bytes) -> None:

@@ -54,7 +54,8 @@ TIME = {
 }  # fmt: skip
 FREQUENCY = {
     "Hz": 1, "HZ": 1, "hz": 1, "[Hz]": 1, "Hertz": 1, "hertz": 1, "kHz": 1e3, "KHz": 1e3, "khz": 1e3, "KHZ": 1e3,
-    "MHz": 1e6, "mHz": 1e-3, "rpm": 1 / 60, "RPM": 1 / 60, "cpm": 1 / 60, "CPM": 1 / 60, "rev/min": 1 / 60, "cps": 1, "cycles/s": 1, "cycles/sec": 1, "Kilohertz": 1e3,
+    "MHz": 1e6, "mHz": 1e-3, "rpm": 1 / 60, "RPM": 1 / 60, "cpm": 1 / 60, "CPM": 1 / 60, "rev/min": 1 / 60, "cps": 1,
+    "cycles/s": 1, "cycles/sec": 1, "Kilohertz": 1e3,
     "rad/s": 0.15915494309189535, "rad/sec": 0.15915494309189535, "RAD/S": 0.15915494309189535, "deg/s": 1 / 360,
 }  # fmt: skip
 RATIOS = {
@@ -62,7 +63,8 @@ RATIOS = {
     ("(m/s²)/N", "m/s^2/N"): 1, ("m/N", "m/N"): 1, ("mm/N", "m/N"): 1e-3, ("µm/N", "m/N"): 1e-6, ("in/lbf", "m/N"):
     IN / (LB * G), ("m/s/N", "m/s/N"): 1, ("(m/s)/N", "m/s/N"): 1, ("N/mm", "N/m"): 1e3, ("mV/g", "V s^2/m"): 1e-3 / G,
     ("V", "V"): 1, ("Volt", "V"): 1, ("Volts", "V"): 1, ("Vpp", "V"): 1, ("Millivolts", "V"): 1e-3,
-    ("mV/ms-2", "V s^2/m"): 1e-3, ("ms-2/N", "m/s^2/N"): 1, ("Nmm", "N m"): 1e-3, ("volts", "V"): 1, ("mV", "V"): 1e-3, ("N m", "N m"): 1,
+    ("mV/ms-2", "V s^2/m"): 1e-3, ("ms-2/N", "m/s^2/N"): 1, ("Nmm", "N m"): 1e-3,
+    ("volts", "V"): 1, ("mV", "V"): 1e-3, ("N m", "N m"): 1,
     ("N.m", "N m"): 1, ("Nm", "N m"): 1, ("N*m", "N m"): 1, ("N·m", "N m"): 1, ("lbf in", "N m"): LB * G * IN,
     ("psi", "Pa"): LB * G / IN**2, ("ksi", "Pa"): 1e3 * LB * G / IN**2, ("MPa", "Pa"): 1e6, ("bar", "Pa"): 1e5,
     ("mbar", "Pa"): 100, ("kPa", "Pa"): 1e3, ("-", ""): 1, ("1", ""): 1,
