@@ -34,6 +34,8 @@ def reason(error: Exception) -> str:
     """Reason that the system, or another library, gives of a file, in one line without its path."""
     if isinstance(error, OSError) and error.strerror:
         return error.strerror.lower()
+    if isinstance(error, UnboundLocalError):  # of scipy, where a head or the numbers are not there
+        return "a part of it is missing"
     return (str(error).splitlines() or [""])[0][:200] or type(error).__name__
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import mmap
 from collections.abc import Collection, Iterator
+from math import prod
 from pathlib import Path
 from struct import unpack_from
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 DEEPEST = 32  # groups in groups
 MOST = 50_000  # groups and datasets of a file
 WORD = 1000  # characters of a text
+SAID = 33  # texts or numbers of an attribute
 Place = tuple[str, Any, bool]  # path, what lies there (None: a link to another place), whether it was met before
 
 
@@ -102,10 +104,12 @@ def words_of(item: Any, words: Collection[str]) -> dict[str, Any]:
     """Numbers and texts of the attributes of these names, in small letters."""
     found: dict[str, Any] = {}
     for name in item.attrs:
-        if name.casefold() in words and item.attrs.get_id(name).shape in ((), (1,)):
-            value = np.asarray(item.attrs[name]).item()
-            text = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-            found[name.casefold()] = text[:WORD] if isinstance(text, str) else text
+        shape = item.attrs.get_id(name).shape
+        if name.casefold() in words and shape is not None and 0 < prod(shape) <= SAID:
+            values = np.ravel(np.asarray(item.attrs[name])).tolist()
+            texts = [each.decode("utf-8", "replace") if isinstance(each, bytes) else each for each in values]
+            cut = [each[:WORD] if isinstance(each, str) else each for each in texts]
+            found[name.casefold()] = cut[0] if len(cut) == 1 else cut
     return found
 
 

@@ -35,8 +35,12 @@ def read_output(path: Path, name: str, wanted: str) -> FileMatrix:
     from scipy.sparse import coo_array
 
     state_of(path, LARGEST_TEXT)
-    found: Mapping[str, Any] = _read(path) if path.suffix.lower() == ".op4" else _read(path).matrices
+    content = _read(path)
+    found: Mapping[str, Any] = content if path.suffix.lower() == ".op4" else content.matrices
     matrix = found[chosen(list(found), name.upper(), alike(found, wanted))]
+    tables = getattr(content, "table_count", {})  # of OUTPUT2, of which pyNastran keeps the last one of a name
+    if isinstance(matrix.data, list) or tables.get(matrix.name.encode(), 1) > 1:
+        raise FormatError(f"has several matrices {matrix.name!r}: write the one that is meant alone")
     if matrix.form not in FORMS or matrix.data.dtype.kind != "f":
         read = "square (1), rectangular (2) or symmetric (6), and real, are read"
         raise FormatError(f"{matrix.name!r} has form {matrix.form} and is {matrix.data.dtype}: {read}")

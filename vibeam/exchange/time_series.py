@@ -219,6 +219,8 @@ def _columns(
         found = read_columns(path, {**wanted, "value": WantedColumn((left[0],))})
     if found.kind not in ("", "time history", "impulse response"):
         raise FormatError(f"has a {found.kind}: a record is a time history")
+    if found.columns["value"].complex_values is not None:
+        raise FormatError(f"column {found.columns['value'].head!r} is complex: a record is real, this is a spectrum")
     return found
 
 

@@ -40,15 +40,18 @@ UNITS = {
     ("minute", "min"): ("60", "second"),
     ("hour", "hr"): ("3600", "second"),
     ("radian", "rad"): ("1", ANGLE),
-    ("turn", "rev"): ("6.283185307179586476925286766559", "radian"),
+    ("turn", "rev", "cycle"): ("6.283185307179586476925286766559", "radian"),
     ("degree", "deg", "°"): ("0.01745329251994329576923690768489", "radian"),
-    ("hertz", "Hz"): ("1", "turn/second"),
+    ("hertz", "Hz", "cps"): ("1", "turn/second"),
     ("rpm", "cpm"): ("1", "turn/minute"),
     ("ips",): ("1", "inch/second"),
     ("gn", "gE"): ("9.80665", "meter/second^2"),
     ("Gal",): ("0.01", "meter/second^2"),
     ("newton", "N"): ("1", "kilogram*meter/second^2"),
+    ("daN",): ("10", "newton"),
+    ("dyne",): ("1e-5", "newton"),
     ("Nm",): ("1", "newton*meter"),
+    ("Nmm",): ("0.001", "newton*meter"),
     ("kgf", "kp"): ("9.80665", "newton"),
     ("lbf",): ("1", "pound*gn"),
     ("kip", "kips"): ("1000", "lbf"),
@@ -68,10 +71,11 @@ UNITS = {
 PREFIXED = ("mm", "cm", "um", "µm", "ms", "us", "µs", "kg", "kN", "kHz", "kPa", "msec", "usec", "µsec", "mbar")
 CAPITALS = {"M": "m", "S": "s"}  # where all are capitals, as M/S^2
 
-_TOKEN = re.compile(r" ?(?:([A-Za-zµ%°]+)(?:'s)?|([()/])|([*·×]|[.-](?=[A-Za-zµ(]))|(1)(?= ?/))")
-_POWER = re.compile(r" ?(?:\^|\*\*) ?(?:\(([+-]?[0-9])\)|([+-]?[0-9]))|(-?[1-9])(?![0-9])|(⁻?[¹²³⁴])")
+_TOKEN = re.compile(r" ?(?:([A-Za-zµ%°]+)(?:'s|\.(?=/))?|([()/])|([*·×⋅∙]|[.-](?=[A-Za-zµ(]))|(1)(?= ?/))")
+_POWER = re.compile(r" ?(?:\^|\*\*) ?(?:[({]([+-]?[0-9])[)}]|([+-]?[0-9]))|(-?[1-9])(?![0-9])|(⁻?[¹²³⁴])")
 _RAISED = str.maketrans("⁻¹²³⁴", "-1234")
 LONGEST, MOST = 40, 6  # characters of a unit, and its factors
+LETTERS = 5  # of the longest symbol: a longer name is a word, as Millimeter
 Factors = list[tuple[str, int]]
 
 
@@ -141,6 +145,7 @@ def _named(name: str) -> Size | None:
     small = name.casefold()
     plain = _small_letters().get(small) or _small_letters().get(small.removesuffix("s"), name)
     mixed = plain in ("Hz", "kHz") or (len(plain) > 2 and name == plain[:1] + plain[1:].title())  # mSec, but not mM
+    plain = small if plain == name and len(name) > LETTERS else plain
     alike = name.isupper() or name.istitle() or mixed
     return _named(plain) if alike and plain != name else None
 

@@ -52,6 +52,11 @@ MATLAB: list[tuple[dict[str, Any], dict[str, Any], float]] = [
     ({"out": SIMULINK}, {"column": "out.signals(1).values"}, 1.0),
     ({"acc": VALUES.astype("f4"), "t": TIME}, {}, 1.0),
     ({"x0": VALUES, "t": TIME}, {"column": "x0"}, 1.0),
+    ({"t": TIME, "acc": VALUES, "accUnit": "g"}, {}, G),
+    ({"t": TIME, "acc": VALUES, "y_unit": "g"}, {}, G),
+    ({"run": {"data": np.column_stack([1e3 * TIME, VALUES]), "units": np.array(["ms", "g"], object)}},
+     {"column": "run.data:2", "time": "run.data:1"}, G),
+    ({"acc": VALUES, "dt": 1e3 / RATE, "dt_unit": "ms"}, {}, 1.0),
 ]  # fmt: skip
 
 
@@ -112,6 +117,8 @@ def table(path: Path, values: Any = VALUES, above: dict[str, Any] | None = None,
         ({"Unit": np.array(["g"], dtype=object), "SampleRate": np.array([RATE])}, {}, G, 0.0),
         ({"units": "g"}, {"fs": RATE, "t0": 2.0}, G, 2.0),
         ({"dt": 1 / RATE, "t0": -0.5}, {}, 1.0, -0.5),
+        ({"fs": RATE}, {"units": "g"}, G, 0.0),
+        ({"engineering_units": np.array([b"g"]), "fs": RATE}, {}, G, 0.0),
     ],
 )
 def test_attributes_of_hdf5(
@@ -122,6 +129,12 @@ def test_attributes_of_hdf5(
     assert record.start == pytest.approx(start)
     assert record.spacing == pytest.approx(1 / RATE, rel=1e-9)
     assert record.at(record.times) == pytest.approx(scale * VALUES, rel=1e-12)
+
+
+def test_units_of_the_columns_of_a_dataset(tmp_path: Path) -> None:
+    table(tmp_path / "a.h5", np.column_stack([VALUES, VALUES]), units=["V", "g"], fs=RATE)
+    record = vibeam.record_of_file(tmp_path / "a.h5", column="acc:2")
+    assert record.at(record.times) == pytest.approx(G * VALUES, rel=1e-12)
 
 
 def tdms(path: Path, channels: dict[str, tuple[Any, dict[str, Any]]]) -> Path:
@@ -238,6 +251,9 @@ WRONG: list[tuple[dict[str, Any], dict[str, Any], str]] = [
     ({"t": TIME, "acc": VALUES, "unit": "N"}, {}, r"the unit 'N' is not one of m/s\^2; say it: unit"),
     ({"t": TIME, "acc": VALUES, "unit": np.array(["s", "g"], object)}, {}, "the unit 's, g' is not known; say it"),
     ({"run": objects(RUN, RUN)}, {"time": "run(1).t"}, r"has several 'acc': run\(1\).acc, run\(2\).acc; say the whole"),
+    ({"t": TIME, "acc": VALUES, "unit": "g", "units": "V"}, {}, "the unit 'g or V' is not known; say it"),
+    ({"t": TIME, "acc": VALUES * 1j}, {}, "column 'acc' is complex: a record is real"),
+    ({"acc": VALUES, "dt": 1.0, "x_unit": "Hz"}, {}, "column 'time' is in Hz: a record goes over time"),
     ({"t": TIME[1:], "acc": VALUES}, {}, "its columns are of different lengths: 't' has 59, 'acc' has 60"),
 ]  # fmt: skip
 

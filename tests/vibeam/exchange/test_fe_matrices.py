@@ -261,6 +261,21 @@ def test_output2(kind: str, order: str, tmp_path: Path) -> None:
     assert "is it cut off" in refusal(tmp_path / "cut.op2", file.content[:-30])
 
 
+@OP4
+def test_output4_with_two_matrices_of_one_name(tmp_path: Path) -> None:
+    two = {"binary": op4_binary({"K": (6, K)}) * 2, "text": op4_text({"K": (6, K)}).encode() * 2}
+    for name, content in two.items():
+        assert "has several matrices 'K': write" in refusal(tmp_path / f"{name}.op4", content, "", "K")
+
+
+@OP2
+def test_output2_with_two_matrices_of_one_name(tmp_path: Path) -> None:
+    file = Output2()
+    file.matrix("KAA", 6, K)
+    file.matrix("KAA", 6, 2 * K)
+    assert "has several matrices 'KAA': write" in refusal(tmp_path / "two.op2", file.content, "KAA")
+
+
 @pytest.mark.parametrize(("name", "module"), [("rig.op4", "op4.op4"), ("rig.op2", "op2.op2")])
 def test_without_pynastran(name: str, module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, f"pyNastran.{module}", None)

@@ -61,6 +61,11 @@ IN_MS_AND_G = [
     (table("x-axis,1", "ms,g"), BY_NUMBER),  # Keysight
     (table("x-axis,1", "ms,g"), {"column": "1"}),
     (table("Time(ms),CH1(g)"), {"column": "CH1"}),  # Rigol
+    (table("t/ms,a/g"), BY_NUMBER),  # as DIN 1313 has it, and no tonne
+    (table("Time<ms>,Acc<g>"), BY_NUMBER),
+    (table("t|ms,a|g"), BY_NUMBER),
+    (table("in ms,C1 in g"), BY_NUMBER),  # Rohde & Schwarz
+    (table("ACCELERATION IN UNITS OF G", "# time given in ms", "t,acc"), BY_NUMBER),
 ]
 
 

@@ -20,12 +20,15 @@ from vibeam.exchange.hdf5 import MOST, contents, opened, referred, values_of, wo
 from vibeam.exchange.mat import Variable, variables
 from vibeam_models.arrays import Array
 
-UNITS = ("unit", "units", "unit_str", "unit_string", "ni_unitdescription")
+UNITS = (
+    "unit", "units", "unit_str", "unit_string", "ni_unitdescription", "y_unit", "yunit", "y_units", "y_unit_label",
+    "engineering_units", "measure_unit",
+)  # fmt: skip
 RATES = ("fs", "sampling_rate", "sample_rate", "samplerate", "sampling_frequency")
 STEPS = ("dt", "delta_t", "wf_increment", "sampling_interval")
 STARTS = ("t0", "x0", "wf_start_offset")
-CLOCKS = (*RATES, *STEPS, *STARTS)
-WORDS = (*UNITS, *CLOCKS)
+OVER = ("wf_xunit_string", "x_unit", "xunit", "x_unit_label", "dt_unit", "dt_units")  # of steps and starts
+WORDS = (*UNITS, *RATES, *STEPS, *STARTS, *OVER)
 CLOCK = "time"  # column of times that are made of a rate or step
 COLUMNS = 33  # of an array whose units stand in cells, from 1
 ROUNDED = 1e-3  # relative difference of a rate and a step that are both said
@@ -87,21 +90,21 @@ def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn], what: str = "datas
     import h5py
 
     with read_by("is no HDF5 file that can be read"), opened(path) as file:
-        found = _attributes("", file, CLOCKS)
+        found = _attributes("", file)
         for place, item, again in contents(file):
             if isinstance(item, h5py.Group):
-                found |= _attributes(place, item, CLOCKS)
+                found |= _attributes(place, item)
             elif not again and isinstance(item, h5py.Dataset) and item.ndim <= 2 and not place.startswith("#refs#/"):
                 for name, each in referred(place, item):
-                    found |= _attributes(name, each, (*UNITS, *CLOCKS))
+                    found |= _attributes(name, each)
                     found[name] = partial(_of_hdf5, name, each, what == "variable")
             if len(found) > MOST:
                 raise FormatError(f"has more than {MOST} datasets and attributes")
         return of(found, wanted, what)
 
 
-def _attributes(place: str, item: Any, words: tuple[str, ...]) -> dict[str, Callable[[], Any]]:
-    return {f"{place}@{word}": partial(np.asarray, value) for word, value in words_of(item, words).items()}
+def _attributes(place: str, item: Any) -> dict[str, Callable[[], Any]]:
+    return {f"{place}@{word}": partial(np.asarray, value) for word, value in words_of(item, WORDS).items()}
 
 
 def _of_hdf5(name: str, dataset: Any, turned: bool) -> Any:
@@ -172,23 +175,30 @@ def _place(heads: list[str], wanted: WantedColumn) -> Place | None:
     return None
 
 
-def _said(held: Held, name: str, words: tuple[str, ...], beside: bool = True, column: int | None = None) -> Any:
-    """Text or number under one of these words, and where: of a variable itself, ``beside`` it, at the top; or None.
+def _said(
+    held: Held, name: str, words: tuple[str, ...], beside: bool = True, column: int | None = None
+) -> tuple[str | None, str]:
+    """Text under one of these words, and where: of a variable itself, ``beside`` it, at the top; or None.
 
-    Of several texts the one of the ``column``, or all of them.
+    Of several texts the one of the ``column``, or all of them: these stand for it where it is not ``beside`` too.
+    Words that contradict each other are joined to one that nobody knows.
     """
     known = {each.casefold(): each for each in held}
     above = name[: len(name) - len(_last(name))]
-    stems = (f"{name}@", f"{name}_", *((above, f"{above[:-1]}@", "", "@") if beside else ()))
-    for place in (f"{stem}{word}".casefold() for stem in stems for word in words):
-        cells = [known[each] for each in (place, *(f"{place}({n})" for n in range(1, COLUMNS))) if each in known]
-        if not cells:
-            continue
-        found = np.concatenate([np.ravel(np.asarray(held[each]())) for each in cells])
-        if column is not None and len(found) >= column:
-            found = found[column - 1 : column]
-        if len(found) == 1 or (words is UNITS and 0 < len(found) < MOST):
-            return (found[0] if len(found) == 1 else ", ".join(map(str, found))), f"from {cells[0]}"
+    own = (f"{name}@", f"{name}_", name)
+    for stem in (*own, *((above, f"{above[:-1]}@", "", "@") if beside or column is not None else ())):
+        said = dict[str, str]()
+        for word in (f"{stem}{word}".casefold() for word in words):
+            cells = [known[each] for each in (word, *(f"{word}({n})" for n in range(1, COLUMNS))) if each in known]
+            found = np.concatenate([np.ravel(np.asarray(held[each]())) for each in cells]) if cells else np.empty(0)
+            if len(found) < 2 and not beside and stem not in own:
+                continue
+            if column is not None and len(found) >= column:
+                found = found[column - 1 : column]
+            if len(found) == 1 or (words is UNITS and 0 < len(found) < MOST):
+                said[cells[0]] = ", ".join(str(each).strip() for each in found)
+        if said:
+            return " or ".join(dict.fromkeys(said.values())), f"from {next(iter(said))}"
     return None, ""
 
 
@@ -210,7 +220,8 @@ def _times(held: Held, name: str, count: int) -> CurveColumn | None:
             f"{name!r} has {said[RATES][0]:g} samples a second and steps of {step:g} s: delete one of both"
         )
     times = said.get(STARTS, (0.0, ""))[0] + step * np.arange(count)
-    return CurveColumn(CLOCK, "s", np.asarray(times, dtype=float), place="times", origin=origin)
+    unit = _said(held, name, OVER)[0] if STEPS in said else None
+    return CurveColumn(CLOCK, unit or "s", np.asarray(times, dtype=float), place="times", origin=origin)
 
 
 def _read(held: Held, place: Place, wanted: WantedColumn, what: str, beside: bool) -> CurveColumn:
@@ -229,7 +240,7 @@ def _read(held: Held, place: Place, wanted: WantedColumn, what: str, beside: boo
         words = tuple(each.decode() if isinstance(each, bytes) else str(each).strip() for each in array)
         return CurveColumn(name, "", np.full(len(words), np.nan), words, what)
     unit, origin = _said(held, name, UNITS, beside, column)
-    unit = str(unit or split_head(name.rpartition("/")[2])[1])
+    unit = unit or split_head(name.rpartition("/")[2])[1]
     numbers, whole = _numbers(name, array)
     return CurveColumn(name, unit, numbers, (), what, origin, whole)
 

@@ -95,7 +95,7 @@ def size_in(unit: str, wanted: str) -> float | None:
 
 def is_unit(text: str) -> bool:
     """Test whether a word of a file is a unit that is known, and no usual name of a column or of a channel."""
-    return text.strip() not in NO_UNITS and _is_known(text)
+    return re.split(" ?/", text.strip())[0] not in NO_UNITS and not text.startswith("in ") and _is_known(text)
 
 
 def _is_known(text: str) -> bool:
@@ -109,10 +109,11 @@ def bracketed(text: str) -> bool:
 
 
 #: names of columns and channels that are units too: ampere, hour, minute, tonne … of a channel A, an amplitude, a least
-NO_UNITS = ("A", "H", "J", "t", "amp", "Amp", "min", "Min", "MIN", "bar", "rev", "turn")
+NO_UNITS = ("A", "H", "J", "t", "amp", "Amp", "min", "Min", "MIN", "bar", "rev", "turn", "cycle", "cycles")
 _UNIT = r"[A-Za-zµμ%][\w%µμ²³⁻¹*/·^ -]{0,39}|1 ?/ ?[A-Za-z]+"
 _BRACKETS = re.compile(r"\[([^\[\]]*)\]|\(((?:[^()]|\([^()]*\))*)\)(?![/*·^])")
 _DIVIDED = re.compile(rf"(?P<name>[^/]*?)\s*[/,]\s*(?P<unit>{_UNIT})\s*")
+_ALSO_BRACKETS = str.maketrans("<>{}", "[][]")
 _CHANNEL = re.compile(r"(ai|ao|ch|in|out|port|line)\d+(/.*)?", re.IGNORECASE)  # Dev1/ai0
 _HOW = re.compile(r"(?<![^\W_])(rms|r\.m\.s\.|pk-pk|p-p|pp|peak[ -](?:to[ -])?peak)(?![^\W_])", re.IGNORECASE)
 
@@ -122,14 +123,15 @@ def split_head(head: str) -> tuple[str, str]:
 
     A word on how values are taken (``taking``), ``acc rms [g]``, becomes part of the unit.
     """
-    how = _HOW.search(head.strip())
+    head = head.strip().translate(_ALSO_BRACKETS)
+    how = _HOW.search(head)
     if len(head) > LONGEST:
-        return head.strip(), ""
+        return head, ""
     if how is None:
-        name, unit = _split(head.strip())
+        name, unit = _split(head)
     else:
-        plain = f"{head.strip()[: how.start()]}{head.strip()[how.end() :]}"
-        name, unit = _split(plain.strip(" _,") if how.end() == len(head.strip()) else head.strip())
+        plain = head[: how.start()] + head[how.end() :]
+        name, unit = _split(plain.strip(" _,") if how.end() == len(head) else head)
         unit = f"{_split(plain.strip(' _,'))[1]} {how[1]}".strip()
     return name or head, unit.replace("μ", "µ").replace("hz", "Hz")
 
@@ -153,7 +155,7 @@ def _split(head: str) -> tuple[str, str]:
 
 def _last_word(head: str) -> str:
     """Unit that ends a head, behind a blank, a comma or a stroke below: ``acc_g``, ``acc_m_s2``, ``time in ms``."""
-    for form in (r"[\s_,/](mm?_s(?:\^?2)?)$", r"[\s_,]([^\s_,]+)$", r"/\s*([^\s/]+)$"):
+    for form in (r"[\s_,/](mm?_s(?:\^?2)?)$", r"[\s_,]([^\s_,]+)$", r"[/|]\s*([^\s/|]+)$"):
         if not (found := re.search(form, head)) or not found.start():
             continue
         word, name = found[1], head[: found.start()]

@@ -163,7 +163,7 @@ def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
     plain = _plain(unit) if unit else "V" if "V" in scale_unit else ""
     (more, further), (aim, target) = _sized(scale_unit), _sized(wanted)
     known = list[str]()
-    for each in (plain, _FREE_FALL.sub(r"\1gn", plain)):
+    for each in (plain, _FREE_FALL.sub(r"\1gn", plain), _METRES.sub(r"(m s\1)", plain)):
         found = unit_size(each) if each not in PLAIN else (Decimal(1), {})
         if found is not None and _times(found[1], further) == target:
             return float(found[0] * more / aim)
@@ -179,9 +179,10 @@ PLAIN = ("", "1", "-", "none", "ratio")  # units of a plain number
 USUAL = (
     "m/s^2", "mm/s^2", "m/s", "mm/s", "m", "mm", "µm", "in", "N", "kN", "lbf", "N m", "s", "ms", "Hz", "kHz", "rpm",
 )  # fmt: skip
-_FREE_FALL = re.compile(r"(?<![A-Za-zµ])([mµu]?)[gG](?:'?s|n)?(?![A-Za-z])")
+_FREE_FALL = re.compile(r"(?<![A-Za-zµ])([mµu]?)[gG](?:'?s|_?n|-force)?(?![A-Za-z])")
+_METRES = re.compile(r"(?<![A-Za-zµ])ms(\^?[-⁻][1-4¹²³⁴])")  # ms-2: of two readings the one that is asked
 _WORDS = r"rms|r\.m\.s\.|0-pk|pk-pk|peak[ -](?:to[ -])?peak|p-p|pk|peak|pp"
-_TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gG_]))({_WORDS})\)?", re.IGNORECASE)
+_TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gGVm_]))({_WORDS})\)?", re.IGNORECASE)
 
 
 def taking(unit: str) -> tuple[str, str]:
@@ -195,7 +196,7 @@ def taking(unit: str) -> tuple[str, str]:
 
 def _plain(unit: str) -> str:
     """A unit alone, out of brackets and blanks."""
-    plain = taking(unit)[0].strip(" .").replace("μ", "µ")
+    plain = taking(unit)[0].strip(" .").replace("μ", "µ").replace(" per ", "/").replace(" squared", "^2")
     return plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.arrays import CLOCKS, UNITS, of
+from vibeam.exchange.curves.arrays import WORDS, of
 from vibeam.exchange.curves.columns import Columns, WantedColumn
 from vibeam.exchange.files import FormatError, read_by, require_samples
 from vibeam_models.registry import loaded
@@ -32,7 +32,7 @@ def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
             name = f"{each.group_name}/{each.name}"
             held[name] = partial(_values, each)
             said = {word.casefold(): value for word, value in each.properties.items() if value not in ("", None)}
-            held |= {f"{name}@{word}": partial(np.asarray, said[word]) for word in (*UNITS, *CLOCKS) if word in said}
+            held |= {f"{name}@{word}": partial(np.asarray, said[word]) for word in WORDS if word in said}
         return of(held, wanted, "channel")
 
 

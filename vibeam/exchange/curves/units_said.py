@@ -15,7 +15,7 @@ QUANTITY = re.compile(r"acc|vel|disp|force|kraft|moment|torque|ampl|magn|value|s
 ABSCISSA = re.compile(r"hor|time|zeit|absc|freq|x\b|x[ _-]", re.IGNORECASE)
 ORDINATE = re.compile(r"vert|ord|y\b|y[ _-]", re.IGNORECASE)
 _SETTING = re.compile(r"([\w .-]*?)[ _-]*\bunits?(?:[ _-]*label)?\s*[:=,;\t(\[]\s*(.+)", re.IGNORECASE)
-_PHRASE = re.compile(r"([^\W\d]\w*)\s*(?:\bin\b|[:=(\[])\s*([^\s,;()\[\]]+)")
+_PHRASE = re.compile(r"([^\W\d]\w*)\s*(?:\b(?:\w+ )?in\b(?: units of\b)?|[:=(\[])\s*([^\s,;()\[\]]+)", re.IGNORECASE)
 
 
 def units_row(cells: Sequence[str], needed: Sequence[int], at: int | None) -> Mapping[int, str]:
