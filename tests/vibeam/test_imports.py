@@ -160,7 +160,7 @@ def counts(*words: str) -> tuple[str, int, int]:
 
 
 def test_a_start_makes_no_more_than_it_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Bounds of what takes the time of a start, just above what it is: 36, 145 and 213 modules, 48 tables."""
+    """Bounds of what takes the time of a start, just above what it is: 36, 145 and 210 modules, 48 tables."""
     monkeypatch.chdir(tmp_path)
     case = str(ROOT / "cases" / "dtu_neutral.toml")
     short = ["--set", "sweep.frequency.points=2", "--set", "sweep.settle=2", "--set", "sweep.hold=2"]
@@ -174,7 +174,7 @@ def test_a_start_makes_no_more_than_it_needs(tmp_path: Path, monkeypatch: pytest
     counts("run", case, *short)
     frozen, modules, tables = counts("run", case, *short)
     assert frozen == "True"
-    assert modules <= 213
+    assert modules <= 210
     assert tables <= 48
 
 

@@ -22,7 +22,7 @@ NOTES = 5  # remarks on a screen, a sentence each
 
 def print_json(data: dict[str, Any]) -> None:
     """Print data as one object, its ``schema`` with name and version first."""
-    from vibeam.exchange.curves.taken import all_taken
+    from vibeam.exchange.curves.record import all_taken
     from vibeam.report.output import to_json
 
     put_json(to_json({"schema": f"vibeam.{verbosity().command}/1"} | data | all_taken()))

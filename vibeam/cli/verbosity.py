@@ -47,7 +47,7 @@ def with_verbosity(command: Callable[..., None], tell: Callable[[str], None]) ->
 
     @wraps(command)
     def call(**given: Any) -> None:
-        from vibeam.exchange.curves.taken import taken_told
+        from vibeam.exchange.curves.record import taken_told
         from vibeam_models.memory import large_memory
 
         asked = {key: given.pop(key) for key in _OPTIONS}

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from vibeam.exchange.curves.columns import size_in
-from vibeam.exchange.curves.record import factor
 from vibeam.exchange.faults import suggest
 from vibeam.exchange.time_series import UNITS
+from vibeam.exchange.units import factor
 from vibeam.system.record import Record
 from vibeam_models.arguments import number, refuse
 

@@ -15,13 +15,23 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import TIMES, Columns, HeadError, WantedColumn, in_si, split_head, taken_column
-from vibeam.exchange.curves.read import is_text, read_columns
-from vibeam.exchange.curves.record import taking
-from vibeam.exchange.curves.taken import MeasuredCurve, Taken, label, tell
+from vibeam.exchange.curves.columns import (
+    TIMES,
+    Columns,
+    HeadError,
+    WantedColumn,
+    in_si,
+    is_text,
+    read_columns,
+    split_head,
+    taken_column,
+)
+from vibeam.exchange.curves.measured_curve import MeasuredCurve, label
+from vibeam.exchange.curves.record import Taken, tell
 from vibeam.exchange.curves.waves import SHARES
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError, State, file_fault, state_of
+from vibeam.exchange.units import taking
 from vibeam.system.record import Record
 from vibeam.system.record_samples import JOINED, LEAST, samples_of, times_of
 from vibeam_models.arguments import number, shown, word

@@ -7,7 +7,9 @@ Sizes are decimal numbers, so that 180 mm is 0.18 m to the last bit. An angle is
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from decimal import Decimal
+from difflib import get_close_matches
 from functools import cache
 
 #: size and dimension of a unit in gram, metre, second, volt and radian
@@ -163,3 +165,81 @@ def _defined(name: str) -> Size | None:
             size, dimension = (Decimal(1), {of: 1.0}) if of.startswith("[") else unit_size(of) or (Decimal(1), {})
             return Decimal(number) * size, dimension
     return None
+
+
+def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
+    """Factor from a column's unit, times ``scale_unit``, to the SI unit ``wanted``; ValueError where they do not suit.
+
+    A column without a unit is in ``wanted``; with a scale in volts. ``g`` and ``G``, with ``m`` or ``µ`` before it, are
+    of the acceleration of free fall where that makes it one of ``wanted``, else grams. How a value is taken, as in
+    ``mm rms``, is no part of its unit (``taking``).
+    """
+    if not taking(unit)[0] and not scale_unit:
+        return 1.0
+    plain = _plain(unit) if unit else "V" if "V" in scale_unit else ""
+    (more, further), (aim, target) = _sized(scale_unit), _sized(wanted)
+    known = list[str]()
+    for each in (plain, _FREE_FALL.sub(r"\1gn", plain), _METRES.sub(r"(m s\1)", plain)):
+        found = unit_size(each) if each not in PLAIN else (Decimal(1), {})
+        if found is not None and _times(found[1], further) == target:
+            return float(found[0] * more / aim)
+        known += [each] * (found is not None)
+    if not known:
+        raise ValueError(f"the unit {unit!r} is not known{meant(plain, wanted)}")
+    by = f" times the scale's {scale_unit!r}" if scale_unit else ""
+    raise ValueError(f"the unit {unit!r}{by} is not one of {wanted or 'a plain number'}")
+
+
+CURES = {"rms": 1.41421, "peak to peak": 0.5}  # scale by which values become amplitudes
+PLAIN = ("", "1", "-", "none", "ratio")  # units of a plain number
+USUAL = (
+    "m/s^2", "mm/s^2", "m/s", "mm/s", "m", "mm", "µm", "in", "N", "kN", "lbf", "N m", "s", "ms", "Hz", "kHz", "rpm",
+)  # fmt: skip
+_FREE_FALL = re.compile(r"(?<![A-Za-zµ])([mµu]?)[gG](?:'?s|_?n|-force)?(?![A-Za-z])")
+_METRES = re.compile(r"(?<![A-Za-zµ])ms(\^?[-⁻][1-4¹²³⁴])")  # ms-2: of two readings the one that is asked
+_WORDS = r"rms|r\.m\.s\.|0-pk|pk-pk|peak[ -](?:to[ -])?peak|p-p|pk|peak|pp"
+_TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gGVm_]))({_WORDS})\)?", re.IGNORECASE)
+
+
+def taking(unit: str) -> tuple[str, str]:
+    """A unit, and how its values are taken: ``rms``, ``peak``, ``peak to peak``; empty: as they are."""
+    found = _TAKING.fullmatch(unit.strip()) if len(unit) <= 2 * LONGEST else None
+    if not found:
+        return unit, ""
+    word = found[2].casefold()
+    return found[1], "rms" if word[0] == "r" else "peak" if word in ("pk", "0-pk", "peak") else "peak to peak"
+
+
+def _plain(unit: str) -> str:
+    """A unit alone, out of brackets and blanks."""
+    plain = taking(unit)[0].strip(" .").replace("μ", "µ").replace(" per ", "/").replace(" squared", "^2")
+    return plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
+
+
+def meant(unit: str, wanted: str) -> str:
+    """The unit of the quantity ``wanted`` that an unknown one may be meant as, as the end of a message."""
+    usual = [each for each in USUAL if (found := unit_size(each)) and found[1] == _sized(wanted)[1]]
+    near = get_close_matches(unit.casefold(), [each.casefold() for each in usual], 1, 0.5)
+    return f": {next(each for each in usual if each.casefold() == near[0])}?" if near else ""
+
+
+def _sized(unit: str) -> tuple[Decimal, dict[str, float]]:
+    if unit in ("", "1", "-"):
+        return Decimal(1), {}
+    found = unit_size(unit)
+    if found is None:
+        raise ValueError(f"the unit {unit!r} is not known")
+    return found
+
+
+def _times(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
+    powers = {name: one.get(name, 0.0) + other.get(name, 0.0) for name in {*one, *other}}
+    return {name: power for name, power in powers.items() if power}
+
+
+def known_unit(unit: str) -> bool:
+    """Test whether a unit is known, ``%`` and a plain number (``1``) among them."""
+    plain = _plain(unit)
+    return plain in (*PLAIN, "%") or any(
+        unit_size(each) is not None for each in (plain, _FREE_FALL.sub(r"\1gn", plain))
+    )

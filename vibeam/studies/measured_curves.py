@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.input_plan import WAYS, InputPlan
-from vibeam.exchange.curves.taken import MeasuredCurve, label, taken_told
+from vibeam.exchange.curves.measured_curve import MeasuredCurve, label
+from vibeam.exchange.curves.record import taken_told
 from vibeam.exchange.time_series import curve_in_run
 
 if TYPE_CHECKING:

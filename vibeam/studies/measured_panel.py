@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.exchange.curves.taken import MeasuredCurve
+from vibeam.exchange.curves.measured_curve import MeasuredCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -14,8 +14,7 @@ import pytest
 from scipy.io import savemat
 
 import vibeam
-from vibeam.exchange.curves.columns import Columns, WantedColumn
-from vibeam.exchange.curves.read import read_columns
+from vibeam.exchange.curves.columns import Columns, WantedColumn, read_columns
 from vibeam.studies.identification.signal_kind import identify_signal
 
 RATE = 500.0

@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from vibeam.exchange.curves.record import ReferenceForm, factor
+from vibeam.exchange.curves.record import ReferenceForm
 from vibeam.exchange.curves.reference import read_curve
 from vibeam.exchange.faults import CaseError
+from vibeam.exchange.units import factor
 
 F, X, U = [14.0, 14.5, 15.0], [1.25e-4, 2.5e-4, 1e-3], [1e-6, 2e-6, 3e-6]
 MAPPED = ReferenceForm(columns={"frequency": "f", "amplitude": "x"}, unit="m")

@@ -16,8 +16,7 @@ import pytest
 from scipy.io import savemat
 
 import vibeam
-from vibeam.exchange.curves.columns import TIMES, WantedColumn
-from vibeam.exchange.curves.read import read_columns
+from vibeam.exchange.curves.columns import TIMES, WantedColumn, read_columns
 
 RATE = 1000.0
 TIME = np.arange(24) / RATE

@@ -10,7 +10,7 @@ from itertools import product
 
 import pytest
 
-from vibeam.exchange.curves.record import factor, known_unit, taking
+from vibeam.exchange.units import factor, known_unit, taking
 
 G, LB, IN = 9.80665, 0.45359237, 0.0254
 ACCELERATION = {

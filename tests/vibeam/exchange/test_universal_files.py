@@ -10,8 +10,7 @@ import pytest
 import pyuff
 
 import vibeam
-from vibeam.exchange.curves.columns import Columns, WantedColumn
-from vibeam.exchange.curves.read import read_columns
+from vibeam.exchange.curves.columns import Columns, WantedColumn, read_columns
 from vibeam.exchange.files import FormatError
 from vibeam.exchange.uff import read_modes
 

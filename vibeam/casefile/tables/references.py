@@ -14,9 +14,10 @@ from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE
 from vibeam.casefile.tables.expectations import Amount, AmountEntry, si_unit, swept_checks
 from vibeam.casefile.tables.table import QUANTITIES, Frequency, Table, key, named_fidelity, plan_keys, plan_of, table
 from vibeam.exchange.curves.record import QUANTITIES as OF_CURVES
-from vibeam.exchange.curves.record import ROLES, ReferenceForm, known_unit
+from vibeam.exchange.curves.record import ROLES, ReferenceForm
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.exchange.files import file_fault
+from vibeam.exchange.units import known_unit
 
 NAMES = (ROLES[0], *OF_CURVES, *ROLES[1:])
 

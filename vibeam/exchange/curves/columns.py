@@ -6,13 +6,15 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves.record import PLAIN, factor, known_unit, taking
-from vibeam.exchange.curves.taken import TakenColumn
-from vibeam.exchange.files import FormatError, shown
+from vibeam.exchange.curves.record import TakenColumn
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, shown, state_of
+from vibeam.exchange.units import PLAIN, factor, known_unit, taking
 from vibeam_models.arrays import Array
+from vibeam_models.registry import loaded
 
 UNSAID = "no unit in the file: taken so"
 LONGEST = 300  # characters of a head with a unit: some expressions below take time with their square
@@ -204,3 +206,38 @@ def missing(
     cure = ", ".join(f'{role} = "…"' for role in absent)
     told = f"has no column {what}: there are {there or 'none'}"
     return HeadError(f"{told}; say which in the case: columns = {{ {cure} }}", names)
+
+
+@dataclass(frozen=True)
+class TextForm:
+    """Form of a text file; empty: found out from the file."""
+
+    separator: str = ""
+    decimal: str = ""
+
+
+HERE = "vibeam.exchange.curves"
+#: readers by the endings of files; of any other text
+BINARY = {
+    ".mat": f"{HERE}.arrays:read_matlab",
+    ".tdms": f"{HERE}.tdms:read",
+    **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), f"{HERE}.arrays:read_hdf5"),
+}
+READERS = (
+    BINARY
+    | dict.fromkeys((".uff", ".unv", ".uf", ".58"), f"{HERE}.universal:read")
+    | dict.fromkeys((".wav", ".wave"), f"{HERE}.waves:read")
+)
+
+
+def read_columns(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None = None) -> Columns:
+    """The columns wanted of a file, by role; FormatError names what is wrong, where, and the cure."""
+    state_of(path, LARGEST_TEXT)
+    reader = READERS.get(path.suffix.lower())
+    found: Columns = loaded(reader)(path, wanted) if reader else loaded(f"{HERE}.text:read")(path, wanted, form)
+    return found
+
+
+def is_text(path: Path) -> bool:
+    """True where a file is read as text, by its ending."""
+    return path.suffix.lower() not in READERS

@@ -8,9 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from vibeam.exchange.curves.cells import number, numeric, one_unit, plain_table
 from vibeam.exchange.curves.columns import TIMES, Columns, CurveColumn, WantedColumn, find, is_unit, missing, split_head
-from vibeam.exchange.curves.numbers import number, numeric, plain_table
-from vibeam.exchange.curves.units_said import one_unit
 from vibeam.exchange.files import FormatError, Line, read_by, shown
 from vibeam_models.arrays import Array
 

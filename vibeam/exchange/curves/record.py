@@ -1,28 +1,118 @@
-"""Reference curve as a record: points over frequency; the form of the file that gives them, with its units."""
+"""Data of measured files as records: what was taken of one, in a line; a reference curve, and the form of its file."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
-from decimal import Decimal
-from difflib import get_close_matches
 from math import isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
-from vibeam.exchange.units import LONGEST, unit_size
+from vibeam_models.arguments import shown
 from vibeam_models.arrays import Array
-
-if TYPE_CHECKING:
-    from vibeam.exchange.curves.taken import Taken
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
 SAME_FREQUENCY = 1e-9  # relative tolerance
 COLUMNS = ("frequency_hz", "direction", *QUANTITIES)
+
+
+def grouped(value: float) -> str:
+    """A number with blanks between its thousands."""
+    return f"{value:,.6g}".replace(",", " ")
+
+
+@dataclass(frozen=True)
+class TakenColumn:
+    """Column that was taken: its ``place`` in the file (``"column 2"``), head, unit, and where the unit is from.
+
+    ``origin`` empty: from the head itself. A ``unit`` that the file does not say is the SI unit that it was taken as.
+    """
+
+    place: str
+    head: str
+    unit: str
+    origin: str = ""
+
+    @property
+    def named(self) -> str:
+        """Place and head."""
+        both = self.head and self.place not in ("", self.head)
+        return f"{self.place} {shown(self.head)}" if both else self.place or self.head
+
+    @property
+    def unit_told(self) -> str:
+        """Unit, and where it is from."""
+        origin = f" ({self.origin})" if self.origin else ""
+        return f"{'a plain number' if self.unit in ('', '1') else self.unit}{origin}"
+
+
+@dataclass(frozen=True)
+class Taken:
+    """Data taken of a ``file``: ``kind``, columns, number of ``samples``; ``notes`` on what was cut or shifted.
+
+    ``rate`` in Hz of samples in equal steps, else None; ``start``, ``end``: of the abscissa, in its SI unit ``over``;
+    ``zero``: the time of the file that became 0, None: its own.
+
+    >>> value = TakenColumn("column 2", "Acc", "g", "from the row below the heads")
+    >>> print(Taken("shock.csv", "time history", (value,), 100, 9000.0, 9000.495, "s", 20000.0))
+    taken: column 2 'Acc', g (from the row below the heads), 20 000 Hz from 9 000 s
+    """
+
+    file: str
+    kind: str
+    columns: tuple[TakenColumn, ...]
+    samples: int
+    start: float
+    end: float
+    over: str = "s"
+    rate: float | None = None
+    notes: tuple[str, ...] = ()
+    zero: float | None = None
+
+    def __str__(self) -> str:
+        span = f"{self.samples} points from {grouped(self.start)} to {grouped(self.end)} {self.over}"
+        if self.rate is not None:
+            span = f"{grouped(self.rate)} Hz from {grouped(self.start)} {self.over}"
+        if self.zero is not None:
+            span += f", {'which' if self.zero == self.start else f'of which {grouped(self.zero)} s'} is taken as 0"
+        kind = "" if self.kind == "time history" else f"{self.kind}: "
+        groups = {each.unit_told: list[str]() for each in self.columns}
+        for each in self.columns:
+            groups[each.unit_told].append(each.named)
+        columns = ", ".join(", ".join([*named, unit]) for unit, named in groups.items())
+        return "; ".join([f"taken: {kind}{columns}, {span}", *self.notes])
+
+
+Told = tuple[Callable[[str], None], list[Taken]]
+_TOLD: ContextVar[Told | None] = ContextVar("taken", default=None)
+
+
+def tell(taken: Taken | None) -> None:
+    """Tell what was taken of a file to whoever listens, unless it was told before."""
+    told = _TOLD.get()
+    if told is not None and taken is not None and taken not in told[1]:
+        told[1].append(taken)
+        told[0](f"{taken.file}: {taken}")
+
+
+def all_taken() -> dict[str, list[Taken]]:
+    """All that was told so far in this context, as ``taken``; empty where nothing was."""
+    told = _TOLD.get()
+    return {"taken": told[1]} if told and told[1] else {}
+
+
+@contextmanager
+def taken_told(listener: Callable[[str], None]) -> Iterator[None]:
+    """Context in which a ``listener`` is told, in a line, what is taken of each file."""
+    token = _TOLD.set((listener, []))
+    try:
+        yield
+    finally:
+        _TOLD.reset(token)
 
 
 @dataclass(frozen=True)
@@ -149,81 +239,3 @@ class ReferenceForm:
     def own(self) -> bool:
         """True where a file may be of vibeam's own form: no columns, units or signs are said."""
         return not (self.columns or self.units or self.separator or self.decimal or self.scale_unit)
-
-
-def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
-    """Factor from a column's unit, times ``scale_unit``, to the SI unit ``wanted``; ValueError where they do not suit.
-
-    A column without a unit is in ``wanted``; with a scale in volts. ``g`` and ``G``, with ``m`` or ``µ`` before it, are
-    of the acceleration of free fall where that makes it one of ``wanted``, else grams. How a value is taken, as in
-    ``mm rms``, is no part of its unit (``taking``).
-    """
-    if not taking(unit)[0] and not scale_unit:
-        return 1.0
-    plain = _plain(unit) if unit else "V" if "V" in scale_unit else ""
-    (more, further), (aim, target) = _sized(scale_unit), _sized(wanted)
-    known = list[str]()
-    for each in (plain, _FREE_FALL.sub(r"\1gn", plain), _METRES.sub(r"(m s\1)", plain)):
-        found = unit_size(each) if each not in PLAIN else (Decimal(1), {})
-        if found is not None and _times(found[1], further) == target:
-            return float(found[0] * more / aim)
-        known += [each] * (found is not None)
-    if not known:
-        raise ValueError(f"the unit {unit!r} is not known{meant(plain, wanted)}")
-    by = f" times the scale's {scale_unit!r}" if scale_unit else ""
-    raise ValueError(f"the unit {unit!r}{by} is not one of {wanted or 'a plain number'}")
-
-
-CURES = {"rms": 1.41421, "peak to peak": 0.5}  # scale by which values become amplitudes
-PLAIN = ("", "1", "-", "none", "ratio")  # units of a plain number
-USUAL = (
-    "m/s^2", "mm/s^2", "m/s", "mm/s", "m", "mm", "µm", "in", "N", "kN", "lbf", "N m", "s", "ms", "Hz", "kHz", "rpm",
-)  # fmt: skip
-_FREE_FALL = re.compile(r"(?<![A-Za-zµ])([mµu]?)[gG](?:'?s|_?n|-force)?(?![A-Za-z])")
-_METRES = re.compile(r"(?<![A-Za-zµ])ms(\^?[-⁻][1-4¹²³⁴])")  # ms-2: of two readings the one that is asked
-_WORDS = r"rms|r\.m\.s\.|0-pk|pk-pk|peak[ -](?:to[ -])?peak|p-p|pk|peak|pp"
-_TAKING = re.compile(rf"(.*?)[\s_(,-]*(?:\b|(?<=[gGVm_]))({_WORDS})\)?", re.IGNORECASE)
-
-
-def taking(unit: str) -> tuple[str, str]:
-    """A unit, and how its values are taken: ``rms``, ``peak``, ``peak to peak``; empty: as they are."""
-    found = _TAKING.fullmatch(unit.strip()) if len(unit) <= 2 * LONGEST else None
-    if not found:
-        return unit, ""
-    word = found[2].casefold()
-    return found[1], "rms" if word[0] == "r" else "peak" if word in ("pk", "0-pk", "peak") else "peak to peak"
-
-
-def _plain(unit: str) -> str:
-    """A unit alone, out of brackets and blanks."""
-    plain = taking(unit)[0].strip(" .").replace("μ", "µ").replace(" per ", "/").replace(" squared", "^2")
-    return plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
-
-
-def meant(unit: str, wanted: str) -> str:
-    """The unit of the quantity ``wanted`` that an unknown one may be meant as, as the end of a message."""
-    usual = [each for each in USUAL if (found := unit_size(each)) and found[1] == _sized(wanted)[1]]
-    near = get_close_matches(unit.casefold(), [each.casefold() for each in usual], 1, 0.5)
-    return f": {next(each for each in usual if each.casefold() == near[0])}?" if near else ""
-
-
-def _sized(unit: str) -> tuple[Decimal, dict[str, float]]:
-    if unit in ("", "1", "-"):
-        return Decimal(1), {}
-    found = unit_size(unit)
-    if found is None:
-        raise ValueError(f"the unit {unit!r} is not known")
-    return found
-
-
-def _times(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
-    powers = {name: one.get(name, 0.0) + other.get(name, 0.0) for name in {*one, *other}}
-    return {name: power for name, power in powers.items() if power}
-
-
-def known_unit(unit: str) -> bool:
-    """Test whether a unit is known, ``%`` and a plain number (``1``) among them."""
-    plain = _plain(unit)
-    return plain in (*PLAIN, "%") or any(
-        unit_size(each) is not None for each in (plain, _FREE_FALL.sub(r"\1gn", plain))
-    )

@@ -10,23 +10,31 @@ from re import fullmatch
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn, in_si, taken_column
-from vibeam.exchange.curves.read import read_columns
+from vibeam.exchange.curves.columns import (
+    SHOWN,
+    Columns,
+    CurveColumn,
+    HeadError,
+    TextForm,
+    WantedColumn,
+    in_si,
+    read_columns,
+    taken_column,
+)
 from vibeam.exchange.curves.record import (
     COLUMNS,
-    CURES,
     QUANTITIES,
     ROLES,
     Point,
     ReferenceCurve,
     ReferenceForm,
+    Taken,
     given,
-    taking,
+    tell,
 )
-from vibeam.exchange.curves.taken import Taken, tell
-from vibeam.exchange.curves.text import TextForm
 from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in, suggest
 from vibeam.exchange.files import FormatError, file_fault, read_by
+from vibeam.exchange.units import CURES, taking
 from vibeam_models.arrays import Array
 
 RECORDED = "# Regression values: recorded by vibeam"  # first line of a file that ``vibeam check --write`` wrote

@@ -11,18 +11,18 @@ from pathlib import Path
 
 import numpy as np
 
+from vibeam.exchange.curves.cells import decimal_sign, number, numeric, one_unit, plain_table, settings, units_row
 from vibeam.exchange.curves.columns import (
     Columns,
     CurveColumn,
     HeadError,
+    TextForm,
     WantedColumn,
     find,
     is_unit,
     missing,
     split_head,
 )
-from vibeam.exchange.curves.numbers import decimal_sign, number, numeric, plain_table
-from vibeam.exchange.curves.units_said import one_unit, settings, units_row
 from vibeam.exchange.files import FormatError, lines_of, read_by, shown, text_of
 from vibeam_models.arrays import Array
 from vibeam_models.registry import loaded
@@ -34,14 +34,6 @@ LINES = 2_100_000  # one for each direction of the longest sweep, and comments
 Line = tuple[int, str]  # line, text
 Row = tuple[int, list[str]]  # line, cells
 Units = Mapping[int, Sequence[tuple[str, str]]]  # by column: where, unit
-
-
-@dataclass(frozen=True)
-class TextForm:
-    """Form of a text file; empty: found out from the file."""
-
-    separator: str = ""
-    decimal: str = ""
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ import numpy as np
 
 from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, size_in
 from vibeam.exchange.curves.data_sets import FileUnits, Function, FunctionAxis, chosen, data_sets, units_of
-from vibeam.exchange.curves.record import known_unit
 from vibeam.exchange.files import FormatError
+from vibeam.exchange.units import known_unit
 
 AUTO, CROSS, DENSITY, ENERGY = 2, 3, 9, 10
 FUNCTIONS = {

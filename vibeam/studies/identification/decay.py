@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.exchange.curves.taken import MeasuredCurve
+from vibeam.exchange.curves.measured_curve import MeasuredCurve
 from vibeam.studies.identification.estimates import Identification, by_logarithms, correlation, estimates, spread_of
 from vibeam.studies.identification.response import CORRELATED, RANGE, SAMPLE, notes_on, numbered, require_room, usable
 from vibeam_models.arguments import counted

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.exchange.curves.taken import MeasuredCurve
+from vibeam.exchange.curves.measured_curve import MeasuredCurve
 from vibeam.exchange.faults import suggest
 from vibeam.studies.identification.estimates import Estimate, Identification, correlation, estimates, spread_of
 from vibeam.studies.identification.residues import MOST, Fit, ModalResponses, fitted

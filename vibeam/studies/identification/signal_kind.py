@@ -21,7 +21,8 @@ import numpy as np
 
 from vibeam.casefile.quantities import FREQUENCY, RATIO, TIME, suits, to_si
 from vibeam.exchange.curves.columns import size_in
-from vibeam.exchange.curves.taken import MeasuredCurve, label, tell
+from vibeam.exchange.curves.measured_curve import MeasuredCurve, label
+from vibeam.exchange.curves.record import tell
 from vibeam.exchange.units import unit_size
 from vibeam.studies.identification.decay import identify_decay
 from vibeam.studies.identification.estimates import Identification

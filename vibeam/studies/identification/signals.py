@@ -16,17 +16,19 @@ from typing import Any
 import numpy as np
 
 from vibeam.exchange.curves.columns import (
+    BINARY,
     TIMES,
     Columns,
     CurveColumn,
     HeadError,
     WantedColumn,
+    is_text,
+    read_columns,
     size_in,
     split_head,
     taken_column,
 )
-from vibeam.exchange.curves.read import BINARY, is_text, read_columns
-from vibeam.exchange.curves.taken import Taken
+from vibeam.exchange.curves.record import Taken
 from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError
 from vibeam_models.arrays import Array
