@@ -35,22 +35,21 @@ Content = bytes | memoryview
 class Variable:
     """Variable of a file, not read yet; ``plain``: a full or sparse array.
 
-    ``object``: an object of a class of MATLAB's own, which cannot be read; ``source``: a file that has it.
+    ``object``: an object of a class of MATLAB's own, which cannot be read; ``source``: content of a file that has it.
     """
 
     name: str
     plain: bool
     object: bool
-    source: Path | bytes
+    source: bytes
 
     def read(self, **how: Any) -> Any:
         """Its value by ``loadmat`` with the options ``how``."""
         from scipy.io import loadmat
 
-        source: Any = BytesIO(self.source) if isinstance(self.source, bytes) else self.source
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            return loadmat(source, appendmat=False, variable_names=[self.name], **how)[self.name]
+            return loadmat(BytesIO(self.source), appendmat=False, variable_names=[self.name], **how)[self.name]
 
 
 def variables(path: Path) -> list[Variable]:
@@ -60,8 +59,8 @@ def variables(path: Path) -> list[Variable]:
     state_of(path, 2 * BYTES)
     raw = path.read_bytes()
     with read_by("is no MATLAB file that can be read"):
-        if 0 in raw[:4]:  # level 4
-            return [Variable(name, True, False, path) for name, _, _ in whosmat(path, appendmat=False)]
+        if 0 in raw[:4]:  # level 4; of a file scipy would take memory for a name as long as its head says
+            return [Variable(name, True, False, raw) for name, _, _ in whosmat(BytesIO(raw), appendmat=False)]
         if raw[126:128] not in (b"IM", b"MI"):
             raise FormatError("is no MATLAB file that can be read: it does not begin as one")
         return list(_level_5(raw, "<" if raw[126:128] == b"IM" else ">"))

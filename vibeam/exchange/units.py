@@ -212,7 +212,7 @@ def taking(unit: str) -> tuple[str, str]:
 
 def _plain(unit: str) -> str:
     """A unit alone, out of brackets and blanks."""
-    plain = taking(unit)[0].strip(" .").replace("μ", "µ").replace(" per ", "/").replace(" squared", "^2")
+    plain = taking(unit)[0].strip().rstrip(" .").replace("μ", "µ").replace(" per ", "/").replace(" squared", "^2")
     return plain[1:-1].strip() if plain[:1] + plain[-1:] in ("[]", "{}") else plain
 
 

@@ -16,7 +16,7 @@ import pytest
 from scipy.io import savemat
 
 import vibeam
-from vibeam.exchange.curves.columns import TIMES, WantedColumn, read_columns
+from vibeam.exchange.curves.columns import UNSAID
 
 RATE = 1000.0
 TIME = np.arange(24) / RATE
@@ -36,6 +36,33 @@ def uff(path: Path) -> None:
     path.write_text(units + "\n".join([*head, *lines, *rows, "    -1", ""]))
 
 
+def uff_bytes(path: Path) -> None:
+    """Data set 58b, little endian."""
+    uff(path)
+    units, head = path.read_bytes().split(b"    58\n")
+    body = (9.80665 * VALUES).astype("<f8").tobytes()
+    axes = b"\n".join(head.split(b"\n")[:11])
+    mark = f"    58b     1     2          11{len(body):12}\n".encode()
+    path.write_bytes(units + mark + axes + b"\n" + body + b"\n    -1\n")
+
+
+def comma(path: Path) -> None:
+    rows = "".join(f"{1000 * at:.9g},{value:.17g}\n" for at, value in zip(TIME, VALUES, strict=True))
+    path.write_text("Logger 7,\n# made today\nt [ms],acc [g]\n" + rows)
+
+
+def scope(path: Path) -> None:
+    rows = "".join(f"{at:.9g}\t{value:.17g}\n" for at, value in zip(TIME, VALUES, strict=True))
+    path.write_text("Horizontal Units\ts\nVertical Units\tg\nTIME\tCH1\n" + rows)
+
+
+def labview(path: Path) -> None:
+    said = "Separator Tab,Decimal_Separator .,Multi_Headings No,X_Columns No,***End_of_Header***,Channels 1,"
+    said += f"Y_Unit_Label g,X_Dimension Time,X0 0.0,Delta_X {1 / RATE},***End_of_Header***,X_Value acc Comment"
+    rows = [f"\t{value:.17g}" for value in VALUES]
+    path.write_text("\n".join(["LabVIEW Measurement\t", *said.replace(" ", "\t").split(","), *rows, ""]))
+
+
 def wav(path: Path) -> None:
     data = (9.80665 * VALUES).astype("<f4").tobytes()
     form = struct.pack("<HHIIHH", 3, 1, int(RATE), 4 * int(RATE), 4, 32)
@@ -51,6 +78,15 @@ def packed(path: Path) -> None:
     savemat(path, {"acc": VALUES, "unit": "g", "fs": RATE}, do_compression=True)
 
 
+def mat73(path: Path) -> None:
+    """Variables as MATLAB 7.3 keeps them: columns as rows, texts as codes."""
+    said = {"acc": VALUES, "fs": [RATE], "unit": np.array([ord("g")], "<u2")}
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, values in said.items():
+            file[name] = np.atleast_2d(values)
+            file[name].attrs["MATLAB_class"] = np.bytes_("char" if name == "unit" else "double")
+
+
 def hdf5(path: Path) -> None:
     with h5py.File(path, "w") as file:
         file["acc"] = VALUES
@@ -64,7 +100,11 @@ def tdms(path: Path) -> None:
         file.write_segment([nptdms.ChannelObject("rig", "acc", VALUES, said)])
 
 
-KINDS = [(uff, "a.uff"), (wav, "a.wav"), (mat, "a.mat"), (packed, "b.mat"), (hdf5, "a.h5"), (tdms, "a.tdms")]
+KINDS = [
+    (uff, "a.uff"), (uff_bytes, "b.uff"), (wav, "a.wav"), (mat, "a.mat"), (packed, "b.mat"), (mat73, "c.mat"),
+    (hdf5, "a.h5"), (tdms, "a.tdms"), (comma, "a.csv"), (scope, "b.csv"), (labview, "a.lvm"),
+]  # fmt: skip
+COLUMN = {"b.csv": "CH1"}
 
 
 def changed(raw: bytes, seed: int) -> bytes:
@@ -92,7 +132,7 @@ def tried(path: Path, raw: bytes, write: Callable[[Path], None], seed: int) -> s
     """``same``, ``told``, or ``other``: numbers that the changed bytes themselves say, or that no unit explains."""
     path.write_bytes(changed(raw, seed))
     try:
-        record = vibeam.record_of_file(path)
+        record = vibeam.record_of_file(path, column=COLUMN.get(path.name))
     except vibeam.CaseError:
         return "told"
     found = record.at(record.times)
@@ -104,9 +144,7 @@ def tried(path: Path, raw: bytes, write: Callable[[Path], None], seed: int) -> s
         np.allclose(found, factor * sound, rtol=1e-6, atol=factor * tolerance) for factor in FACTORS
     )
     if scaled:
-        wanted = {"frequency": WantedColumn(TIMES, False), "value": WantedColumn(("acc",))}
-        value = read_columns(path, wanted).columns["value"]
-        assert not value.unit, f"seed {seed}: {value.unit}, {value.origin}"
+        assert record.taken.columns[0].origin == UNSAID, f"seed {seed}: {record.taken}"
     return "other"
 
 
@@ -118,7 +156,7 @@ def run(path: Path, write: Callable[[Path], None], seeds: range) -> set[str]:
 
 @pytest.mark.parametrize(("write", "name"), KINDS)
 def test_a_damaged_file_is_read_or_told(tmp_path: Path, write: Callable[[Path], None], name: str) -> None:
-    assert run(tmp_path / name, write, range(500)) >= {"told"}
+    assert run(tmp_path / name, write, range(100)) >= {"told"}
 
 
 @pytest.mark.slow
@@ -126,5 +164,5 @@ def test_a_damaged_file_is_read_or_told(tmp_path: Path, write: Callable[[Path], 
 def test_many_damaged_files_are_read_or_told(tmp_path: Path, write: Callable[[Path], None], name: str) -> None:
     resource = pytest.importorskip("resource")
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    assert run(tmp_path / name, write, range(500, 5000)) >= {"told"}
+    assert run(tmp_path / name, write, range(100, 1600)) >= {"told"}
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 2 << 20  # KiB

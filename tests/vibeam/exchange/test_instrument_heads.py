@@ -95,6 +95,9 @@ def test_a_unit_is_read_wherever_it_stands(tmp_path: Path, text: str, form: dict
         (table("t,a", "off,on"), {}, ":2: 'off' is not a number"),
         (table("X,CH1", "Sequence,Volt"), {"column": "CH1", "time": "X"}, "the unit 'Volt' is not one of"),
         (table("X,CH1", "Sequence,g"), {"column": "CH1", "time": "X"}, "the unit 'Sequence' is not known; say"),
+        (table("t [ms],a [g"), BY_NUMBER, "the unit 'a [g' is not known"),
+        (table("t [ms],a (g]"), {}, "the unit 'a (g]' is not known"),
+        (table("t,a", "ms,(g"), BY_NUMBER, "the unit '(g' is not known"),
         (table("f [Hz],a [g]"), {"time": "f"}, "is in Hz: a record goes over time"),
     ],
 )  # fmt: skip

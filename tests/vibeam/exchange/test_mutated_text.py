@@ -138,7 +138,7 @@ def fault_of(found: vibeam.Record, truth: vibeam.Record) -> str:
     return "" if same else "other numbers"
 
 
-@pytest.mark.parametrize("chunk", range(12))
+@pytest.mark.parametrize("chunk", [*range(12), *(pytest.param(each, marks=pytest.mark.slow) for each in range(12, 65))])
 def test_a_mutated_file_gives_the_same_or_a_fault(tmp_path: Path, chunk: int) -> None:
     wrong, counts = list[str](), {"read": 0, "told": 0}
     for number in range(100 * chunk, 100 * chunk + 100):

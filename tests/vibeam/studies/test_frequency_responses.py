@@ -185,7 +185,13 @@ def test_a_ratio_of_equal_units_is_absolute_or_relative(of: str, tmp_path: Path)
 def test_the_root_of_a_power_spectrum_is_fitted(of: str | None, tmp_path: Path) -> None:
     r = np.linspace(0.5, 1.5, 401)
     power = 0.0016 / ((1 - r**2) ** 2 + (0.04 * r) ** 2)
-    for head, shown in (("PSD [g^2/Hz]", power), ("S [(m/s^2)^2/Hz]", power), ("spectrum [m/s^2/Hz]", np.sqrt(power))):
+    for head, shown in (
+        ("PSD [g^2/Hz]", power),
+        ("P [G^2/Hz]", power),
+        ("P [m^2/s^3]", power),
+        ("S [(m/s^2)^2/Hz]", power),
+        ("spectrum [m/s^2/Hz]", np.sqrt(power)),
+    ):
         found = identify_signal(written(tmp_path / "a.csv", f"f [Hz],{head}", 20 * r, shown), of)
         assert (found.of, found["damping ratio"].value) == ("spectrum", pytest.approx(0.02, rel=1e-6))
 

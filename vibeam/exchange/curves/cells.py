@@ -123,7 +123,8 @@ def units_row(cells: Sequence[str], needed: Sequence[int], at: int | None) -> Ma
     clock = (is_unit(first) and first.casefold() not in TIMES) or first.casefold() in COUNTS
     if not (clock or (sure and any(cells[each] for each in needed))):
         return {}
-    return {place: cell.strip().strip("[]()").strip() for place, cell in enumerate(cells) if cell.strip()}
+    plain = (cell.strip()[1:-1].strip() if bracketed(cell) else cell.strip() for cell in cells)
+    return {place: unit for place, unit in enumerate(plain) if unit}
 
 
 def settings(text: str, heads: Sequence[str], value: int, at: int | None) -> Iterator[Mapping[int, str]]:

@@ -145,6 +145,8 @@ def _split(head: str) -> tuple[str, str]:
     if said := known or odd[-1:]:
         name = head.replace(said[0][0][0], " ", 1)
         return " ".join(name.split()), " ".join(dict.fromkeys(unit for _, unit in said))
+    if re.search(r"[][()]", _BRACKETS.sub("", head)):  # one alone: no part of a head is left out
+        return head, head
     if is_unit(head) and " " not in head and (len(head) > 1 or head in "gGNsV"):
         return head, head
     if unit := _last_word(head):

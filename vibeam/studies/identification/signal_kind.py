@@ -23,6 +23,7 @@ from vibeam.casefile.quantities import FREQUENCY, RATIO, TIME, suits, to_si
 from vibeam.exchange.curves.columns import size_in
 from vibeam.exchange.curves.measured_curve import MeasuredCurve, label
 from vibeam.exchange.curves.record import tell
+from vibeam.exchange.units import TIME as OF_TIME
 from vibeam.exchange.units import unit_size
 from vibeam.studies.identification.decay import identify_decay
 from vibeam.studies.identification.estimates import Identification
@@ -195,8 +196,9 @@ def _causal(signal: Signal) -> Signal:
 def _is_power(signal: Signal) -> bool:
     """Test whether values are squares, by their unit or, without one, by their head; decibels are of amplitudes."""
     unit, words = signal.units[1], _words(signal.heads[1])
-    size = unit_size(re.sub(r"\s*/\s*\(?Hz\)?$", "", unit))
-    square = size is not None and size[1] and all(power % 2 == 0 for power in size[1].values())
+    size = unit_size(re.sub(r"(?<![A-Za-z])G(?![A-Za-z])", "g", re.sub(r"\s*/\s*\(?Hz\)?$", "", unit)))
+    powers = [] if size is None else [power for base, power in size[1].items() if base != OF_TIME]  # m^2/s^3, too
+    square = powers and all(power % 2 == 0 for power in powers)
     return not signal.decibels and bool(square or (words & POWERS and not unit))
 
 
