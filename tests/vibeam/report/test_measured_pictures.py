@@ -118,6 +118,22 @@ def test_of_a_power_spectrum_the_root_is_drawn_and_the_band_that_is_fitted(tmp_p
     assert panel["axes"].get_ylabel() == "root of PSD in √((m/s²)²/Hz)"
 
 
+@pytest.mark.parametrize(
+    ("head", "size", "label"),
+    [
+        ("T [g/g]", 1.0, "T"), ("H [mm/V]", 1e-3, "H in m/V"), ("H [counts]", 1.0, "H in counts"),
+        ("FFT [mm/Hz]", 1e-3, "FFT in m/Hz"), ("power", 1.0, "root of power"), ("a $1_2$ [V]", 1.0, r"a \$1_2\$ in V"),
+    ],
+)  # fmt: skip
+def test_an_axis_has_head_and_unit(head: str, size: float, label: str, tmp_path: Path) -> None:
+    f = np.arange(10, 30, 0.25)
+    value = 1e3 * np.abs(receptance(f, 20.0))
+    file = written(tmp_path / "a.csv", f"f [Hz],{head}", f, value ** (2 if head == "power" else 1))
+    (panel, *_) = drawn(identification_sheet(identify_stretch(file, None, None, of="spectrum")).draw)
+    np.testing.assert_allclose(panel["all"], [f, size * value], rtol=1e-12)
+    assert panel["axes"].get_ylabel() == label
+
+
 def run(*words: str | Path, code: int = 0) -> str:
     done = CliRunner().invoke(app, list(map(str, words)))
     assert done.exit_code == code, done.output
