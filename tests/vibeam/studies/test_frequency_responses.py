@@ -227,7 +227,7 @@ def test_the_modes_of_each_order_are_drawn() -> None:
     draw = identification_sheet(found).draw
     assert draw is not None
     axes = draw().axes
-    assert [axes[0].get_yscale(), axes[1].get_ylabel()] == ["log", "modes in the fit (+)"]
+    assert [axes[0].get_yscale(), axes[1].get_ylabel()] == ["log", "modes in the fit"]
     assert len(axes[1].lines[0].get_xdata()) == 6
 
 

@@ -52,7 +52,9 @@ WORDS: Mapping[str, tuple[str, ...]] = {
     "transmissibility": RATIOS, "relative": ("relative transmissibility",),
 }  # fmt: skip
 MOTIONS = ("m", "m/s", "m/s^2", "N", "V")
-PER = tuple(f"{each}{per}" for each in MOTIONS for per in ("/N", "/V", "/A", "/Hz", " s"))
+#: SI units of pictures: of ratios and amplitudes, and of power
+AMPLITUDES = ("1", *MOTIONS, *(f"{each}{per}" for each in MOTIONS for per in ("/N", "/V", "/A", "/Hz", " s")))
+SQUARES = tuple(f"{each}{per}" for each in ("m^2", "(m/s)^2", "(m/s^2)^2", "N^2", "V^2") for per in ("/Hz", ""))
 POWERS = {"psd", "power", "autopower", "density", "leistungsdichte"}
 #: units of values, what they are of, and the kinds
 OF_UNITS: Sequence[tuple[str, str, tuple[str, ...]]] = (
@@ -108,7 +110,7 @@ def _curve(whole: Signal, fitted: MeasuredCurve, kind: str, power: bool) -> Meas
     value = whole.value if fitted.timed else np.abs(whole.value)
     size, unit = _si(whole.units[1], power)
     if power:
-        value, size, unit = np.sqrt(np.maximum(value, 0.0)), size**0.5, f"√({unit})"
+        value, size, unit = np.sqrt(np.maximum(value, 0.0)), size**0.5, f"√({unit})" if unit else ""
     assert fitted.fit is not None
     at, model = fitted.fit
     fit = at, (1.0 if kind in FORMS else size) * model
@@ -124,7 +126,7 @@ def _curve(whole: Signal, fitted: MeasuredCurve, kind: str, power: bool) -> Meas
 
 def _si(unit: str, power: bool) -> tuple[float, str]:
     """Factor of a unit and the SI unit that it is one of; itself where none of the usual ones is."""
-    known = [f"({each})^2{per}" for each in MOTIONS for per in ("/Hz", "")] if power else [*MOTIONS, *PER]
+    known = SQUARES if power else AMPLITUDES
     return next(((size, each) for each in known if unit and (size := size_in(unit, each))), (1.0, unit))
 
 
