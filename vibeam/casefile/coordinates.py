@@ -56,7 +56,7 @@ class StructureReading(ABC):
         """Complain about a key of the table."""
         self.complaints.append(((self.kind, *key.split(".")), message))
 
-    def content(self, key: str, name: str, read: Callable[..., Any], *wanted: str) -> Any:
+    def content(self, key: str, name: str, read: Callable[..., Any], *wanted: Any) -> Any:
         """Content of a file by ``read``, with the line that says so; None with a complaint where it cannot be read."""
         try:
             found = read(self.folder / name, *wanted)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path as File
 from typing import Any
 
@@ -42,7 +41,7 @@ class ModesReading(StructureReading):
         self.carried = self.values["moving_mass"]
         said = self.values["file"]
         skip = self.values["skip"] or ()
-        file: FileModes | None = None if said is None else self.content("file", said, partial(read_modes, skip=skip))
+        file: FileModes | None = None if said is None else self.content("file", said, read_modes, skip)
         if skip and said is None:
             self.complain("skip", "omits modes of a file, and there is none: leave it out")
         frequency = self._each("frequency", None if file is None else file.frequency)
