@@ -31,7 +31,7 @@ class Registry(Mapping[str, Declared]):
 
     def __init__(self, kind: str, *own: Declared) -> None:
         self.kind = kind
-        self._own = {declaration.name: declaration for declaration in own}
+        self.own = {declaration.name: declaration for declaration in own}
         self._brought: dict[str, Declared] | None = None
         self._foreign = False
         self._added: dict[str, Declared] = {}
@@ -42,7 +42,7 @@ class Registry(Mapping[str, Declared]):
         if self._brought is None:
             found: dict[str, Declared] = {}
             for point, each in brought(self.kind):
-                if each.name in found or each.name in self._own:
+                if each.name in found or each.name in self.own:
                     said = f"extension {point.name!r} of the package {point.package!r}: {self.kind} {each.name!r}"
                     raise ExtensionError(f"{said} is declared already: uninstall one of the two packages")
                 found[each.name] = each
@@ -61,8 +61,8 @@ class Registry(Mapping[str, Declared]):
         del self._added[name]
 
     def __getitem__(self, name: str) -> Declared:
-        if name in self._own:
-            return self._own[name]
+        if name in self.own:
+            return self.own[name]
         return self.brought[name] if name in self.brought else self._added[name]
 
     @property
@@ -71,7 +71,7 @@ class Registry(Mapping[str, Declared]):
         return bool(self.brought and self._foreign) or bool(self._added)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(dict.fromkeys([*self._own, *self.brought, *self._added]))
+        return iter(dict.fromkeys([*self.own, *self.brought, *self._added]))
 
     def __len__(self) -> int:
         return len(list(iter(self)))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,14 +12,14 @@ from vibeam_models.registry import Registry
 class Command:
     """Command of an extension: ``vibeam NAME``, in a ``group`` of the help with its ``meaning``, the first line of it.
 
-    ``home``: ``"module:function"``, imported when the command runs; or that of a ``StudyDeclaration``, whose command
+    ``home``: ``"module:function"``, imported when the command runs, or a ``StudyDeclaration`` there, whose command
     follows from it.
     """
 
     name: str
     group: str
     meaning: str
-    home: str | Callable[..., Any]
+    home: Any
 
 
 COMMANDS: Registry[Command] = Registry("command")

@@ -292,11 +292,17 @@ FIGURES = Registry(
     ),
 )
 
-#: units of what [expect.NAME] and [measured.NAME] can read off figures
-READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
-#: kind off which a quantity is read without a [show.NAME]: one that needs and takes no key
-ALONE = {name: kind.name for kind in FIGURES.values() if not kind.known for name in kind.reads}
 COMMON = ("frequency", "periods", "settle", "quantity", "output", "near")  # keys that no kind alone declares
+
+
+def units_read() -> dict[str, str]:
+    """Units of what [expect.NAME] and [measured.NAME] can read off figures, by name."""
+    return {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
+
+
+def kinds_alone() -> dict[str, str]:
+    """Kind off which a quantity is read without a [show.NAME]: one that needs and takes no key."""
+    return {name: kind.name for kind in FIGURES.values() if not kind.known for name in kind.reads}
 
 
 def own_keys() -> dict[str, Key]:

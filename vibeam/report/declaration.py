@@ -95,7 +95,7 @@ SECTIONS: Registry[PageSection] = Registry("section of a page")
 def _own(
     name: str, home: str, sheet: str, meaning: str, *examples: str, first: str | None = None, parts: bool = False
 ) -> StudyDeclaration:  # fmt: skip
-    plan = STUDY_PLANS[name].load() if name in STUDY_PLANS else None
+    plan = STUDY_PLANS[name].load() if name in STUDY_PLANS.own else None
     run, shown = f"vibeam.studies.{home}:{name}", f"vibeam.report.{sheet}:sheet"
     return StudyDeclaration(name, run, meaning, sheet=shown, asks=plan, first=first, examples=examples, parts=parts)
 

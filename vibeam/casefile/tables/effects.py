@@ -18,12 +18,14 @@ from vibeam_models.effects import EFFECTS, keys_in, tables
 from vibeam_models.registry import Home
 from vibeam_models.scene import Effect
 
+EFFECT = "Effect: "
+
 
 @dataclass(frozen=True)
 class EffectTable:
     """The table of an effect, or the list of its tables: declared where a case first names it.
 
-    ``own``: its home is the table itself, which is no effect's.
+    ``own``: its home is the table itself, or a dataclass that declares its keys, which is no effect's.
     """
 
     home: Home
@@ -32,7 +34,10 @@ class EffectTable:
     @property
     def table(self) -> type[Table]:
         """One table."""
-        found: type[Table] = self.home.load() if self.own else effect_table(self.home.load())
+        declared: type[Any] = self.home.load()
+        found: type[Table] = (
+            declared if issubclass(declared, Table) else effect_table(declared, "" if self.own else EFFECT)
+        )
         return found
 
     def read(self, value: Any, info: ValidationInfo) -> Any:
@@ -49,10 +54,10 @@ class EffectTable:
 
 
 @lru_cache(maxsize=64)
-def effect_table(effect: type[Effect]) -> type[Table]:
-    """The table that an effect declares."""
+def effect_table(effect: type[Any], said: str = EFFECT) -> type[Table]:
+    """The table that an effect, or another dataclass of keys, declares; ``said`` before its meaning."""
     meaning = effect.__doc__ or ""
-    doc = f"Effect: {meaning[:1].lower()}{meaning[1:]}"
+    doc = f"{said}{meaning[:1].lower()}{meaning[1:]}" if said else meaning
     made: type[Table] = table(f"{effect.__name__}Table", doc, plan_keys(effect))
     return made
 

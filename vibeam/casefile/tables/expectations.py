@@ -25,7 +25,7 @@ from vibeam.casefile.tables.transient_numbers import (
     transient_dimension,
 )
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
-from vibeam.figures import ALONE, FIGURES, LIMITS, OF_OUTPUT, READ
+from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, kinds_alone, units_read
 from vibeam.figures.declaration import FigureKind
 from vibeam.system.quantities import LAYOUT
 
@@ -181,7 +181,7 @@ def unit_of_reading(quantity: str, against: str | None) -> str:
         return "q" if quantity == "peak" else "Hz"
     if quantity not in OF_SWEEPS or quantity in ERRORS:
         return "1"  # of a record, which its own rule says, or a share
-    return READ[quantity] if quantity in READ else LAYOUT[quantity].unit
+    return units_read().get(quantity) or LAYOUT[quantity].unit
 
 
 def expectation_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -204,7 +204,7 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
     yield from swept_checks(case, (*path, "direction"), expect.direction)
     if expect.quantity in OF_OUTPUT:
         yield from of_displacement(case, (*path, "quantity"), expect.quantity)
-    if expect.show is not None or expect.number is not None or expect.quantity in READ:
+    if expect.show is not None or expect.number is not None or expect.quantity in units_read():
         yield from _of_a_figure(case, path, expect)
     elif expect.quantity in EXTENTS + ERRORS and expect.frequency is not None:
         yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
@@ -214,8 +214,8 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
 
 def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about a number that is, or should be, read off a figure."""
-    if expect.show is None and expect.quantity in ALONE:
-        yield from _chosen(path, expect, FIGURES[ALONE[expect.quantity]])
+    if expect.show is None and (kind := kinds_alone().get(expect.quantity)):
+        yield from _chosen(path, expect, FIGURES[kind])
         return
     if expect.show is None:
         what = (
@@ -259,7 +259,7 @@ def swept_checks(case: SimpleNamespace, path: KeyPath, way: str | None) -> Itera
         yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
 
 
-OF_SWEEPS = (*QUANTITIES, *OF_OUTPUT, *EXTENTS, *ERRORS, *LIMITS, *READ)
+OF_SWEEPS = (*QUANTITIES, *OF_OUTPUT, *EXTENTS, *ERRORS, *LIMITS, *units_read())
 
 
 def _reading_table(name: str, plan: type[ResultNumber], meaning: str, **entries: Entry) -> Any:

@@ -13,7 +13,7 @@ from vibeam.case.plans import MeasuredNumber, ResultNumber, ShowPlan
 from vibeam.case.response_quantities import values_of
 from vibeam.case.study_plans import ERRORS
 from vibeam.exchange.curves.record import SAME_FREQUENCY
-from vibeam.figures import ALONE, FIGURES, LIMITS
+from vibeam.figures import FIGURES, LIMITS, kinds_alone
 from vibeam.studies.regression.number_read import NAN, NumberRead
 from vibeam.system.response import Ended, FrequencyResponse
 
@@ -90,7 +90,7 @@ def _error(reading: ResultNumber, result: Result, name: str) -> NumberRead:
 
 def of_figure(reading: ResultNumber) -> bool:
     """Test whether a number is read off a figure, that of its [show.NAME] or one that needs no such table."""
-    return reading.show is not None or reading.quantity in ALONE
+    return reading.show is not None or reading.quantity in kinds_alone()
 
 
 def _read_off(reading: ResultNumber, result: Result, name: str) -> NumberRead:
@@ -98,7 +98,7 @@ def _read_off(reading: ResultNumber, result: Result, name: str) -> NumberRead:
     from vibeam.figures.sheet import sheet_at
 
     show = reading.show or ""
-    usual = ShowPlan(name="", kind=ALONE.get(reading.quantity, ""), key="", fidelities=(name,))
+    usual = ShowPlan(name="", kind=kinds_alone().get(reading.quantity, ""), key="", fidelities=(name,))
     plan = result.case.shows.get(show, usual)
     sheet = sheet_at(result.case, plan, name, reading.frequency, result.shown.get(show, ()))
     if sheet.fault:
