@@ -16,7 +16,7 @@ from vibeam.exchange.faults import CaseError as CaseError
 from vibeam.exchange.sep005 import record_of_sep005 as record_of_sep005
 from vibeam.exchange.sep005 import to_sep005 as to_sep005
 from vibeam.exchange.time_series import record_of_file as record_of_file
-from vibeam.extensions.explore.exploration import explore as explore
+from vibeam.extensions import *
 from vibeam.figures import register_figure as register_figure
 from vibeam.figures.declaration import FigureKind as FigureKind
 from vibeam.flight.extremes import extremes as extremes

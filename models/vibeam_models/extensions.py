@@ -22,7 +22,14 @@ KINDS = (
     "study", "command", "section of a page", "format of matrices",
 )  # fmt: skip
 #: what the extensions of this package bring, by the name that a case or a command has for it: said where one is absent
-OURS: dict[str, str] = {}
+OURS = {"vibeam fit FILE": "identification"} | {
+    name: extension
+    for extension, names in {
+        "explore": ("vibeam explore", "vibeam.explore"),
+        "identification": tuple(f"vibeam.identify_{each}" for each in ("decay", "spectrum", "response")),
+    }.items()
+    for name in names
+}
 
 
 class ExtensionError(Exception):

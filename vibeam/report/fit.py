@@ -15,10 +15,9 @@ from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import listed
 from vibeam.studies.fit.judgement import Judgement
+from vibeam.studies.fit.linear_estimates import Estimate, Identification
 from vibeam.studies.fit.profile import FitRow
 from vibeam.studies.fit.study import FitStudy, FittedPoint
-from vibeam.studies.identification.estimates import Estimate, Identification
-from vibeam.studies.identification.picture import modes_figure
 from vibeam.system.number_text import begun, percent, shown_in, with_unit
 from vibeam_models.arguments import counted
 
@@ -99,8 +98,7 @@ def identification_sheet(found: Identification) -> StudySheet:
     answer = f"{begun(told) if found.of or not known else told}{because}."
     names = [each.name for each in fields(found) if each.name != "fit" and getattr(found, each.name) != ""]
     data = {name: getattr(found, name) for name in names}
-    notes, draw = [*found.directions, *found.notes], partial(modes_figure, found) if len(found.orders) > 1 else None
-    return StudySheet(answer, [_identified(found)], notes, data=data, rows=found.rows, draw=draw)
+    return StudySheet(answer, [_identified(found)], [*found.directions, *found.notes], data=data, rows=found.rows)
 
 
 def _identified(found: Identification) -> ReportTable:

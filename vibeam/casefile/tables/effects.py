@@ -34,11 +34,8 @@ class EffectTable:
     @property
     def table(self) -> type[Table]:
         """One table."""
-        declared: type[Any] = self.home.load()
-        found: type[Table] = (
-            declared if issubclass(declared, Table) else effect_table(declared, "" if self.own else EFFECT)
-        )
-        return found
+        found: Any = self.home.load()
+        return found if issubclass(found, Table) else effect_table(found, "" if self.own else EFFECT)
 
     def read(self, value: Any, info: ValidationInfo) -> Any:
         """The value as the table, or as a tuple of them; pydantic's ValidationError."""

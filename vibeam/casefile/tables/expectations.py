@@ -214,8 +214,8 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
 
 def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about a number that is, or should be, read off a figure."""
-    if expect.show is None and (kind := kinds_alone().get(expect.quantity)):
-        yield from _chosen(path, expect, FIGURES[kind])
+    if expect.show is None and (alone := kinds_alone().get(expect.quantity)):
+        yield from _chosen(path, expect, FIGURES[alone])
         return
     if expect.show is None:
         what = (

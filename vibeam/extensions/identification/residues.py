@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.studies.identification.estimates import correlation
+from vibeam.studies.fit.linear_estimates import correlation
 from vibeam_models.arrays import Array, Complex
 
 MOST = 12  # modes

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.cli.main import app
 
-CASE = Path(__file__).parents[3] / "cases" / "synthetic" / "modes.toml"
+CASE = Path(__file__).parents[4] / "cases" / "synthetic" / "modes.toml"
 
 
 def fit(*words: str | Path, code: int = 0) -> Any:

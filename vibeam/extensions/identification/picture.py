@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.studies.identification.estimates import Identification
+from vibeam.studies.fit.linear_estimates import Identification
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

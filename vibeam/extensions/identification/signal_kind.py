@@ -23,10 +23,9 @@ from vibeam.casefile.quantities import FREQUENCY, RATIO, TIME, suits, to_si
 from vibeam.exchange.curves.columns import size_in
 from vibeam.exchange.curves.taken import tell
 from vibeam.exchange.units import unit_size
-from vibeam.studies.identification.decay import identify_decay
-from vibeam.studies.identification.estimates import Identification
-from vibeam.studies.identification.residues import MOST
-from vibeam.studies.identification.response import (
+from vibeam.extensions.identification.decay import identify_decay
+from vibeam.extensions.identification.residues import MOST
+from vibeam.extensions.identification.response import (
     DRIVES,
     FORMS,
     identify_frequency_response,
@@ -34,7 +33,8 @@ from vibeam.studies.identification.response import (
     identify_spectrum,
     usable,
 )
-from vibeam.studies.identification.signals import NAMES, UNITS, Signal, ascends, name_in, read_signal
+from vibeam.extensions.identification.signals import NAMES, UNITS, Signal, ascends, name_in, read_signal
+from vibeam.studies.fit.linear_estimates import Identification
 from vibeam_models.arrays import Array
 
 KINDS = ("decay", "spectrum", "response", *FORMS)

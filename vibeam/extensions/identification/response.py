@@ -22,8 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
-from vibeam.studies.identification.estimates import Estimate, Identification, correlation, estimates, spread_of
-from vibeam.studies.identification.residues import MOST, Fit, ModalResponses, fitted
+from vibeam.extensions.identification.residues import MOST, Fit, ModalResponses, fitted
+from vibeam.studies.fit.linear_estimates import Estimate, Identification, correlation, estimates, spread_of
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 from vibeam_models.memory import check_room

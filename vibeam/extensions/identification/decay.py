@@ -17,8 +17,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.studies.identification.estimates import Identification, by_logarithms, correlation, estimates, spread_of
-from vibeam.studies.identification.response import CORRELATED, RANGE, SAMPLE, notes_on, numbered, require_room, usable
+from vibeam.extensions.identification.response import (
+    CORRELATED,
+    RANGE,
+    SAMPLE,
+    notes_on,
+    numbered,
+    require_room,
+    usable,
+)
+from vibeam.studies.fit.linear_estimates import Identification, by_logarithms, correlation, estimates, spread_of
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.report.fit import identification_sheet
-from vibeam.studies.identification.signal_kind import identify_signal
+from vibeam.extensions.identification.command import signal_sheet
+from vibeam.extensions.identification.signal_kind import identify_signal
 
 Modes = Sequence[tuple[float, float, float]]  # Hz, damping ratio, residue in 1/kg
 ONE: Modes = [(20.0, 0.02, 0.5)]
@@ -209,7 +209,7 @@ def test_several_responses_give_a_table_of_modes(tmp_path: Path) -> None:
     )
     np.testing.assert_allclose(table["force"], SHAPES[0], rtol=5e-3)
     np.testing.assert_allclose(list(table["outputs"].values()), SHAPES, rtol=5e-3)
-    assert found.shapes in identification_sheet(found).tables[0].caption
+    assert found.shapes in signal_sheet(found).tables[0].caption
 
 
 def test_the_modes_of_each_order_are_drawn() -> None:
@@ -218,7 +218,7 @@ def test_the_modes_of_each_order_are_drawn() -> None:
         BAND[id(THREE)], in_proportion(response(THREE, "accelerance"), random), of="accelerance"
     )
     assert [len(each) for each in found.orders] == [1, 2, 3]
-    draw = identification_sheet(found).draw
+    draw = signal_sheet(found).draw
     assert draw is not None
     axes = draw().axes
     assert [axes[0].get_yscale(), axes[1].get_ylabel()] == ["log", "modes in the fit (+)"]

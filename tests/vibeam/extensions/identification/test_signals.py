@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from vibeam.studies.identification.signal_kind import identify_signal
-from vibeam.studies.identification.signals import read_signal
+from vibeam.extensions.identification.signal_kind import identify_signal
+from vibeam.extensions.identification.signals import read_signal
 
 FREQUENCY, RATIO = 7.6, 0.02
 Table = Sequence[np.ndarray]

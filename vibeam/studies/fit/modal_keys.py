@@ -18,7 +18,7 @@ from vibeam.case.plans import MeasuredNumber
 from vibeam.case.source import of_source
 from vibeam.exchange.faults import suggest
 from vibeam.runs.result import Result
-from vibeam.studies.identification.estimates import Identification, by_logarithms, estimates, spread_of
+from vibeam.studies.fit.linear_estimates import Identification, by_logarithms, estimates, spread_of
 from vibeam.studies.regression.readings import read
 from vibeam_models.arrays import Array
 
