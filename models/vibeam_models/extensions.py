@@ -26,10 +26,14 @@ OURS = {"vibeam fit FILE": "identification"} | {
     name: extension
     for extension, names in {
         "explore": ("vibeam explore", "vibeam.explore"),
+        "paper": (
+            "averaging", "mapping", "zhuravlev", "ivanov", "coordinates", "boundaries", "least_stable_reach",
+            "largest_gap",
+        ),
         "identification": tuple(f"vibeam.identify_{each}" for each in ("decay", "spectrum", "response")),
     }.items()
     for name in names
-}
+}  # fmt: skip
 
 
 class ExtensionError(Exception):

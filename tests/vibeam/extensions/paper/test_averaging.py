@@ -11,10 +11,10 @@ from one_mode_forms import backbone, frequencies, narrowest, rates
 from scipy.optimize import minimize_scalar
 
 import vibeam
+from vibeam.extensions.paper.averaging import AveragingSolver, Damping, SlowFlow, Stationary, averaged_motion, slow_flow
+from vibeam.extensions.paper.mapping import FixedPoint, fixed_points
+from vibeam.extensions.paper.one_mode import OneMode, Oscillator
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.averaging import AveragingSolver, Damping, SlowFlow, Stationary, averaged_motion, slow_flow
-from vibeam.solvers.mapping import FixedPoint, fixed_points
-from vibeam.solvers.one_mode import OneMode, Oscillator
 from vibeam.system.response import Ended
 
 NOMINAL = Oscillator(0.015, 0.5e-3, 0.0, 0.9)

@@ -13,8 +13,7 @@ from scipy.linalg import expm
 
 import vibeam
 import vibeam.solvers
-from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.mapping import (
+from vibeam.extensions.paper.mapping import (
     FORMS,
     Form,
     Impact,
@@ -25,7 +24,8 @@ from vibeam.solvers.mapping import (
     flight_solver,
     orbit_invariants,
 )
-from vibeam.solvers.one_mode import Oscillator
+from vibeam.extensions.paper.one_mode import Oscillator
+from vibeam.flight.solver import FlightSolver
 from vibeam.system.response import Branches, Ended
 
 NOMINAL = Oscillator(0.015, 0.5e-3, 0.0, 0.9)

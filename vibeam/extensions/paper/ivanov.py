@@ -28,12 +28,12 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.extensions.paper.zhuravlev import Distance
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.solvers.integration.coordinates import only_one_mode
 from vibeam.solvers.integration.impact_events import LONGEST, EvaluationCount, TooManyEvaluations, samples
 from vibeam.solvers.integration.samples import SampledPiece, SteppedOutcome
 from vibeam.solvers.integration.stepper import NO_MARKS, AdaptiveStepper, Watch, cycle, slack
-from vibeam.solvers.integration.zhuravlev import Distance
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from vibeam.case.case import Case
+from vibeam.extensions.paper.averaging import slow_flow
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.orbit_search import orbits
-from vibeam.solvers.averaging import slow_flow
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 

@@ -41,8 +41,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from vibeam.extensions.paper.one_mode import HIGHEST, OneMode, Oscillator, StationaryMotion, StationarySolver, nearest
 from vibeam.solvers.integration.samples import SampledMotion
-from vibeam.solvers.one_mode import HIGHEST, OneMode, Oscillator, StationaryMotion, StationarySolver, nearest
 from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
@@ -159,6 +159,15 @@ def slow_flow(
     """
     mode = OneMode(system)
     return SlowFlow(mode.oscillator(amplitude), resonance, damping), mode.omega
+
+
+def gaps_per_drive(system: ImpactSystem, omega: Array, periods: int) -> tuple[Array, float]:
+    """Gaps (points, 2) a metre of drive between which a stationary motion of ``periods`` exists, and that of the mode.
+
+    ValueError as ``slow_flow``.
+    """
+    flow, unit = slow_flow(system, 1.0, resonance=periods)
+    return np.array([flow.gaps(float(each) / unit) for each in omega]), flow.oscillator.gap
 
 
 SAMPLES = 1000  # samples a drive period

@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 
 from vibeam.case.case import Case
 from vibeam.case.plans import ShowPlan
+from vibeam.extensions.paper.existence_limits import limits as numbers
 from vibeam.figures.panels import across_frequency, from_zero, is_empty, labelled, say
 from vibeam.figures.sheet import Column, Comparison, Sheet
 from vibeam.figures.style import FEW, GAP, STABLE, UNSTABLE, Look, arrow, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import motion_pieces
 from vibeam.periodic.modal_sums import fault
-from vibeam.solvers.existence_limits import limits
 from vibeam.system.impact_system import ImpactSystem
 
 CURE = "name other fidelities, or omit the table; vibeam.follow follows a motion along the gap or the drive"
@@ -29,7 +29,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     frequency, quantity = np.array(plan.frequency), plan.quantity or ""
     columns = {
         "frequency": Column(frequency, "Hz", "drive frequency, Ω/2π"),
-        "value": Column(limits(case, fidelity, frequency, quantity), "c", CALLED[quantity]),
+        "value": Column(numbers(case, fidelity, frequency, quantity), "c", CALLED[quantity]),
     }
     return [Sheet(fidelity, float("nan"), columns)]
 

@@ -53,10 +53,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
+from vibeam.extensions.paper.one_mode import HIGHEST, Oscillator, StationaryMotion, StationarySolver
 from vibeam.flight.kernels import layout
 from vibeam.flight.readout import struck
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.one_mode import HIGHEST, Oscillator, StationaryMotion, StationarySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import count, refuse
