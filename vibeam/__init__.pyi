@@ -16,6 +16,7 @@ from vibeam.exchange.faults import CaseError as CaseError
 from vibeam.exchange.sep005 import record_of_sep005 as record_of_sep005
 from vibeam.exchange.sep005 import to_sep005 as to_sep005
 from vibeam.exchange.time_series import record_of_file as record_of_file
+from vibeam.extensions import *
 from vibeam.figures import register_figure as register_figure
 from vibeam.figures.declaration import FigureKind as FigureKind
 from vibeam.flight.extremes import extremes as extremes
@@ -31,7 +32,6 @@ from vibeam.observe.shock_spectrum import ShockSpectrum as ShockSpectrum
 from vibeam.periodic import *
 from vibeam.report.declaration import StudyDeclaration as StudyDeclaration
 from vibeam.report.declaration import register_study as register_study
-from vibeam.report.explore.exploration import explore as explore
 from vibeam.report.figures import plot as plot
 from vibeam.runs.result import Result as Result
 from vibeam.runs.run import run as run

@@ -8,6 +8,7 @@ from importlib import import_module
 from types import TracebackType
 from typing import Any, Protocol, TypeVar
 
+from vibeam_models.extensions import OWN, ExtensionError, brought
 from vibeam_models.keys import Key
 
 
@@ -23,15 +24,31 @@ Declared = TypeVar("Declared", bound=Named)
 
 
 class Registry(Mapping[str, Declared]):
-    """Declarations of one kind ("solver", "reduction"): the package's own by name, then those that a program adds.
+    """Declarations of one kind ("solver", "reduction"): own ones by name, those of extensions, those a program adds.
 
-    A live view for all who read it.
+    A live view for all who read it. Extensions are looked for where a name is asked for that is not the package's own.
     """
 
     def __init__(self, kind: str, *own: Declared) -> None:
         self.kind = kind
-        self._own = {declaration.name: declaration for declaration in own}
+        self.own = {declaration.name: declaration for declaration in own}
+        self._brought: dict[str, Declared] | None = None
+        self._foreign = False
         self._added: dict[str, Declared] = {}
+
+    @property
+    def brought(self) -> dict[str, Declared]:
+        """Declarations of extensions; ExtensionError where two have the same name."""
+        if self._brought is None:
+            found: dict[str, Declared] = {}
+            for point, each in brought(self.kind):
+                if each.name in found or each.name in self.own:
+                    said = f"extension {point.name!r} of the package {point.package!r}: {self.kind} {each.name!r}"
+                    raise ExtensionError(f"{said} is declared already: uninstall one of the two packages")
+                found[each.name] = each
+                self._foreign |= point.package != OWN
+            self._brought = found
+        return self._brought
 
     def add(self, declaration: Declared) -> None:
         """Take a further declaration; ValueError where its name is taken."""
@@ -44,19 +61,20 @@ class Registry(Mapping[str, Declared]):
         del self._added[name]
 
     def __getitem__(self, name: str) -> Declared:
-        return self._own[name] if name in self._own else self._added[name]
+        if name in self.own:
+            return self.own[name]
+        return self.brought[name] if name in self.brought else self._added[name]
 
     @property
     def extended(self) -> bool:
-        """True where a program has added to it."""
-        return bool(self._added)
+        """True where a program, or the extension of another package, has added to it."""
+        return bool(self.brought and self._foreign) or bool(self._added)
 
     def __iter__(self) -> Iterator[str]:
-        yield from self._own
-        yield from self._added
+        return iter(dict.fromkeys([*self.own, *self.brought, *self._added]))
 
     def __len__(self) -> int:
-        return len(self._own) + len(self._added)
+        return len(list(iter(self)))
 
 
 @dataclass(frozen=True)

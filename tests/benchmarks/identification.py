@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import vibeam
-from vibeam.studies.identification.estimates import Identification
+from vibeam.studies.fit.linear_estimates import Identification
 
 RESULTS = Path(__file__).parent / "results" / "identification.json"
 CASE = Path(__file__).parents[2] / "cases" / "synthetic" / "modes.toml"

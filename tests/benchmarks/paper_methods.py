@@ -24,13 +24,13 @@ from typing import Any
 import numpy as np
 
 import vibeam
+from vibeam.extensions.paper.averaging import AveragingSolver
+from vibeam.extensions.paper.ivanov import IvanovSolver
+from vibeam.extensions.paper.mapping import MappingSolver
+from vibeam.extensions.paper.zhuravlev import ZhuravlevSolver
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.averaging import AveragingSolver
 from vibeam.solvers.integration.direct import DirectSolver
-from vibeam.solvers.integration.ivanov import IvanovSolver
 from vibeam.solvers.integration.moreau import MoreauSolver
-from vibeam.solvers.integration.zhuravlev import ZhuravlevSolver
-from vibeam.solvers.mapping import MappingSolver
 
 RESULT = Path(__file__).parent / "results" / "paper_methods.json"
 AMPLITUDE = 0.5e-3

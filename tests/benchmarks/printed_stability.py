@@ -23,7 +23,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import vibeam
-from vibeam.solvers.mapping import (
+from vibeam.extensions.paper.mapping import (
     FixedPoint,
     Form,
     Impact,
@@ -33,7 +33,7 @@ from vibeam.solvers.mapping import (
     flight_invariants,
     orbit_invariants,
 )
-from vibeam.solvers.one_mode import Oscillator
+from vibeam.extensions.paper.one_mode import Oscillator
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from support.one_mode_forms import impact_map, iterated

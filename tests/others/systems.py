@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 
 import vibeam
 from tests.others.problem import spoiled
+from vibeam.extensions.paper.mapping import fixed_points
+from vibeam.extensions.paper.one_mode import Oscillator
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.solvers.mapping import fixed_points
-from vibeam.solvers.one_mode import Oscillator
 from vibeam_models.laws.compliant import Hertz, LinearStop
 
 STILL = vibeam.Drive(0.0, 0.0)

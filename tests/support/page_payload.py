@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from vibeam.extensions.explore.models import ended_words, packed, plain_rows
+from vibeam.extensions.explore.regime_models import beyond_plain
 from vibeam.flight.engine.browser import browser_libraries, slots_table
-from vibeam.report.explore.models import ended_words, packed, plain_rows
-from vibeam.report.explore.regime_models import beyond_plain
 from vibeam.system.impact_system import ImpactSystem
 
 LIBRARIES = {"plain": ("tables", "flight", "points"), "regimes": ("tables", "regimes")}

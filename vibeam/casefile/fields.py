@@ -14,6 +14,7 @@ from pydantic_core.core_schema import ValidationInfo
 
 from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, RATIO, SI, Dimension, Range, UnitSystem, to_si
 from vibeam.exchange.faults import as_shown_in_message, suggestion
+from vibeam_models.extensions import absent
 
 JsonSchema = dict[str, Any]
 
@@ -181,6 +182,8 @@ class Word(Entry):
         if value not in self.words:
             near = suggestion(value, self.words)
             meant = f"; did you mean {near!r}?" if near else ""
+            if why := absent(value):
+                raise ValueError(f"{as_shown_in_message(value)}: {why}")
             raise ValueError(f"{as_shown_in_message(value)} is not one of {self.describe()}{meant}")
         return value
 

@@ -19,7 +19,7 @@ from vibeam.casefile.records import record_checks
 from vibeam.casefile.scenes import fidelity_scene
 from vibeam.casefile.tables.drive import harmonic_checks
 from vibeam.casefile.tables.stop import stop_checks
-from vibeam.casefile.tables.sweep import fidelity_of, is_solid, plan_checks
+from vibeam.casefile.tables.sweep import fidelity_of, model_named, plan_checks
 from vibeam.casefile.tables.table import content
 from vibeam.casefile.validation import read as read_tables
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault
@@ -151,7 +151,9 @@ class KeyedModel(Model):
     @property
     def most_modes(self) -> int:
         """As ``Model.most_modes``."""
-        return 0 if is_solid(self._table) else KINDS[self.tables.kind].most_modes_of(self.tables, self.path.parent)[0]
+        return (
+            0 if model_named(self._table) else KINDS[self.tables.kind].most_modes_of(self.tables, self.path.parent)[0]
+        )
 
 
 def _plain(tables: Any, fidelity: str) -> dict[str, Any]:

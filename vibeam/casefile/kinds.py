@@ -110,6 +110,36 @@ KINDS = Registry(
 )
 
 
+@dataclass(frozen=True)
+class ModelDeclaration:
+    """Model of the rig that a fidelity of a beam's case names in place of the beam, by ``model = "NAME"``.
+
+    Its table [NAME] has the keys that the dataclass ``table`` declares, and ``meaning``. ``scene`` (declared case,
+    folder, scene of the beam) makes its scene, ``rules`` (case, folder) yields complaints, ``sources`` the digests of
+    files: ``"module:function"``, imported when it is asked for.
+    """
+
+    name: str
+    meaning: str
+    table: str | type[Any]
+    scene: str
+    rules: str = ""
+    sources: str = ""
+
+
+MODELS = Registry(
+    "model",
+    ModelDeclaration(
+        "solid",
+        "the rig as a three-dimensional body",
+        "vibeam.casefile.tables.solid:SolidTable",
+        "vibeam.casefile.solids:solid_scene",
+        "vibeam.casefile.solids:solid_rules",
+        "vibeam.casefile.solids:sources",
+    ),
+)
+
+
 def kind_of(tables: Mapping[str, Any]) -> CaseKind:
     """The kind of case that a file's tables are: beside [beam] a [solid] is what some of its fidelities fly."""
     others = (kind for name, kind in KINDS.items() if name != "beam" and name in tables)

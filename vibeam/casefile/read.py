@@ -16,7 +16,7 @@ from vibeam.case.plans import Direction, FigurePlan, Reference, ShowPlan, SweepP
 from vibeam.case.study_plans import STUDY_PLANS, CostPlan, InfluencePlan
 from vibeam.casefile.checks import checked
 from vibeam.casefile.keys import CaseKeys
-from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.kinds import KINDS, MODELS
 from vibeam.casefile.maps import map_plans
 from vibeam.casefile.number_keys import fit_plan, keys_chosen, uncertain_inputs
 from vibeam.casefile.overrides import OverrideError, tables_of
@@ -27,13 +27,14 @@ from vibeam.casefile.tables.expectations import expectation, measured_number
 from vibeam.casefile.tables.input import input_plan
 from vibeam.casefile.tables.outputs import main_output
 from vibeam.casefile.tables.references import record
-from vibeam.casefile.tables.sweep import APPLIED, fidelity_of, is_solid
+from vibeam.casefile.tables.sweep import APPLIED, fidelity_of, model_named
 from vibeam.casefile.tables.table import content, digest, plan_of
 from vibeam.casefile.toml import parsed, read_text
 from vibeam.casefile.toml_writing import toml_text
 from vibeam.exchange.faults import CaseError, Fault, KeyPath
 from vibeam.figures import COMMON, FIGURES
 from vibeam.observe.measuring_chain import Chain, LowPass
+from vibeam_models.registry import loaded
 from vibeam_models.scene import AnyScene
 
 
@@ -93,7 +94,7 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
         scenes={
             name: fidelity_scene(changed.get(name, declared), folder, name)
             for name, table in declared.fidelity.items()
-            if name in changed or is_solid(table)
+            if name in changed or model_named(table)
         },
         expectations=located(
             declared, {name: expectation(name, table, way) for name, table in declared.expect.items()}
@@ -128,10 +129,11 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrid
 
 
 def _scene(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> AnyScene:
-    """The scene of a case: its beam, or where all of its fidelities fly the same solid, that."""
-    first, *others = case.fidelity
-    solid = all(is_solid(case.fidelity[name]) and name not in changed for name in (first, *others))
-    return fidelity_scene(case, folder, first) if solid else KINDS[case.kind].scene_of(case, folder)
+    """The scene of a case: its beam, or where all of its fidelities have the same other model, that of this."""
+    first, *_ = case.fidelity
+    models = {"" if name in changed else model_named(table) for name, table in case.fidelity.items()}
+    one = len(models) == 1 and "" not in models
+    return fidelity_scene(case, folder, first) if one else KINDS[case.kind].scene_of(case, folder)
 
 
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
@@ -141,32 +143,34 @@ VARIED = frozenset({"values", "realisations"})  # of a record
 
 def _numbers(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[str, Any]:
     """All of a case that decides numbers, with the digests of the files that it and its fidelities are made of."""
-    shared = _files(case, folder, solid=True)
+    shared = _files(case, folder, *MODELS)
     own = {
         name: each["files"]
-        for name, each in ((name, _files(one, folder, solid=True)) for name, one in changed.items())
+        for name, each in ((name, _files(one, folder, *MODELS)) for name, one in changed.items())
         if each
     }
     apart = {name: files for name, files in own.items() if files != shared.get("files")}
     return content(case, "numbers") | shared | ({"files_of": apart} if apart else {})
 
 
-def _files(case: AnyCase, folder: Path, solid: bool) -> dict[str, Any]:
+def _files(case: AnyCase, folder: Path, *models: str) -> dict[str, Any]:
+    """Digests of the files of a case, and of those of these of its models."""
     found = dict(KINDS[case.kind].digests(case, folder))
-    if solid and case.kind == "beam" and case.solid is not None:
-        found |= KINDS["solid"].digests(case, folder)
+    for name in models if case.kind == "beam" else ():
+        if MODELS[name].sources and getattr(case, name) is not None:
+            found |= loaded(MODELS[name].sources)(case, folder)
     if case.drive.file is not None:
         found["drive.file"] = sha256((folder / case.drive.file).read_bytes()).hexdigest()
     return {"files": found} if found else {}
 
 
-def _shared(case: AnyCase, folder: Path, sweep: Any = None, solid: bool = False) -> dict[str, Any]:
+def _shared(case: AnyCase, folder: Path, sweep: Any = None, model: str = "") -> dict[str, Any]:
     """The physics of a case and how it is swept (as in itself, or by ``sweep``), its frequencies aside.
 
-    ``solid``: of a fidelity that flies one, with what [solid] says of it beside the beam.
+    ``model``: of a fidelity that has one in place of the beam, with what its table says.
     """
-    aside = () if solid or case.kind == "solid" else ("solid",)
-    own = content(case, "physics", "numbers", without=aside) | _files(case, folder, solid)
+    aside = [name for name in MODELS if name not in (model, case.kind)]
+    own = content(case, "physics", "numbers", without=aside) | _files(case, folder, *[model] * bool(model))
     if case.record is None:
         return own | {"sweep": content(sweep or case.sweep, without=GRID)}
     own["drive"].pop("seed", None)
@@ -177,7 +181,7 @@ def _keys(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[s
     """For each fidelity the key of its physics, how it is swept, and its table."""
     return {
         name: digest(
-            _shared(changed.get(name, case), folder, case.sweep, is_solid(table)),
+            _shared(changed.get(name, case), folder, case.sweep, model_named(table)),
             content(table, "numbers", without=APPLIED),
         )
         for name, table in case.fidelity.items()

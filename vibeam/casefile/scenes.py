@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.kinds import KINDS, MODELS
 from vibeam.casefile.tables.effects import effects_of_scene
 from vibeam.casefile.tables.input import said_of
 from vibeam.casefile.tables.stop import contact_law
-from vibeam.casefile.tables.sweep import is_solid
+from vibeam.casefile.tables.sweep import model_named
 from vibeam.casefile.tables.table import plan_of
 from vibeam_models.base import ON_PLATFORM, Base
 from vibeam_models.beams.beam import Beam, Damping
@@ -30,11 +30,8 @@ if TYPE_CHECKING:
 
 def fidelity_scene(case: AnyCase, folder: Path, name: str) -> AnyScene:
     """The scene of one fidelity of a case, whose changes are made in its tables."""
-    made = KINDS[case.kind].scene_of(case, folder)
-    return loaded(SOLID)(case, folder, made) if is_solid(case.fidelity[name]) else made
-
-
-SOLID = "vibeam.casefile.solids:solid_scene"
+    made, model = KINDS[case.kind].scene_of(case, folder), model_named(case.fidelity[name])
+    return loaded(MODELS[model].scene)(case, folder, made) if model else made
 
 
 def beam_scene(case: AnyCase, folder: Path) -> Scene:

@@ -16,7 +16,7 @@ from vibeam.casefile.tables.effects import effects_in, effects_of_scene
 from vibeam.casefile.tables.given import given_rules
 from vibeam.casefile.tables.outputs import main_output, quantity_named
 from vibeam.casefile.tables.solid import OF_BODY, OF_MESH
-from vibeam.casefile.tables.sweep import is_solid
+from vibeam.casefile.tables.sweep import model_named
 from vibeam.casefile.tables.table import plan_of
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath
@@ -48,7 +48,7 @@ def solid_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         if case.solid.mass_size is not None and case.mass is None:
             yield ("solid", "mass_size"), "is of an attached mass: add [mass], or leave it out"
         yield from _patch(case)
-    flown = {name: each for name, each in case.fidelity.items() if is_solid(each)}
+    flown = {name: each for name, each in case.fidelity.items() if model_named(each) == "solid"}
     if any(not (getattr(each, "set", None) or getattr(each, "without", None)) for each in flown.values()):
         yield from _of_mesh(case, folder) if _has_mesh(case) else _refused(case)
         for name in ("beam", "torsion"):

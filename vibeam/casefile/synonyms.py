@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from vibeam.exchange.faults import suggest, suggestion
+from vibeam_models.extensions import absent
 
 #: what others call it, in small letters: the keys and tables of a case that it may be
 SYNONYMS = {
@@ -51,7 +52,12 @@ def meant(name: str, known: Collection[str]) -> list[str]:
 
 
 def suggest_key(name: str, known: Collection[str]) -> str:
-    """As ``suggest``, of an unknown key: what others call so here, what is spelt so, what others call so elsewhere."""
+    """As ``suggest``, of an unknown key: what others call so here, what is spelt so, what others call so elsewhere.
+
+    Of one that an absent extension brings: that.
+    """
+    if why := absent(name):
+        return why
     keys = meant(name, known)
     if not keys and not suggestion(name, known):
         keys = list(SYNONYMS.get(name.lower(), ()))

@@ -51,7 +51,5 @@ COMPLETED: dict[str, Completion] = {
     "--measured": names("measured"),
     "--picture": words("vibeam.case.grid_keys:PICTURES"),
     "--quantity": words("vibeam.case.grid_keys:READ"),
-    "--of": words("vibeam.studies.identification.signal_kind:KINDS"),
-    "--drive": words("vibeam.studies.identification.response:DRIVES"),
     "EXAMPLE": words("vibeam.casefile.examples:PLACES"),
 }

@@ -61,8 +61,9 @@ def fault_of(error: BaseException) -> tuple[str, int] | None:
     from vibeam.exchange.faults import CaseError
     from vibeam.flight.engine.loading import KernelsUnavailable
     from vibeam.store.errors import StoreError
+    from vibeam_models.extensions import ExtensionError
 
-    if isinstance(error, CaseError | KernelsUnavailable | StoreError | UsageError):
+    if isinstance(error, CaseError | ExtensionError | KernelsUnavailable | StoreError | UsageError):
         return str(error), WRONG
     if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
         if error.filename == STDOUT:  # what is pending would fail once more at the end

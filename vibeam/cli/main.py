@@ -18,16 +18,19 @@ from typer.core import TyperGroup
 
 from vibeam.cli.arguments import option
 from vibeam.cli.commands import case_files, checks, maps, measured, modes, pages, runs, studies
+from vibeam.cli.commands.studies import brought_command
+from vibeam.cli.declaration import COMMANDS
 from vibeam.cli.errors import UsageError, mistakes
 from vibeam.cli.streams import put, standard_streams, tell
 from vibeam.cli.verbosity import with_verbosity
+from vibeam_models.extensions import absent, entry_points
 from vibeam_models.phases import phases_told
 
 GROUPS: dict[str, tuple[Callable[..., None], ...]] = {
     "How much model": (runs.run, studies.verdict, maps.map),
     "Measurements": (checks.check, measured.fit, studies.uncertainty),
     "From geometry": (studies.derive, modes.modes),
-    "Results": (pages.report, pages.explore, studies.study),
+    "Results": (pages.report, studies.study),
     "Case files": (case_files.new, case_files.keys, case_files.doctor),
 }
 
@@ -39,11 +42,35 @@ class Commands(TyperGroup):
         """The command of the first word; ``new --from`` without an example lists them."""
         return super().resolve_command(ctx, [*args, "list"] if (args[:1], args[-1:]) == (["new"], ["--from"]) else args)
 
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Command of a name, or that of an extension; a message where the extension that has it is absent."""
+        own = super().get_command(ctx, cmd_name)
+        with mistakes():
+            if own is None or any(cmd_name in each.extension().replaces for each in entry_points()):
+                if cmd_name in COMMANDS:
+                    return brought_command(COMMANDS[cmd_name])
+                if why := absent(f"vibeam {cmd_name}"):
+                    raise UsageError(f"{cmd_name}: {why}")
+        return own
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of all commands."""
+        return list(dict.fromkeys([*super().list_commands(ctx), *COMMANDS]))
+
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write the commands, a section a group."""
-        for title, commands in GROUPS.items():
+        groups = {title: {each.__name__: begins(each) for each in commands} for title, commands in GROUPS.items()}
+        with mistakes():
+            for name, each in COMMANDS.items():
+                groups.setdefault(each.group, {})[name] = each.meaning
+        for title, lines in groups.items():
             with formatter.section(title):
-                formatter.write_dl([(each.__name__, (getdoc(each) or "").partition("\n")[0]) for each in commands])
+                formatter.write_dl(list(lines.items()))
+
+
+def begins(command: Callable[..., None]) -> str:
+    """First line of the help of a command."""
+    return (getdoc(command) or "").partition("\n")[0]
 
 
 def import_extension(name: str) -> None:

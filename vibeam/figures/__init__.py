@@ -73,23 +73,8 @@ FIGURES = Registry(
         sweep=False,
     ),
     _own("portrait", "velocity over displacement", FREQUENCY, MOTION, derivatives=True),
-    _own(
-        "coordinates",
-        "one mode's motion in physical and in Zhuravlev's or Ivanov's coordinates",
-        FREQUENCY,
-        ("periods", "settle"),
-        {"physical_jump": "1", "unfolded_jump": "1"},
-        one_harmonic=True,
-    ),
     _own("section", "one point a drive period", FREQUENCY, MOTION),
     _own("curve", "another quantity over frequency", ("quantity",)),
-    _own(
-        "boundaries",
-        "averaging's limits beside the exact ones",
-        ("quantity",),
-        one_harmonic=True,
-        refuses=True,
-    ),
     _own(
         "harmonics",
         "amplitudes at multiples of the drive frequency, bars at a few, lines over many",
@@ -292,11 +277,22 @@ FIGURES = Registry(
     ),
 )
 
-#: units of what [expect.NAME] and [measured.NAME] can read off figures
-READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
-#: kind off which a quantity is read without a [show.NAME]: one that needs and takes no key
-ALONE = {name: kind.name for kind in FIGURES.values() if not kind.known for name in kind.reads}
 COMMON = ("frequency", "periods", "settle", "quantity", "output", "near")  # keys that no kind alone declares
+
+
+def units_read() -> dict[str, str]:
+    """Units of what [expect.NAME] and [measured.NAME] can read off figures, by name."""
+    return {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
+
+
+def kinds_alone() -> dict[str, str]:
+    """Kind off which a quantity is read without a [show.NAME]: one that needs and takes no key."""
+    return {name: kind.name for kind in FIGURES.values() if not kind.known for name in kind.reads}
+
+
+def quantities_shown() -> dict[str, str]:
+    """Units of quantities over frequency that kinds of figure compute themselves, by name."""
+    return {name: unit for kind in FIGURES.values() for name, unit in kind.quantities.items()}
 
 
 def own_keys() -> dict[str, Key]:
@@ -306,9 +302,6 @@ def own_keys() -> dict[str, Key]:
 
 #: of a response and its model: the reach Q = Δ − min of the sweep's output, as the paper gives it of the sensor
 OF_OUTPUT = ("output_reach",)
-
-#: for the kind ``boundaries``: Q* of eq. 24, Δ_MAX of eq. 26, and the reach and the gap at the exact folds
-LIMITS = ("least_stable_reach", "largest_gap")
 
 
 def register_figure(kind: FigureKind) -> None:

@@ -26,6 +26,8 @@ class FigureKind:
     case with [record], ``sweep``: of one with [sweep]; of one of both ``record_keys`` are all keys that its table may
     have beside [record]. ``one_harmonic``: True where it knows a drive of one harmonic alone. ``ending``: of the file
     that it has in place of a picture; its module then has ``write(path, sheets, mark)`` in place of ``draw``.
+    ``quantities``: those over frequency that it computes itself, and their units: one is the key ``quantity``, and
+    [expect.NAME] may compare it too; its module then has ``numbers(case, fidelity, frequency, quantity)``.
     ``of_beam``: True where it shows the beam itself. ``refuses``: True where it cannot show all systems:
     ``refusal(case, fidelity, system)`` of its module then says why, or is empty.
 
@@ -49,6 +51,7 @@ class FigureKind:
     record_keys: tuple[str, ...] = ()
     sweep: bool = True
     ending: str = ""
+    quantities: Mapping[str, str] = field(default_factory=dict)
     of_beam: bool = False
     refuses: bool = False
     keys: Mapping[str, Key] = field(default_factory=dict)

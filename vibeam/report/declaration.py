@@ -75,10 +75,27 @@ class StudyDeclaration:
         return StudySheet(answer, [rows_of(self.meaning, rows)], notes, data={"rows": rows}, rows=rows, draw=draw)
 
 
+@dataclass(frozen=True)
+class PageSection:
+    """Section of pages of results, its ``name`` their heading and anchor.
+
+    ``home``: function, or its ``"module:function"``, that makes the ``StudySheet`` of a ``StoredResult``, or None where
+    it has none; of one that is ``live``, which computes in the reader's browser, the ``LivePart``. A page has one such.
+    """
+
+    name: str
+    home: Callable[..., Any] | str
+    live: bool = False
+
+
+#: sections that extensions bring
+SECTIONS: Registry[PageSection] = Registry("section of a page")
+
+
 def _own(
     name: str, home: str, sheet: str, meaning: str, *examples: str, first: str | None = None, parts: bool = False
 ) -> StudyDeclaration:  # fmt: skip
-    plan = STUDY_PLANS[name].load() if name in STUDY_PLANS else None
+    plan = STUDY_PLANS[name].load() if name in STUDY_PLANS.own else None
     run, shown = f"vibeam.studies.{home}:{name}", f"vibeam.report.{sheet}:sheet"
     return StudyDeclaration(name, run, meaning, sheet=shown, asks=plan, first=first, examples=examples, parts=parts)
 

@@ -17,9 +17,9 @@ from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import listed
 from vibeam.studies.fit.judgement import Judgement
+from vibeam.studies.fit.linear_estimates import Estimate, Identification
 from vibeam.studies.fit.profile import FitRow
 from vibeam.studies.fit.study import FitStudy, FittedPoint
-from vibeam.studies.identification.estimates import Estimate, Identification
 from vibeam.system.number_text import begun, percent, shown_in, with_unit
 from vibeam_models.arguments import counted
 

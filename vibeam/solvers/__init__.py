@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from vibeam.solvers.declaration import CostSettings, SolverDeclaration
+from vibeam_models.extensions import absent
 from vibeam_models.registry import Registry
 
 if TYPE_CHECKING:
@@ -39,16 +40,6 @@ SOLVERS = Registry(
         marker=("P", 6.0),
     ),
     SolverDeclaration(
-        "averaging",
-        "vibeam.solvers.averaging:AveragingSolver",
-        stationary=True,
-        motion="samples",
-        curves=True,
-        settings=CostSettings(options={"paper": {"damping": "paper"}, "log": {"damping": "log"}}),
-        marker=("v", 5.0),
-    ),
-    SolverDeclaration("mapping", "vibeam.solvers.mapping:MappingSolver", stationary=True, marker=("X", 5.5)),
-    SolverDeclaration(
         "direct",
         "vibeam.solvers.integration.direct:DirectSolver",
         beyond_plain="vibeam.solvers.integration.direct:DirectSolver",
@@ -57,20 +48,6 @@ SOLVERS = Registry(
         motion="samples",
         settings=CostSettings(methods=("LSODA", "RK23", "RK45", "DOP853"), limit=200),
         marker=("o", 4.0),
-    ),
-    SolverDeclaration(
-        "zhuravlev",
-        "vibeam.solvers.integration.zhuravlev:ZhuravlevSolver",
-        motion="samples",
-        settings=CostSettings(methods=("RK23", "DOP853"), limit=200),
-        marker=("<", 4.5),
-    ),
-    SolverDeclaration(
-        "ivanov",
-        "vibeam.solvers.integration.ivanov:IvanovSolver",
-        motion="samples",
-        settings=CostSettings(methods=("RK23", "DOP853"), limit=20_000),
-        marker=(">", 4.5),
     ),
     SolverDeclaration(
         "moreau",
@@ -102,7 +79,8 @@ def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, *
     ValueError names the known solvers or options, or says why this one cannot take the system.
     """
     if name not in SOLVERS:
-        raise ValueError(f"no solver {name!r}: there are {', '.join(SOLVERS)}")
+        there = f"there are {', '.join(SOLVERS)}"
+        raise ValueError(f"no solver {name!r}: {absent(name) or there}")
     return SOLVERS[name].make(system, slowest, span, options)
 
 

@@ -43,7 +43,9 @@ class SolverDeclaration:
     each point: a sweep then asks it for several points at once.
     ``derivatives``: it reads outputs that are velocities or accelerations, whose jumps it knows.
     ``curves``: it knows all motions of its kind, stable or not. ``harmonics``: it takes the light undamped modes of
-    ``SeveralHarmonics``; ``records``: a ``Record``. ``marker``: matplotlib's, and its size in points.
+    ``SeveralHarmonics``; ``records``: a ``Record``. ``gaps``: ``"module:function"`` (system, rad/s, drive periods) that
+    gives by formula the gaps (points, 2) a metre of drive between which a motion exists, and the gap of the one mode.
+    ``marker``: matplotlib's, and its size in points.
 
     >>> import vibeam
     >>> vibeam.SolverDeclaration("mine", "mine.solver:Solver", motion="samples").samples
@@ -61,6 +63,7 @@ class SolverDeclaration:
     curves: bool = False
     harmonics: bool = False
     records: bool = False
+    gaps: str = ""
     settings: CostSettings = field(default_factory=CostSettings)
     marker: tuple[str, float] = ("D", 4.5)
 

@@ -5,12 +5,8 @@ from vibeam.studies.derive import derive as derive
 from vibeam.studies.effects import influence as influence
 from vibeam.studies.fidelity_map.study import FidelityMap as FidelityMap
 from vibeam.studies.fidelity_map.study import fidelity_map as fidelity_map
+from vibeam.studies.fit.modal_keys import identify_keys as identify_keys
 from vibeam.studies.fit.study import fit as fit
-from vibeam.studies.identification.decay import identify_decay as identify_decay
-from vibeam.studies.identification.modes import identify_keys as identify_keys
-from vibeam.studies.identification.response import identify_frequency_response as identify_frequency_response
-from vibeam.studies.identification.response import identify_response as identify_response
-from vibeam.studies.identification.response import identify_spectrum as identify_spectrum
 from vibeam.studies.modes import export_matrices as export_matrices
 from vibeam.studies.modes import modes as modes
 from vibeam.studies.modes_needed import modes_needed as modes_needed

@@ -23,9 +23,10 @@ from vibeam.periodic.boundaries import Boundary
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.summary import ill_posed
-from vibeam.solvers.averaging import slow_flow
+from vibeam.solvers import SOLVERS
 from vibeam.system.labelled import ViewedTable
 from vibeam_models.arrays import Array, Flags, ValueRecord
+from vibeam_models.registry import loaded
 
 BRANCHES = ("harder", "softer")
 ALONG = 501  # places along the case's own line at which boundaries are looked for
@@ -219,20 +220,19 @@ def _averaged(case: Case, name: str, plan: MapPlan) -> Array | None:
     """Open interval of gaps, or of levels, with a stationary averaged motion near Ω = 2n (Δ_MAX of eq. 25)."""
     upward, omega, model = plan.axes[-2], 2 * np.pi * np.array(plan.axes[-1].values), case.model(name)
     system = model.system()
-    if upward.key not in (GAP, SHARE, *LEVELS):
+    home = next((each.gaps for each in SOLVERS.values() if each.gaps), "")
+    if not home or upward.key not in (GAP, SHARE, *LEVELS):
         return None
     try:
-        flow, unit = slow_flow(system, 1.0, resonance=plan.periods)
+        per_metre, gap = loaded(home)(system, omega, plan.periods)  # both ends grow with the drive
     except ValueError:
         return None
-    per_metre = np.array([flow.gaps(float(each) / unit) for each in omega])  # both ends grow with the drive
     if upward.key == GAP:
         drive = np.asarray(model.amplitude(omega)) * np.ones(len(omega))
-        static = system.gap - flow.oscillator.gap  # the gap of the stop, not from the static place
+        static = system.gap - gap  # the gap of the stop, not from the static place
         low, high = gaps_at_contact(model, (upward.values[0], upward.values[-1]))
         slope = (upward.values[-1] - upward.values[0]) / (high - low)
         return np.asarray(upward.values[0] + slope * (per_metre * drive[:, None] + static - low))
-    gap = flow.oscillator.gap
     with np.errstate(divide="ignore"):
         least = np.where(gap > 0, gap / per_metre[:, 1], gap / per_metre[:, 0])
         least = least / np.asarray(level_of(model, upward.key)(omega))

@@ -25,7 +25,10 @@ class Namespace(ModuleType):
         if name not in self._homes:
             from difflib import get_close_matches
 
-            meant = [f"; did you mean {each!r}?" for each in get_close_matches(name, self._homes, 1)]
+            from vibeam_models.extensions import absent
+
+            near = [f"did you mean {each!r}?" for each in get_close_matches(name, self._homes, 1)]
+            meant = [f"; {each}" for each in [absent(f"{self.__name__}.{name}"), *near] if each][:1]
             raise AttributeError(f"{self.__name__} has no name {name!r}{''.join(meant)}")
         home = self._homes[name]
         found = import_module(f"{home}.{name}") if home == self.__name__ else getattr(import_module(home), name)
@@ -52,8 +55,11 @@ def homes_of(package_file: str) -> dict[str, str]:
 
     Of ``from package.room import *`` these are the names in the stub of that room.
     """
-    with open(package_file + "i", encoding="utf-8") as stub:
-        words = [line.split() for line in stub if line.startswith("from ")]
+    try:
+        with open(package_file + "i", encoding="utf-8") as stub:
+            words = [line.split() for line in stub if line.startswith("from ")]
+    except FileNotFoundError:  # of extensions, which need not be there
+        return {}
     found = {line[3]: line[1] for line in words if line[3] != "*"}
     for room in (line[1].rpartition(".")[2] for line in words if line[3] == "*"):
         found |= homes_of(f"{package_file.removesuffix('__init__.py')}{room}/__init__.py")

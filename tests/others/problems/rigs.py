@@ -10,8 +10,8 @@ import numpy as np
 
 import vibeam
 from tests.others.problem import Problem, spoiled
+from vibeam.extensions.paper.averaging import AveragingSolver
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.solvers.averaging import AveragingSolver
 
 PAPER = "Rebouças, Santos & Thomsen, J. Sound Vib. 2018, "
 STUTTGART = "Woiwode & Krack, J. Struct. Dyn. 2024: maltekrack/NLtest, setUpLinearModalBeamModel"

@@ -15,7 +15,7 @@ from scipy.io import savemat
 
 import vibeam
 from vibeam.exchange.curves.columns import Columns, WantedColumn, read_columns
-from vibeam.studies.identification.signal_kind import identify_signal
+from vibeam.extensions.identification.signal_kind import identify_signal
 
 RATE = 500.0
 TIME = np.arange(60) / RATE

@@ -15,7 +15,7 @@ import pyuff
 from scipy.io import savemat, wavfile
 
 import vibeam
-from vibeam.studies.identification.signal_kind import identify_signal
+from vibeam.extensions.identification.signal_kind import identify_signal
 
 RATE = 1000.0
 TIME = np.arange(40) / RATE

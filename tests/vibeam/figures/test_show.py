@@ -14,8 +14,8 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
+from vibeam.extensions.paper.boundaries_figure import limits
 from vibeam.figures import FIGURES
-from vibeam.figures.kinds.boundaries import limits
 from vibeam.report.figures import figure, write_shown
 from vibeam.runs.store.file import read
 

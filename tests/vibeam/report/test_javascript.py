@@ -36,7 +36,7 @@ def test_an_error_is_its_message_and_the_console_is_a_fault(node):
 
 def test_texts_of_numbers(node):
     script = """
-        const { short, metres, percent, withUnit } = await load("page/numbers.js");
+        const { short, metres, percent, withUnit } = await load("report/page/numbers.js");
         return [short(given.pi), short(NaN), metres(2e-6), metres(-0.3), percent(0.1234), withUnit("Gap", "mm")];
     """
     assert node(script, {"pi": PI}) == ["3.142", "–", "2 µm", "-0.3 m", "12.3 %", "Gap (mm)"]
@@ -45,12 +45,11 @@ def test_texts_of_numbers(node):
 def test_packed_numbers(node):
     whole = np.array([0, 1, 65535], dtype="<u2")
     packed = {"data": b64encode(whole.tobytes()).decode(), "low": -1.0, "step": 0.5}
-    script = 'return (await load("page/numbers.js")).unpacked(given);'
+    script = 'return (await load("report/page/numbers.js")).unpacked(given);'
     assert node(script, packed) == (-1.0 + 0.5 * whole).tolist()
 
 
-REPORT = Path(parts.__file__).parents[1]
-SCRIPTS = sorted(file for home in parts.HOMES for file in (REPORT / home).glob("*.js"))
+SCRIPTS = sorted(each for each in Path(parts.__file__).parents[2].rglob("*.js") if each.parent.name != "vendor")
 LONGEST = 260
 
 

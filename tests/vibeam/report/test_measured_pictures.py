@@ -12,9 +12,9 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.cli.main import app
+from vibeam.extensions.identification.signal_kind import identify_stretch
 from vibeam.report.fit import identification_sheet
 from vibeam.report.measured import case_pictures
-from vibeam.studies.identification.signal_kind import identify_stretch
 from vibeam.studies.measured_panel import MOST, draw_curve
 
 TIME = np.arange(0, 2, 8e-3)
@@ -190,7 +190,7 @@ def test_of_many_points_no_extreme_is_lost() -> None:
 
 
 def vibeam_curve(value: Any) -> Any:
-    from vibeam.exchange.curves.taken import MeasuredCurve
+    from vibeam.exchange.curves.measured_curve import MeasuredCurve
 
     return MeasuredCurve(np.arange(len(value)), value, np.ones(len(value), dtype=bool), timed=True)
 

@@ -7,7 +7,6 @@ import os
 import re
 from html.parser import HTMLParser
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,11 +20,11 @@ from vibeam.cli.main import app
 from vibeam.figures.units import DisplayUnits
 from vibeam.maps.run import run_map
 from vibeam.report.output import StudySheet
-from vibeam.report.page import charts, parts
+from vibeam.report.page import charts
 from vibeam.report.page.charts import packed
 from vibeam.report.page.drawing import LEFT, REACH, drawing, mode_shapes
 from vibeam.report.page.page import VIEWS, page, study_page
-from vibeam.report.page.parts import EXPORT, HOMES, IMPORT, LivePart, as_json, bundle, text_of, with_imports
+from vibeam.report.page.parts import EXPORT, IMPORT, as_json, text_of
 from vibeam.report.tables import blank
 from vibeam.store.errors import StoreError
 from vibeam.studies.stored import stored
@@ -289,30 +288,7 @@ def test_scripts_take_from_one_another_what_these_have_and_what_they_use():
         before[name] = [each[1] for each in EXPORT.findall(source)]
 
 
-def test_modules_of_other_folders_come_in_the_order_of_what_they_take():
-    found = with_imports(["periodic", "pictures"], known=("multipliers",))
-    assert "multipliers" not in found
-    for name in found:
-        for _, home in IMPORT.findall(text_of(f"{name}.js")):
-            assert home == "multipliers" or found.index(home) < found.index(name)
-    text = bundle(found, first=False)
-    assert not re.search(r"^(import|export) ", text, re.MULTILINE)
-    assert "const modules" not in text
-
-
-def test_no_two_modules_of_pages_have_one_name():
-    room = Path(parts.__file__).parents[1]
-    names = [
-        file.name for home in HOMES for file in (room / home).glob("*.*") if file.suffix in (".js", ".html", ".css")
-    ]
-    assert len(names) == len(set(names)) > 20
-
-
-def test_only_a_page_that_flies_may_compile(results):
-    """Its policy, and where the engine stands; a page whose models cannot be flown says why."""
-    still = page(stored(results), LivePart("", ("contacts <b> in several places",)))
-    assert "contacts &lt;b&gt; in several places" in still
-    assert "wasm" not in still
+def test_a_page_without_an_engine_may_not_compile(results):
     policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page(stored(results)))[1]
     assert "wasm" not in policy
     assert "worker" not in policy

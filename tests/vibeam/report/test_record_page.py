@@ -114,9 +114,8 @@ def test_histories_on_the_page_reach_the_peaks_of_the_results(results, data):
 
 
 def test_impacts_and_marks_of_the_motion_that_is_drawn(results, data, node):
-    script = (
-        "const { unpacked } = await load('page/numbers.js'); return [unpacked(given.time), unpacked(given.velocity)];"
-    )
+    load = "const { unpacked } = await load('report/page/numbers.js');"
+    script = f"{load} return [unpacked(given.time), unpacked(given.velocity)];"
     for each in data["impacts"]:
         own = results.result[each["fidelity"]]
         times, speeds = node(script, each)

@@ -20,7 +20,7 @@ def test_a_packed_history_encloses_its_values_within_a_step(bins, node):
     least, greatest = bins
     stored = enclosing(least, greatest) | {"begin": -1.0, "width": 0.5}
     script = """
-        const { inflated } = await load("page/base64.js"), { unfolded } = await load("page/envelope.js");
+        const { inflated } = await load("report/page/base64.js"), { unfolded } = await load("report/page/envelope.js");
         const { least, greatest } = unfolded(given, await inflated(given.data, "deflate"));
         return [Array.from(least), Array.from(greatest)];
     """
@@ -39,7 +39,7 @@ def test_a_constant_history_is_packed():
 
 
 DRAWN = """
-    const { envelope, hits } = await load("page/envelope.js"), points = [], none = () => {};
+    const { envelope, hits } = await load("report/page/envelope.js"), points = [], none = () => {};
     const pen = { moveTo: (x, y) => points.push([x, y]), lineTo: (x, y) => points.push([x, y]), beginPath: none,
       closePath: none, setLineDash: none, fill: none, stroke: none };
     const [low, high] = given.span, at = { ratio: 1, left: 0, top: 0, width: given.width, height: 100,

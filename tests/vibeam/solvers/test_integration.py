@@ -9,13 +9,13 @@ import pytest
 from convergence import DRIVE, SOLVERS, B, jumps, mean_energy, sdof, start, three_modes
 
 import vibeam
+from vibeam.extensions.paper.ivanov import IvanovSolver
+from vibeam.extensions.paper.zhuravlev import Distance, ZhuravlevSolver
 from vibeam.observe.periodicity import repetition
 from vibeam.solvers.integration.direct import DirectSolver
 from vibeam.solvers.integration.impact_events import EventRun
-from vibeam.solvers.integration.ivanov import IvanovSolver
 from vibeam.solvers.integration.moreau import MoreauSolver
 from vibeam.solvers.integration.samples import turning_points
-from vibeam.solvers.integration.zhuravlev import Distance, ZhuravlevSolver
 from vibeam.system.response import Ended
 
 EVENTS = ("direct", "zhuravlev")

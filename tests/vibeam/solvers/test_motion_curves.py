@@ -19,13 +19,13 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
+from vibeam.extensions.paper.averaging import AveragingSolver
 from vibeam.figures.response_curve import write_frc
 from vibeam.flight.solver import FlightSolver
 from vibeam.observe.branches import motion_pieces
 from vibeam.periodic.between_impacts import carried
 from vibeam.periodic.orbit_search import orbits
 from vibeam.solvers import SOLVERS
-from vibeam.solvers.averaging import AveragingSolver
 from vibeam.solvers.orbit import OrbitSolver
 from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import ImpactSystem

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import vibeam
+from vibeam.studies.fit.linear_estimates import directions_of
 from vibeam.studies.fit.words import on_directions
-from vibeam.studies.identification.estimates import directions_of
 from vibeam.studies.regression.check import _off_grid
 
 SAMPLES = 12_000  # a square matrix of so many rows takes 1.15 GB

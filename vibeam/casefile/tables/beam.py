@@ -10,12 +10,13 @@ from typing import Annotated, Any
 from vibeam.case.study_plans import MOST_ELEMENTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Count, Quantity, Several, Word
+from vibeam.casefile.kinds import MODELS
 from vibeam.casefile.quantities import POSITIVE, Range
 from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks
 from vibeam.casefile.tables.outputs import output_checks
-from vibeam.casefile.tables.sweep import is_solid
+from vibeam.casefile.tables.sweep import model_named
 from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
@@ -32,8 +33,10 @@ def beam_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from effect_checks(case)
     yield from output_checks(case)
     yield from held_checks(case)
-    if case.solid is not None or any(is_solid(each) for each in case.fidelity.values()):
-        yield from loaded("vibeam.casefile.solids:solid_rules")(case, folder)
+    used = {model_named(each) for each in case.fidelity.values()}
+    for name, model in MODELS.items():
+        if model.rules and (name in used or getattr(case, name) is not None):
+            yield from loaded(model.rules)(case, folder)
 
 
 def beam_checks(case: SimpleNamespace) -> Iterator[Complaint]:

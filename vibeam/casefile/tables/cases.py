@@ -12,6 +12,7 @@ from vibeam.case.study_plans import STUDY_PLANS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import settings
 from vibeam.casefile.fields import TEXT, Quantity, Word
+from vibeam.casefile.kinds import MODELS, ModelDeclaration
 from vibeam.casefile.quantities import POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
@@ -134,7 +135,9 @@ def _influence() -> Parts:
     }
 
 
-SOLID = EffectTable(Home("solid", "vibeam.casefile.tables.solid:SolidTable"), own=True)
+def _model(model: ModelDeclaration) -> Any:
+    """Annotation of the table of a model."""
+    return Annotated[Any, EffectTable(Home(model.name, model.table), own=True)]
 
 
 def _beam() -> type[AnyCase]:
@@ -149,7 +152,7 @@ def _beam() -> type[AnyCase]:
         {"stop": (stop_table(), ...)},
         {"sensor": (SensorTable, ...), "output": outputs, "drive": (DriveTable, ...)},
         effect_tables("base"),
-        {"solid": (Annotated[Any, SOLID], key("the rig as a three-dimensional body", None, None))},
+        {name: (_model(each), key(each.meaning, None, None)) for name, each in MODELS.items()},
         _measured(MeasurementTable, SweepTable, StartTable, BeamFidelityTable),
         _asked(show, MapTable),
         _influence(),
@@ -173,7 +176,7 @@ def _sdof() -> type[AnyCase]:
 
 
 def _solid() -> type[AnyCase]:
-    return _given("solid", "A structure by a mesh of its body.", Annotated[Any, SOLID])
+    return _given("solid", "A structure by a mesh of its body.", _model(MODELS["solid"]))
 
 
 def _given(kind: str, doc: str, own: Any) -> type[AnyCase]:

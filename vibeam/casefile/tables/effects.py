@@ -18,12 +18,14 @@ from vibeam_models.effects import EFFECTS, keys_in, tables
 from vibeam_models.registry import Home
 from vibeam_models.scene import Effect
 
+EFFECT = "Effect: "
+
 
 @dataclass(frozen=True)
 class EffectTable:
     """The table of an effect, or the list of its tables: declared where a case first names it.
 
-    ``own``: its home is the table itself, which is no effect's.
+    ``own``: its home is the table itself, or a dataclass that declares its keys, which is no effect's.
     """
 
     home: Home
@@ -32,8 +34,8 @@ class EffectTable:
     @property
     def table(self) -> type[Table]:
         """One table."""
-        found: type[Table] = self.home.load() if self.own else effect_table(self.home.load())
-        return found
+        found: Any = self.home.load()
+        return found if issubclass(found, Table) else effect_table(found, "" if self.own else EFFECT)
 
     def read(self, value: Any, info: ValidationInfo) -> Any:
         """The value as the table, or as a tuple of them; pydantic's ValidationError."""
@@ -49,10 +51,10 @@ class EffectTable:
 
 
 @lru_cache(maxsize=64)
-def effect_table(effect: type[Effect]) -> type[Table]:
-    """The table that an effect declares."""
+def effect_table(effect: type[Any], said: str = EFFECT) -> type[Table]:
+    """The table that an effect, or another dataclass of keys, declares; ``said`` before its meaning."""
     meaning = effect.__doc__ or ""
-    doc = f"Effect: {meaning[:1].lower()}{meaning[1:]}"
+    doc = f"{said}{meaning[:1].lower()}{meaning[1:]}" if said else meaning
     made: type[Table] = table(f"{effect.__name__}Table", doc, plan_keys(effect))
     return made
 

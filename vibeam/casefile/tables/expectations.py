@@ -25,7 +25,7 @@ from vibeam.casefile.tables.transient_numbers import (
     transient_dimension,
 )
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
-from vibeam.figures import ALONE, FIGURES, LIMITS, OF_OUTPUT, READ
+from vibeam.figures import FIGURES, OF_OUTPUT, kinds_alone, quantities_shown, units_read
 from vibeam.figures.declaration import FigureKind
 from vibeam.system.quantities import LAYOUT
 
@@ -175,13 +175,13 @@ def unit_of_reading(quantity: str, against: str | None) -> str:
     """Unit of a compared quantity: q and q/s of an output and its rate, c and c/s of the contact, Hz, 1/s, or 1."""
     if against is not None:
         return "1"
-    if quantity in LIMITS + OF_OUTPUT:
-        return "q" if quantity in OF_OUTPUT else "c"
+    if quantity in OF_OUTPUT:
+        return "q"
     if quantity in EXTENTS:
         return "q" if quantity == "peak" else "Hz"
     if quantity not in OF_SWEEPS or quantity in ERRORS:
         return "1"  # of a record, which its own rule says, or a share
-    return READ[quantity] if quantity in READ else LAYOUT[quantity].unit
+    return (units_read() | quantities_shown()).get(quantity) or LAYOUT[quantity].unit
 
 
 def expectation_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -204,18 +204,18 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
     yield from swept_checks(case, (*path, "direction"), expect.direction)
     if expect.quantity in OF_OUTPUT:
         yield from of_displacement(case, (*path, "quantity"), expect.quantity)
-    if expect.show is not None or expect.number is not None or expect.quantity in READ:
+    if expect.show is not None or expect.number is not None or expect.quantity in units_read():
         yield from _of_a_figure(case, path, expect)
     elif expect.quantity in EXTENTS + ERRORS and expect.frequency is not None:
         yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
-    elif expect.quantity in QUANTITIES + OF_OUTPUT + LIMITS and expect.frequency is None:
+    elif expect.quantity in (*QUANTITIES, *OF_OUTPUT, *quantities_shown()) and expect.frequency is None:
         yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency'
 
 
 def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about a number that is, or should be, read off a figure."""
-    if expect.show is None and expect.quantity in ALONE:
-        yield from _chosen(path, expect, FIGURES[ALONE[expect.quantity]])
+    if expect.show is None and (alone := kinds_alone().get(expect.quantity)):
+        yield from _chosen(path, expect, FIGURES[alone])
         return
     if expect.show is None:
         what = (
@@ -259,7 +259,7 @@ def swept_checks(case: SimpleNamespace, path: KeyPath, way: str | None) -> Itera
         yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
 
 
-OF_SWEEPS = (*QUANTITIES, *OF_OUTPUT, *EXTENTS, *ERRORS, *LIMITS, *READ)
+OF_SWEEPS = (*QUANTITIES, *OF_OUTPUT, *EXTENTS, *ERRORS, *quantities_shown(), *units_read())
 
 
 def _reading_table(name: str, plan: type[ResultNumber], meaning: str, **entries: Entry) -> Any:

@@ -25,7 +25,7 @@ from vibeam.casefile.tables.table import (
     table,
 )
 from vibeam.exchange.faults import Complaint, KeyPath
-from vibeam.figures import COMMON, FIGURES, LIMITS, OF_OUTPUT, own_keys
+from vibeam.figures import COMMON, FIGURES, OF_OUTPUT, own_keys, quantities_shown
 from vibeam.figures.declaration import FigureKind
 from vibeam.observe.measuring_chain import FAMILIES, HIGHEST_ORDER
 from vibeam.solvers import SOLVERS
@@ -55,9 +55,9 @@ def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind, record: bool) 
             yield (*path, name), f'kind = "{show.kind}" has no use for it: leave it away'
         elif name in kind.needed(record) and not given:
             yield (*path, name), f'missing: kind = "{show.kind}" needs it'
-    limits = show.kind == "boundaries"
-    if "quantity" in kind.needs and show.quantity is not None and (show.quantity in LIMITS) != limits:
-        words = " | ".join(f'"{word}"' for word in (LIMITS if limits else QUANTITIES + OF_OUTPUT))
+    shown = tuple(kind.quantities) or QUANTITIES + OF_OUTPUT
+    if "quantity" in kind.needs and show.quantity is not None and show.quantity not in shown:
+        words = " | ".join(f'"{word}"' for word in shown)
         yield (*path, "quantity"), f'kind = "{show.kind}" shows {words}'
     if show.periods and show.subdivision and show.periods % show.subdivision:
         multiple = f"write a multiple of subdivision = {show.subdivision}"
@@ -133,7 +133,7 @@ def show_table(name: str, kinds: tuple[str, ...], output: tuple[Any, Any] | None
         ShowPlan,
         fidelities=Each(TEXT, alone=True, called="fidelities"),
         frequency=Several(Frequency, alone=True, limit=12),
-        quantity=Word(QUANTITIES + OF_OUTPUT + LIMITS),
+        quantity=Word((*QUANTITIES, *OF_OUTPUT, *quantities_shown())),
         output=OUTPUT_NAME,
     )
     own = {each: declared_key(declared, None) for each, declared in own_keys().items()}

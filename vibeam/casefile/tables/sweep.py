@@ -15,7 +15,7 @@ from vibeam.case.reduced_structure import Flight
 from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
 from vibeam.casefile.fields import TEXT, Count, Each, Several, Word
-from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.kinds import KINDS, MODELS
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
 from vibeam.casefile.tables.table import Frequency, Table, declared_key, key, plan_keys, plan_of, table
 from vibeam.casefile.toml_writing import to_fill_in
@@ -54,15 +54,16 @@ def _modes(case: SimpleNamespace, most: int, gives: str) -> Iterator[Complaint]:
             yield path, f'missing: reduction = "{declared.name}" needs how many; write modes = 8'
         elif declared and not declared.counts and fidelity.modes is not None:
             yield path, f'reduction = "{declared.name}" counts none: take it out, or write reduction = "modal"'
-        elif fidelity.modes is not None and 0 < most < fidelity.modes and not is_solid(fidelity):
+        elif fidelity.modes is not None and 0 < most < fidelity.modes and not model_named(fidelity):
             yield path, f"{fidelity.modes} are more than the model has: {gives} {most} at most"
         if declared:
             yield from _parameters(("fidelity", name), fidelity, declared)
 
 
-def is_solid(fidelity: Any) -> bool:
-    """Test whether a fidelity's table says that it flies a solid."""
-    return getattr(fidelity, "model", None) == "solid"
+def model_named(fidelity: Any) -> str:
+    """Name of the model that a fidelity has in place of the beam; empty where it has the beam."""
+    found = getattr(fidelity, "model", None)
+    return "" if found in (None, "beam") else str(found)
 
 
 def _parameters(path: KeyPath, fidelity: Any, declared: ReductionDeclaration) -> Iterator[Complaint]:
@@ -121,10 +122,11 @@ _SOLUTION = {name: _OWN.pop(name) for name in ("solver", "options")}, _Changes, 
 FidelityTable: Any = table(
     "FidelityTable", "A fidelity, one table each: which model of the rig is swept.", _REDUCTION, *_SOLUTION
 )
+_SAID = "".join(f", or {each.meaning}, as [{name}] says" for name, each in MODELS.items())
 _MODEL = {
     "model": (
-        Annotated[Any, Word(("beam", "solid"))],
-        key("what is reduced: the beam, or the rig as a three-dimensional body, as [solid] says", "solid", None),
+        Annotated[Any, Word(("beam", *MODELS))],
+        key(f"what is reduced: the beam{_SAID}", next(iter(MODELS), "beam"), None),
     )
 }
 BeamFidelityTable: Any = table("BeamFidelityTable", FidelityTable.__doc__, _MODEL, _REDUCTION, *_SOLUTION)

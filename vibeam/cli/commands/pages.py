@@ -1,16 +1,14 @@
-"""``vibeam report`` and ``explore``: pages of results and of cases, tables of results."""
+"""``vibeam report``: page and table of results."""
 
 from __future__ import annotations
 
-import os
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.arguments import CaseFile, Fidelities, Overrides, load, of_fidelities, option, out_option, output_path
-from vibeam.cli.errors import UsageError, of_case
+from vibeam.cli.arguments import option, out_option, output_path
+from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_json, put_lines
 from vibeam.cli.streams import say, tell
 from vibeam.cli.verbosity import verbosity
@@ -19,7 +17,7 @@ if TYPE_CHECKING:
     from vibeam.runs.stored_result import StoredResult
 
 
-PAGES = (".html", ".htm")
+PAGES = (".html", ".htm")  # endings
 _BESIDE = "Its case file, where references or other files lie beside that."
 
 
@@ -74,52 +72,10 @@ def report(
 def _page(found: StoredResult, no_engine: bool) -> str:
     """Page of results; without an engine where the libraries of pages are missing, which is told."""
     from vibeam.flight.engine.loading import KernelsUnavailable
-    from vibeam.report.explore.page import results_page
     from vibeam.report.page.page import page
 
     try:
-        return page(found) if no_engine else results_page(found)
+        return page(found, engine=not no_engine)
     except KernelsUnavailable as why:
         say(f"the page has no engine: {why}")
         return page(found)
-
-
-def explore(
-    case: CaseFile,
-    set_: Overrides = None,
-    out: Annotated[str | None, out_option("The page (.html), or the folder for it.")] = None,
-    fidelity: Fidelities = None,
-    no_open: Annotated[bool, typer.Option("--no-open", help="Write the page, and open no browser.")] = False,
-) -> None:
-    """Fly a case in a page as its sliders move, without a sweep.
-
-    The page holds the exact engine: frequency, drive, gap, restitution and damping are sliders, and a button writes the
-    case at them. It is one file and needs no network. A browser opens it where the terminal has a display.
-
-    \b
-    Examples:
-      vibeam explore mine.toml
-      vibeam explore mine.toml --fidelity beam --set stop.gap='0.05 mm' --no-open
-    """
-    path = output_path(out, f"{case.stem}_explore.html", PAGES, "a page")
-    found = of_fidelities(load(case, set_), fidelity)
-    from vibeam.report.explore.exploration import exploration
-
-    made = of_case(case, lambda: exploration(found))
-    made.write(path)
-    if verbosity().json:
-        print_json({"files": [path], "flown": made.flown, "refused": made.refused})
-        return
-    put_lines([str(path)])
-    for name, why in made.refused.items() if not verbosity().quiet else ():
-        say(f"{name}: {why}")
-    if not no_open and _display():
-        import webbrowser
-
-        webbrowser.open(path.resolve().as_uri())
-
-
-def _display() -> bool:
-    """Test whether somebody is there to look at a page: a terminal with a display, and no automation."""
-    shown = sys.platform in ("darwin", "win32") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    return bool(shown) and sys.stdout.isatty() and not os.environ.get("CI")

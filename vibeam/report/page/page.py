@@ -6,24 +6,37 @@ from collections.abc import Sequence
 from typing import Any
 
 from vibeam.figures.response_curve import frc
+from vibeam.report.declaration import SECTIONS
 from vibeam.report.output import SheetPicture, StudySheet
 from vibeam.report.page.charts import chart_data
-from vibeam.report.page.parts import LivePart, as_json, picture, rendered
+from vibeam.report.page.parts import as_json, picture, rendered
 from vibeam.report.page.standing import PAGE_BYTES, standing
 from vibeam.report.run_report import run_report
 from vibeam.runs.stored_result import StoredResult
 from vibeam.system.response import modes_of
+from vibeam_models.registry import loaded
 
 VIEWS = ("base64", "numbers", "chart", "result", "response", "participation")
 
 
-def page(stored: StoredResult, live: LivePart | None = None) -> str:
-    """The page as HTML, with what is ``live`` of it; CaseError where a model of the case cannot be built any more."""
+def sections_of(stored: StoredResult, live: bool) -> dict[str, Any]:
+    """Sections that extensions have for a result by their names, those that are ``live`` or the sheets."""
+    made = ((each.name, loaded(each.home)(stored)) for each in SECTIONS.values() if each.live == live)
+    return {name: section for name, section in made if section is not None}
+
+
+def page(stored: StoredResult, engine: bool = False) -> str:
+    """The page as HTML, with what is live in it where the ``engine`` is asked for.
+
+    CaseError where a model of the case cannot be built any more, errors of the live part.
+    """
     result = stored.result
+    sections = sections_of(stored, live=False)
     if result.case.record is not None:
         from vibeam.report.page.record_page import record_page
 
-        return record_page(stored)
+        return record_page(stored, sections)
+    live = sections_of(stored, live=True) if engine else {}
     response = picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result))
     data = as_json(chart_data(stored))
     modes = max((modes_of(each) for each in result.values()), default=0)
@@ -33,13 +46,14 @@ def page(stored: StoredResult, live: LivePart | None = None) -> str:
     return rendered(
         "results.html",
         ("state", "saving", *VIEWS, "start"),
-        live,
+        next(iter(live.values()), None),
         **standing(result, modes, result.overview, stored.provenance, stored.left_out, room),
         missing=stored.missing,
         verdict=report,
         decisive=decisive,
         response=response,
         data=data,
+        sections=list(sections.items()),
     )
 
 

@@ -8,6 +8,7 @@ import re
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.resources import files
 from io import BytesIO, StringIO
 from typing import TYPE_CHECKING, Any
@@ -130,24 +131,24 @@ def as_json(values: Any) -> str:
 EXPORT = re.compile(r"^export ((?:async )?\w+) (\w+)", re.MULTILINE)
 IMPORT = re.compile(r'^import (\{[^}]*\}) from "\.{1,2}/(?:[\w./]+/)?(\w+)\.js";$', re.MULTILINE)
 COMMENT = re.compile(r"^[ \t]*(?://[^\n]*|/\*\*.*?\*/[ \t]*)\n", re.DOTALL | re.MULTILINE)  # whole lines of it
-HOMES = ("page", "explore", "explore/engine", "explore/views")  # folders of ``vibeam.report`` with files of pages
+HOME = "vibeam.report:page"  # package and its folder with files of pages
 
 
-def bundle(names: Sequence[str], first: bool = True) -> str:
+def bundle(names: Sequence[str], first: bool = True, homes: Sequence[str] = (HOME,)) -> str:
     """Modules of scripts, each after those that it imports from, as one text that needs no files: none is global.
 
     Lines that are comments stay in the files. ``first``: no other text of modules stands before it on the page.
     """
     parts = ["const modules = {};"] if first else []
     for name in names:
-        text = COMMENT.sub("", text_of(f"{name}.js"))
+        text = COMMENT.sub("", text_of(f"{name}.js", homes))
         known = ", ".join(each[1] for each in EXPORT.findall(text))
         own = IMPORT.sub(r"const \1 = modules.\2;", EXPORT.sub(r"\1 \2", text))
         parts.append(f"modules.{name} = (() => {{\n{own}return {{ {known} }};\n}})();")
     return "\n".join(parts)
 
 
-def with_imports(names: Sequence[str], known: Sequence[str] = ()) -> tuple[str, ...]:
+def with_imports(names: Sequence[str], known: Sequence[str] = (), homes: Sequence[str] = (HOME,)) -> tuple[str, ...]:
     """Modules with all that they import from, each behind those, less those that are ``known`` to stand before.
 
     ValueError where modules import each other in a circle.
@@ -158,7 +159,7 @@ def with_imports(names: Sequence[str], known: Sequence[str] = ()) -> tuple[str, 
         if name in above:
             raise ValueError(f"{' > '.join([*above, name])}: these modules import each other")
         if name not in known and name not in found:
-            for _, home in IMPORT.findall(text_of(f"{name}.js")):
+            for _, home in IMPORT.findall(text_of(f"{name}.js", homes)):
                 add(home, (*above, name))
             found.append(name)
 
@@ -167,40 +168,46 @@ def with_imports(names: Sequence[str], known: Sequence[str] = ()) -> tuple[str, 
     return tuple(found)
 
 
-def text_of(name: str) -> str:
-    """Text of a file of ``HOMES``, in which no two have the same name; FileNotFoundError where none has it."""
-    room = files(__package__.rpartition(".")[0])
-    for home in HOMES:
-        found = room.joinpath(home, name)
+def text_of(name: str, homes: Sequence[str] = (HOME,)) -> str:
+    """Text of a file of the ``homes``, in which no two have the same name; FileNotFoundError where none has it."""
+    for home in homes:
+        package, _, folder = home.partition(":")
+        found = files(package).joinpath(folder, name)
         if found.is_file():
             return found.read_text(encoding="utf-8")
-    raise FileNotFoundError(f"{name}: in none of {', '.join(HOMES)}")
+    raise FileNotFoundError(f"{name}: in none of {', '.join(homes)}")
 
 
 @dataclass(frozen=True)
 class LivePart:
-    """Part of a page that flies: the ``payload`` as JSON.
+    """Part of a page that computes in the reader's browser: what its scripts make of the ``payload``, as JSON.
 
-    ``refusals``: the sentence on each fidelity that is not flown. An empty ``payload`` is a page without an engine.
+    ``refusals``: a sentence on each fidelity that it does not have. An empty ``payload`` is a part without its engine.
+    ``template``, ``style`` and ``script``: names of its files, in the ``homes`` or those of all pages; modules of the
+    ``engine`` stand in an element of their own, whose text is a worker's too.
     """
 
     payload: str
-    refusals: tuple[str, ...] = ()
+    refusals: tuple[str, ...]
+    template: str
+    style: str
+    script: str
+    engine: tuple[str, ...]
+    homes: tuple[str, ...]
 
 
 def rendered(template: str, scripts: Sequence[str], live: LivePart | None = None, **values: object) -> str:
-    """A template of ``HOMES`` with its values, texts escaped; style and ``scripts`` are part of the page.
-
-    The scripts of the engine stand in an element of their own, whose text is a worker's too; the last of ``scripts``
-    starts the page.
-    """
+    """A template with its values, texts escaped; style and ``scripts`` are part of the page, the last one starts it."""
     from jinja2 import Environment, FunctionLoader
 
-    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, loader=FunctionLoader(text_of))
-    environment.globals |= {"text_of": text_of, "picture_of": picture, "texts": texts}
+    read = partial(text_of, homes=(HOME, *live.homes) if live else (HOME,))
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True, loader=FunctionLoader(read))
+    environment.globals |= {"text_of": read, "picture_of": picture, "texts": texts}
     values |= {"live": live, "flies": False}
     if live and live.payload:
-        flown = with_imports(("engine", "worker"))
-        scripts = with_imports([*scripts[:-1], "explore", *scripts[-1:]], flown)
-        values |= {"flies": True, "engine": f'"use strict";\n{bundle(flown)}'}
-    return environment.get_template(template).render(values, scripts=bundle(scripts, first=not values["flies"]))
+        homes = (HOME, *live.homes)
+        flown = with_imports(live.engine, homes=homes)
+        scripts = with_imports([*scripts[:-1], live.script, *scripts[-1:]], flown, homes)
+        values |= {"flies": True, "engine": f'"use strict";\n{bundle(flown, homes=homes)}'}
+        return environment.get_template(template).render(values, scripts=bundle(scripts, False, homes))
+    return environment.get_template(template).render(values, scripts=bundle(scripts))

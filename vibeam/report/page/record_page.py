@@ -19,6 +19,7 @@ from vibeam.report.record_figure import record_figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from vibeam.report.output import StudySheet
     from vibeam.runs.stored_result import StoredResult
     from vibeam.runs.systems import Overview
     from vibeam.runs.transient.result import TransientResult
@@ -27,8 +28,8 @@ STILL = 110  # columns of a panel of the still picture
 VIEWS = ("base64", "numbers", "chart", "envelope", "record", "zoom", "timeline", "families")
 
 
-def record_page(stored: StoredResult) -> str:
-    """The page as HTML; CaseError where a model of the case cannot be built any more."""
+def record_page(stored: StoredResult, sections: Mapping[str, StudySheet]) -> str:
+    """The page as HTML, ``sections`` of extensions in it; CaseError where a model of the case cannot be built."""
     from vibeam.report.transient import transient_report
 
     result: Any = stored.result
@@ -51,6 +52,7 @@ def record_page(stored: StoredResult) -> str:
         energies=energy_bars(result),
         factor=result.over if len(result.factors) > 1 else "",
         data=text,
+        sections=list(sections.items()),
     )
 
 

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from vibeam.observe.restitution import first_mode_restitution
 from vibeam.studies.fit.estimate import Minimum, probability
 from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
+from vibeam.studies.fit.linear_estimates import directions_of
 from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import BOUND, LEVEL, FitRow, Profile
-from vibeam.studies.identification.estimates import directions_of
 from vibeam.system.number_text import with_unit
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array

@@ -13,9 +13,10 @@ from vibeam.case.plans import MeasuredNumber, ResultNumber, ShowPlan
 from vibeam.case.response_quantities import values_of
 from vibeam.case.study_plans import ERRORS
 from vibeam.exchange.curves.record import SAME_FREQUENCY
-from vibeam.figures import ALONE, FIGURES, LIMITS
+from vibeam.figures import FIGURES, kinds_alone, quantities_shown
 from vibeam.studies.regression.number_read import NAN, NumberRead
 from vibeam.system.response import Ended, FrequencyResponse
+from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -26,7 +27,7 @@ def directions(reading: ResultNumber, case: Case) -> tuple[str, ...]:
     """Directions of the branches that a reading is of; one that says nothing under a record."""
     if case.record is not None:
         return ("",)
-    if reading.quantity in LIMITS + ERRORS or of_figure(reading):
+    if reading.quantity in (*quantities_shown(), *ERRORS) or of_figure(reading):
         return ("up",)  # of the motions as such, whichever direction they are swept in
     return ("up", "down") if reading.direction == "both" else (reading.direction,)
 
@@ -52,7 +53,7 @@ def read(reading: ResultNumber, result: Result, direction: str) -> NumberRead:
 def _number(reading: ResultNumber, result: Result, name: str, direction: str) -> NumberRead:
     if of_figure(reading):
         return _read_off(reading, result, name)
-    if reading.quantity in LIMITS:
+    if reading.quantity in quantities_shown():
         return _limit(reading, result, name)
     if reading.quantity in ERRORS:
         return _error(reading, result, name)
@@ -73,9 +74,9 @@ def _number(reading: ResultNumber, result: Result, name: str, direction: str) ->
 
 
 def _limit(reading: ResultNumber, result: Result, name: str) -> NumberRead:
-    from vibeam.solvers.existence_limits import limits
-
-    number = float(limits(result.case, name, np.array([reading.frequency]), reading.quantity)[0])
+    home = next(kind.home for kind in FIGURES.values() if reading.quantity in kind.quantities)
+    found = loaded(home).numbers(result.case, name, np.array([reading.frequency]), reading.quantity)
+    number = float(found[0])
     return NumberRead(number, "" if isfinite(number) else "there is none")
 
 
@@ -90,7 +91,7 @@ def _error(reading: ResultNumber, result: Result, name: str) -> NumberRead:
 
 def of_figure(reading: ResultNumber) -> bool:
     """Test whether a number is read off a figure, that of its [show.NAME] or one that needs no such table."""
-    return reading.show is not None or reading.quantity in ALONE
+    return reading.show is not None or reading.quantity in kinds_alone()
 
 
 def _read_off(reading: ResultNumber, result: Result, name: str) -> NumberRead:
@@ -98,7 +99,7 @@ def _read_off(reading: ResultNumber, result: Result, name: str) -> NumberRead:
     from vibeam.figures.sheet import sheet_at
 
     show = reading.show or ""
-    usual = ShowPlan(name="", kind=ALONE.get(reading.quantity, ""), key="", fidelities=(name,))
+    usual = ShowPlan(name="", kind=kinds_alone().get(reading.quantity, ""), key="", fidelities=(name,))
     plan = result.case.shows.get(show, usual)
     sheet = sheet_at(result.case, plan, name, reading.frequency, result.shown.get(show, ()))
     if sheet.fault:

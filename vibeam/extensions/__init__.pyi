@@ -1,0 +1,5 @@
+from vibeam.extensions.explore.exploration import explore as explore
+from vibeam.extensions.identification.decay import identify_decay as identify_decay
+from vibeam.extensions.identification.response import identify_frequency_response as identify_frequency_response
+from vibeam.extensions.identification.response import identify_response as identify_response
+from vibeam.extensions.identification.response import identify_spectrum as identify_spectrum

@@ -1,1 +1,0 @@
-"""Explore: the exact engine inside a page, and the sliders that move it."""
