@@ -113,7 +113,7 @@ def _known(case: Case, plan: MapPlan) -> MappedModels:
         found.setdefault(twin or name, []).append(name)
     told = (
         "by shooting, for no closed form knows {}: motions with any number of contacts, some of which may not be "
-        "found, and boundaries along the case's own line alone"
+        "found, and no boundaries"
     )
     notes = [f"{listed(names)}: {told.format(why)}" for why, names in shot.items()]
     rows, columns = usual_points(systems[name] for name in found)

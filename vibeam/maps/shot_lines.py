@@ -14,7 +14,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from vibeam.maps.followed import same_motion
 from vibeam.periodic.continuation import Runners
 from vibeam.periodic.motion_at import Way, motion_at, touching
 from vibeam.periodic.orbit import Orbit
@@ -25,6 +24,7 @@ from vibeam_models.arrays import Array
 
 SEARCHES = 3  # of a line
 KEPT = 2  # motions of a point
+SAME = 1e-6  # share of the impact velocity within which two motions of a point are one
 NEWTON = 8  # steps from a neighbour's motion: one that takes more has gone elsewhere
 WAYS = (Way.CLOSED_FORM, Way.SHOT, Way.FOLLOWED)
 
@@ -107,3 +107,8 @@ class ShotLine:
             for place, orbit in enumerate(motions):
                 velocity[at, place], admissible[at, place], stable[at, place] = orbit.velocity, 1, orbit.stable
         return velocity, admissible, stable
+
+
+def same_motion(one: Orbit, other: Orbit) -> bool:
+    """Test whether two motions of a point are one."""
+    return len(one.times) == len(other.times) and abs(one.velocity - other.velocity) <= SAME * abs(one.velocity)
