@@ -204,7 +204,7 @@ def _back_on_stop(points: GridPoints, column: int, before: BatchResponse | None)
     return replace(before, state=onto_stops(points, np.s_[:, column], before.state, before.resting))
 
 
-def onto_stops(points: GridPoints, part: Any, state: Array, resting: Flags | bool = False) -> Array:
+def onto_stops(points: GridPoints, part: Any, state: Array, resting: Flags) -> Array:
     """States (places, 2n) at a ``part`` of the points; those beyond their stop, or resting, are put onto it."""
     contacts = np.array([system.contact for system in points.systems])[points.which[part]]
     n = contacts.shape[1]

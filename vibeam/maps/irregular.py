@@ -35,7 +35,7 @@ Place = tuple[int, int, int]  # row, way, column
 
 
 def judged(points: GridPoints, found: Values, quantity: str, hold: int, output: str) -> Values:
-    """Judge swept motions, arrays (rows, ways, columns, …): the quantity, error, kind, exponent, state, resting, CPU.
+    """Judge swept motions, arrays (rows, ways, columns, …): the quantity, error, kind, exponent, CPU time.
 
     ``found``: quantity, period, ended, state, resting and cpu_seconds of the sweeps over ``points`` (rows, columns).
     """
@@ -43,7 +43,7 @@ def judged(points: GridPoints, found: Values, quantity: str, hold: int, output: 
     plane.go_on()
     return {
         quantity: plane.value, "error": plane.error, "kind": plane.kind, "exponent": plane.exponent,
-        "state": plane.state, "resting": plane.resting, "cpu_seconds": np.array(found["cpu_seconds"], dtype=float),
+        "cpu_seconds": np.array(found["cpu_seconds"], dtype=float),
     }  # fmt: skip
 
 

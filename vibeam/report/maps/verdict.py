@@ -78,15 +78,6 @@ def _notes(found: FidelityMap) -> Iterator[str]:
             f"On {percent(found.doubtful)} of the places with impacts the choice hangs on the scatter of motions that "
             "do not repeat: a longer sweep.hold decides more."
         )
-    checked = found.verification
-    if checked is not None:
-        decided, count = int(checked.decided.sum()), len(checked.decided)
-        yield (
-            f"Flown anew at {count} places between those of the map: {decided} are decided, {checked.right} of them as "
-            "the map says; more --points bring these numbers together."
-        )
-    elif found.plan.verify:
-        yield "No place between those of the map was flown anew, for the budget: a larger --budget verifies it."
     yield from found.refused
 
 

@@ -45,7 +45,6 @@ class MappedMotions:
     kind: Codes
     exponent: Array
     count: NDArray[np.int64]
-    state: Array
     cpu: float
 
 
@@ -54,7 +53,7 @@ def motions(name: str, modes: int, found: Values, quantity: str) -> MappedMotion
     value, error, kind = found[quantity], found["error"], found["kind"].astype(np.int64)
     return MappedMotions(
         name, modes, value, error, kind, found["exponent"], _coexisting(value, error, kind),
-        found["state"], float(np.mean(found["cpu_seconds"])),
+        float(np.mean(found["cpu_seconds"])),
     )  # fmt: skip
 
 
