@@ -81,7 +81,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
 }
 
 ORBITS = ("impact_velocity", "admissible", "stable")  # stored of a stability map
-JUDGED = ("error", "kind", "exponent", "cpu_seconds")  # of a fidelity map, beside its quantity
+JUDGED = ("error", "kind", "cpu_seconds")  # of a fidelity map, beside its quantity
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ import numpy as np
 
 from vibeam.case.case import require_one_harmonic
 from vibeam.case.grid_keys import LEVELS, MapPlan
-from vibeam.flight.disturbance.maps import tangent_fault
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.systems import Systems
 
@@ -78,10 +77,6 @@ def _compared(case: Case, plan: MapPlan) -> MappedModels:
         raise ValueError(
             "; ".join([f"a fidelity map compares two models or more, and the case has {len(found)}", *notes])
         )
-    untold = [name for name in found if tangent_fault(built[name])]
-    if untold:
-        reason = tangent_fault(built[untold[0]])
-        notes.append(f"{listed(untold)}: chaos is not told from other motions that do not repeat, for {reason}")
     return MappedModels({name: tuple(names) for name, names in found.items()}, tuple(notes))
 
 

@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 from itertools import chain, repeat
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,11 +18,9 @@ from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
-from vibeam.maps import irregular
 from vibeam.maps.axes import axes_over
 from vibeam.maps.boundaries import boundaries_of, joined
-from vibeam.maps.irregular import CHAOTIC, IRREGULAR, NO_CONTACT
-from vibeam.maps.points import GridPoints
+from vibeam.maps.irregular import IRREGULAR, NO_CONTACT
 from vibeam.report.maps.verdict import sheet
 from vibeam.runs.comparison.errors import Asked
 from vibeam.studies.fidelity_map import judgement, study
@@ -131,42 +128,9 @@ def test_over_a_key_that_changes_the_structure(case: vibeam.Case) -> None:
     np.testing.assert_allclose(found.models[0].value[0, 2], curve.amplitude, rtol=1e-9)
 
 
-def test_chaos_is_told_by_the_sign_of_the_exponent() -> None:
-    tight = vibeam.load(CASES / "dtu_neutral.toml", QUICK)
-    found = vibeam.fidelity_map(tight, "gap", "-0.14 mm", "-0.13 mm", 2, 3)
-    beam = found.finest
-    assert (beam.kind == CHAOTIC).sum() >= 3
-    assert np.all(beam.exponent[beam.kind == CHAOTIC] > 0)
-    assert np.all(beam.error[beam.kind == CHAOTIC] > 0)
-    assert np.all(np.isnan(beam.exponent[beam.kind > 0]))
-
-
-@pytest.mark.parametrize(("modes", "rest", "kind"), [(1, 0.1, IRREGULAR), (1, 0.0, CHAOTIC), (2, 0.1, CHAOTIC)])
-def test_one_mode_that_rests_is_not_chaotic(
-    monkeypatch: pytest.MonkeyPatch, case: vibeam.Case, modes: int, rest: float, kind: int
-) -> None:
-    """A rest takes both directions of a disturbance of one mode, and two of four of two modes."""
-    system = case.system("sdof" if modes == 1 else "two_modes")
-    period = np.zeros(7, dtype=int)
-    read = SimpleNamespace(ended=period, amplitude=np.arange(7.0), rest=np.full(7, rest), period=period)
-    after = SimpleNamespace(displacement=np.zeros(modes), velocity=np.zeros(modes), resting=False)
-    solver = SimpleNamespace(system=system, steady=lambda *_: (read, after))
-    monkeypatch.setattr(irregular, "exact_solver", lambda *_: solver)
-    positive = SimpleNamespace(lyapunov=np.array([1.0]), lyapunov_error=np.array([0.1]))
-    monkeypatch.setattr(irregular, "batch", lambda *_, **__: positive)
-    one, blank = np.ones((1, 1)), np.zeros((1, 1, 1))
-    points = GridPoints((system,), np.zeros((1, 1), dtype=int), one, one, one, None, {})
-    found = dict.fromkeys(("amplitude", "period", "ended", "resting", "cpu_seconds"), blank)
-    swept = found | {"state": np.zeros((1, 1, 1, 2 * modes))}
-    judged = irregular.judged(points, swept, "amplitude", case.sweep.hold, case.sweep.output)
-    assert judged["kind"].item() == kind
-    assert judged["exponent"].item() == (-np.inf if kind == IRREGULAR else 1.0)
-    assert judged["amplitude"].item() == np.mean([0.0, *range(7)])
-
-
 def test_a_label_that_hangs_on_scatter_is_doubtful() -> None:
-    finest = motions([[1, CHAOTIC, CHAOTIC, CHAOTIC]] * 2, [[1.0] * 4] * 2, [1] * 4, error=0.01)
-    other = motions([[1, CHAOTIC, CHAOTIC, IRREGULAR]] * 2, [[1.0, 1.05, 1.2, 1.0]] * 2, [1] * 4)
+    finest = motions([[1, IRREGULAR, IRREGULAR, 8]] * 2, [[1.0] * 4] * 2, [1] * 4, error=0.01)
+    other = motions([[1, IRREGULAR, IRREGULAR, IRREGULAR]] * 2, [[1.0, 1.05, 1.2, 1.0]] * 2, [1] * 4)
     other, finest = (replace(each, error=np.where(each.kind == 1, 0.0, each.error)) for each in (other, finest))
     assert judgement.doubtful([other, finest], Asked.of(0.01))[0].tolist() == [False, True, False, True]
 
@@ -174,21 +138,20 @@ def test_a_label_that_hangs_on_scatter_is_doubtful() -> None:
 def motions(kind: Any, value: Any, count: Any, error: float = 0.0) -> MappedMotions:
     kinds, values = np.array(kind)[:, None, :], np.array(value, dtype=float)[:, None, :]
     return MappedMotions(
-        "one", 1, values, np.full(values.shape, error), kinds, np.full(values.shape, np.nan),
-        np.array(count)[None, :], 1e-3,
+        "one", 1, values, np.full(values.shape, error), kinds, np.array(count)[None, :], 1e-3,
     )  # fmt: skip
 
 
 def test_differences_in_kind_the_gravest_first() -> None:
-    finest = motions([[1, 1, 1, CHAOTIC, IRREGULAR, 2]] * 2, [[1.0] * 6] * 2, [1, 1, 1, 1, 1, 1])
-    other = motions([[1, 2, 1, 1, IRREGULAR, NO_CONTACT]] * 2, [[1.0] * 6] * 2, [1, 1, 2, 2, 1, 2])
-    want = [judgement.SAME, judgement.IN_PERIOD, judgement.IN_NUMBER, judgement.IN_CHAOS, judgement.SAME]
+    finest = motions([[1, 1, 1, IRREGULAR, IRREGULAR, 2]] * 2, [[1.0] * 6] * 2, [1, 1, 1, 1, 1, 1])
+    other = motions([[1, 2, 1, 1, IRREGULAR, NO_CONTACT]] * 2, [[1.0] * 6] * 2, [1, 1, 2, 1, 1, 2])
+    want = [judgement.SAME, judgement.IN_PERIOD, judgement.IN_NUMBER, judgement.IN_PERIOD, judgement.SAME]
     assert judgement.difference(other, finest)[0].tolist() == [*want, judgement.IN_NUMBER]
 
 
 def test_both_ways_must_be_within_the_accuracy() -> None:
-    finest = motions([[1, 1, 1, CHAOTIC]] * 2, [[1.0, 1.0, 1.0, 1.0], [2.0, 2.0, 2.0, 2.0]], [2] * 4, error=0.01)
-    other = motions([[1, 1, 1, CHAOTIC]] * 2, [[1.009, 1.05, 1.0, 1.029], [2.0, 2.0, 2.5, 2.0]], [2] * 4)
+    finest = motions([[1, 1, 1, IRREGULAR]] * 2, [[1.0, 1.0, 1.0, 1.0], [2.0, 2.0, 2.0, 2.0]], [2] * 4, error=0.01)
+    other = motions([[1, 1, 1, IRREGULAR]] * 2, [[1.009, 1.05, 1.0, 1.029], [2.0, 2.0, 2.5, 2.0]], [2] * 4)
     exact = replace(finest, error=np.zeros(finest.error.shape))
     assert judgement.within(other, exact, Asked.of(0.01))[0].tolist() == [True, False, False, False]
     assert judgement.within(other, finest, Asked.of(0.01))[0].tolist() == [
@@ -229,8 +192,8 @@ def test_a_place_of_rest_is_none_with_impacts() -> None:
 
 
 def test_motions_that_do_not_repeat_are_of_one_kind() -> None:
-    finest = motions([[CHAOTIC, IRREGULAR, 8, 4]] * 2, [[1.0] * 4] * 2, [1] * 4)
-    other = motions([[IRREGULAR, CHAOTIC, CHAOTIC, CHAOTIC]] * 2, [[1.0] * 4] * 2, [1] * 4)
+    finest = motions([[8, IRREGULAR, 16, 4]] * 2, [[1.0] * 4] * 2, [1] * 4)
+    other = motions([[IRREGULAR, 8, IRREGULAR, IRREGULAR]] * 2, [[1.0] * 4] * 2, [1] * 4)
     assert judgement.within(other, finest, Asked.of(0.05))[0].tolist() == [True, True, True, False]
 
 
@@ -376,5 +339,5 @@ def test_a_budget_holds_leaves_places_out_and_says_so(monkeypatch: pytest.Monkey
 
 
 def test_a_kind_s_share_is_written_as_others_are() -> None:
-    finest = motions([[CHAOTIC, CHAOTIC, 1, 1]] * 2, [[1.0] * 4] * 2, [1] * 4)
-    assert judgement._kinds(finest, np.array([[True, True, True, False]])) == "chaos (67 %), period 1 (33 %)"
+    finest = motions([[IRREGULAR, IRREGULAR, 1, 1]] * 2, [[1.0] * 4] * 2, [1] * 4)
+    assert judgement._kinds(finest, np.array([[True, True, True, False]])) == "no repeat (67 %), period 1 (33 %)"

@@ -54,7 +54,6 @@ class PlacePoint:
     kind: int
     value: float
     error: float
-    exponent: float
     coexist: int
 
 
@@ -99,8 +98,7 @@ class FidelityMap(ComparedModels, ViewedTable):
             PlacePoint(
                 float(frequency[column]), float(values[row]), self.models[self.label[row, column]].name,
                 model.name, way, int(model.kind[at, row, column]), float(model.value[at, row, column]),
-                float(model.error[at, row, column]), float(model.exponent[at, row, column]),
-                int(model.count[row, column]),
+                float(model.error[at, row, column]), int(model.count[row, column]),
             )
             for row, column in np.ndindex(self.label.shape) for model in self.models
             for at, way in enumerate(("up", "down"))
