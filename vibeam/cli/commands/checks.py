@@ -115,9 +115,10 @@ def _checked(case: Case, out: str | None, fresh: bool, settings: Sequence[str], 
     rows += check_expectations(case, result, partial=bool(settings))
     held = held_of(case.scene).label if any(each.against for each in case.expectations.values()) else ""
     if files:
-        from vibeam.report.references import write_references
+        from vibeam.figures.page import write_page
+        from vibeam.report.references import references_figure
 
-        write_references(case, rows, at, *files)
+        write_page(lambda: references_figure(case, rows, at), files)
     measured = compare_measured(case, result)
     if case.record is not None:
         from vibeam.report.transient import remarks as remarks_of
