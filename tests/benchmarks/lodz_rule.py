@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 import vibeam
 from vibeam.periodic.bifurcation_functions import clearances, motions
-from vibeam.periodic.orbit_curve import stability
+from vibeam.periodic.multipliers import stability
 
 RESULTS = Path(__file__).parent / "results" / "lodz_rule.json"
 

@@ -81,7 +81,7 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
 }
 
 ORBITS = ("impact_velocity", "admissible", "stable")  # stored of a stability map
-JUDGED = ("error", "kind", "exponent", "state", "resting", "cpu_seconds")  # of a fidelity map, beside its quantity
+JUDGED = ("error", "kind", "cpu_seconds")  # of a fidelity map, beside its quantity
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,8 @@ class MapPlan:
     Hz, where it is no axis; ``settle`` and ``hold`` in drive periods; ``strobes``: how many values at the end of a
     period; ``starts`` at random, from ``seed``, within ``spread`` (m). ``picture`` and the ``quantity`` that it shows;
     ``boundaries``: whether exact ones are laid over it. ``fidelities`` empty: those that the picture suits. Of a
-    fidelity map ``accuracy`` of the quantity and ``frequency_accuracy`` of the ends of branches, as shares, and how
-    many places ``verify`` it; of a stability map ``periods`` of the drive from impact to impact.
+    fidelity map ``accuracy`` of the quantity and ``frequency_accuracy`` of the ends of branches, as shares; of a
+    stability map ``periods`` of the drive from impact to impact.
     """
 
     name: str
@@ -145,10 +145,6 @@ class MapPlan:
         "", "how near the reference's its branches have to end, of the frequency; absent = a fifth of accuracy",
         "0.2 %", None, above=0, most=0.999,
     )  # fmt: skip
-    verify: int = declare.count(
-        0, 100_000, 'at how many random places the map of picture = "verdict" is simulated anew; absent = 24',
-        24, None,
-    )  # fmt: skip
     periods: int = declare.count(
         1, 100, 'drive periods from impact to impact, of picture = "stability"; absent = 1', 1, None
     )
@@ -171,7 +167,7 @@ class MapPlan:
     )
 
 
-USUAL: Mapping[str, Any] = {"quantity": "amplitude", "accuracy": 0.01, "verify": 24, "periods": 1}
+USUAL: Mapping[str, Any] = {"quantity": "amplitude", "accuracy": 0.01, "periods": 1}
 
 
 def planned(name: str, axes: Sequence[AxisPlan], sweep: SweepPlan, picture: str = "period", **given: Any) -> MapPlan:

@@ -201,18 +201,13 @@ def _back_on_stop(points: GridPoints, column: int, before: BatchResponse | None)
         return before
     if any(system.contact_law.yields for system in points.systems):  # a contact may lie beyond its stop
         return before
-    return replace(before, state=onto_stops(points, np.s_[:, column], before.state, before.resting))
-
-
-def onto_stops(points: GridPoints, part: Any, state: Array, resting: Flags | bool = False) -> Array:
-    """States (places, 2n) at a ``part`` of the points; those beyond their stop, or resting, are put onto it."""
-    contacts = np.array([system.contact for system in points.systems])[points.which[part]]
+    contacts = np.array([system.contact for system in points.systems])[points.which[:, column]]
     n = contacts.shape[1]
-    beyond = np.sum(state[:, :n] * contacts, axis=1) - points.gap[part]
-    moved = state.copy()
-    shift = np.where((beyond > 0) | resting, beyond, 0.0) / np.sum(contacts**2, axis=1)
+    beyond = np.sum(before.state[:, :n] * contacts, axis=1) - points.gap[:, column]
+    moved = before.state.copy()
+    shift = np.where((beyond > 0) | before.resting, beyond, 0.0) / np.sum(contacts**2, axis=1)
     moved[:, :n] -= shift[:, None] * contacts
-    return moved
+    return replace(before, state=moved)
 
 
 def _apart(grid: Grid, points: GridPoints, first: int, threads: int | None) -> Values:

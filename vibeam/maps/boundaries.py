@@ -9,26 +9,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, SHARE, STARTS, AxisPlan
-from vibeam.maps.followed import FollowedLine, boundaries_on, branches_of
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.contours import Plane
 from vibeam.periodic.orbit_map import plane_boundaries
 from vibeam_models.arrays import Array, Flags
-from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Model
     from vibeam.periodic.bifurcation_functions import DrivePerLevel
-    from vibeam_models.scene import AnyScene
 
 KINDS = {
     Kind.FOLD: "fold",
@@ -169,21 +165,11 @@ def along_row(
 ) -> Sequence[Boundary]:
     """Boundaries of a model as it is over a range of frequencies (Hz), looked for in ``points`` places.
 
-    Its drive times ``share``. Where no closed form knows the model, those on branches of its motions that are followed.
+    Its drive times ``share``.
     """
     span = 2 * np.pi * float(hertz.min()), 2 * np.pi * float(hertz.max())
-    system = model.system()
-    found: Sequence[Boundary]
-    if not system.beyond_plain:
-        found = boundaries(system, share, span, periods, points=points, per_level=model.amplitude)
-    else:
-        line = FollowedLine(system, partial(_amplitude, model.scene(), share), *span, periods)
-        found = boundaries_on(line, branches_of(line))
+    found = boundaries(model.system(), share, span, periods, points=points, per_level=model.amplitude)
     return [each for each in found if each.kind in KINDS]
-
-
-def _amplitude(scene: AnyScene, share: float, omega: float) -> float:
-    return share * float(np.broadcast_to(drive_amplitude(scene, np.array([omega])), 1)[0])
 
 
 def joined(rows: Sequence[Sequence[float]], width: float) -> list[list[tuple[int, float]]]:

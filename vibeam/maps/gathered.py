@@ -151,16 +151,16 @@ def stored_keys(place: Place) -> dict[str, str] | None:
     return dict(keys)
 
 
-def read_map(path: Path, grids: Mapping[str, Grid], most: int = SHOWN) -> dict[str, GridResponse]:
-    """Quantities of each fidelity; of more than ``most`` points, every so many along the last two axes."""
+def read_map(path: Path, grids: Mapping[str, Grid]) -> dict[str, GridResponse]:
+    """Quantities of each fidelity; of more than ``SHOWN`` points, every so many along the last two axes."""
     import h5py
 
     with h5py.File(path, "r") as file:
-        return {name: _response(file[name], grid, most) for name, grid in grids.items()}
+        return {name: _response(file[name], grid) for name, grid in grids.items()}
 
 
-def _response(group: h5py.Group, grid: Grid, most: int) -> GridResponse:
-    steps = steps_of(grid, most)
+def _response(group: h5py.Group, grid: Grid) -> GridResponse:
+    steps = steps_of(grid, SHOWN)
     axes = {axis.key: np.array(axis.values)[::step] for axis, step in zip(grid.axes, steps, strict=True)}
     where = (slice(None), *(slice(None, None, step) for step in steps))
     values: dict[str, NDArray[Any]] = {name: np.asarray(group[name][where]) for name in grid.quantities}

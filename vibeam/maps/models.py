@@ -12,7 +12,6 @@ import numpy as np
 
 from vibeam.case.case import require_one_harmonic
 from vibeam.case.grid_keys import LEVELS, MapPlan
-from vibeam.flight.disturbance.maps import tangent_fault
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.systems import Systems
 
@@ -78,10 +77,6 @@ def _compared(case: Case, plan: MapPlan) -> MappedModels:
         raise ValueError(
             "; ".join([f"a fidelity map compares two models or more, and the case has {len(found)}", *notes])
         )
-    untold = [name for name in found if tangent_fault(built[name])]
-    if untold:
-        reason = tangent_fault(built[untold[0]])
-        notes.append(f"{listed(untold)}: chaos is not told from other motions that do not repeat, for {reason}")
     return MappedModels({name: tuple(names) for name, names in found.items()}, tuple(notes))
 
 
@@ -113,7 +108,7 @@ def _known(case: Case, plan: MapPlan) -> MappedModels:
         found.setdefault(twin or name, []).append(name)
     told = (
         "by shooting, for no closed form knows {}: motions with any number of contacts, some of which may not be "
-        "found, and boundaries along the case's own line alone"
+        "found, and no boundaries"
     )
     notes = [f"{listed(names)}: {told.format(why)}" for why, names in shot.items()]
     rows, columns = usual_points(systems[name] for name in found)

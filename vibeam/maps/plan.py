@@ -34,7 +34,7 @@ def plan_over(
 ) -> MapPlan:
     """Plan of a map named by its ``picture``; None: as is usual for it.
 
-    ``over``, ``low``, ``high``, ``points``: as in ``axes_over``. ``given``: quantity, periods, verify, accuracy and
+    ``over``, ``low``, ``high``, ``points``: as in ``axes_over``. ``given``: quantity, periods, accuracy and
     frequency_accuracy. ValueError names the option; errors of models as in ``models_of``.
     """
     if picture not in PICTURES:

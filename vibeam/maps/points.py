@@ -116,17 +116,7 @@ def grid_points(model: Model, axes: Sequence[Axis], frequency: float | None, lin
     Every rule between keys holds. CaseError for a value that the case may not have, ValueError for a case that a grid
     cannot take.
     """
-    return _points(model, axes, indices(axes, lines), frequency)
-
-
-def scattered(model: Model, values: Mapping[str, Array]) -> GridPoints:
-    """Points (1, places), each with its own ``values`` (places,) of the keys; errors as in ``grid_points``."""
-    count = len(next(iter(values.values())))
-    axes = [Axis(key, tuple(each.tolist())) for key, each in values.items()]
-    return _points(model, axes, dict.fromkeys(values, np.arange(count)[None, :]), None)
-
-
-def _points(model: Model, axes: Sequence[Axis], index: Indices, frequency: float | None) -> GridPoints:
+    index = indices(axes, lines)
     along = values_at(axes, index, FREQUENCY)
     size = next(iter(index.values())).shape
     omega = 2 * np.pi * (np.full(size, frequency) if along is None else along)

@@ -14,9 +14,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from vibeam.maps.followed import same_motion
 from vibeam.periodic.continuation import Runners
-from vibeam.periodic.motion_at import Way, motion_at, touching
+from vibeam.periodic.motion_at import motion_at
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.stroboscopic import StroboscopicMap
@@ -25,8 +24,8 @@ from vibeam_models.arrays import Array
 
 SEARCHES = 3  # of a line
 KEPT = 2  # motions of a point
+SAME = 1e-6  # share of the impact velocity within which two motions of a point are one
 NEWTON = 8  # steps from a neighbour's motion: one that takes more has gone elsewhere
-WAYS = (Way.CLOSED_FORM, Way.SHOT, Way.FOLLOWED)
 
 
 @dataclass
@@ -76,7 +75,7 @@ class ShotLine:
         section = StroboscopicMap(system, drive, runner=self.runners.of(system, drive))
         for start in starts:
             with suppress(ValueError):  # no such motion, or none near enough
-                found = motion_at(section, start, self.periods, ways=WAYS, alike=touching, steps=NEWTON)
+                found = motion_at(section, start, self.periods, NEWTON)
                 self._add(found, at)
 
     def _look(self, at: int) -> None:
@@ -107,3 +106,8 @@ class ShotLine:
             for place, orbit in enumerate(motions):
                 velocity[at, place], admissible[at, place], stable[at, place] = orbit.velocity, 1, orbit.stable
         return velocity, admissible, stable
+
+
+def same_motion(one: Orbit, other: Orbit) -> bool:
+    """Test whether two motions of a point are one."""
+    return len(one.times) == len(other.times) and abs(one.velocity - other.velocity) <= SAME * abs(one.velocity)

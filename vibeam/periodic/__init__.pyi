@@ -7,7 +7,6 @@ from vibeam.periodic.follow import follow as follow
 from vibeam.periodic.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from vibeam.periodic.lyapunov import lyapunov as lyapunov
 from vibeam.periodic.orbit import Orbit as Orbit
-from vibeam.periodic.orbit_curve import orbit_curve as orbit_curve
 from vibeam.periodic.orbit_search import orbits as orbits
 from vibeam.periodic.resonant_grazing import ResonantGrazing as ResonantGrazing
 from vibeam.periodic.resonant_grazing import resonant_grazing as resonant_grazing

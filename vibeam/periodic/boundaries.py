@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from vibeam.periodic.bifurcation_functions import NAMES, DrivePerLevel, Kind, Line, MotionsAt, test_function
+from vibeam.periodic.modal_sums import checked
 from vibeam.periodic.multipliers import multipliers
-from vibeam.periodic.orbit_curve import checked
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Complex, ValueRecord
 

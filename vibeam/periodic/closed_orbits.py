@@ -13,10 +13,9 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.readout import rests, struck
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.between_impacts import phasors, state_after
-from vibeam.periodic.modal_sums import Roots, Sums, balance, resonant, sums
+from vibeam.periodic.modal_sums import Roots, Sums, balance, checked, resonant, sums
 from vibeam.periodic.multipliers import multipliers
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.orbit_curve import checked
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 

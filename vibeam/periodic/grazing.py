@@ -59,11 +59,6 @@ class Approach(NamedTuple):
     struck: bool
 
 
-def open_system(system: ImpactSystem, size: float) -> ImpactSystem:
-    """The system with its stops away."""
-    return replace(system, gap=AWAY * size + abs(system.gap), second_gap=None, law=None, further=None, restitution=1.0)
-
-
 def approaches(point: BranchPoint) -> list[Approach]:
     """Touches that may begin on a motion, nearest first: the maxima of the contacts in its free flights."""
     system, drive, trace = point.flown.system, point.flown.drive, point.flown.segments.trace
@@ -225,7 +220,8 @@ class GrazingMotion:
         """The map of the system, and of the one with its stops away."""
         system, drive = self.section.setting(self.section.value(z))
         size = float(np.linalg.norm(self.section.size / self.section.units))
-        opened = open_system(system, size)
+        away = AWAY * size + abs(system.gap)
+        opened = replace(system, gap=away, second_gap=None, law=None, further=None, restitution=1.0)
         runners = self.section.runners.of(system, drive), self.away.of(opened, drive)
         return StroboscopicMap(system, drive, runner=runners[0]), StroboscopicMap(opened, drive, runner=runners[1])
 

@@ -165,7 +165,8 @@ def mean_exponents(section: StroboscopicMap, start: State, periods: int, wanted:
         for step in _pieces(size):
             flown = section.flown(start, step)
             walk.along(flown)
-            start, events[batch] = flown.state, events[batch] + _events(flown)
+            start, trace = flown.state, flown.segments.trace
+            events[batch] += int(struck(trace).sum()), int(rests(trace).sum())
         growths.append(walk.logs / (size * section.period))
     with np.errstate(invalid="ignore"):
         rates, weights = np.array(growths[1:]), taken / taken.sum()
@@ -211,8 +212,3 @@ class _Disturbances:
         self.frame, sizes = frame[:, :left], np.abs(np.diag(upper))[:left]
         with np.errstate(divide="ignore"):
             self.logs[:left] += np.log(sizes)
-
-
-def _events(flown: Flown) -> tuple[int, int]:
-    """Numbers of impacts and of rests."""
-    return int(struck(flown.segments.trace).sum()), int(rests(flown.segments.trace).sum())

@@ -29,6 +29,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibeam.flight.linear.propagator import Pair, pairs
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arguments import count, floats, refuse, require
 from vibeam_models.arrays import Array, Complex
 
 T = TypeVar("T", np.float64, np.complex128)
@@ -72,6 +73,21 @@ def fault(system: ImpactSystem) -> str:
     if share <= 0 or np.linalg.norm(static - share * contact) > PARALLEL * np.linalg.norm(static):
         return "omega: a mode without stiffness needs a static force toward the stop, along contact, to come back to it"
     return ""
+
+
+def checked(system: ImpactSystem, omega: ArrayLike, periods: int) -> Array:
+    """Return the frequencies as an array; ValueError where no closed form is defined."""
+    require("system", system, ImpactSystem)
+    grid = np.atleast_1d(floats("omega", omega))
+    if grid.ndim != 1 or not np.all(np.isfinite(grid) & (grid > 0)):
+        raise ValueError("omega: must be positive frequencies in rad/s")
+    faults: list[str] = []
+    count("periods", periods, faults, least=1)
+    refuse("", faults)
+    reason = fault(system)
+    if reason:
+        raise ValueError(reason)
+    return grid
 
 
 def resonant(system: ImpactSystem, omega: float, periods: int) -> str:

@@ -23,15 +23,16 @@ from functools import reduce
 import numpy as np
 
 from vibeam.flight.linear.propagator import propagators
-from vibeam.periodic.modal_sums import Transfer
+from vibeam.periodic.modal_sums import Roots, Sums, Transfer
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.arrays import Array, Complex, Index
+from vibeam_models.arrays import Array, Complex, Flags, Index
 
 CHUNK = 2048  # matrices built at once
 FEW = 200  # elements of all matrices, in fours, up to which eigenvalues cost less than powers
 FADED = 1e-9  # share left of a mode after a span, below which the mode is dropped
 SQUARED = 12  # squarings of a matrix, to its 4096th power
 TOGETHER = 3  # squarings between two normalisations
+CERTAIN = 1e8  # size of D(±1) up to which its sign is trusted
 
 
 def real_crossing(system: ImpactSystem, transfer: Transfer, relative_acceleration: Array) -> Array:
@@ -115,3 +116,21 @@ def _mean_decay(system: ImpactSystem, span: Array, relative_acceleration: Array,
                 log, power = 2 * log, power @ power
         log += np.log(np.sqrt(np.einsum("pij,pij->p", power, power)))
     return np.asarray(np.exp(log / 2**SQUARED))
+
+
+def stability(system: ImpactSystem, total: Sums, found: Roots, asked: Flags) -> Flags:
+    """Stability of the motions marked by ``asked`` (points, 2); False for the others."""
+    open_ = asked.copy()
+    for side in (total.plus, total.minus):
+        for k in (0, 1):
+            open_[:, k] &= ~proven(real_crossing(system, side, found.relative_acceleration[:, k]))
+    stable = np.zeros(open_.shape, dtype=bool)
+    rows, _ = np.nonzero(open_)
+    values = multipliers(system, total.span[rows], found.relative_acceleration[open_])
+    stable[open_] = np.abs(values[:, 0]) < 1
+    return stable
+
+
+def proven(beyond: Array) -> Flags:
+    """Test for D < 0 beyond doubt: near the double pole of an undamped mode its sign is round-off."""
+    return (beyond < 0) & (beyond > -CERTAIN)

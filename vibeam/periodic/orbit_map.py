@@ -8,8 +8,7 @@ import numpy as np
 
 from vibeam.periodic.bifurcation_functions import Kind, MotionsAt, clearances, motions
 from vibeam.periodic.contours import BoundaryCurve, Plane, beyond_touching, boundary_curves, map_function
-from vibeam.periodic.multipliers import real_crossing
-from vibeam.periodic.orbit_curve import proven, stability
+from vibeam.periodic.multipliers import proven, real_crossing, stability
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Flags
 

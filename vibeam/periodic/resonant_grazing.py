@@ -35,9 +35,8 @@ from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.modal_sums import Sums, offsets, sums
+from vibeam.periodic.modal_sums import Sums, checked, offsets, sums
 from vibeam.periodic.multipliers import real_crossing
-from vibeam.periodic.orbit_curve import checked
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, ValueRecord
 
@@ -71,7 +70,7 @@ class ResonantGrazing(ValueRecord):
 def resonant_grazing(system: ImpactSystem, omega: tuple[float, float], periods: int = 1) -> tuple[ResonantGrazing, ...]:
     """Find all places of resonant grazing between two drive frequencies, rad/s, by frequency.
 
-    ValueError as in ``orbit_curve``, for modes without stiffness, and where the contact rests on the stop.
+    ValueError as in ``boundaries``, for modes without stiffness, and where the contact rests on the stop.
 
     >>> import vibeam
     >>> system = vibeam.ImpactSystem.from_modes([1.0, 6.3], 0.05, [1.0, 0.4], [1.0, 0.4], gap=0.1, restitution=0.5)

@@ -119,13 +119,13 @@ def _ratio(value: float) -> str:
 def _runs(study: CostStudy, title: str, rows: Sequence[RunRow]) -> ReportTable:
     front, exact = [study.rows[index] for index in study.front], _exact(study)
     some = any(row.total.points < len(study.frequency) for row in rows)
-    table = blank(title, "model", "solver", "off|", "rms|", "by solver|", "ms a frequency|", "times|", heads=2)
+    table = blank(title, "model", "solver", "off|", "rms|", "ms a frequency|", "times|", heads=2)
     table.add("points|", detail=not some)
     table.add("")
     table.add("modes|", "µs/period|", "CPU|", "why", detail=True)
     table.caption = (
-        f"off, rms: amplitude, largest and root mean square, against {study.finest}, exact; by solver: against its own "
-        f"model\n{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods; times: CPU over that of "
+        f"off, rms: amplitude, largest and root mean square, against {study.finest}, exact\n"
+        f"{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods; times: CPU over that of "
         f"{study.finest} by flight; >: given up before one\n"
         "*: no run that found every motion is both nearer (rms) and cheaper; all others with -v"
     )
@@ -140,7 +140,7 @@ def _run(row: RunRow, exact: float, frequencies: int, best: bool) -> Iterator[st
     """Cells of a run behind its model."""
     over, seconds = ("> ", row.used) if not row.computed else ("", row.seconds)
     yield row.label
-    yield from map(share, (abs(row.total.worst), row.total.rms, abs(row.numerical.worst)))
+    yield from map(share, (abs(row.total.worst), row.total.rms))
     yield f"{over}{1e3 * seconds:.3g}"
     yield f"{over}{_ratio(seconds / exact)}" if isfinite(exact) else "–"
     yield f"{row.total.points}/{frequencies}"
@@ -157,7 +157,7 @@ def uncertain(study: CostStudy, case: Case) -> Iterator[str]:
         first = f"{failed[0].fidelity} by {failed[0].label}: {failed[0].why}"
         yield f"{len(failed)} of {len(study.rows)} runs gave no error ({first}); -v says of each why."
     flights = (row for row in study.rows if (row.fidelity, row.solver) == (study.finest, "flight"))
-    off = max((abs(row.numerical.worst) for row in flights), default=0.0)
+    off = max((abs(row.total.worst) for row in flights), default=0.0)
     if off > UNSETTLED:
         yield f"Flight is {percent(off)} off after {study.settle} periods: --set cost.settle=… settles longer."
     irregular = max((row.computed - row.total.points for row in study.rows if not row.why), default=0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import ceil
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from vibeam.case.case import Case
 from vibeam.case.plans import Reference
-from vibeam.figures.page import blank_page, legend, plain, titled, write_page
+from vibeam.figures.page import blank_page, legend, plain, titled
 from vibeam.figures.panels import from_zero
 from vibeam.figures.style import COLOURS, shade
 from vibeam.figures.units import DisplayUnits, frequency_label, units_of_branches, with_unit
@@ -34,13 +33,8 @@ MOVED: dict[str, Any] = {"color": "0.35", "linestyle": (0, (4, 1.6)), "linewidth
 SHOWN = 150  # points drawn of a reference, at most
 
 
-def write_references(case: Case, rows: Sequence[CheckRow], at: Mapping[str, Branches], *paths: Path) -> None:
-    """Draw references beside the branches ``at`` them; the format follows each path's ending (.png, .svg, .pdf)."""
-    write_page(lambda: references_figure(case, rows, at), paths)
-
-
 def references_figure(case: Case, rows: Sequence[CheckRow], at: Mapping[str, Branches]) -> Figure:
-    """One panel a reference: the model's branches, the points with twice their uncertainty, those that are missed."""
+    """One panel a reference: branches ``at`` it, points with twice their uncertainty, those that are missed."""
     shown = {row.reference: row for row in rows if row.reference in case.references}
     columns = 1 if len(shown) == 1 else 2
     lines = ceil(len(shown) / columns)

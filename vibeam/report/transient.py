@@ -32,7 +32,6 @@ from vibeam.runs.transient.transient import Transient
 from vibeam.system.number_text import percent, with_unit
 from vibeam.system.response import Ended
 from vibeam_models.arguments import counted
-from vibeam_models.arrays import Array
 
 OPEN = 1e-3  # residual of an energy balance that is told
 SHARES = (0.1, 0.5, 0.9)  # quantiles of impact velocities
@@ -207,7 +206,9 @@ def impact_statistics(own: Transient, at: int, random: bool) -> tuple[SampleMean
     is not random there are none.
     """
     speeds = [each for each, done in zip(own.impact_velocities[at], own.complete[at], strict=True) if done]
-    quantiles = [mean_of([_quantile(each, share) for each in speeds]) for share in SHARES]
+    quantiles = [
+        mean_of([float(np.quantile(each, share)) if len(each) else np.nan for each in speeds]) for share in SHARES
+    ]
     if len(speeds) > 1:
         within = [mean_of_series(each) for each in speeds]
         worth = float(np.nansum([each.effective for each in within]))
@@ -217,10 +218,6 @@ def impact_statistics(own: Transient, at: int, random: bool) -> tuple[SampleMean
         return mean_of(own.of("impact_rate")[at]), mean_of(own.of("impact_velocity")[at]), quantiles
     times = own.impact_times[at][0]
     return windowed_rate(times, 0.0, own.duration), mean_of_series(speeds[0] if speeds else []), quantiles
-
-
-def _quantile(speeds: Array, share: float) -> float:
-    return float(np.quantile(speeds, share)) if len(speeds) else float("nan")
 
 
 def cost(result: TransientResult) -> ReportTable:

@@ -11,9 +11,8 @@ from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.between_impacts import phasors
 from vibeam.periodic.closed_orbits import closed_orbits
-from vibeam.periodic.modal_sums import offsets, resonant
+from vibeam.periodic.modal_sums import checked, offsets, resonant
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.orbit_curve import checked
 from vibeam.solvers.steady import SteadySolver
 from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem

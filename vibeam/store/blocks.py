@@ -16,11 +16,6 @@ Values = dict[str, NDArray[Any]]
 MANIFEST = "manifest"
 
 
-def block_path(folder: Path, name: str, first: int) -> Path:
-    """File of the block of ``name`` that begins with the point or line ``first``."""
-    return folder / f"{name}-{first:09d}.npz"
-
-
 def write_block(path: Path, file: Path, of: str, values: Values) -> None:
     """Write the arrays of a block, sealed as what it is ``of``; StoreError, naming ``path``, where the disk fails."""
     with writing(path, ROOM):

@@ -187,16 +187,14 @@ def _map(result: MapResult, name: str, twins: tuple[str, ...]) -> ModelMap:
 
 
 def _crossings(result: MapResult, name: str) -> Iterator[Crossing]:
-    """Boundaries of a model over the map's frequencies, at its own gap and drive."""
+    """Boundaries of a model over the map's frequencies, at its own gap and drive; none of one that is shot at."""
     hertz, model, periods = np.array(result.plan.axes[-1].values), result.case.model(name), result.plan.periods
-    if not np.all(model.amplitude(2 * np.pi * hertz)):
+    if not np.all(model.amplitude(2 * np.pi * hertz)) or model.system().beyond_plain:
         return
-    shot = bool(model.system().beyond_plain)
     for each in along_row(model, hertz, periods, points=ALONG):
         if each.clear:
-            motion = "with contacts" if shot else BRANCHES[each.branch]
             place = each.omega / (2 * np.pi), each.velocity
-            yield Crossing(name, periods, KINDS[each.kind], motion, *place, _multipliers(each))
+            yield Crossing(name, periods, KINDS[each.kind], BRANCHES[each.branch], *place, _multipliers(each))
 
 
 def _multipliers(each: Boundary) -> str:

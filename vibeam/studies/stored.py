@@ -10,8 +10,8 @@ from vibeam.exchange.faults import CaseError, Fault
 from vibeam.runs.result import Result
 from vibeam.runs.stored_result import StoredResult, read_result
 from vibeam.runs.transient.result import TransientResult
+from vibeam.runs.transient.run import read_transient
 from vibeam.runs.transient.store import is_transient
-from vibeam.runs.transient.stored_result import read_transient
 from vibeam.store.errors import StoreError
 
 

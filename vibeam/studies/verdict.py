@@ -26,7 +26,6 @@ from vibeam.studies.variants import require_usual
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
 
-VERIFIED = 12  # places of the plane that are computed anew
 Tell = Callable[[str], None]
 Progress = Callable[[int, int], None]
 
@@ -150,7 +149,7 @@ def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progres
     if name == "solvers":
         return cost(case, tell, progress, budget=plan.budget)
     return fidelity_map(
-        case, plan.over, points=plan.points, frequencies=plan.points, accuracy=plan.accuracy, verify=VERIFIED,
+        case, plan.over, points=plan.points, frequencies=plan.points, accuracy=plan.accuracy,
         progress=progress, budget=plan.allowed, frequency_accuracy=plan.frequency_accuracy,
     )  # fmt: skip
 

@@ -61,8 +61,7 @@ FURTHER: Mapping[str, DatasetQuantity] = {
     "lyapunov_error": DatasetQuantity("standard error of the largest Lyapunov exponent", "s-1"),
     "strobes": DatasetQuantity("output at the end of the last drive periods", "q"),
     "error": DatasetQuantity("standard error of the mean of motions that do not repeat", "q"),
-    "kind": DatasetQuantity("period, or -1 no contact, 0 long or quasiperiodic, -2 chaos, -3 failed", "1"),
-    "exponent": DatasetQuantity("largest Lyapunov exponent of motions that do not repeat", "s-1"),
+    "kind": DatasetQuantity("period, or -1 no contact, 0 no repeat, -2 failed", "1"),
     "admissible": DatasetQuantity("1: clear of the stop between impacts, proved", "1"),
     "stable": DatasetQuantity("1: clear, and all multipliers within the unit circle", "1"),
 }

@@ -326,7 +326,7 @@ def test_solvers_refuse_what_they_cannot_take(name: str) -> None:
         with pytest.raises(ValueError, match=what):
             solver(name, system, 95.0)
     with pytest.raises(ValueError, match="couples"):
-        vibeam.orbit_curve(made(2, coupled=True), [DRIVE.omega], DRIVE.amplitude)
+        vibeam.boundaries(made(2, coupled=True), DRIVE.amplitude, (0.9 * DRIVE.omega, DRIVE.omega))
 
 
 @pytest.mark.parametrize(("law", "coupled"), [(TABLE, False), (None, True), (TABLE, True)])

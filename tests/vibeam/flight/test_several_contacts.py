@@ -274,7 +274,7 @@ def test_refusals_are_one_clear_message() -> None:
     with pytest.raises(ValueError, match="solver 'direct' cannot take several contacts: the solver 'flight' can"):
         vibeam.sweep(two, omega=[60.0], amplitude=1e-4, solver="direct")
     with pytest.raises(ValueError, match="closed-form orbits cannot take several contacts"):
-        vibeam.orbit_curve(two, [DRIVE.omega], DRIVE.amplitude)
+        vibeam.boundaries(two, DRIVE.amplitude, (0.9 * DRIVE.omega, DRIVE.omega))
     with pytest.raises(ValueError, match="one place of contact"):
         vibeam.simulate(made(), DRIVE, 0.1).holds()
     with pytest.raises(ValueError, match="row of a contact must be 3 finite numbers"):

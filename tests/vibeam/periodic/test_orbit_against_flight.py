@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from case_files import COARSE, SWEPT
 from numpy.typing import NDArray
+from orbit_curve import orbit_curve
 
 import vibeam
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.between_impacts import carried
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.orbit_curve import orbit_curve
 from vibeam.periodic.orbit_search import orbits
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State

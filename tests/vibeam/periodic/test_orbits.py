@@ -8,6 +8,7 @@ from math import cos, exp, pi, sin, sqrt
 import mpmath as mp
 import numpy as np
 import pytest
+from orbit_curve import orbit_curve
 from scipy.optimize import brentq
 
 import vibeam
@@ -18,7 +19,6 @@ from vibeam.periodic.closed_orbits import admits
 from vibeam.periodic.modal_sums import balance, sums
 from vibeam.periodic.multipliers import largest, monodromy, multipliers, real_crossing
 from vibeam.periodic.orbit import Orbit
-from vibeam.periodic.orbit_curve import orbit_curve
 from vibeam.periodic.orbit_search import orbits
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from vibeam.runs.transient.horizon import ImpactTrain, agreement
+from vibeam.runs.transient.comparison import ImpactTrain, agreement
 from vibeam.runs.transient.statistics import correlation_time, mean_of, mean_of_series, paired, windowed_rate
 
 

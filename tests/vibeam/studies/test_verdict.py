@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 from itertools import chain, repeat
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,19 +18,14 @@ from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
-from vibeam.flight.solver import RegimeSolver
-from vibeam.maps import irregular
 from vibeam.maps.axes import axes_over
 from vibeam.maps.boundaries import boundaries_of, joined
-from vibeam.maps.irregular import CHAOTIC, IRREGULAR, NO_CONTACT
-from vibeam.maps.points import GridPoints
+from vibeam.maps.irregular import IRREGULAR, NO_CONTACT
 from vibeam.report.maps.verdict import sheet
 from vibeam.runs.comparison.errors import Asked
-from vibeam.studies.fidelity_map import between, judgement, study
-from vibeam.studies.fidelity_map.between import verified
+from vibeam.studies.fidelity_map import judgement, study
 from vibeam.studies.fidelity_map.judgement import MappedMotions
 from vibeam.system.number_text import percent
-from vibeam_models.laws.compliant import HuntCrossley
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -47,7 +41,7 @@ def case() -> vibeam.Case:
 
 @pytest.fixture(scope="module")
 def found(case: vibeam.Case) -> vibeam.FidelityMap:
-    return vibeam.fidelity_map(case, "gap", points=5, frequencies=13, accuracy="2 %", verify=0, **GAPS)
+    return vibeam.fidelity_map(case, "gap", points=5, frequencies=13, accuracy="2 %", **GAPS)
 
 
 def swept(case: vibeam.Case, name: str, gap: float) -> vibeam.Branches:
@@ -122,7 +116,7 @@ def test_boundaries_have_other_motions_on_either_side(case: vibeam.Case, found: 
 
 def test_over_a_key_that_changes_the_structure(case: vibeam.Case) -> None:
     """Rows of their own systems: the boundaries of each row are those of its case."""
-    found = vibeam.fidelity_map(case, "mass.mass", "0.19 kg", "0.21 kg", 3, 7, verify=3)
+    found = vibeam.fidelity_map(case, "mass.mass", "0.19 kg", "0.21 kg", 3, 7)
     assert found.plan.axes[0].unit == "kg"
     assert found.label.shape == (3, 7)
     heavy = vibeam.load(CASES / "dtu_neutral.toml", QUICK | {"mass.mass": "0.21 kg"})
@@ -134,76 +128,30 @@ def test_over_a_key_that_changes_the_structure(case: vibeam.Case) -> None:
     np.testing.assert_allclose(found.models[0].value[0, 2], curve.amplitude, rtol=1e-9)
 
 
-def test_chaos_is_told_by_the_sign_of_the_exponent() -> None:
-    tight = vibeam.load(CASES / "dtu_neutral.toml", QUICK)
-    found = vibeam.fidelity_map(tight, "gap", "-0.14 mm", "-0.13 mm", 2, 3, verify=0)
-    beam = found.finest
-    assert (beam.kind == CHAOTIC).sum() >= 3
-    assert np.all(beam.exponent[beam.kind == CHAOTIC] > 0)
-    assert np.all(beam.error[beam.kind == CHAOTIC] > 0)
-    assert np.all(np.isnan(beam.exponent[beam.kind > 0]))
-
-
-@pytest.mark.parametrize(("modes", "rest", "kind"), [(1, 0.1, IRREGULAR), (1, 0.0, CHAOTIC), (2, 0.1, CHAOTIC)])
-def test_one_mode_that_rests_is_not_chaotic(
-    monkeypatch: pytest.MonkeyPatch, case: vibeam.Case, modes: int, rest: float, kind: int
-) -> None:
-    """A rest takes both directions of a disturbance of one mode, and two of four of two modes."""
-    system = case.system("sdof" if modes == 1 else "two_modes")
-    period = np.zeros(7, dtype=int)
-    read = SimpleNamespace(ended=period, amplitude=np.arange(7.0), rest=np.full(7, rest), period=period)
-    after = SimpleNamespace(displacement=np.zeros(modes), velocity=np.zeros(modes), resting=False)
-    solver = SimpleNamespace(system=system, steady=lambda *_: (read, after))
-    monkeypatch.setattr(irregular, "exact_solver", lambda *_: solver)
-    positive = SimpleNamespace(lyapunov=np.array([1.0]), lyapunov_error=np.array([0.1]))
-    monkeypatch.setattr(irregular, "batch", lambda *_, **__: positive)
-    one, blank = np.ones((1, 1)), np.zeros((1, 1, 1))
-    points = GridPoints((system,), np.zeros((1, 1), dtype=int), one, one, one, None, {})
-    found = dict.fromkeys(("amplitude", "period", "ended", "resting", "cpu_seconds"), blank)
-    swept = found | {"state": np.zeros((1, 1, 1, 2 * modes))}
-    judged = irregular.judged(points, swept, "amplitude", case.sweep.hold, case.sweep.output)
-    assert judged["kind"].item() == kind
-    assert judged["exponent"].item() == (-np.inf if kind == IRREGULAR else 1.0)
-    assert judged["amplitude"].item() == np.mean([0.0, *range(7)])
-
-
-def test_places_between_are_as_the_map_says_and_a_wrong_map_is_found_out(case: vibeam.Case) -> None:
-    """Period 1 all over, on a grid fine enough: all are right; with the labels' models swapped few are."""
-    found = vibeam.fidelity_map(case, "gap", "-0.02 mm", "0.03 mm", 4, 13, "3 %", verify=0)
-    checked = verified(found, 25)
-    assert checked.decided.sum() >= 22
-    assert checked.right >= 0.9 * checked.decided.sum()
-    halved = replace(found.models[0], value=0.5 * found.models[0].value)
-    wrong = verified(replace(found, models=(halved, *found.models[1:])), 25)
-    assert wrong.right < checked.right - 5
-
-
 def test_a_label_that_hangs_on_scatter_is_doubtful() -> None:
-    finest = motions([[1, CHAOTIC, CHAOTIC, CHAOTIC]] * 2, [[1.0] * 4] * 2, [1] * 4, error=0.01)
-    other = motions([[1, CHAOTIC, CHAOTIC, IRREGULAR]] * 2, [[1.0, 1.05, 1.2, 1.0]] * 2, [1] * 4)
+    finest = motions([[1, IRREGULAR, IRREGULAR, 8]] * 2, [[1.0] * 4] * 2, [1] * 4, error=0.01)
+    other = motions([[1, IRREGULAR, IRREGULAR, IRREGULAR]] * 2, [[1.0, 1.05, 1.2, 1.0]] * 2, [1] * 4)
     other, finest = (replace(each, error=np.where(each.kind == 1, 0.0, each.error)) for each in (other, finest))
     assert judgement.doubtful([other, finest], Asked.of(0.01))[0].tolist() == [False, True, False, True]
 
 
 def motions(kind: Any, value: Any, count: Any, error: float = 0.0) -> MappedMotions:
     kinds, values = np.array(kind)[:, None, :], np.array(value, dtype=float)[:, None, :]
-    blank: Any = None
     return MappedMotions(
-        "one", 1, values, np.full(values.shape, error), kinds, np.full(values.shape, np.nan),
-        np.array(count)[None, :], blank, 1e-3,
+        "one", 1, values, np.full(values.shape, error), kinds, np.array(count)[None, :], 1e-3,
     )  # fmt: skip
 
 
 def test_differences_in_kind_the_gravest_first() -> None:
-    finest = motions([[1, 1, 1, CHAOTIC, IRREGULAR, 2]] * 2, [[1.0] * 6] * 2, [1, 1, 1, 1, 1, 1])
-    other = motions([[1, 2, 1, 1, IRREGULAR, NO_CONTACT]] * 2, [[1.0] * 6] * 2, [1, 1, 2, 2, 1, 2])
-    want = [judgement.SAME, judgement.IN_PERIOD, judgement.IN_NUMBER, judgement.IN_CHAOS, judgement.SAME]
+    finest = motions([[1, 1, 1, IRREGULAR, IRREGULAR, 2]] * 2, [[1.0] * 6] * 2, [1, 1, 1, 1, 1, 1])
+    other = motions([[1, 2, 1, 1, IRREGULAR, NO_CONTACT]] * 2, [[1.0] * 6] * 2, [1, 1, 2, 1, 1, 2])
+    want = [judgement.SAME, judgement.IN_PERIOD, judgement.IN_NUMBER, judgement.IN_PERIOD, judgement.SAME]
     assert judgement.difference(other, finest)[0].tolist() == [*want, judgement.IN_NUMBER]
 
 
 def test_both_ways_must_be_within_the_accuracy() -> None:
-    finest = motions([[1, 1, 1, CHAOTIC]] * 2, [[1.0, 1.0, 1.0, 1.0], [2.0, 2.0, 2.0, 2.0]], [2] * 4, error=0.01)
-    other = motions([[1, 1, 1, CHAOTIC]] * 2, [[1.009, 1.05, 1.0, 1.029], [2.0, 2.0, 2.5, 2.0]], [2] * 4)
+    finest = motions([[1, 1, 1, IRREGULAR]] * 2, [[1.0, 1.0, 1.0, 1.0], [2.0, 2.0, 2.0, 2.0]], [2] * 4, error=0.01)
+    other = motions([[1, 1, 1, IRREGULAR]] * 2, [[1.009, 1.05, 1.0, 1.029], [2.0, 2.0, 2.5, 2.0]], [2] * 4)
     exact = replace(finest, error=np.zeros(finest.error.shape))
     assert judgement.within(other, exact, Asked.of(0.01))[0].tolist() == [True, False, False, False]
     assert judgement.within(other, finest, Asked.of(0.01))[0].tolist() == [
@@ -239,13 +187,13 @@ def test_a_place_of_rest_is_none_with_impacts() -> None:
     """Pressed against its stop by a gap of −1 mm the relay rests under a drive this weak, whatever its modes."""
     relay = CASES / "rigs" / "relay.toml"
     changes = {"sweep.settle": 30, "sweep.hold": 5}
-    found = vibeam.fidelity_map(vibeam.load(relay, changes), "gap", "-1 mm", "0.1 mm", 2, 3, verify=0)
+    found = vibeam.fidelity_map(vibeam.load(relay, changes), "gap", "-1 mm", "0.1 mm", 2, 3)
     assert found.touched.any(axis=1).tolist() == [False, True]
 
 
 def test_motions_that_do_not_repeat_are_of_one_kind() -> None:
-    finest = motions([[CHAOTIC, IRREGULAR, 8, 4]] * 2, [[1.0] * 4] * 2, [1] * 4)
-    other = motions([[IRREGULAR, CHAOTIC, CHAOTIC, CHAOTIC]] * 2, [[1.0] * 4] * 2, [1] * 4)
+    finest = motions([[8, IRREGULAR, 16, 4]] * 2, [[1.0] * 4] * 2, [1] * 4)
+    other = motions([[IRREGULAR, 8, IRREGULAR, IRREGULAR]] * 2, [[1.0] * 4] * 2, [1] * 4)
     assert judgement.within(other, finest, Asked.of(0.05))[0].tolist() == [True, True, True, False]
 
 
@@ -282,11 +230,10 @@ def test_one_model_alone_has_no_verdict() -> None:
 def test_the_command_prints_the_map_and_writes_its_files(tmp_path: Path, as_json: bool) -> None:
     asked = ["map", str(CASES / "dtu_neutral.toml"), "--picture", "verdict", "--points", "2,3", "--out", f"{tmp_path}/"]
     asked += [word for key, value in QUICK.items() for word in ("--set", f"{key}={value}")]
-    asked += ["--from", "0 mm", "--to", "0.1 mm", "--accuracy", "2 %", "--verify", "2", *(["--json"] * as_json)]
+    asked += ["--from", "0 mm", "--to", "0.1 mm", "--accuracy", "2 %", *(["--json"] * as_json)]
     printed = CliRunner().invoke(app, asked)
     assert printed.exit_code == 0, printed.output
     assert "To 2 % of the amplitude at the sensor" in printed.stdout
-    assert "Flown anew at 2 places between those of the map" in printed.stdout
     assert {path.name for path in tmp_path.iterdir()} >= {"dtu_neutral_verdict.csv", "dtu_neutral_verdict.png"}
     lines = (tmp_path / "dtu_neutral_verdict.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * 3 * 3 * 2
@@ -374,10 +321,10 @@ def test_a_budget_holds_leaves_places_out_and_says_so(monkeypatch: pytest.Monkey
     monkeypatch.setattr(study, "process_time", lambda: now[0])
     monkeypatch.setattr(study, "boundaries_of", lambda *_: ([], ""))
 
-    def made(budget: float, *seconds: float, verify: int = 0) -> tuple[tuple[int, ...], list[str]]:
+    def made(budget: float, *seconds: float) -> tuple[tuple[int, ...], list[str]]:
         nonlocal each
         now[0], each = 0.0, chain(seconds, repeat(seconds[-1]))
-        found = vibeam.fidelity_map(case, **asked, verify=verify, budget=budget)
+        found = vibeam.fidelity_map(case, **asked, budget=budget)
         rows, columns = found.label.shape
         assert (f"the {rows} x {columns} places of the plane" in sheet(found).answer) is bool(found.thinned)
         assert sheet(found).answer.startswith("No model touches the stop on the ")
@@ -386,29 +333,11 @@ def test_a_budget_holds_leaves_places_out_and_says_so(monkeypatch: pytest.Monkey
     assert made(100.0, 0.01) == ((40, 20), [])
     left = "places in place of 40 x 20, for the budget: a larger --budget refines the map."
     assert made(1.5, 0.01) == ((9, 8), [f"9 x 8 {left}"])
-    unverified = "No place between those of the map was flown anew, for the budget: a larger --budget verifies it."
-    assert made(1.5, 0.01, 1.0, verify=2) == ((3, 3), [f"3 x 3 {left}", unverified])
+    assert made(1.5, 0.01, 1.0) == ((3, 3), [f"3 x 3 {left}"])
     with pytest.raises(ValueError, match="3 x 3 places of a fidelity map take longer than"):
         made(0.05, 0.01)
 
 
 def test_a_kind_s_share_is_written_as_others_are() -> None:
-    finest = motions([[CHAOTIC, CHAOTIC, 1, 1]] * 2, [[1.0] * 4] * 2, [1] * 4)
-    assert judgement._kinds(finest, np.array([[True, True, True, False]])) == "chaos (67 %), period 1 (33 %)"
-
-
-def test_where_kinds_meet_motions_of_a_yielding_stop_are_found_from_those_around() -> None:
-    law = HuntCrossley(400.0)
-    system = vibeam.ImpactSystem.from_modes([1.0, 4.0], 0.05, [1.0, 0.5], [1.0, 0.25], gap=0.1, law=law, second_gap=2.0)
-    _, state = RegimeSolver(system, 1.7).steady([1.7], 0.1, None, 400, 1, "contact")
-    start = np.concatenate([state.displacement, state.velocity])[None]
-    truth = vibeam.sweep(system, omega=[1.72], amplitude=0.1, settle=800, hold=8)
-    points: Any = SimpleNamespace(system_at=lambda _: system, drive_at=lambda _: vibeam.Drive(1.72, 0.1))
-    known = between._Known(points, 0, "contact", "amplitude", start)
-    assert known.value(0.0) == pytest.approx(truth.amplitude[0], rel=1e-9)
-    assert known.keeps(1)
-    assert known.rules_out(NO_CONTACT)
-    points.system_at = lambda _: replace(system, gap=9.0)
-    clear = between._Known(points, 0, "contact", "amplitude", start)
-    assert clear.rules_out(1)
-    assert clear.keeps(NO_CONTACT)
+    finest = motions([[IRREGULAR, IRREGULAR, 1, 1]] * 2, [[1.0] * 4] * 2, [1] * 4)
+    assert judgement._kinds(finest, np.array([[True, True, True, False]])) == "no repeat (67 %), period 1 (33 %)"

@@ -48,7 +48,6 @@ RECORDS: dict[str, Callable[[float], Any]] = {
     "contact": lambda gap: vibeam.Contact([1.0, 2.0], gap), "state": lambda gap: vibeam.State([gap, 1.0], [0.0, 1.0]),
     "trajectory": lambda gap: vibeam.simulate(system(gap), DRIVE, 0.5), "grid": mapped,
     "modes": lambda gap: vibeam.modes(case(), 2 + round(1e5 * gap)),
-    "curve": lambda gap: vibeam.orbit_curve(system(gap), [90.0, 95.0], 1e-4),
 }  # fmt: skip
 
 

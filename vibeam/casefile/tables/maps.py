@@ -77,8 +77,8 @@ def random_complaints(path: KeyPath, table: SimpleNamespace) -> Iterator[Complai
 
 PLANES = ("stability", "verdict")
 #: pictures that a key goes with
-OF_PICTURE = {"accuracy": ("verdict",), "frequency_accuracy": ("verdict",), "verify": ("verdict",),
-              "periods": ("stability",), "quantity": ("values", "verdict")}  # fmt: skip
+OF_PICTURE = {"accuracy": ("verdict",), "frequency_accuracy": ("verdict",), "periods": ("stability",),
+              "quantity": ("values", "verdict")}  # fmt: skip
 APART = ("direction", "quantities", "strobes")  # keys without a meaning for ``PLANES``
 
 

@@ -114,9 +114,10 @@ def _checked(case: Case, out: str | None, fresh: bool, set_: list[str], path: Pa
     rows += check_expectations(case, result, partial=bool(set_))
     held = held_of(case.scene).label if any(each.against for each in case.expectations.values()) else ""
     if path is not None and case.references:
-        from vibeam.report.references import write_references
+        from vibeam.figures.page import write_page
+        from vibeam.report.references import references_figure
 
-        write_references(case, rows, at, path)
+        write_page(lambda: references_figure(case, rows, at), [path])
     measured, files = compare_measured(case, result), write_measured(case, path)
     if case.record is not None:
         from vibeam.report.transient import remarks as remarks_of

@@ -45,7 +45,6 @@ def map(
     accuracy: Annotated[str | None, option(_ACCURACY, "--accuracy", metavar="PERCENT")] = None,
     quantity: Annotated[str | None, option(_QUANTITY, "--quantity", metavar="NAME")] = None,
     periods: Annotated[int | None, option("Of stability, impact to impact.", "--periods", min=1, metavar="N")] = None,
-    verify: Annotated[int | None, option("Of verdict: places flown anew.", "--verify", min=0, metavar="N")] = None,
     fidelity: Fidelities = None,
     fresh: Fresh = False,
     cluster: Annotated[str | None, option(_CLUSTER, "--cluster", metavar="ADDRESS")] = None,
@@ -67,11 +66,11 @@ def map(
     loaded = load(case, set_)
     asked = {
         "over": over, "low": low, "high": high, "points": _counts(points), "accuracy": accuracy,
-        "quantity": quantity, "periods": periods, "verify": verify, "fidelities": fidelity,
+        "quantity": quantity, "periods": periods, "fidelities": fidelity,
     }  # fmt: skip
     given = {name: value for name, value in asked.items() if value is not None}
     if loaded.record is not None:
-        not_taken = {"--picture": picture, "--accuracy": accuracy, "--periods": periods, "--verify": verify,
+        not_taken = {"--picture": picture, "--accuracy": accuracy, "--periods": periods,
                      "--cluster": cluster, "NAME": names or None}  # fmt: skip
         _under_record(loaded, out, given, not_taken, asked_part)
         return

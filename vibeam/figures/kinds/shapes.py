@@ -42,12 +42,7 @@ caption = "mode shapes to one scale"
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One sheet, by frequency."""
-    return [shapes_of(fidelity, case.scene_of(fidelity), case.fidelities[fidelity])]
-
-
-def shapes_of(name: str, scene: AnyScene, fidelity: Fidelity) -> Sheet:
-    """Sheet of a ``scene`` reduced as a fidelity says, by frequency."""
-    return sheet_of(name, lambda: _columns(scene, fidelity))
+    return [sheet_of(fidelity, lambda: _columns(case.scene_of(fidelity), case.fidelities[fidelity]))]
 
 
 def _columns(scene: AnyScene, fidelity: Fidelity) -> Columns:

@@ -25,7 +25,7 @@ IN_PLANE = ("period", "values")  # pictures that ``plane`` draws; each other has
 
 def still(result: MapResult, exact: bool) -> Any:
     """A stored map as its picture takes it, nothing flown for it; ``exact``: with closed forms, which take seconds."""
-    plan = replace(result.plan, verify=0, boundaries=exact and result.plan.boundaries)
+    plan = replace(result.plan, boundaries=exact and result.plan.boundaries)
     return study_of(replace(result, plan=plan))
 
 

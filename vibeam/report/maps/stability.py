@@ -50,13 +50,17 @@ def sheet(found: Stability) -> StudySheet:
 
 
 def _answer(found: Stability) -> str:
-    """Shares of the plane with stable motions, and numbers of boundaries along the case's own line."""
+    """Shares of the plane with stable motions, and numbers of boundaries along the case's own line where known."""
     upward = shown_axis(found.case, found.plan.axes[-2])
     first, *others = [(percent(each.stable), listed(each.fidelity.split())) for each in found.shares]
     plane = f"{first[0]} of the plane of frequency and {upward.name} ({first[1]})"
     shares = listed([plane, *(f"{share} ({name})" for share, name in others)])
     one = f"Stable motions {contacts(found)} exist on {shares}"
-    counts = {one.name: sum(each.fidelity in one.fidelities for each in found.crossings) for one in found.maps}
+    counts = {
+        one.name: sum(each.fidelity in one.fidelities for each in found.crossings) for one in found.maps if not one.shot
+    }
+    if not counts:
+        return f"{one}."
     line = f"along the case's own {upward.text(found.own)}" if isfinite(found.own) else "with the rig as it is"
     if not any(counts.values()):
         return f"{one}; {line} there is no boundary."

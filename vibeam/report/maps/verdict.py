@@ -20,7 +20,7 @@ from vibeam.report.maps.labels import shown_axis
 from vibeam.report.maps.plane import COLUMNS, Handles, PlanePanel, draw_planes, page_size, place_of, shade, swatch
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ReportTable, blank
-from vibeam.studies.fidelity_map.judgement import DIFFERENCES, IN_CHAOS, IN_NUMBER, IN_PERIOD, SAME
+from vibeam.studies.fidelity_map.judgement import DIFFERENCES, IN_NUMBER, IN_PERIOD, SAME
 from vibeam.studies.fidelity_map.study import FidelityMap
 from vibeam.system.number_text import percent, signed
 from vibeam_models.arrays import Array
@@ -28,7 +28,7 @@ from vibeam_models.arrays import Array
 MODELS = ("#D6ECC4", "#9CCB86", "#F2E2A0", "#E9B872", "#D98C5F", "#B5654A")  # cheapest first
 FINEST = "#8FA9C8"
 NEAR, FAR, FARTHER = "#E4F1DA", "#F7E3B5", "#EBB78B"  # within the accuracy, five times it, beyond
-APART = {IN_PERIOD: "#C9B6DD", IN_NUMBER: "#8E7CC3", IN_CHAOS: "#4F4789"}
+APART = {IN_PERIOD: "#C9B6DD", IN_NUMBER: "#8E7CC3"}
 FIVE = 5.0
 ALONE = (5.0, 4.4)  # inches of the regions without the other panels
 HATCH, CLEAR = "////", ListedColormap(["#00000000"])
@@ -78,15 +78,6 @@ def _notes(found: FidelityMap) -> Iterator[str]:
             f"On {percent(found.doubtful)} of the places with impacts the choice hangs on the scatter of motions that "
             "do not repeat: a longer sweep.hold decides more."
         )
-    checked = found.verification
-    if checked is not None:
-        decided, count = int(checked.decided.sum()), len(checked.decided)
-        yield (
-            f"Flown anew at {count} places between those of the map: {decided} are decided, {checked.right} of them as "
-            "the map says; more --points bring these numbers together."
-        )
-    elif found.plan.verify:
-        yield "No place between those of the map was flown anew, for the budget: a larger --budget verifies it."
     yield from found.refused
 
 

@@ -183,15 +183,15 @@ def _reported(reuses: Sequence[Reuse], others: Iterable[str]) -> str:
     parts = {
         "kept": [reuse.branch.group for reuse in reuses if reuse.fits],
         "extended": [str(reuse) for reuse in reuses if not reuse.fits and reuse.kept == reuse.stored > 0],
-        "swept anew": [_anew(reuse) for reuse in reuses if reuse.stored > reuse.kept],
+        "swept anew": [
+            reuse.branch.group + f" (after {reuse.kept} points)" * bool(reuse.kept)
+            for reuse in reuses
+            if reuse.stored > reuse.kept
+        ],
         "added": [reuse.branch.group for reuse in reuses if not reuse.stored and not reuse.fits],
         "left as they are, the case does not name them": list(others),
     }
     return "; ".join(f"{what}: {', '.join(names)}" for what, names in parts.items() if names)
-
-
-def _anew(reuse: Reuse) -> str:
-    return f"{reuse.branch.group} (after {reuse.kept} points)" if reuse.kept else reuse.branch.group
 
 
 def _flat(text: str) -> Mapping[str, Any]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.store.blocks import Values, block_path, read_block, write_block
+from vibeam.store.blocks import Values, read_block, write_block
 from vibeam.store.hdf5 import describe_codes, described, fixed, scale, text_of
 from vibeam.system.quantities import LAYOUT, DatasetQuantity, OutputUnits, unit_of
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
@@ -168,7 +168,7 @@ def _next_block(group: h5py.Group, folder: Path) -> Values | None:
 
 
 def _file(folder: Path, group: h5py.Group, start: int) -> Path:
-    return block_path(folder, group.name.strip("/").replace("/", "-"), start)
+    return folder / f"{group.name.strip('/').replace('/', '-')}-{start:09d}.npz"
 
 
 def _identity(group: h5py.Group, start: int) -> str:

@@ -44,7 +44,9 @@ def write_group(
         _write_readings(group, whole)
     for motion, own in motions:
         if "history_edges" in own:
-            _write_history(group.create_group(f"histories/{motion.value}-{motion.seed}"), own)
+            history = group.create_group(f"histories/{motion.value}-{motion.seed}")
+            for name in HISTORY:
+                history.create_dataset(name, data=own[name], compression="gzip" if own[name].size > 2 else None)
 
 
 def _write_readings(group: h5py.Group, whole: Sequence[Reading]) -> None:
@@ -72,11 +74,6 @@ def _stacked(values: Sequence[Any]) -> Any:
         place: tuple[Any, ...] = (at, *(slice(0, size) for size in each.shape))
         found[place] = each
     return found
-
-
-def _write_history(group: h5py.Group, own: Reading) -> None:
-    for name in HISTORY:
-        group.create_dataset(name, data=own[name], compression="gzip" if own[name].size > 2 else None)
 
 
 def read_group(group: h5py.Group) -> tuple[tuple[TransientSignal, ...], float, list[Row]]:

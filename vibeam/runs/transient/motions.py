@@ -98,7 +98,7 @@ class MotionMaker:
         at = self._number(value)
         if at not in self._systems:
             bare = self._at(value).system(self.name)
-            signals = signals_of(self.case, bare, plan_of_record(self.case).outputs)
+            signals = tuple(signals_of(self.case, bare, plan_of_record(self.case).outputs))
             self._systems[at] = with_signals(bare, signals), signals
         return self._systems[at]
 

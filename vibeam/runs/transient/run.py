@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 from vibeam.case.case import plan_of_record
 from vibeam.exchange.faults import CaseError, Fault
 from vibeam.runs.parallel import PointCount
+from vibeam.runs.run_plan import restricted
 from vibeam.runs.store.figures import shown_of
+from vibeam.runs.stored_result import StoredResult
 from vibeam.runs.transient.memory import require_room
 from vibeam.runs.transient.motions import MotionMaker, Realisation, histories_of, input_of, motions_of
 from vibeam.runs.transient.overview import overview_of_record
 from vibeam.runs.transient.result import TransientResult
-from vibeam.runs.transient.store import KnownMotions, StoredModel, TransientStore, opened
+from vibeam.runs.transient.store import KnownMotions, StoredModel, TransientStore, opened, read_motions
 from vibeam.runs.transient.transient import assembled
 from vibeam.store.place import Tell
 from vibeam.store.shares import are_shared, evaluate_each
@@ -126,3 +128,17 @@ def result_of(
 def _read(known: KnownMotions, motions: Iterable[Realisation]) -> dict[tuple[int, int], Reading]:
     """Readings that are known of ``motions``, by the numbers of value and seed."""
     return {(each.value, each.seed): known.motions[each.key][1] for each in motions if each.key in known.motions}
+
+
+def read_transient(path: str | Path, parse: Callable[[str], Case]) -> StoredResult:
+    """Read a results file, complete or not; ``parse`` makes a case of its text.
+
+    StoreError where it is none, or damaged; CaseError where its case cannot be built any more.
+    """
+    file = Path(path)
+    stored = read_motions(file)
+    case = parse(stored.whole)
+    case = restricted(case, set(stored.known.models) & set(case.fidelities))
+    result = result_of(case, stored.known, file, 0, stored.shown(case))
+    result.found = result.total - result.missing
+    return StoredResult(result, stored.provenance, result.missing, stored.numbers)

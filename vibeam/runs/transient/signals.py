@@ -43,12 +43,8 @@ class TransientSignal:
         return f"{RATES[self.order]} of {self.output}".removeprefix(" of ")
 
 
-def signals_of(case: Case, system: ImpactSystem, outputs: Sequence[str]) -> tuple[TransientSignal, ...]:
+def signals_of(case: Case, system: ImpactSystem, outputs: Sequence[str]) -> Iterator[TransientSignal]:
     """Signals of ``outputs`` in one fidelity; KeyError for an output that its system does not have."""
-    return tuple(_signals(case, system, outputs))
-
-
-def _signals(case: Case, system: ImpactSystem, outputs: Sequence[str]) -> Iterator[TransientSignal]:
     for name in outputs:
         system.derivative(name)
         units = units_of_output(case, name)

@@ -18,8 +18,8 @@ from vibeam.system.response import Ended, FrequencyResponse, complete
 class RunRow:
     """One run: errors of the amplitudes where both motions repeat, and the CPU time.
 
-    ``total``: against the exact motions of the finest fidelity, ``numerical``: of its own. ``computed``: frequencies
-    that it computed, ``found``: at which it found a motion. ``seconds``: CPU time of a frequency, NaN where not one was
+    ``total``: against the exact motions of the finest fidelity. ``computed``: frequencies that it computed, ``found``:
+    at which it found a motion. ``seconds``: CPU time of a frequency, NaN where not one was
     computed; ``used``: of all of it, also of a frequency at which it was given up. ``why``: reason of a failure or of
     being given up; a failed run has no errors.
     """
@@ -30,7 +30,6 @@ class RunRow:
     method: str
     setting: str
     total: Difference = field(default_factory=Difference)
-    numerical: Difference = field(default_factory=Difference)
     computed: int = 0
     found: int = 0
     seconds: float = float("nan")
@@ -44,14 +43,12 @@ class RunRow:
         return " ".join(filter(None, (self.solver, self.method, self.setting)))
 
 
-def compared(model: CostModel, run: Measurement, own: FrequencyResponse, finest: FrequencyResponse) -> RunRow:
-    """Row of a run beside the exact motions of its ``own`` fidelity and of the ``finest``."""
+def compared(model: CostModel, run: Measurement, finest: FrequencyResponse) -> RunRow:
+    """Row of a run beside the exact motions of the ``finest`` fidelity."""
     setting, plan, response, count = run.setting, run.plan, run.response, len(run)
-    total, numerical = Difference(), Difference()
-    if count and not run.failure:
-        total, numerical = response.off(finest), response.off(own)
+    total = response.off(finest) if count and not run.failure else Difference()
     return RunRow(
-        model.name, model.system.size, setting.solver, setting.method, setting.setting, total, numerical, count,
+        model.name, model.system.size, setting.solver, setting.method, setting.setting, total, count,
         int(np.count_nonzero(complete(response))), run.seconds / count if count else float("nan"), run.used,
         plan.settle + plan.hold, _why(run, total),
     )  # fmt: skip

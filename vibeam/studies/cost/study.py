@@ -16,7 +16,7 @@ from vibeam.case.source import of_source
 from vibeam.flight.engine.threads import Clock, OutOfTime, ending_at
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.steady import warm_up_once
-from vibeam.studies.cost.measure import FLIGHT, Measurement, measured, settings_of
+from vibeam.studies.cost.measure import FLIGHT, measured, settings_of
 from vibeam.studies.cost.planning import (
     LeftOut,
     Outcome,
@@ -134,7 +134,7 @@ class _CostRuns:
                 left.append(outcome)
             else:
                 model, run = outcome
-                rows.append(compared(model, run, exact[model.name], exact[self.finest.name]))
+                rows.append(compared(model, run, exact))
         plan = plan_of(self.case, self.finest, hertz)
         refused, late = (tuple(each for each in left if each.refused is no) for no in (True, False))
         return CostStudy(
@@ -166,27 +166,24 @@ class _CostRuns:
             return hertz
         plan = plan_of(self.case, self.finest, hertz[len(hertz) // 2 :][:1], exact=True)
         one = measured(self.finest.system, FLIGHT, plan, self.clock)
-        many = EXACT * self.budget / max(one.used * len(self.models), 1e-9)
+        many = EXACT * self.budget / max(one.used, 1e-9)
         return hertz[evenly(0, len(hertz) - 1, max(int(min(many, len(hertz))), 1))]
 
-    def _exact(self, hertz: Array, end: float) -> dict[str, FrequencyResponse]:
-        """Exact motions of every model; ValueError where they take longer than the case's frequencies allow."""
-        found = dict[str, FrequencyResponse]()
-        for model in self.models:
-            plan = plan_of(self.case, model, hertz, exact=True)
-            allowed = np.inf if self.case.cost.frequency is None else end - self.clock()
-            run: Measurement = measured(model.system, FLIGHT, plan, self.clock, allowed)
-            if not run.done:
-                raise ValueError(
-                    f"the exact motions of {len(self.models)} models at {len(hertz)} frequencies take more than "
-                    f"{self.budget:g} s of CPU time: allow more (--budget), or ask for fewer (cost.frequency)"
-                )
-            found[model.name] = run.response
-        return found
+    def _exact(self, hertz: Array, end: float) -> FrequencyResponse:
+        """Exact motions of the finest model; ValueError where they take longer than the case's frequencies allow."""
+        plan = plan_of(self.case, self.finest, hertz, exact=True)
+        allowed = np.inf if self.case.cost.frequency is None else end - self.clock()
+        run = measured(self.finest.system, FLIGHT, plan, self.clock, allowed)
+        if not run.done:
+            raise ValueError(
+                f"the exact motions of {self.finest.name} at {len(hertz)} frequencies take more than {self.budget:g} s "
+                "of CPU time: allow more (--budget), or ask for fewer (cost.frequency)"
+            )
+        return run.response
 
-    def _series(self, hertz: Array, exact: dict[str, FrequencyResponse]) -> list[SettingSeries]:
+    def _series(self, hertz: Array, exact: FrequencyResponse) -> list[SettingSeries]:
         """Settings of every model and solver, the smallest model first: ``self.pairs``."""
-        reach = exact[self.finest.name].reach
+        reach = exact.reach
         known = reach[np.isfinite(reach) & (reach > 0)]
         size = float(np.median(known)) if len(known) else 1.0
         plans = {model.name: plan_of(self.case, model, hertz) for model in self.models}

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.maps.irregular import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT
+from vibeam.maps.irregular import FAILED, IRREGULAR, NO_CONTACT
 from vibeam.maps.result import MapResult, StudyOfMap
 from vibeam.periodic.motion_kind import LONGEST
 from vibeam.runs.comparison.errors import Asked
@@ -20,12 +20,11 @@ Codes = NDArray[np.int64]
 APART = 1e-3  # difference of two amplitudes, as a share, that makes two motions of one kind
 SURE = 3.0  # standard errors by which means must differ for two motions of one kind
 NOISE = 2.0  # standard errors by which a mean may miss the accuracy and still count as within it
-SAME, IN_PERIOD, IN_NUMBER, IN_CHAOS = range(4)  #: differences in kind, the gravest last
+SAME, IN_PERIOD, IN_NUMBER = range(3)  #: differences in kind, the gravest last
 
 DIFFERENCES = {
     IN_PERIOD: "another period, or no contact",
     IN_NUMBER: "another number of coexisting motions",
-    IN_CHAOS: "chaos in one alone",
 }
 
 
@@ -34,8 +33,8 @@ class MappedMotions:
     """Motions of a model, arrays (ways, rows, columns): up and down over the frequencies, a row a value of the key.
 
     ``value`` in the output's unit (mean of a motion that does not repeat, ``error`` its standard error, else 0);
-    ``kind``: period 1 … 16, or one of the constants above; ``exponent`` in 1/s, known where it does not repeat.
-    ``count`` (rows, columns): motions that coexist, among those that the two sweeps find. ``cpu``: seconds a point.
+    ``kind``: period 1 … 16, or one of the constants above. ``count`` (rows, columns): motions that coexist, among those
+    that the two sweeps find. ``cpu``: seconds a point.
     """
 
     name: str
@@ -43,9 +42,7 @@ class MappedMotions:
     value: Array
     error: Array
     kind: Codes
-    exponent: Array
     count: NDArray[np.int64]
-    state: Array
     cpu: float
 
 
@@ -53,8 +50,8 @@ def motions(name: str, modes: int, found: Values, quantity: str) -> MappedMotion
     """Motions of a model from arrays (ways, rows, columns, …) by name: see ``irregular.judged``."""
     value, error, kind = found[quantity], found["error"], found["kind"].astype(np.int64)
     return MappedMotions(
-        name, modes, value, error, kind, found["exponent"], _coexisting(value, error, kind),
-        found["state"], float(np.mean(found["cpu_seconds"])),
+        name, modes, value, error, kind, _coexisting(value, error, kind),
+        float(np.mean(found["cpu_seconds"])),
     )  # fmt: skip
 
 
@@ -109,12 +106,11 @@ def share(places: Flags, touched: Flags) -> float:
 def difference(model: MappedMotions, finest: MappedMotions) -> Codes:
     """Difference in kind at each place (rows, columns), the gravest: the constants above; a failure is of the period.
 
-    Motions that do not repeat and are not chaotic (quasiperiodic, or longer than 16 periods) are of one kind.
+    Motions that do not repeat within 16 periods are of one kind.
     """
-    chaos = ((model.kind == CHAOTIC) != (finest.kind == CHAOTIC)).any(axis=0)
     period = ((model.kind != finest.kind) | (model.kind == FAILED)).any(axis=0)
     number = model.count != finest.count
-    return np.asarray(np.select([chaos, number, period], [IN_CHAOS, IN_NUMBER, IN_PERIOD], SAME))
+    return np.asarray(np.select([number, period], [IN_NUMBER, IN_PERIOD], SAME))
 
 
 def within(model: MappedMotions, finest: MappedMotions, asked: Asked, frequency: Array | None = None) -> Flags:
@@ -137,7 +133,7 @@ def within(model: MappedMotions, finest: MappedMotions, asked: Asked, frequency:
 
 def _plain(kind: Codes) -> Codes:
     """Kinds as two sweeps are compared by: all motions that do not repeat within ``LONGEST`` periods are of one."""
-    return np.where((kind == CHAOTIC) | (kind > LONGEST), IRREGULAR, kind)
+    return np.where(kind > LONGEST, IRREGULAR, kind)
 
 
 def cheapest(models: Sequence[MappedMotions], asked: Asked, frequency: Array | None = None) -> Codes:
@@ -171,7 +167,7 @@ def relative(model: MappedMotions, finest: MappedMotions) -> NDArray[np.float64]
 
 
 KINDS = {
-    NO_CONTACT: "no contact", IRREGULAR: "long or quasiperiodic", CHAOTIC: "chaos", FAILED: "failed",
+    NO_CONTACT: "no contact", IRREGULAR: "no repeat", FAILED: "failed",
 }  # fmt: skip
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import prod, sqrt
 from pathlib import Path
@@ -23,7 +23,6 @@ from vibeam.maps.models import models_of
 from vibeam.maps.plan import plan_over
 from vibeam.maps.result import MapResult
 from vibeam.maps.run import Progress, run_map
-from vibeam.studies.fidelity_map.between import LONGER, Verification, verified
 from vibeam.studies.fidelity_map.judgement import (
     Codes,
     ComparedModels,
@@ -55,7 +54,6 @@ class PlacePoint:
     kind: int
     value: float
     error: float
-    exponent: float
     coexist: int
 
 
@@ -68,7 +66,7 @@ class FidelityMap(ComparedModels, ViewedTable):
     ``thinned``: places a side that were asked for and are computed, where a budget took some; None: all are.
 
     >>> import vibeam
-    >>> size = {"points": 2, "frequencies": 2, "verify": 0}
+    >>> size = {"points": 2, "frequencies": 2}
     >>> found = vibeam.fidelity_map("cases/dtu_neutral.toml", fidelities=["sdof", "two_modes"], **size)
     >>> sum(found.shares.values())
     1.0
@@ -80,7 +78,6 @@ class FidelityMap(ComparedModels, ViewedTable):
     rows: tuple[FidelityRow, ...]
     boundaries: tuple[PlaneBoundary, ...]
     refused: tuple[str, ...] = ()
-    verification: Verification | None = None
     thinned: tuple[tuple[int, int], tuple[int, int]] | None = None
 
     @property
@@ -101,8 +98,7 @@ class FidelityMap(ComparedModels, ViewedTable):
             PlacePoint(
                 float(frequency[column]), float(values[row]), self.models[self.label[row, column]].name,
                 model.name, way, int(model.kind[at, row, column]), float(model.value[at, row, column]),
-                float(model.error[at, row, column]), float(model.exponent[at, row, column]),
-                int(model.count[row, column]),
+                float(model.error[at, row, column]), int(model.count[row, column]),
             )
             for row, column in np.ndindex(self.label.shape) for model in self.models
             for at, way in enumerate(("up", "down"))
@@ -120,7 +116,6 @@ def fidelity_map(
     accuracy: str | float = "1 %",
     quantity: str = "amplitude",
     fidelities: Sequence[str] | None = None,
-    verify: int = 24,
     *,
     out: str | Path | None = None,
     fresh: bool = False,
@@ -133,24 +128,22 @@ def fidelity_map(
     ``over``: "gap", "drive", "restitution" or any dotted key; ``low``, ``high``: its range, as a case has it, with unit
     (None: chosen, for gap and drive). ``accuracy`` of ``quantity`` ("amplitude" of the sweep's output or "reach" of the
     contact) against the fidelity with most modes, ``frequency_accuracy`` of where its branches end (None: a fifth).
-    ``fidelities``: which, also where they change the rig; None: all that do not. ``verify``: at how many places, drawn
-    at random from the whole plane, all models are flown anew. ``out``,
-    ``fresh``, ``progress``: as in ``run_map``; without ``out`` no file is kept. ``budget``: CPU seconds that the map
-    may take: maps of 3 by 3 places and more are computed, each foreseen by the one before it, and the last that ends in
-    time is the answer; it is not verified where no time is left.
+    ``fidelities``: which, also where they change the rig; None: all that do not. ``out``, ``fresh``, ``progress``: as
+    in ``run_map``; without ``out`` no file is kept. ``budget``: CPU seconds that the map may take: maps of 3 by 3
+    places and more are computed, each foreseen by the one before it, and the last that ends in time is the answer.
 
     ValueError for arguments or a case that make no sense, fewer than two models included; CaseError for values of the
     key that the case may not have; StoreError for a file of another map.
 
     >>> import vibeam
-    >>> size = {"points": 2, "frequencies": 2, "verify": 0}
+    >>> size = {"points": 2, "frequencies": 2}
     >>> found = vibeam.fidelity_map("cases/dtu_neutral.toml", fidelities=["sdof", "two_modes"], **size)
     >>> found.label.shape, [model.name for model in found.models]  # the cheapest first
     ((2, 2), ['sdof', 'two_modes'])
     """
     plan = plan_over(
         case, "verdict", over, low, high, points_of(over, points, frequencies), accuracy=accuracy,
-        fidelities=fidelities, quantity=quantity, verify=verify, frequency_accuracy=frequency_accuracy,
+        fidelities=fidelities, quantity=quantity, frequency_accuracy=frequency_accuracy,
     )  # fmt: skip
     if budget is None:
         with _kept(out) as path:
@@ -183,19 +176,15 @@ def _within(case: Case, plan: MapPlan, budget: float, progress: Progress | bool 
         except OutOfTime:
             break
         place = (process_time() - begun) / prod(size)
-        left = deadline - process_time() - place * LONGER * plan.verify
-        larger = _larger(size, full, max(left, 0.0) / place)
+        larger = _larger(size, full, max(deadline - process_time(), 0.0) / place)
         if size == full or prod(larger) < min(WORTH * prod(size), prod(full)):
             break
         size = larger
     if result is None:
         raise ValueError(f"{size[0]} x {size[1]} places of a fidelity map take longer than {budget:g} s: allow more")
-    found = compared_of(result)
+    found = fidelity_map_of(result)
     made = found.label.shape
-    found = found if list(made) == full else replace(found, thinned=((full[0], full[1]), (made[0], made[1])))
-    with suppress(OutOfTime), ending_at(process_time, deadline):
-        return _checked(found)
-    return found
+    return found if list(made) == full else replace(found, thinned=((full[0], full[1]), (made[0], made[1])))
 
 
 def _larger(size: Sequence[int], full: list[int], places: float) -> list[int]:
@@ -216,17 +205,7 @@ def _thinned(plan: MapPlan, counts: Sequence[int]) -> MapPlan:
 
 
 def fidelity_map_of(result: MapResult) -> FidelityMap:
-    """Fidelity map of a finished map with ``picture = "verdict"``, verified as its plan says."""
-    return _checked(compared_of(result))
-
-
-def _checked(found: FidelityMap) -> FidelityMap:
-    """The map with places between its own flown anew, as its plan says."""
-    return replace(found, verification=verified(found, found.plan.verify)) if found.plan.verify else found
-
-
-def compared_of(result: MapResult) -> FidelityMap:
-    """Fidelity map of a finished map, nothing flown."""
+    """Fidelity map of a finished map with ``picture = "verdict"``."""
     case, plan = result.case, result.plan
     flown = [
         motions(name, case.system(name).size, dict(each.values), plan.quantity)

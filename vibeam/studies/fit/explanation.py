@@ -21,7 +21,7 @@ import numpy as np
 
 from vibeam.periodic.bifurcation_functions import clearances
 from vibeam.periodic.bifurcation_functions import motions as motions_at
-from vibeam.periodic.orbit_curve import stability
+from vibeam.periodic.multipliers import stability
 from vibeam.periodic.shooting import NoOrbit
 from vibeam.periodic.tangents import ModalData
 from vibeam.studies.fit.orbits import FollowedOrbit, OtherMotion, Shooting

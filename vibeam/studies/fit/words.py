@@ -60,8 +60,9 @@ def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Itera
         bound = [each.key for each, x in zip(problem.keys, minimum.x, strict=True) if min(x, 1 - x) < BOUND]
         yield from (f"{key} is at a bound of [fit.keys]: widen it." for key in bound)
         yield _on_intervals(judgement)
-    if not judgement.rejected and not any(each.met for each in judgement.others):
-        yield from _on_patterns(judgement)
+    explained = judgement.rejected or any(each.met for each in judgement.others)
+    if not explained and any(each.significant for each in judgement.patterns):
+        yield f"The residuals have a pattern {_pattern(judgement)}."
     if free < 0:
         yield f"{counted(free + len(problem.keys), 'point')} cannot fix {len(problem.keys)} keys."
     yield counts
@@ -122,12 +123,6 @@ def _on_intervals(judgement: Judgement) -> str:
         f"Intervals are scaled by {judgement.scale:.3g} = √(χ²/degrees of freedom): they hold if all uncertainties are "
         "larger by so much, and the model is right."
     )
-
-
-def _on_patterns(judgement: Judgement) -> Iterator[str]:
-    """Sentence on the pattern that the residuals follow, where there is one."""
-    if any(each.significant for each in judgement.patterns):
-        yield f"The residuals have a pattern {_pattern(judgement)}."
 
 
 def _pattern(judgement: Judgement) -> str:

@@ -1,4 +1,4 @@
-"""Stability maps by shooting and following, against the closed forms of the same system."""
+"""Stability maps by shooting, against the closed forms of the same system."""
 
 from __future__ import annotations
 
@@ -9,11 +9,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam import Kind
-from vibeam.maps.followed import FollowedLine, boundaries_on, branches_of
 from vibeam.maps.models import MOST, usual_points
 from vibeam.maps.shot_lines import ShotLine
-from vibeam.periodic.boundaries import boundaries
 from vibeam.periodic.orbit_map import orbit_points
 
 PLAIN = vibeam.ImpactSystem.from_modes(1.0, 0.05, 1.0, 1.0, gap=0.02, restitution=0.5)
@@ -72,16 +69,6 @@ def test_maps_by_shooting_have_fewer_points_by_themselves() -> None:
     rows, columns = usual_points([several, PLAIN])
     assert rows < MOST[0]
     assert usual_points([several, several])[1] < columns < MOST[1]
-
-
-def test_a_line_followed_has_the_boundaries_of_closed_forms() -> None:
-    line = FollowedLine(FAR, lambda omega: 0.1, 1.9, 3.0, 1)
-    branches = branches_of(line)
-    found = boundaries_on(line, branches)
-    exact = [each for each in boundaries(PLAIN, 0.1, (1.9, 3.0)) if each.clear and each.kind is Kind.DOUBLING]
-    assert [each.omega for each in found if each.kind is Kind.DOUBLING] == pytest.approx(
-        [each.omega for each in exact], rel=1e-11
-    )
 
 
 def test_a_stability_map_of_a_stop_that_yields(tmp_path: Path) -> None:
