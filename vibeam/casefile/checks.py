@@ -9,13 +9,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 from pathlib import Path as File
-from types import SimpleNamespace
 from typing import Any
-
-from pydantic import ValidationError
 
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
 from vibeam.casefile.keys import model_of, rig_checks
+from vibeam.casefile.kinds import kind_of
 from vibeam.casefile.maps import map_complaints, maps_in_si, value_complaints
 from vibeam.casefile.number_keys import (
     absent_checks,
@@ -34,7 +32,7 @@ from vibeam.casefile.tables.figures import figure_checks, measurement_checks
 from vibeam.casefile.tables.references import reference_checks
 from vibeam.casefile.tables.studies import study_checks
 from vibeam.casefile.tables.table import name_checks
-from vibeam.casefile.validation import complaints, declaration, read, readable_case
+from vibeam.casefile.validation import read
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, shortened
 
 ALIKE = {  # tables: a spelling that is read, and the key that it is
@@ -42,7 +40,7 @@ ALIKE = {  # tables: a spelling that is read, and the key that it is
 }  # fmt: skip
 
 
-def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+def cross_checks(case: AnyCase, folder: File) -> Iterator[Complaint]:
     """Every complaint about keys that do not go together; files are looked for from ``folder``."""
     yield from rig_checks(case, folder)
     yield from name_checks(case)
@@ -53,6 +51,11 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from figure_checks(case)
     yield from measurement_checks(case.measurement)
     yield from study_checks(case)
+    if case.record is None:
+        yield from map_complaints(case)
+    yield from uncertain_checks(case)
+    yield from chosen_checks(case)
+    yield from fit_checks(case)
 
 
 def checked(
@@ -68,7 +71,7 @@ def checked(
     _leave_free(tables)
     _name_alike(tables, lines)
     case, wrong = _validated(tables, file.parent)
-    changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
+    changed, more = variants(tables, kind_of(tables).declaration(), wrong, lambda own: _validated(own, file.parent))
     own = {name: variant.declared for name, variant in changed.items()}
     if case is not None and not wrong + more:
         model = partial(model_of, case, own, file)
@@ -77,7 +80,7 @@ def checked(
     faults += [place.fault(complaint) for complaint in wrong + more]
     if faults or case is None:
         raise CaseError(faults)
-    settled = {name: each.model_copy(update={"units": "SI"}) for name, each in own.items()}
+    settled = {name: each.with_(units="SI") for name, each in own.items()}
     return _settled(case, changed), settled, place
 
 
@@ -108,9 +111,9 @@ def _name_alike(tables: dict[str, Any], lines: dict[KeyPath, int]) -> None:
 def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:
     """The case with all that is written in its own units in SI, so that equal cases have equal texts."""
     tables: Any = case.fidelity
-    own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
+    own = {name: table.with_(**_own(table, changed.get(name))) for name, table in tables.items()}
     further = {"uncertain": case.uncertain and uncertain_in_si(case), "fit": fit_in_si(case), "map": maps_in_si(case)}
-    return case.model_copy(update={"units": "SI", "fidelity": own} | record_in_si(case, amounts_in_si(case)) | further)
+    return case.with_(units="SI", fidelity=own, **record_in_si(case, amounts_in_si(case)), **further)
 
 
 def _own(table: Any, variant: FidelityCase | None) -> dict[str, Any]:
@@ -129,23 +132,10 @@ def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[lis
 
 
 def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, list[Complaint]]:
-    model = declaration(tables)
-    case: AnyCase | None = None
-    alone: list[Complaint] = []
-    excused: set[KeyPath] = set()
-    try:
-        case = read(tables)
-    except ValidationError as error:
-        alone, excused = complaints(error, model)
-    readable = readable_case(model, tables)
-    further = (
-        *(map_complaints(readable, model) if readable.record is None else ()),
-        *uncertain_checks(readable),
-        *chosen_checks(readable),
-        *fit_checks(readable),
-    )
-    together = (*cross_checks(readable, folder), *further)
-    return case, alone + _unreported(together, {path for path, _ in alone} | excused)
+    case, reading = read(tables)
+    alone = reading.complaints
+    together = [*cross_checks(case, folder)]
+    return None if alone else case, alone + _unreported(together, {path for path, _ in alone} | reading.excused)
 
 
 #: (table, key): keys that say what other keys of their table mean

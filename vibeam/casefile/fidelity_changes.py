@@ -10,26 +10,14 @@ from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
-
 from vibeam.casefile.field_tables import flat
 from vibeam.casefile.fields import Entry, OneOrSeveral, Several
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.quantities import UnitSystem
 from vibeam.casefile.synonyms import suggest_key
+from vibeam.casefile.tables.declared import Field, Table
 from vibeam.casefile.toml import key_parts
-from vibeam.casefile.validation import (
-    SHARED,
-    entry_of,
-    fields_of,
-    is_list,
-    is_repeated,
-    keys_of,
-    physics_keys,
-    table_of,
-    units_of,
-)
+from vibeam.casefile.validation import SHARED, physics_keys, units_of
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
 from vibeam_models.effects import parts_of
 
@@ -46,7 +34,7 @@ class FidelityCase:
 
 
 def variants(
-    tables: dict[str, Any], model: type[BaseModel], reported: list[Complaint], validate: Validate
+    tables: dict[str, Any], model: type[Table], reported: list[Complaint], validate: Validate
 ) -> tuple[dict[str, FidelityCase], list[Complaint]]:
     """The variant of every fidelity that changes something, and what is wrong with the changes.
 
@@ -67,7 +55,7 @@ def variants(
 class _Change:
     """Keys that one fidelity sets and leaves out."""
 
-    def __init__(self, model: type[BaseModel], name: str, table: dict[str, Any]) -> None:
+    def __init__(self, model: type[Table], name: str, table: dict[str, Any]) -> None:
         self.model, self.name, self.table = model, name, table
         settings, left = table.get("set"), table.get("without")
         self.settings = dict(flat(settings)) if isinstance(settings, dict) else {}
@@ -91,8 +79,7 @@ class _Change:
         return {key: self._in_si(key, value, units) for key, value in self.settings.items()}
 
     def _in_si(self, key: str, value: Any, units: UnitSystem | None) -> Any:
-        field = field_at(self.model, key)[0]
-        entry = entry_of(field) if field is not None else None
+        entry = _entry(field_at(self.model, key)[0])
         return value if entry is None else entry.canonical(entry.read(value, units))
 
     def _key_faults(self) -> Iterator[Complaint]:
@@ -109,7 +96,7 @@ class _Change:
         field, fault = field_at(self.model, key)
         if fault or field is None:
             return fault or f"{as_shown_in_message(key)}: name the whole table, not one of its kind"
-        if field.is_required():
+        if field.required:
             return f"{key} cannot be left out: every case needs it; set it instead"
         if any(each == key or each.startswith(f"{key}.") for each in self.settings):
             return f"{key} is left out and set at once: keep one of the two"
@@ -122,7 +109,7 @@ class _Change:
 
     def _changed(self, tables: dict[str, Any], wrong: list[Complaint]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
         """The case's tables with the changes, less what is no physics; and where each changed key was written."""
-        shared = set(keys_of(self.model)) - {*physics_keys(self.model), *SHARED}
+        shared = set(self.model.KEYS) - {*physics_keys(self.model), *SHARED}
         own = {key: deepcopy(value) for key, value in tables.items() if key not in shared}
         own["fidelity"] = {self.name: {key: each for key, each in self.table.items() if key not in OWN}}
         for key in self.left:
@@ -149,31 +136,35 @@ class _Change:
                 yield ("fidelity", self.name), f"with what it changes, {where}: {message}"
 
 
-def field_at(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | None]:
+def field_at(model: type[Table], key: str) -> tuple[Field | None, str | None]:
     """The declaration of a physics key (None: one of several tables), or what is wrong with it."""
     try:
         first, *rest = key_parts(key)
     except (ValueError, RecursionError):
         return None, f"{as_shown_in_message(key)} is not a key such as stop.gap"
     known = physics_keys(model)
-    if first in keys_of(model) and first not in known:
+    if first in model.KEYS and first not in known:
         return None, f"{first} is shared by all fidelities: a fidelity changes {', '.join(known)} alone"
     if first not in known:
         return None, f"unknown key {as_shown_in_message(key)}; {suggest_key(first, known)}"
-    return _within(fields_of(model)[first], rest, key)
+    return _within(model.KEYS[first], rest, key)
 
 
-def entry_at(model: type[BaseModel], key: str) -> tuple[Entry | None, str | None]:
+def entry_at(model: type[Table], key: str) -> tuple[Entry | None, str | None]:
     """The entry of one value of a physics key, or of each of a list; None of a table; or what is wrong with the key."""
     field, fault = field_at(model, key)
-    entry = None if field is None else entry_of(field)
+    entry = _entry(field)
     return entry.each if isinstance(entry, Several | OneOrSeveral) else entry, fault
 
 
-def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | None, str | None]:
+def _entry(field: Field | None) -> Entry | None:
+    return None if field is None else field.entry
+
+
+def _within(field: Field, rest: list[str], key: str) -> tuple[Field | None, str | None]:
     """As ``field_at``, from a table on."""
-    table = table_of(field)
-    if rest and table is not None and is_repeated(field) and (rest[0].isdigit() or not is_list(field)):
+    table = field.table
+    if rest and field.many and (rest[0].isdigit() or field.many is dict):
         rest = rest[1:]
         if not rest:
             return None, None
@@ -181,9 +172,9 @@ def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | No
         return field, None
     if table is None:
         return None, f"{as_shown_in_message(key)} goes beyond a value"
-    if rest[0] not in keys_of(table):
-        return None, f"unknown key {as_shown_in_message(key)}; {suggest_key(rest[0], keys_of(table))}"
-    return _within(fields_of(table)[rest[0]], rest[1:], key)
+    if rest[0] not in table.KEYS:
+        return None, f"unknown key {as_shown_in_message(key)}; {suggest_key(rest[0], table.KEYS)}"
+    return _within(table.KEYS[rest[0]], rest[1:], key)
 
 
 def _remove(tables: dict[str, Any], parts: list[str]) -> None:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from vibeam.casefile.fields import Count, Several
 from vibeam.casefile.quantities import SI
@@ -17,7 +16,7 @@ from vibeam.casefile.tables.cases import case_table
 from vibeam.casefile.tables.table import content
 from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_parts, too_deep
 from vibeam.casefile.toml_writing import name_of
-from vibeam.casefile.validation import complaints, entry_of, fields_of, lists_of
+from vibeam.casefile.validation import Reading
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, as_shown_in_message, shortened
 
 _INDEX = re.compile("[0-9]{1,9}")
@@ -58,7 +57,8 @@ def _parts(key: str) -> list[str]:
 
 def _require_list(tables: dict[str, Any], parts: list[str]) -> None:
     """OverrideError for an index into a list of tables that the case does not have."""
-    if parts[0] in lists_of(case_table("beam")) and parts[0] not in tables and _INDEX.fullmatch("".join(parts[1:2])):
+    field = case_table("beam").KEYS.get(parts[0])
+    if field and field.many is tuple and parts[0] not in tables and _INDEX.fullmatch("".join(parts[1:2])):
         raise OverrideError(f"the case has no [[{parts[0]}]]: give the whole list, {parts[0]} = [{{ … }}]")
 
 
@@ -206,18 +206,18 @@ def _replaced(table: Any, path: Sequence[str], value: float) -> Any:
     if isinstance(table, tuple):
         at = int(first) if first.isdigit() else len(table)
         return (*table[:at], _replaced(table[at], rest, value), *table[at + 1 :])
-    field = fields_of(type(table))[first]
-    name = first if field.alias is None else f"{first}_"
-    entry, inner = entry_of(field), getattr(table, name)
+    field = table.KEYS[first]
+    name, entry = field.attribute, field.entry
+    inner = getattr(table, name)
     if rest and inner is None:
         raise LookupError(first)
     if rest:
-        return table.model_copy(update={name: _replaced(inner, rest, value)})
+        return table.with_(**{name: _replaced(inner, rest, value)})
     if entry is None:
         raise LookupError(first)
     given = int(value) if isinstance(entry, Count) and value.is_integer() else value
     alone = isinstance(entry, Several) and isinstance(inner, tuple) and len(inner) == 1
-    return table.model_copy(update={name: entry.read([given] if alone else given, SI)})
+    return table.with_(**{name: entry.read([given] if alone else given, SI)})
 
 
 def _read_with(tables: Any, key: str, value: float) -> Any:
@@ -225,9 +225,10 @@ def _read_with(tables: Any, key: str, value: float) -> Any:
     plain = content(tables)
     try:
         override(plain, key, int(value) if value.is_integer() else value, literal=True)
-        return type(tables).model_validate(plain, context=SI)
     except OverrideError as fault:
         raise CaseError([Fault(OVERRIDE, None, key, str(fault))]) from None
-    except ValidationError as error:
-        wrong = complaints(error, type(tables))[0]
-        raise CaseError(Fault(OVERRIDE, None, ".".join(map(str, path)), said) for path, said in wrong) from None
+    reading = Reading(SI)
+    made = reading.table(type(tables), plain)
+    if reading.complaints:
+        raise CaseError(Fault(OVERRIDE, None, ".".join(map(str, path)), said) for path, said in reading.complaints)
+    return made

@@ -11,12 +11,13 @@ from vibeam.case.study_plans import MOST_ELEMENTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Count, Quantity, Several, Word
 from vibeam.casefile.quantities import POSITIVE, Range
+from vibeam.casefile.tables.declared import Table, table
 from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks
 from vibeam.casefile.tables.outputs import output_checks
 from vibeam.casefile.tables.sweep import is_solid
-from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
+from vibeam.casefile.tables.table import Length, Ratio, declared_key, key, plan_keys
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.beams.shapes import SHAPES, foreign_dimensions

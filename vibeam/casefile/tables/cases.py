@@ -14,8 +14,9 @@ from vibeam.casefile.field_tables import settings
 from vibeam.casefile.fields import TEXT, Quantity, Word
 from vibeam.casefile.quantities import POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
+from vibeam.casefile.tables.declared import Later, Table, table
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
-from vibeam.casefile.tables.effects import EffectTable, effect_tables, with_effects
+from vibeam.casefile.tables.effects import effect_tables, with_effects
 from vibeam.casefile.tables.expectations import ExpectTable, MeasuredTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, show_table
 from vibeam.casefile.tables.maps import MapTable, SdofMapTable
@@ -25,12 +26,12 @@ from vibeam.casefile.tables.references import ReferenceTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import BeamFidelityTable, FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
-from vibeam.casefile.tables.table import Ratio, Table, key, plan_keys, table
+from vibeam.casefile.tables.table import Ratio, key, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import FIGURES
 from vibeam_models.effects import EFFECTS
 from vibeam_models.laws import LAWS
-from vibeam_models.registry import Home
+from vibeam_models.registry import Home, loaded
 
 
 def sdof_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -123,7 +124,7 @@ def _study(name: str, home: Home) -> tuple[Any, Any]:
     """The table of a study that has a plan."""
     keys = plan_keys(home.load())
     made = table(f"{name.capitalize()}Table", f"Plan of vibeam {name}.", keys)
-    if any(field.is_required() for _, field in keys.values()):
+    if any(field.required for _, field in keys.values()):
         return made | None, key(f"what vibeam {name} does", None, None, **ASIDE)
     return made, key(f"what vibeam {name} does", None, made(), **ASIDE)
 
@@ -134,7 +135,7 @@ def _influence() -> Parts:
     }
 
 
-SOLID = EffectTable(Home("solid", "vibeam.casefile.tables.solid:SolidTable"), own=True)
+SOLID = Later(lambda: loaded("vibeam.casefile.tables.solid:SolidTable"))
 
 
 def _beam() -> type[AnyCase]:
@@ -203,8 +204,7 @@ def _modes() -> type[AnyCase]:
 
 
 def _case(kind: str, doc: str, *parts: Parts) -> type[AnyCase]:
-    made: type[AnyCase] = table(f"{kind.capitalize()}Case", doc, AnyCase, *parts)
-    made.kind = kind
+    made: type[AnyCase] = table(f"{kind.capitalize()}Case", doc, AnyCase, *parts, kind=kind)
     return made
 
 

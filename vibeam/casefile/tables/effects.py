@@ -3,49 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter
-from pydantic_core import CoreSchema, core_schema
-from pydantic_core.core_schema import ValidationInfo
-
-from vibeam.casefile.tables.table import Table, declared_key, plan_keys, table
+from vibeam.casefile.tables.declared import Field, Later, Table, table
+from vibeam.casefile.tables.table import declared_key, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.effects import EFFECTS, keys_in, tables
 from vibeam_models.registry import Home
 from vibeam_models.scene import Effect
-
-
-@dataclass(frozen=True)
-class EffectTable:
-    """The table of an effect, or the list of its tables: declared where a case first names it.
-
-    ``own``: its home is the table itself, which is no effect's.
-    """
-
-    home: Home
-    own: bool = False
-
-    @property
-    def table(self) -> type[Table]:
-        """One table."""
-        found: type[Table] = self.home.load() if self.own else effect_table(self.home.load())
-        return found
-
-    def read(self, value: Any, info: ValidationInfo) -> Any:
-        """The value as the table, or as a tuple of them; pydantic's ValidationError."""
-        kind: Any = tuple[self.table, ...] if self.home.repeated else self.table  # type: ignore[name-defined]
-        return TypeAdapter(kind).validate_python(value, context=info.context)
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        one = handler(self.table.__pydantic_core_schema__)
-        return {"type": "array", "items": one} if self.home.repeated else one
 
 
 @lru_cache(maxsize=64)
@@ -64,8 +32,8 @@ def effect_tables(on: str) -> dict[str, Any]:
 
 
 def _optional(home: Home) -> tuple[Any, Any]:
-    kind = tuple[Any, ...] if home.repeated else Any
-    return Annotated[kind, EffectTable(home)], Field(() if home.repeated else None, json_schema_extra={"effect": True})
+    one: Any = Annotated[Any, Later(lambda: effect_table(home.load()))]
+    return (tuple[one, ...] if home.repeated else one), Field(default=() if home.repeated else None, effect=True)
 
 
 def with_effects(name: str, model: type[Table]) -> Any:

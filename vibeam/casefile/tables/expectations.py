@@ -15,9 +15,10 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Entry, Word
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE, SI, Dimension, Range, UnitSystem
+from vibeam.casefile.tables.declared import table
 from vibeam.casefile.tables.maps import LEVEL
 from vibeam.casefile.tables.outputs import main_output, of_displacement, quantity_named
-from vibeam.casefile.tables.table import NAME, QUANTITIES, named_fidelity, plan_keys, plan_of, table
+from vibeam.casefile.tables.table import NAME, QUANTITIES, named_fidelity, plan_keys, plan_of
 from vibeam.casefile.tables.transient_numbers import (
     ENERGY,
     swept_number_checks,
@@ -153,7 +154,7 @@ def amounts_in_si(case: Any) -> dict[str, Any]:
 def _in_si(case: Any, reading: Any, keys: tuple[str, ...]) -> Any:
     kind = dimension_read(case, reading)
     amounts = {key: amount for key in keys if (amount := getattr(reading, key)) is not None}
-    return reading.model_copy(update={key: amount.of(kind) for key, amount in amounts.items()})
+    return reading.with_(**{key: amount.of(kind) for key, amount in amounts.items()})
 
 
 def dimension_read(case: Any, reading: Any) -> Dimension:

@@ -12,18 +12,9 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import TEXT, Count, Each, Quantity, Several, Word
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import POSITIVE
+from vibeam.casefile.tables.declared import Table, table
 from vibeam.casefile.tables.outputs import OUTPUT_NAME, shown_output
-from vibeam.casefile.tables.table import (
-    QUANTITIES,
-    Frequency,
-    Length,
-    Table,
-    declared_key,
-    key,
-    named_fidelity,
-    plan_keys,
-    table,
-)
+from vibeam.casefile.tables.table import QUANTITIES, Frequency, Length, declared_key, key, named_fidelity, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import COMMON, FIGURES, LIMITS, OF_OUTPUT, own_keys
 from vibeam.figures.declaration import FigureKind

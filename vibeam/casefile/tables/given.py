@@ -11,12 +11,13 @@ from vibeam.casefile.field_tables import MATRIX_FILE, ROWS, SHAPE, SHAPES, row
 from vibeam.casefile.fields import TEXT, Quantity, Several, Word
 from vibeam.casefile.quantities import MASS, POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import damping_checks
+from vibeam.casefile.tables.declared import Table
 from vibeam.casefile.tables.drive import MOTIONS, DriveTable, drive_checks, list_checks
 from vibeam.casefile.tables.effects import effect_checks, platform_output
 from vibeam.casefile.tables.figures import show_table
 from vibeam.casefile.tables.stop import stop_table
 from vibeam.casefile.tables.sweep import SWEPT, sweep_table
-from vibeam.casefile.tables.table import NAME, Frequency, Ratio, Table, key, less
+from vibeam.casefile.tables.table import NAME, Frequency, Ratio, key, less
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.figures import FIGURES
@@ -59,7 +60,6 @@ def given_rules(case: SimpleNamespace, kind: str) -> Iterator[Complaint]:
     for name in table.outputs or {}:
         if name in OWN or not NAME.fullmatch(name):
             yield (kind, "outputs", name), f"must be letters, digits, - or _, and none of {', '.join(OWN)}"
-    vars(case.drive).update(dict.fromkeys(OF_BEAM))
     if table.base is not None and table.force is not None:
         yield (kind, "force"), f"the drive is said twice: keep {kind}.base, of a base that moves, or {kind}.force"
     elif case.record is None and table.force is not None:

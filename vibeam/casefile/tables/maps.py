@@ -7,13 +7,12 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from pydantic import Field
-
 from vibeam.case.grid_keys import FREQUENCY, STARTS, MapPlan
 from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile.fields import TEXT, Count, Each, ValueEntry
+from vibeam.casefile.tables.declared import Table, table
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
-from vibeam.casefile.tables.table import Table, declared_key, key, plan_keys, table
+from vibeam.casefile.tables.table import declared_key, key, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.keys import keys_of
 
@@ -36,12 +35,10 @@ LEVELS = ValueEntry(_levels, "list of values of the key", {"type": "array", "ite
 class AxisTable(Table):
     """Axis of a map: a key of the case and its values."""
 
-    key_: Annotated[str, TEXT] = Field(
-        alias="key",
-        description="a dotted key of the rig, sweep.frequency, fidelity.NAME.modes, start.displacement or .velocity",
-        examples=["stop.gap"],
+    key_: Annotated[str, TEXT] = key(
+        "a dotted key of the rig, sweep.frequency, fidelity.NAME.modes, start.displacement or .velocity", "stop.gap"
     )
-    from_: Annotated[Any, LEVEL] = Field(None, alias="from", description="first value", examples=["-0.1 mm"])
+    from_: Annotated[Any, LEVEL] = key("first value", "-0.1 mm", None)
     to: Annotated[Any, LEVEL] = key("last value, itself included", "0.1 mm", None)
     points: Annotated[int | None, Count(1, MOST_POINTS)] = key("how many, evenly spaced", 61, None)
     values: Annotated[tuple[Any, ...] | None, LEVELS] = key(

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from vibeam.case.plans import RecordPlan, StartPlan
+from vibeam.casefile.tables.declared import table
 from vibeam.casefile.tables.maps import LEVELS
-from vibeam.casefile.tables.table import less, plan_keys, table
+from vibeam.casefile.tables.table import less, plan_keys
 
 _RECORD_DOC = """The run of every fidelity through one input over time, in place of [sweep]: how long, what is kept,
 realisations, what is varied."""

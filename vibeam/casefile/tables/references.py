@@ -11,8 +11,9 @@ from vibeam.case.plans import Direction, Reference
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import JsonSchema, Several, ValueEntry, Word
 from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE
+from vibeam.casefile.tables.declared import Table, table
 from vibeam.casefile.tables.expectations import Amount, AmountEntry, si_unit, swept_checks
-from vibeam.casefile.tables.table import QUANTITIES, Frequency, Table, key, named_fidelity, plan_keys, plan_of, table
+from vibeam.casefile.tables.table import QUANTITIES, Frequency, key, named_fidelity, plan_keys, plan_of
 from vibeam.exchange.curves.record import QUANTITIES as OF_CURVES
 from vibeam.exchange.curves.record import ROLES, ReferenceForm, known_unit
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest

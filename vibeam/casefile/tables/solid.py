@@ -7,7 +7,8 @@ from typing import Annotated, Any
 from vibeam.casefile.field_tables import by_name
 from vibeam.casefile.fields import TEXT, Each, Entry, Several, ValueEntry, Word
 from vibeam.casefile.quantities import LENGTH, UnitSystem, to_si
-from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
+from vibeam.casefile.tables.declared import Table, table
+from vibeam.casefile.tables.table import Length, Ratio, declared_key, key, plan_keys
 from vibeam.exchange.faults import as_shown_in_message, suggest
 from vibeam_models.keys import keys_of
 from vibeam_models.solid.plan import SURFACE_DIRECTIONS, GroupMass, GroupMaterial, Solid
@@ -137,7 +138,7 @@ class _Mesh(Table):
     mass: tuple[GroupMassTable, ...] = key("masses on a mesh's groups", [{"group": "block", "mass": "0.2 kg"}], ())
 
 
-OF_MESH = tuple(name for name in _Mesh.model_fields if name not in ("mesh", "damping", "damping_ratio"))
+OF_MESH = tuple(name for name in _Mesh.KEYS if name not in ("mesh", "damping", "damping_ratio"))
 OF_BODY = tuple(name for name in _BODY if name not in ("contact", "clamp"))
 
 SolidTable: Any = table(

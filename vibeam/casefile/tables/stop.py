@@ -11,7 +11,8 @@ import numpy as np
 
 from vibeam.casefile.fields import Word
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.tables.table import Table, declared_entry, declared_key, key, less, plan_keys, table
+from vibeam.casefile.tables.declared import Table, table
+from vibeam.casefile.tables.table import declared_entry, declared_key, key, less, plan_keys
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS

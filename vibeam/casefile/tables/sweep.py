@@ -7,8 +7,6 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from pydantic import Field
-
 from vibeam.case.fidelity import Fidelity
 from vibeam.case.plans import SweepPlan
 from vibeam.case.reduced_structure import Flight
@@ -16,8 +14,9 @@ from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
 from vibeam.casefile.fields import TEXT, Count, Each, Several, Word
 from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.tables.declared import Table, table
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
-from vibeam.casefile.tables.table import Frequency, Table, declared_key, key, plan_keys, plan_of, table
+from vibeam.casefile.tables.table import Frequency, declared_key, key, plan_keys, plan_of
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.solvers import SOLVERS
@@ -80,7 +79,7 @@ def _parameters(path: KeyPath, fidelity: Any, declared: ReductionDeclaration) ->
 class GridTable(Table):
     """Evenly spaced drive frequencies."""
 
-    from_: Annotated[float, Frequency] = Field(alias="from", description="first frequency", examples=["14 Hz"])
+    from_: Annotated[float, Frequency] = key("first frequency", "14 Hz")
     to: Annotated[float, Frequency] = key("last frequency, itself included", "17 Hz")
     points: Annotated[int, Count(1, MOST_POINTS)] = key("how many", 121)
 
