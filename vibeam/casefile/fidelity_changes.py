@@ -6,7 +6,6 @@ A fidelity's scene is the case's tables with the changes made in them, judged by
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +16,7 @@ from vibeam.casefile.quantities import UnitSystem
 from vibeam.casefile.synonyms import suggest_key
 from vibeam.casefile.tables.declared import Field, Table
 from vibeam.casefile.toml import key_parts
-from vibeam.casefile.validation import SHARED, physics_keys, units_of
+from vibeam.casefile.validation import SHARED, declaration, physics_keys, units_of
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
 from vibeam_models.effects import parts_of
 
@@ -34,7 +33,7 @@ class FidelityCase:
 
 
 def variants(
-    tables: dict[str, Any], model: type[Table], reported: list[Complaint], validate: Validate
+    tables: dict[str, Any], reported: list[Complaint], validate: Validate
 ) -> tuple[dict[str, FidelityCase], list[Complaint]]:
     """The variant of every fidelity that changes something, and what is wrong with the changes.
 
@@ -45,7 +44,7 @@ def variants(
     fidelities = tables.get("fidelity")
     for name, table in fidelities.items() if isinstance(fidelities, dict) else ():
         if isinstance(table, dict) and ("set" in table or "without" in table):
-            change = _Change(model, name, table)
+            change = _Change(declaration(tables), name, table)
             own = change.validated(tables, dict(reported), validate, wrong)
             if own is not None:
                 found[name] = FidelityCase(own, change.canonical(units_of(own.units)))
@@ -110,15 +109,15 @@ class _Change:
     def _changed(self, tables: dict[str, Any], wrong: list[Complaint]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
         """The case's tables with the changes, less what is no physics; and where each changed key was written."""
         shared = set(self.model.KEYS) - {*physics_keys(self.model), *SHARED}
-        own = {key: deepcopy(value) for key, value in tables.items() if key not in shared}
+        own = {key: value for key, value in tables.items() if key not in shared}
         own["fidelity"] = {self.name: {key: each for key, each in self.table.items() if key not in OWN}}
         for key in self.left:
-            _remove(own, key_parts(key))
-            _remove_on(own, key)
+            own = _less_carried(_less(own, key_parts(key)), key)
         places: dict[KeyPath, KeyPath] = {}
         for key, value in self.settings.items():
             try:
-                places[override(own, key, deepcopy(value), literal=True)] = self._at(key)
+                own, path = override(own, key, value, literal=True)
+                places[path] = self._at(key)
             except OverrideError as error:
                 wrong.append((self._at(key), str(error)))
         return own, places
@@ -177,25 +176,23 @@ def _within(field: Field, rest: list[str], key: str) -> tuple[Field | None, str 
     return _within(table.KEYS[rest[0]], rest[1:], key)
 
 
-def _remove(tables: dict[str, Any], parts: list[str]) -> None:
-    """Take a key away where it is; a key of tables of which there are several, from each of them."""
-    *above, last = parts
-    places: list[Any] = [tables]
-    for part in above:
-        inner = [place.get(part) for place in places if isinstance(place, dict)]
-        places = [each for one in inner for each in (one if isinstance(one, list) else [one])]
-    for place in places:
-        if isinstance(place, dict):
-            place.pop(last, None)
+def _less(place: Any, parts: list[str]) -> Any:
+    """A table less a key, where it has it; of tables of which there are several, each of them."""
+    if isinstance(place, list):
+        return [_less(each, parts) for each in place]
+    first, *rest = parts
+    if not isinstance(place, dict) or first not in place:
+        return place
+    if rest:
+        return place | {first: _less(place[first], rest)}
+    return {key: value for key, value in place.items() if key != first}
 
 
-def _remove_on(tables: dict[str, Any], name: str) -> None:
-    """Take away what is on a beam that is left out: its parts, entries of lists of tables with ``on`` = its name."""
-    for part in parts_of(name):
-        tables.pop(part, None)
-    for key, value in tables.items():
-        if isinstance(value, list) and any(_is_on(each, name) for each in value):
-            tables[key] = [each for each in value if not _is_on(each, name)]
+def _less_carried(tables: dict[str, Any], name: str) -> dict[str, Any]:
+    """The tables less what is on a beam that is left out: its parts, entries of lists with ``on`` = its name."""
+    left = {key: value for key, value in tables.items() if key not in parts_of(name)}
+    lists = {key: value for key, value in left.items() if isinstance(value, list)}
+    return left | {key: [each for each in value if not _is_on(each, name)] for key, value in lists.items()}
 
 
 def _is_on(table: Any, name: str) -> bool:

@@ -95,8 +95,7 @@ def read_uncertain(key: str, text: Any, case: Any) -> Uncertain:
 
 def uncertain_in_si(case: Any) -> dict[str, str]:
     """[uncertain] of a checked case, its numbers without a unit with that of SI."""
-    said = (case.uncertain or {}).items()
-    return {key: _in_si(text, number_entry(key, case, OF_UNCERTAIN), case) for key, text in said}
+    return {key: _in_si(text, number_entry(key, case, OF_UNCERTAIN), case) for key, text in case.uncertain.items()}
 
 
 def _in_si(text: str, entry: Quantity, case: Any) -> str:
@@ -188,8 +187,6 @@ def read_key(name: str, bounds: Any, case: Any) -> FitKey:
 
 def fit_in_si(case: Any) -> Any:
     """[fit] of a checked case, its numbers without a unit with that of SI."""
-    if case.fit is None:
-        return None
     units = units_of(case.units)
     kinds = {name: number_entry(name, case, OF_FIT).kind for name in case.fit.keys}
     keys = {name: [with_unit(each, kinds[name], units) for each in bounds] for name, bounds in case.fit.keys.items()}

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -14,9 +16,9 @@ from vibeam.casefile.fields import Count, Several
 from vibeam.casefile.quantities import SI
 from vibeam.casefile.tables.cases import case_table
 from vibeam.casefile.tables.table import content
-from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_parts, too_deep
+from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_lines, key_parts, too_deep
 from vibeam.casefile.toml_writing import name_of
-from vibeam.casefile.validation import Reading
+from vibeam.casefile.validation import ALIKE, MAP, Reading
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, as_shown_in_message, shortened
 
 _INDEX = re.compile("[0-9]{1,9}")
@@ -26,22 +28,26 @@ class OverrideError(ValueError):
     """An override that has no place in the case."""
 
 
-def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False) -> KeyPath:
-    """Set (None: take away) one key in ``tables``, in place; returns its path. OverrideError if that cannot be.
+def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False) -> tuple[dict[str, Any], KeyPath]:
+    """The tables with one key set (None: taken away), and its path; OverrideError if that cannot be.
 
     ``literal``: the value is a case's already; else text that is a TOML value is read as one.
     """
     parts = _parts(key)
     _require_list(tables, parts)
-    *above, last = parts
-    place: Any = tables
-    path: KeyPath = ()
-    for part in above:
-        path = (*path, _where(place, part))
-        place = _inside(place, path[-1])
-    where = _where(place, last)
-    _put(place, where, value, literal)
-    return (*path, where)
+    made, path = _overridden(tables, parts, value, literal)
+    return made, path
+
+
+def _overridden(place: Any, parts: list[str], value: Any, literal: bool) -> tuple[Any, KeyPath]:
+    """As ``override``, of a table or list and the path in it."""
+    where, made = _where(place, parts[0]), copy(place)
+    if not parts[1:]:
+        _put(made, where, value, literal)
+        return made, (where,)
+    inner = place.get(where, {}) if isinstance(place, dict) else place[where]
+    made[where], path = _overridden(inner, parts[1:], value, literal)
+    return made, (where, *path)
 
 
 def _parts(key: str) -> list[str]:
@@ -78,10 +84,6 @@ def _where(place: Any, part: str) -> str | int:
 def _indices(place: list[Any]) -> str:
     indices = "index 0 alone" if len(place) == 1 else f"the indices 0 to {len(place) - 1}"
     return f"the list has {indices}" if place else "the list is empty"
-
-
-def _inside(place: Any, where: str | int) -> Any:
-    return place.setdefault(where, {}) if isinstance(place, dict) else place[where]
 
 
 def _put(place: Any, where: str | int, value: Any, literal: bool) -> None:
@@ -138,44 +140,28 @@ def _from_text(text: str) -> Any:
     return found["value"] if list(found) == ["value"] and "\n" not in text else text
 
 
-MAP = "map"
-
-
-def name_map(tables: dict[str, Any]) -> bool:
-    """Give the map that [map] is, where it has keys that are no tables, the name "map", in place; whether there is one.
-
-    No key of a map is a table, so that whatever is one is a map with a name. A name that is taken stays as it was.
-    """
-    given = tables.get(MAP)
-    if not isinstance(given, dict):
-        return False
-    own = {key: value for key, value in given.items() if not isinstance(value, dict)}
-    if not own or MAP in given:
-        return False
-    tables[MAP] = {MAP: own} | {key: value for key, value in given.items() if key not in own}
-    return True
-
-
-def as_written(path: KeyPath) -> KeyPath:
-    """The path of a key of the map without a name as the file has it."""
-    return (MAP, *path[2:]) if path[:2] == (MAP, MAP) else path
-
-
 @dataclass(frozen=True)
 class Places:
-    """Origins of the keys of a case: lines of the file, or overrides."""
+    """Origins of the keys of a case: lines of the file's text, or overrides."""
 
     file: str
-    lines: Mapping[KeyPath, int]
+    text: str
     overridden: set[KeyPath]
     unnamed_map: bool
+
+    @cached_property
+    def lines(self) -> Mapping[KeyPath, int]:
+        """Line of each key of the text."""
+        return key_lines(self.text)
 
     def fault(self, complaint: Complaint) -> Fault:
         """The fault of a key at its line, or in the override that set it."""
         path, message = complaint
-        path = as_written(path) if self.unnamed_map else path
+        path = (MAP, *path[2:]) if self.unnamed_map and path[:2] == (MAP, MAP) else path
         key = ".".join(name_of(shortened(str(part))) for part in path)
-        places = [path[:length] for length in range(len(path), 0, -1)]
+        spelt, name = ALIKE.get(str(path[0]), ("", ""))
+        written = tuple(spelt if part == name else part for part in path)
+        places = [each[:length] for length in range(len(path), 0, -1) for each in (path, written)]
         if self.overridden.intersection(places):
             return Fault(OVERRIDE, None, key, message)
         for place in places:
@@ -224,7 +210,7 @@ def _read_with(tables: Any, key: str, value: float) -> Any:
     """Tables with a key that was not there, read anew; CaseError where they cannot be read with it."""
     plain = content(tables)
     try:
-        override(plain, key, int(value) if value.is_integer() else value, literal=True)
+        plain, _ = override(plain, key, int(value) if value.is_integer() else value, literal=True)
     except OverrideError as fault:
         raise CaseError([Fault(OVERRIDE, None, key, str(fault))]) from None
     reading = Reading(SI)

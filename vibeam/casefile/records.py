@@ -247,8 +247,6 @@ def located(case: Any, numbers: Mapping[str, T]) -> dict[str, T]:
 
 def record_in_si(case: Any, tables: dict[str, Any]) -> dict[str, Any]:
     """``tables`` and [record] of a checked case, the values of what is varied with their SI unit."""
-    if case.record is None:
-        return tables
     entry, system = varied(case)[0], units_of(case.units)
     kind = entry.kind if isinstance(entry, Quantity) else None
 

@@ -9,16 +9,62 @@ from typing import Any
 from vibeam.casefile.kinds import KINDS, kind_of
 from vibeam.casefile.quantities import SI, UNIT_SYSTEMS, UnitSystem
 from vibeam.casefile.synonyms import meant, suggest_key
+from vibeam.casefile.tables.cases import AnyCase, case_table
 from vibeam.casefile.tables.declared import Field, Table
 from vibeam.casefile.toml_writing import name_of, to_fill_in
 from vibeam.exchange.faults import KNOWN, Complaint, KeyPath, as_shown_in_message, suggestion
 from vibeam_models.effects import tables as effect_tables
 
+MAP = "map"
+ALIKE = {  # tables: a spelling that is read, and the key that it is
+    **dict.fromkeys((MAP, "show"), ("fidelity", "fidelities")), "measured": ("scatter", "uncertainty"),
+}  # fmt: skip
+
 
 def read(tables: dict[str, Any]) -> tuple[Any, Reading]:
     """The case as far as it can be read, with what was wrong in its reading."""
     reading = Reading(units_of(tables.get("units")))
-    return reading.table(kind_of(tables).declaration(), tables), reading
+    return reading.table(declaration(tables), _in_full(tables)), reading
+
+
+def declaration(tables: Mapping[str, Any]) -> type[AnyCase]:
+    """Declaration of the kind of case that the tables are."""
+    return case_table(kind_of(tables).name)
+
+
+def _in_full(tables: dict[str, Any]) -> dict[str, Any]:
+    """The tables as they are declared: with what follows from others where a case leaves it out, in one spelling.
+
+    Matrices have the units of the case; a record without a drive is driven by nothing.
+    """
+    found = {"drive": {}} | tables if "record" in tables else dict(tables)
+    if "units" in tables and isinstance(matrices := tables.get("matrices"), dict):
+        units = str(tables["units"])
+        found["matrices"] = {"units": units if units in UNIT_SYSTEMS else "SI"} | matrices
+    if own := unnamed_map(tables):
+        found[MAP] = {MAP: own} | {name: each for name, each in tables[MAP].items() if name not in own}
+    for kind, (spelt, key) in ALIKE.items():
+        if isinstance(named := found.get(kind), dict):
+            found[kind] = {name: _called(key, spelt, table) for name, table in named.items()}
+    return found
+
+
+def unnamed_map(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Keys of the map that [map] itself is, whose name is "map" where no other has it.
+
+    No key of a map is a table, so that whatever is one is a map with a name.
+    """
+    given = tables.get(MAP)
+    if not isinstance(given, dict) or MAP in given:
+        return {}
+    return {key: value for key, value in given.items() if not isinstance(value, dict)}
+
+
+def _called(key: str, spelt: str, table: Any) -> Any:
+    """A table whose key is called so, unless it has that as well."""
+    if not isinstance(table, dict) or key in table:
+        return table
+    return {key if name == spelt else name: value for name, value in table.items()}
 
 
 def units_of(said: Any) -> UnitSystem | None:

@@ -8,6 +8,7 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+from vibeam.case.plans import RecordPlan, StartPlan
 from vibeam.case.study_plans import STUDY_PLANS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import settings
@@ -19,14 +20,13 @@ from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_
 from vibeam.casefile.tables.effects import effect_tables, with_effects
 from vibeam.casefile.tables.expectations import ExpectTable, MeasuredTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, show_table
-from vibeam.casefile.tables.maps import MapTable, SdofMapTable
+from vibeam.casefile.tables.maps import LEVELS, MapTable, SdofMapTable
 from vibeam.casefile.tables.outputs import OutputTable
-from vibeam.casefile.tables.record import RecordTable, SdofStartTable, StartTable
 from vibeam.casefile.tables.references import ReferenceTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import BeamFidelityTable, FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
-from vibeam.casefile.tables.table import Ratio, key, plan_keys
+from vibeam.casefile.tables.table import Ratio, key, less, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import FIGURES
 from vibeam_models.effects import EFFECTS
@@ -53,6 +53,13 @@ class SdofTable(Table):
     )
     damping_ratio: Annotated[float, Ratio] = key("β, of critical", 0.015)
 
+
+_RECORD = """The run of every fidelity through one input over time, in place of [sweep]: how long, what is kept,
+realisations, what is varied."""
+_START = "The state at the start of a [record]: plucked, moving or dropped; absent = settled, in static equilibrium."
+RecordTable: Any = table("RecordTable", _RECORD, plan_keys(RecordPlan, values=LEVELS))
+StartTable: Any = table("StartTable", _START, plan_keys(StartPlan))
+SdofStartTable: Any = less(StartTable, "SdofStartTable", _START, "height", plain=True)
 
 ASIDE: Any = {"physics": False, "numbers": False}  # no part of the rig, nor of what its sweeps compute
 

@@ -55,7 +55,7 @@ class Field:
 
     @property
     def required(self) -> bool:
-        """Whether a table must have it."""
+        """Test whether a table must have it."""
         return self.default is ...
 
     @property
@@ -71,14 +71,14 @@ class Field:
 
     @property
     def unread(self) -> Any:
-        """What stands for a value that could not be read: None, of a table one that says nothing, of several none."""
+        """Stand-in for what could not be read: None, for a table one that says nothing, for several none."""
         if self.entry is not None:
             return None
         return self.table() if self.many is None else self.many()
 
     @property
     def absent(self) -> Any:
-        """What stands for the key where a table does not have it."""
+        """Value of the key where a table does not have it."""
         return self.unread if self.required else self.default
 
 

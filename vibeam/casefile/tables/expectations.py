@@ -145,16 +145,13 @@ def amount_checks(case: SimpleNamespace) -> Iterator[Complaint]:
 
 def amounts_in_si(case: Any) -> dict[str, Any]:
     """The comparing tables of a checked case, by name, their amounts in SI."""
-    return {
-        kind: {name: _in_si(case, reading, keys) for name, reading in getattr(case, kind).items()}
-        for kind, keys in AMOUNTS.items()
-    }
-
-
-def _in_si(case: Any, reading: Any, keys: tuple[str, ...]) -> Any:
-    kind = dimension_read(case, reading)
-    amounts = {key: amount for key in keys if (amount := getattr(reading, key)) is not None}
-    return reading.with_(**{key: amount.of(kind) for key, amount in amounts.items()})
+    found = {kind: dict(getattr(case, kind)) for kind in AMOUNTS}
+    for kind, keys in AMOUNTS.items():
+        for name, reading in found[kind].items():
+            wanted = dimension_read(case, reading)
+            amounts = {key: amount.of(wanted) for key in keys if (amount := getattr(reading, key)) is not None}
+            found[kind][name] = reading.with_(**amounts)
+    return found
 
 
 def dimension_read(case: Any, reading: Any) -> Dimension:
