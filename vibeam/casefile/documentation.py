@@ -213,7 +213,7 @@ def _key(name: str, field: Field, tables: dict[str, Any]) -> dict[str, Any]:
     said |= {"title": name.replace("_", " ").title()} if field.many or not field.table else {}
     if (field.entry or field.many is tuple) and field.default not in (..., None, {}):
         said["default"] = field.default
-    if field.default is None and field.held and not isinstance(field.held, Later):
+    if field.default is None and not field.entry and not isinstance(field.kind, Later):
         return {**_sorted(said), **_sorted(_held(field, tables))}
     return {**_sorted(_held(field, tables) | said)}
 
@@ -223,7 +223,7 @@ def _held(field: Field, tables: dict[str, Any]) -> dict[str, Any]:
     if field.entry:
         value = field.entry.schema()
         return {"anyOf": [_table(field.table, tables), value]} if field.table else value
-    one = (_table if isinstance(field.held, Later) else _referred)(field.table, tables)
+    one = (_table if isinstance(field.kind, Later) else _referred)(field.table, tables)
     if field.many is None:
         return one
     return {"type": "array", "items": one} if field.many is tuple else {"type": "object", "additionalProperties": one}

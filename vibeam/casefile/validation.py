@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from vibeam.casefile.fields import Entry
 from vibeam.casefile.kinds import KINDS, kind_of
 from vibeam.casefile.quantities import SI, UNIT_SYSTEMS, UnitSystem
 from vibeam.casefile.synonyms import meant, suggest_key
@@ -101,10 +102,10 @@ class Reading:
         return kind(**found)
 
     def _value(self, key: Field, value: Any, at: KeyPath) -> Any:
-        if key.entry is None or (key.table and isinstance(value, dict)):
+        if not isinstance(key.kind, Entry) or (key.table and isinstance(value, dict)):
             return self._tables(key, value, at)
         try:
-            return key.entry.read(value, self.units)
+            return key.kind.read(value, self.units)
         except ValueError as error:
             self._complain(at, str(error))
             return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from math import inf, isinf
-from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -29,8 +28,7 @@ import vibeam
 from vibeam.casefile.documentation import reference_table
 from vibeam.casefile.fields import TEXT
 from vibeam.casefile.read import parse
-from vibeam.casefile.tables.declared import table
-from vibeam.casefile.tables.table import key
+from vibeam.casefile.tables.declared import key, table
 from vibeam.report.effects import details, lines
 from vibeam.studies.effect_sets import effects_of, smallest, subsets
 from vibeam.studies.effects import influence
@@ -64,9 +62,8 @@ def test_what_says_the_rig_is_no_effect_of_it(place: str) -> None:
 
 
 def test_a_key_or_table_is_an_effect_by_its_declaration_not_by_its_words() -> None:
-    kind = Annotated[Any, TEXT]
-    told = table("Told", "Effect: in words alone.", {"ghost": (kind, key("effect: in words alone", "boo", None))})
-    meant = table("Meant", "Haunts the beam.", {"ghost": (kind, key("haunts the beam", "boo", None, effect=True))})
+    told = table("Told", "Effect: in words alone.", {"ghost": key(TEXT, "effect: in words alone", "boo", None)})
+    meant = table("Meant", "Haunts the beam.", {"ghost": key(TEXT, "haunts the beam", "boo", None, effect=True)})
     assert not told.KEYS["ghost"].effect
     assert meant.KEYS["ghost"].effect
     assert meant.KEYS["ghost"].description == "effect: haunts the beam"

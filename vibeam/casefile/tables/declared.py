@@ -2,56 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from inspect import get_annotations
+from collections.abc import Callable, Mapping
+from dataclasses import KW_ONLY, dataclass, replace
 from types import SimpleNamespace
-from typing import Any, ClassVar, TypeVar, get_args, get_origin
+from typing import Any, ClassVar, TypeVar
 
 from vibeam.casefile.field_tables import TableOr
 from vibeam.casefile.fields import Entry
 
 AnyTable = TypeVar("AnyTable", bound="Table")
-Plain = tuple[str, Any]  # meaning and example of a key where the case is nondimensional
 
 
 @dataclass(frozen=True)
 class Later:
-    """A table, in an annotation, that is declared where a case first names it."""
+    """A table that is declared where a case first names it."""
 
     declare: Callable[[], Any]
 
 
 @dataclass(frozen=True, eq=False)
 class Field:
-    """A key of a table: meaning, example for the template, default (``...``: required), and notes as ``key`` has them.
+    """A key: its meaning, an example for the template, its default (``...``: required).
 
-    ``entry`` reads its value; without one it is the table ``held``, or ``many`` of them, by name or in a list.
-    ``attribute``: its name in what was read.
+    ``kind``: the entry that reads its value, or the table that it holds, or ``many`` of them, by name or in a list.
+    ``effect``: it declares an optional effect; ``of``: the effect in the same table without which it means nothing.
+    ``physics``: part of the rig, which a fidelity may change; ``numbers``: part of what the sweeps compute; ``plain``:
+    meaning and example where the case is nondimensional. ``attribute``: its name in what was read.
     """
 
+    kind: Any
     meaning: str = ""
     example: Any = None
     default: Any = ...
+    _: KW_ONLY
+    many: type[dict[str, Any]] | type[tuple[Any, ...]] | None = None
     effect: bool = False
     of: str = ""
-    plain: Plain | None = None
+    plain: tuple[str, Any] | None = None
     physics: bool = True
     numbers: bool = True
     attribute: str = ""
-    entry: Entry | None = None
-    held: Any = None
-    many: Any = None
-
-    def of_kind(self, attribute: str, annotation: Any) -> Field:
-        """The field by its annotation, as in ``dict[str, Table] | None`` or ``Annotated[float, Entry]``."""
-        parts = list(_parts(annotation))
-        if entry := next((part for part in parts if isinstance(part, Entry)), None):
-            return replace(self, attribute=attribute, entry=entry)
-        held = next(part for part in parts if isinstance(part, Later) or _is_table(part))
-        origins: list[Any] = [get_origin(part) for part in parts]
-        many = next((kind for kind in origins if kind in (dict, tuple)), None)
-        return replace(self, attribute=attribute, held=held, many=many)
 
     @property
     def required(self) -> bool:
@@ -64,15 +54,21 @@ class Field:
         return f"effect: {self.meaning}" if self.effect and self.meaning else self.meaning
 
     @property
+    def entry(self) -> Entry | None:
+        """Entry that reads its value; None of a table."""
+        return self.kind if isinstance(self.kind, Entry) else None
+
+    @property
     def table(self) -> Any:
         """The table that it holds, one or several; None for a value."""
-        found = self.entry.table if isinstance(self.entry, TableOr) else self.held
-        return found.declare() if isinstance(found, Later) else found
+        if isinstance(self.kind, Entry):
+            return self.kind.table if isinstance(self.kind, TableOr) else None
+        return self.kind.declare() if isinstance(self.kind, Later) else self.kind
 
     @property
     def unread(self) -> Any:
         """Stand-in for what could not be read: None, for a table one that says nothing, for several none."""
-        if self.entry is not None:
+        if self.entry:
             return None
         return self.table() if self.many is None else self.many()
 
@@ -82,14 +78,9 @@ class Field:
         return self.unread if self.required else self.default
 
 
-def _parts(annotation: Any) -> Iterator[Any]:
-    yield annotation
-    for inner in get_args(annotation):
-        yield from _parts(inner)
-
-
-def _is_table(part: Any) -> bool:
-    return isinstance(part, type) and issubclass(part, Table)
+def key(kind: Any, meaning: str = "", example: Any = None, default: Any = ..., **notes: Any) -> Any:
+    """A ``Field`` where a table declares it; in what was read it is a value."""
+    return Field(kind, meaning, example, default, **notes)
 
 
 class Table(SimpleNamespace):
@@ -102,9 +93,7 @@ class Table(SimpleNamespace):
 
     def __init_subclass__(cls) -> None:
         if "KEYS" not in vars(cls):
-            said = {name: each for name, each in vars(cls).items() if isinstance(each, Field)}
-            known = get_annotations(cls, eval_str=True, locals={}) if said else {}
-            cls.KEYS = {**cls.KEYS} | {name.rstrip("_"): each.of_kind(name, known[name]) for name, each in said.items()}
+            cls.KEYS = {**cls.KEYS, **_named(vars(cls))}
 
     def __init__(self, **values: Any) -> None:
         absent = {each.attribute: each.absent for each in self.KEYS.values() if each.attribute not in values}
@@ -118,17 +107,19 @@ class Table(SimpleNamespace):
         return type(self)(**vars(self) | values)
 
 
-def table(name: str, meaning: str, *parts: type[Table] | Mapping[str, tuple[Any, Any]], **own: Any) -> Any:
-    """A table made of parts, whose keys stand in the order of the parts: tables, or {key: (annotation, ``key``)}.
+def table(name: str, meaning: str, *parts: type[Table] | Mapping[str, Field], **own: Any) -> Any:
+    """A table made of parts, tables or fields by key, whose keys stand in the order of the parts.
 
     ``own``: further attributes of the class.
     """
     keys: dict[str, Field] = {}
     for part in parts:
-        keys |= part.KEYS if isinstance(part, type) else {each: _field(each, *said) for each, said in part.items()}
+        keys |= part.KEYS if isinstance(part, type) else _named(part)
     bases = tuple(part for part in parts if isinstance(part, type)) or (Table,)
     return type(name, bases, {"__doc__": meaning, "KEYS": keys} | own)
 
 
-def _field(name: str, annotation: Any, said: Any) -> Field:
-    return (Field() if said is ... else said).of_kind(name, annotation)
+def _named(said: Mapping[str, Any]) -> dict[str, Field]:
+    """Fields by the names of their keys."""
+    found = {name: each for name, each in said.items() if isinstance(each, Field)}
+    return {name.rstrip("_"): replace(each, attribute=name) for name, each in found.items()}

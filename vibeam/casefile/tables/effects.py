@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import fields
 from functools import lru_cache
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
 from vibeam.casefile.tables.declared import Field, Later, Table, table
 from vibeam.casefile.tables.table import declared_key, plan_keys
@@ -25,15 +25,15 @@ def effect_table(effect: type[Effect]) -> type[Table]:
     return made
 
 
-def effect_tables(on: str) -> dict[str, Any]:
+def effect_tables(on: str) -> dict[str, Field]:
     """The tables of the effects on the beam, or on its base, as fields of a case."""
     homes = sorted((name, home) for name, home in tables().items() if home.on == on)
     return {name: _optional(home) for name, home in homes}
 
 
-def _optional(home: Home) -> tuple[Any, Any]:
-    one: Any = Annotated[Any, Later(lambda: effect_table(home.load()))]
-    return (tuple[one, ...] if home.repeated else one), Field(default=() if home.repeated else None, effect=True)
+def _optional(home: Home) -> Field:
+    one, many = Later(lambda: effect_table(home.load())), tuple if home.repeated else None
+    return Field(one, default=() if home.repeated else None, many=many, effect=True)
 
 
 def with_effects(name: str, model: type[Table]) -> Any:

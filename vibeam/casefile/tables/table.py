@@ -9,35 +9,16 @@ from dataclasses import replace
 from hashlib import sha256
 from math import inf
 from types import SimpleNamespace
-from typing import Annotated, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import FLAG, TEXT, Count, Each, Entry, Quantity, Several, Word
 from vibeam.casefile.quantities import NOT_NEGATIVE, POSITIVE, Range
-from vibeam.casefile.tables.declared import Field, Plain, Table, table
+from vibeam.casefile.tables.declared import Field, Table, table
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam_models.keys import Key, defaults_of, keys_of
 
 T = TypeVar("T")
-
-
-def key(
-    meaning: str,
-    example: Any = None,
-    default: Any = ...,
-    *,
-    effect: bool = False,
-    of: str = "",
-    plain: Plain | None = None,
-    physics: bool = True,
-    numbers: bool = True,
-) -> Any:
-    """A key: what it means, an example for the template, its default.
-
-    ``effect``: it declares an optional effect; ``of``: the effect in the same table without which it means nothing.
-    ``physics``: part of the rig, which a fidelity may change; ``numbers``: part of what the sweeps compute.
-    """
-    return Field(meaning, example, default, effect, of, plain, physics, numbers)
 
 
 def declared_entry(declared: Key) -> Entry:
@@ -60,16 +41,16 @@ def declared_entry(declared: Key) -> Entry:
 
 def declared_key(
     declared: Key, default: Any = ..., of: str = "", effect: bool = False, entry: Entry | None = None
-) -> tuple[Any, Any]:
-    """The annotation and the ``key`` of a declaration's key; ``entry``: what reads one of more than a number."""
+) -> Field:
+    """The field of a declaration's key; ``entry``: what reads one of more than a number."""
     plain = declared.plain and (declared.plain[0] or declared.meaning, declared.plain[1])
     notes: Any = {"effect": effect or declared.effect, "of": of or declared.of, "plain": plain}
-    field = key(declared.meaning, declared.example, default, **notes, numbers=declared.numbers)
-    return Annotated[Any, entry or declared_entry(declared)], field
+    reads = entry or declared_entry(declared)
+    return Field(reads, declared.meaning, declared.example, default, numbers=declared.numbers, **notes)
 
 
-def plan_keys(kind: type[Any], **entries: Entry) -> dict[str, tuple[Any, Any]]:
-    """The keys of a plan, each with its annotation and ``key``; ``entries``: what reads those of more than numbers."""
+def plan_keys(kind: type[Any], **entries: Entry) -> dict[str, Field]:
+    """The fields of a plan by key; ``entries``: what reads those of more than numbers."""
     keys, usual = keys_of(kind), defaults_of(kind)
     return {name: declared_key(each, usual.get(name, ...), entry=entries.get(name)) for name, each in keys.items()}
 
@@ -103,12 +84,11 @@ def less(model: type[Table], name: str, meaning: str, *keys: str, plain: bool = 
 
 def _plain(field: Field) -> Field:
     """The key without its unit."""
-    assert field.entry is not None
-    own, example = field.entry.nondimensional(), field.example
+    own, example = field.kind.nondimensional(), field.example
     if field.plain:
-        return replace(field, entry=own, meaning=field.plain[0], example=field.plain[1])
-    same = own == field.entry or example is None
-    return replace(field, entry=own, example=example if same else field.entry.parse(example))
+        return replace(field, kind=own, meaning=field.plain[0], example=field.plain[1])
+    same = own == field.kind or example is None
+    return replace(field, kind=own, example=example if same else field.kind.parse(example))
 
 
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
