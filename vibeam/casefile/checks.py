@@ -9,10 +9,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 from pathlib import Path as File
-from types import SimpleNamespace
 from typing import Any
-
-from pydantic import ValidationError
 
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
 from vibeam.casefile.keys import model_of, rig_checks
@@ -25,8 +22,7 @@ from vibeam.casefile.number_keys import (
     uncertain_checks,
     uncertain_in_si,
 )
-from vibeam.casefile.overrides import OverrideError, Places, name_map, override
-from vibeam.casefile.quantities import UNIT_SYSTEMS
+from vibeam.casefile.overrides import OverrideError, Places, override
 from vibeam.casefile.records import record_in_si, varied_complaints
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.expectations import amount_checks, amounts_in_si, expectation_checks, measured_checks
@@ -34,15 +30,11 @@ from vibeam.casefile.tables.figures import figure_checks, measurement_checks
 from vibeam.casefile.tables.references import reference_checks
 from vibeam.casefile.tables.studies import study_checks
 from vibeam.casefile.tables.table import name_checks
-from vibeam.casefile.validation import complaints, declaration, read, readable_case
+from vibeam.casefile.validation import read, unnamed_map
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, shortened
 
-ALIKE = {  # tables: a spelling that is read, and the key that it is
-    **dict.fromkeys(("map", "show"), ("fidelity", "fidelities")), "measured": ("scatter", "uncertainty"),
-}  # fmt: skip
 
-
-def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+def cross_checks(case: AnyCase, folder: File) -> Iterator[Complaint]:
     """Every complaint about keys that do not go together; files are looked for from ``folder``."""
     yield from rig_checks(case, folder)
     yield from name_checks(case)
@@ -53,99 +45,74 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from figure_checks(case)
     yield from measurement_checks(case.measurement)
     yield from study_checks(case)
+    if case.record is None:
+        yield from map_complaints(case)
+    yield from uncertain_checks(case)
+    yield from chosen_checks(case)
+    yield from fit_checks(case)
+
+
+def _model_checks(case: AnyCase, changed: Mapping[str, AnyCase], file: File) -> Iterator[Complaint]:
+    """Complaints about a case whose tables are right by themselves, in the models of its fidelities."""
+    model = partial(model_of, case, changed, file)
+    yield from value_complaints(case, model)
+    yield from varied_complaints(case, model)
+    yield from absent_checks(case, changed)
 
 
 def checked(
-    tables: dict[str, Any], lines: dict[KeyPath, int], file: File, overrides: Mapping[str, Any]
+    tables: dict[str, Any], text: str, file: File, overrides: Mapping[str, Any]
 ) -> tuple[AnyCase, dict[str, AnyCase], Places]:
-    """The declared case in SI units, that of each fidelity that changes it, and where keys come from.
+    """The declared case in SI units, that of each fidelity that changes it, and where keys come from in ``text``.
 
-    CaseError with all faults. The tables are changed in place.
+    CaseError with all faults.
     """
-    faults, paths = _override(tables, overrides)
-    place = Places(str(file), lines, paths, name_map(tables))
-    _share_units(tables)
-    _leave_free(tables)
-    _name_alike(tables, lines)
+    tables, faults, paths = _overridden(tables, overrides)
+    place = Places(str(file), text, paths, bool(unnamed_map(tables)))
     case, wrong = _validated(tables, file.parent)
-    changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
+    changed, more = variants(tables, wrong, lambda own: _validated(own, file.parent))
     own = {name: variant.declared for name, variant in changed.items()}
     if case is not None and not wrong + more:
-        model = partial(model_of, case, own, file)
-        more = [*value_complaints(case, model), *varied_complaints(case, model)]
-        more += absent_checks(case, own)
+        more = [*_model_checks(case, own, file)]
     faults += [place.fault(complaint) for complaint in wrong + more]
     if faults or case is None:
         raise CaseError(faults)
-    settled = {name: each.model_copy(update={"units": "SI"}) for name, each in own.items()}
+    settled = {name: each.with_(units="SI") for name, each in own.items()}
     return _settled(case, changed), settled, place
-
-
-def _share_units(tables: dict[str, Any]) -> None:
-    """Give the matrices of a case its own units, in place, where they have none of theirs."""
-    matrices, units = tables.get("matrices"), str(tables.get("units"))
-    if isinstance(matrices, dict) and "units" in tables:
-        matrices.setdefault("units", units if units in UNIT_SYSTEMS else "SI")
-
-
-def _leave_free(tables: dict[str, Any]) -> None:
-    """Give a case with [record] and no drive, in place, one that drives nothing."""
-    if "record" in tables:
-        tables.setdefault("drive", {})
-
-
-def _name_alike(tables: dict[str, Any], lines: dict[KeyPath, int]) -> None:
-    """Call a key, in place, by its one name where a table spells it otherwise, as ``ALIKE`` has it."""
-    for kind, (spelt, key) in ALIKE.items():
-        named = tables.get(kind)
-        for name, table in named.items() if isinstance(named, dict) else ():
-            if isinstance(table, dict) and spelt in table and key not in table:
-                table[key] = table.pop(spelt)
-                line = lines.get((kind, name, spelt), lines.get((kind, spelt), lines.get((kind,))))
-                lines |= {} if line is None else {(kind, name, key): line, (kind, key): line}
 
 
 def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:
     """The case with all that is written in its own units in SI, so that equal cases have equal texts."""
-    tables: Any = case.fidelity
-    own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
-    further = {"uncertain": case.uncertain and uncertain_in_si(case), "fit": fit_in_si(case), "map": maps_in_si(case)}
-    return case.model_copy(update={"units": "SI", "fidelity": own} | record_in_si(case, amounts_in_si(case)) | further)
+    own, compared = dict(case.fidelity), amounts_in_si(case)
+    for name, variant in changed.items():
+        own[name] = own[name].with_(set=dict(sorted(variant.changes.items())) or None)
+    if case.record is not None:
+        compared = record_in_si(case, compared)
+    further = {"uncertain": uncertain_in_si, "fit": fit_in_si, "map": maps_in_si}
+    written = {name: in_si(case) for name, in_si in further.items() if getattr(case, name)}
+    return case.with_(units="SI", fidelity=own, **compared, **written)
 
 
-def _own(table: Any, variant: FidelityCase | None) -> dict[str, Any]:
-    return {} if variant is None or not table.set else {"set": dict(sorted(variant.changes.items()))}
-
-
-def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[list[Fault], set[KeyPath]]:
-    """Apply the overrides in place: the faults in them, and the paths that they set."""
+def _overridden(
+    tables: dict[str, Any], overrides: Mapping[str, Any]
+) -> tuple[dict[str, Any], list[Fault], set[KeyPath]]:
+    """The tables with the overrides, the faults in these, and the paths that they set."""
     faults, paths = [], set()
     for key, value in overrides.items():
         try:
-            paths.add(override(tables, key, value))
+            tables, path = override(tables, key, value)
         except OverrideError as error:
             faults.append(Fault(OVERRIDE, None, shortened(ascii(str(key))[1:-1], 80), str(error)))
-    return faults, paths
+        else:
+            paths.add(path)
+    return tables, faults, paths
 
 
 def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, list[Complaint]]:
-    model = declaration(tables)
-    case: AnyCase | None = None
-    alone: list[Complaint] = []
-    excused: set[KeyPath] = set()
-    try:
-        case = read(tables)
-    except ValidationError as error:
-        alone, excused = complaints(error, model)
-    readable = readable_case(model, tables)
-    further = (
-        *(map_complaints(readable, model) if readable.record is None else ()),
-        *uncertain_checks(readable),
-        *chosen_checks(readable),
-        *fit_checks(readable),
-    )
-    together = (*cross_checks(readable, folder), *further)
-    return case, alone + _unreported(together, {path for path, _ in alone} | excused)
+    case, reading = read(tables)
+    alone = reading.complaints
+    together = [*cross_checks(case, folder)]
+    return None if alone else case, alone + _unreported(together, {path for path, _ in alone} | reading.excused)
 
 
 #: (table, key): keys that say what other keys of their table mean

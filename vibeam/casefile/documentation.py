@@ -6,19 +6,14 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from inspect import cleandoc
 from typing import Any
 
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
-from pydantic.json_schema import models_json_schema
-
-from vibeam.casefile.fields import Entry
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.synonyms import suggest_key
 from vibeam.casefile.tables.cases import case_table
-from vibeam.casefile.tables.table import NOTES
+from vibeam.casefile.tables.declared import Field, Later, Table
 from vibeam.casefile.toml_writing import to_toml
-from vibeam.casefile.validation import entry_of, fields_of, is_repeated, table_of
 from vibeam.exchange.faults import as_shown_in_message, suggestion
 
 _WITH = re.compile(r" with \[\w+\]$")  # what marks a table in the reference that is another beside [sdof], say
@@ -76,8 +71,8 @@ def tables_of() -> list[TableRow]:
     """The tables of a case, each with its meaning in a few words; those of studies together, at the end."""
     counts = Counter(_place(row.table)[:1] for row in reference_table())
     top, meanings = "above all tables", {"": "title, source, units; what is uncertain"}
-    declared = {name: field for kind in KINDS.values() for name, field in fields_of(kind.declaration()).items()}
-    for name, table in ((name, table_of(field)) for name, field in declared.items()):
+    declared = {name: field for kind in KINDS.values() for name, field in kind.declaration().KEYS.items()}
+    for name, table in ((name, field.table) for name, field in declared.items()):
         words = " ".join((table.__doc__ or "").split()).removeprefix("Effect: ").rstrip(".") if table else ""
         sentence = re.split("[;.] |, one table| in place", words[:1].lower() + words[1:])[0]
         few = sentence if len(sentence) < 54 else re.split(": |, | through | by its voltage", sentence)[0]
@@ -146,55 +141,99 @@ def _meant(wanted: tuple[str, ...], paths: Collection[tuple[str, ...]]) -> str:
     return suggest_key(wanted[depth], known) if known else f"{'.'.join(wanted[:depth])} holds a value, no keys"
 
 
-def _rows(model: type[BaseModel], table: str) -> Iterator[KeyRow]:
-    inner = []
-    for name, field in fields_of(model).items():
-        if entry_of(field):
-            yield _row(table, name, field)
-        if table_of(field):
-            inner.append((name, field))
-    for name, field in inner:
-        yield from _rows(table_of(field) or model, _header(table, name, field))
+def _rows(kind: type[Table], table: str) -> Iterator[KeyRow]:
+    yield from (_row(table, name, field) for name, field in kind.KEYS.items() if field.entry)
+    for name, field in kind.KEYS.items():
+        if field.table:
+            yield from _rows(field.table, _header(table, name, field))
 
 
-def _header(above: str, name: str, field: FieldInfo) -> str:
+def _header(above: str, name: str, field: Field) -> str:
     if above:
         return f"{above} {name}"
-    if not is_repeated(field):
+    if not field.many:
         return f"[{name}]"
     return f"[{name}.NAME]" if name in NAMED else f"[[{name}]]"
 
 
-def _row(table: str, name: str, field: FieldInfo) -> KeyRow:
-    entry = entry_of(field)
-    kind = entry.describe() if entry else ""
-    kind = f"table | {kind}" if table_of(field) else kind
-    return KeyRow(table, name, kind, default_of(entry, field), field.is_required(), field.description or "")
+def _row(table: str, name: str, field: Field) -> KeyRow:
+    kind = field.entry.describe() if field.entry else ""
+    kind = f"table | {kind}" if field.table else kind
+    return KeyRow(table, name, kind, default_of(field), field.required, field.description)
 
 
-def default_of(entry: Entry | None, field: FieldInfo) -> str:
+def default_of(field: Field) -> str:
     """The default as a case writes it; empty where there is none, or an empty one."""
-    if entry is None or field.is_required() or field.default is None or field.default in ("", (), {}):
+    if field.entry is None or field.default in (..., None, "", (), {}):
         return ""
-    return to_toml(entry.canonical(field.default))
+    return to_toml(field.entry.canonical(field.default))
 
 
+DEFINED = "#/$defs/"
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 TITLE = "A case of vibeam"
 
 
 def case_schema() -> dict[str, Any]:
     """The schema: one of the kinds of case, each of whose tables is a definition, those of effects within it."""
-    models = [kind.declaration() for kind in KINDS.values()]
-    _, declared = models_json_schema([(model, "validation") for model in models])
-    kinds = [{"$ref": f"#/$defs/{model.__name__}"} for model in models]
-    tables = _plain(declared["$defs"])
-    for model in models:
-        _allow_unnamed(tables[model.__name__]["properties"])
-        _allow_records(tables[model.__name__])
-    for keys in (table.get("properties", {}) for table in tables.values()):
+    tables: dict[str, Any] = {}
+    kinds = [_referred(kind.declaration(), tables) for kind in KINDS.values()]
+    for case in (tables[kind["$ref"].removeprefix(DEFINED)] for kind in kinds):
+        _allow_unnamed(case["properties"])
+        _allow_records(case)
+    for keys in (table["properties"] for table in tables.values()):
         keys |= {"fidelity": keys["fidelities"]} if "fidelities" in keys else {}
-    return {"$schema": DIALECT, "title": TITLE, "anyOf": kinds, "$defs": tables}
+    return {"$schema": DIALECT, "title": TITLE, "anyOf": kinds, "$defs": dict(sorted(tables.items()))}
+
+
+def _referred(kind: type[Table], tables: dict[str, Any]) -> dict[str, Any]:
+    """Reference to the schema of a table, which joins ``tables``, as do those that it refers to."""
+    made, name = _table(kind, tables), kind.__name__
+    while tables.setdefault(name, made) != made:
+        name += "_"
+    return {"$ref": DEFINED + name}
+
+
+def _table(kind: type[Table], tables: dict[str, Any]) -> dict[str, Any]:
+    required = [name for name, field in kind.KEYS.items() if field.required]
+    return {
+        "additionalProperties": False,
+        "description": cleandoc(kind.__doc__ or ""),
+        "properties": {name: _key(name, field, tables) for name, field in kind.KEYS.items()},
+        **({"required": required} if required else {}),
+        "title": kind.__name__,
+        "type": "object",
+    }
+
+
+def _key(name: str, field: Field, tables: dict[str, Any]) -> dict[str, Any]:
+    """Schema of a key: what is said of it, and what it holds."""
+    said: dict[str, Any] = {"description": field.description} if field.description else {}
+    said |= {} if field.example is None else {"examples": [field.example]}
+    said |= {"title": name.replace("_", " ").title()} if field.many or not field.table else {}
+    if (field.entry or field.many is tuple) and field.default not in (..., None, {}):
+        said["default"] = field.default
+    if field.default is None and not field.entry and not isinstance(field.kind, Later):
+        return {**_sorted(said), **_sorted(_held(field, tables))}
+    return {**_sorted(_held(field, tables) | said)}
+
+
+def _held(field: Field, tables: dict[str, Any]) -> dict[str, Any]:
+    """Schema of a value, of a table, of several, or of a table or a value."""
+    if field.entry:
+        value = field.entry.schema()
+        return {"anyOf": [_table(field.table, tables), value]} if field.table else value
+    one = (_table if isinstance(field.kind, Later) else _referred)(field.table, tables)
+    if field.many is None:
+        return one
+    return {"type": "array", "items": one} if field.many is tuple else {"type": "object", "additionalProperties": one}
+
+
+def _sorted(value: Any, own: bool = False) -> Any:
+    """The schema in the order of the alphabet, the keys of tables in their own."""
+    if isinstance(value, Mapping):
+        return {name: _sorted(value[name], name == "properties") for name in (value if own else sorted(value))}
+    return [_sorted(each) for each in value] if isinstance(value, list | tuple) else value
 
 
 def _allow_records(case: dict[str, Any]) -> None:
@@ -209,29 +248,3 @@ def _allow_unnamed(keys: dict[str, Any]) -> None:
     own = {key: named[key] for key in ("description", "title") if key in named}
     either = {key: value for key, value in named.items() if key not in own}
     keys["map"] = own | {"anyOf": [either, {"$ref": named["additionalProperties"]["$ref"]}]}
-
-
-def _plain(value: Any) -> Any:
-    """The schema without what TOML cannot say (null) and what is the template's."""
-    if isinstance(value, list):
-        return [_plain(each) for each in value]
-    if not isinstance(value, Mapping):
-        return value
-    return _single({key: _plain(inner) for key, inner in value.items() if not _left_out(key, inner)})
-
-
-def _left_out(key: str, value: Any) -> bool:
-    """Test whether a part is the template's own, or a default or example that a case could not write."""
-    if key in ("default", "examples"):
-        return value in (None, [None]) or isinstance(value, Mapping)
-    return key in NOTES and not isinstance(value, Mapping)
-
-
-def _single(schema: dict[str, Any]) -> dict[str, Any]:
-    """A choice of one kind and null is that kind: what may be absent is not required, and never null."""
-    kinds = schema.get("anyOf", [])
-    kept = [kind for kind in kinds if kind != {"type": "null"}]
-    if len(kept) == len(kinds):
-        return schema
-    rest = {key: value for key, value in schema.items() if key != "anyOf"}
-    return rest | (kept[0] if len(kept) == 1 else {"anyOf": kept})

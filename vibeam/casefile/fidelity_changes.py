@@ -6,30 +6,17 @@ A fidelity's scene is the case's tables with the changes made in them, judged by
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any
-
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
 
 from vibeam.casefile.field_tables import flat
 from vibeam.casefile.fields import Entry, OneOrSeveral, Several
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.quantities import UnitSystem
 from vibeam.casefile.synonyms import suggest_key
+from vibeam.casefile.tables.declared import Field, Table
 from vibeam.casefile.toml import key_parts
-from vibeam.casefile.validation import (
-    SHARED,
-    entry_of,
-    fields_of,
-    is_list,
-    is_repeated,
-    keys_of,
-    physics_keys,
-    table_of,
-    units_of,
-)
+from vibeam.casefile.validation import SHARED, declaration, physics_keys, units_of
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
 from vibeam_models.effects import parts_of
 
@@ -46,7 +33,7 @@ class FidelityCase:
 
 
 def variants(
-    tables: dict[str, Any], model: type[BaseModel], reported: list[Complaint], validate: Validate
+    tables: dict[str, Any], reported: list[Complaint], validate: Validate
 ) -> tuple[dict[str, FidelityCase], list[Complaint]]:
     """The variant of every fidelity that changes something, and what is wrong with the changes.
 
@@ -57,7 +44,7 @@ def variants(
     fidelities = tables.get("fidelity")
     for name, table in fidelities.items() if isinstance(fidelities, dict) else ():
         if isinstance(table, dict) and ("set" in table or "without" in table):
-            change = _Change(model, name, table)
+            change = _Change(declaration(tables), name, table)
             own = change.validated(tables, dict(reported), validate, wrong)
             if own is not None:
                 found[name] = FidelityCase(own, change.canonical(units_of(own.units)))
@@ -67,7 +54,7 @@ def variants(
 class _Change:
     """Keys that one fidelity sets and leaves out."""
 
-    def __init__(self, model: type[BaseModel], name: str, table: dict[str, Any]) -> None:
+    def __init__(self, model: type[Table], name: str, table: dict[str, Any]) -> None:
         self.model, self.name, self.table = model, name, table
         settings, left = table.get("set"), table.get("without")
         self.settings = dict(flat(settings)) if isinstance(settings, dict) else {}
@@ -91,8 +78,7 @@ class _Change:
         return {key: self._in_si(key, value, units) for key, value in self.settings.items()}
 
     def _in_si(self, key: str, value: Any, units: UnitSystem | None) -> Any:
-        field = field_at(self.model, key)[0]
-        entry = entry_of(field) if field is not None else None
+        entry = _entry(field_at(self.model, key)[0])
         return value if entry is None else entry.canonical(entry.read(value, units))
 
     def _key_faults(self) -> Iterator[Complaint]:
@@ -109,7 +95,7 @@ class _Change:
         field, fault = field_at(self.model, key)
         if fault or field is None:
             return fault or f"{as_shown_in_message(key)}: name the whole table, not one of its kind"
-        if field.is_required():
+        if field.required:
             return f"{key} cannot be left out: every case needs it; set it instead"
         if any(each == key or each.startswith(f"{key}.") for each in self.settings):
             return f"{key} is left out and set at once: keep one of the two"
@@ -122,16 +108,16 @@ class _Change:
 
     def _changed(self, tables: dict[str, Any], wrong: list[Complaint]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
         """The case's tables with the changes, less what is no physics; and where each changed key was written."""
-        shared = set(keys_of(self.model)) - {*physics_keys(self.model), *SHARED}
-        own = {key: deepcopy(value) for key, value in tables.items() if key not in shared}
+        shared = set(self.model.KEYS) - {*physics_keys(self.model), *SHARED}
+        own = {key: value for key, value in tables.items() if key not in shared}
         own["fidelity"] = {self.name: {key: each for key, each in self.table.items() if key not in OWN}}
         for key in self.left:
-            _remove(own, key_parts(key))
-            _remove_on(own, key)
+            own = _less_carried(_less(own, key_parts(key)), key)
         places: dict[KeyPath, KeyPath] = {}
         for key, value in self.settings.items():
             try:
-                places[override(own, key, deepcopy(value), literal=True)] = self._at(key)
+                own, path = override(own, key, value, literal=True)
+                places[path] = self._at(key)
             except OverrideError as error:
                 wrong.append((self._at(key), str(error)))
         return own, places
@@ -149,31 +135,35 @@ class _Change:
                 yield ("fidelity", self.name), f"with what it changes, {where}: {message}"
 
 
-def field_at(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | None]:
+def field_at(model: type[Table], key: str) -> tuple[Field | None, str | None]:
     """The declaration of a physics key (None: one of several tables), or what is wrong with it."""
     try:
         first, *rest = key_parts(key)
     except (ValueError, RecursionError):
         return None, f"{as_shown_in_message(key)} is not a key such as stop.gap"
     known = physics_keys(model)
-    if first in keys_of(model) and first not in known:
+    if first in model.KEYS and first not in known:
         return None, f"{first} is shared by all fidelities: a fidelity changes {', '.join(known)} alone"
     if first not in known:
         return None, f"unknown key {as_shown_in_message(key)}; {suggest_key(first, known)}"
-    return _within(fields_of(model)[first], rest, key)
+    return _within(model.KEYS[first], rest, key)
 
 
-def entry_at(model: type[BaseModel], key: str) -> tuple[Entry | None, str | None]:
+def entry_at(model: type[Table], key: str) -> tuple[Entry | None, str | None]:
     """The entry of one value of a physics key, or of each of a list; None of a table; or what is wrong with the key."""
     field, fault = field_at(model, key)
-    entry = None if field is None else entry_of(field)
+    entry = _entry(field)
     return entry.each if isinstance(entry, Several | OneOrSeveral) else entry, fault
 
 
-def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | None, str | None]:
+def _entry(field: Field | None) -> Entry | None:
+    return None if field is None else field.entry
+
+
+def _within(field: Field, rest: list[str], key: str) -> tuple[Field | None, str | None]:
     """As ``field_at``, from a table on."""
-    table = table_of(field)
-    if rest and table is not None and is_repeated(field) and (rest[0].isdigit() or not is_list(field)):
+    table = field.table
+    if rest and field.many and (rest[0].isdigit() or field.many is dict):
         rest = rest[1:]
         if not rest:
             return None, None
@@ -181,30 +171,28 @@ def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | No
         return field, None
     if table is None:
         return None, f"{as_shown_in_message(key)} goes beyond a value"
-    if rest[0] not in keys_of(table):
-        return None, f"unknown key {as_shown_in_message(key)}; {suggest_key(rest[0], keys_of(table))}"
-    return _within(fields_of(table)[rest[0]], rest[1:], key)
+    if rest[0] not in table.KEYS:
+        return None, f"unknown key {as_shown_in_message(key)}; {suggest_key(rest[0], table.KEYS)}"
+    return _within(table.KEYS[rest[0]], rest[1:], key)
 
 
-def _remove(tables: dict[str, Any], parts: list[str]) -> None:
-    """Take a key away where it is; a key of tables of which there are several, from each of them."""
-    *above, last = parts
-    places: list[Any] = [tables]
-    for part in above:
-        inner = [place.get(part) for place in places if isinstance(place, dict)]
-        places = [each for one in inner for each in (one if isinstance(one, list) else [one])]
-    for place in places:
-        if isinstance(place, dict):
-            place.pop(last, None)
+def _less(place: Any, parts: list[str]) -> Any:
+    """A table less a key, where it has it; of tables of which there are several, each of them."""
+    if isinstance(place, list):
+        return [_less(each, parts) for each in place]
+    first, *rest = parts
+    if not isinstance(place, dict) or first not in place:
+        return place
+    if rest:
+        return place | {first: _less(place[first], rest)}
+    return {key: value for key, value in place.items() if key != first}
 
 
-def _remove_on(tables: dict[str, Any], name: str) -> None:
-    """Take away what is on a beam that is left out: its parts, entries of lists of tables with ``on`` = its name."""
-    for part in parts_of(name):
-        tables.pop(part, None)
-    for key, value in tables.items():
-        if isinstance(value, list) and any(_is_on(each, name) for each in value):
-            tables[key] = [each for each in value if not _is_on(each, name)]
+def _less_carried(tables: dict[str, Any], name: str) -> dict[str, Any]:
+    """The tables less what is on a beam that is left out: its parts, entries of lists with ``on`` = its name."""
+    left = {key: value for key, value in tables.items() if key not in parts_of(name)}
+    lists = {key: value for key, value in left.items() if isinstance(value, list)}
+    return left | {key: [each for each in value if not _is_on(each, name)] for key, value in lists.items()}
 
 
 def _is_on(table: Any, name: str) -> bool:

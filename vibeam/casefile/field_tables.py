@@ -7,10 +7,6 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, core_schema
-from pydantic_core.core_schema import ValidationInfo
-
 from vibeam.casefile.fields import Entry, JsonSchema, Several, ValueEntry
 from vibeam.casefile.quantities import UnitSystem
 from vibeam.casefile.toml import key_parts
@@ -46,21 +42,18 @@ OPTIONS = ValueEntry(
 
 @dataclass(frozen=True)
 class TableOr(Entry):
-    """A table of its own (a model), or a list instead."""
+    """A table of its own, or a list instead."""
 
-    table: type[BaseModel]
+    table: Any
     several: Several
 
     def read(self, value: Any, units: UnitSystem | None) -> Any:
-        """As ``Entry.read``, of the list alone: the table is read by its model."""
+        """As ``Entry.read``, of the list alone: the table is read by its declaration."""
         if not isinstance(value, list):
             raise ValueError(
-                f"must be {{ {', '.join(self._names())} }} or a {self.describe()}, not {as_shown_in_message(value)}"
+                f"must be {{ {', '.join(self.table.KEYS)} }} or a {self.describe()}, not {as_shown_in_message(value)}"
             )
         return self.several.read(value, units)
-
-    def _names(self) -> list[str]:
-        return [field.alias or name for name, field in self.table.model_fields.items()]
 
     def describe(self) -> str:
         """As ``Entry.describe``."""
@@ -69,22 +62,6 @@ class TableOr(Entry):
     def schema(self) -> dict[str, Any]:
         """As ``Entry.schema``, of the list alone."""
         return self.several.schema()
-
-    def canonical(self, value: Any) -> Any:
-        """As ``Entry.canonical``."""
-        return value.model_dump(by_alias=True) if isinstance(value, BaseModel) else value
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        def either(value: Any, inner: Any, info: ValidationInfo) -> Any:
-            return inner(value) if isinstance(value, dict) else self._validated(value, info)
-
-        written = core_schema.plain_serializer_function_ser_schema(self.canonical)
-        inner = handler.generate_schema(self.table)
-        return core_schema.with_info_wrap_validator_function(either, inner, serialization=written)
-
-    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        inner: Any = core
-        return {"anyOf": [handler(inner["schema"]), self.schema()]}
 
 
 def settings(of: str = "value") -> ValueEntry:

@@ -8,10 +8,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
-from pydantic_core.core_schema import ValidationInfo
-
 from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, RATIO, SI, Dimension, Range, UnitSystem, to_si
 from vibeam.exchange.faults import as_shown_in_message, suggestion
 from vibeam_models.extensions import absent
@@ -20,7 +16,7 @@ JsonSchema = dict[str, Any]
 
 
 class Entry(ABC):
-    """Reading of one value: pydantic calls ``read`` with the units of the case, and keeps what it returns."""
+    """Reading of one value."""
 
     @abstractmethod
     def read(self, value: Any, units: UnitSystem | None) -> Any:
@@ -52,19 +48,6 @@ class Entry(ABC):
     def refusal(self, value: Any, article: str = "") -> ValueError:
         """Fault of a value that is none of this kind."""
         return ValueError(f"must be {article}{self.describe()}, not {as_shown_in_message(value)}")
-
-    def _validated(self, value: Any, info: ValidationInfo) -> Any:
-        try:
-            return self.read(value, info.context)
-        except ValueError as error:
-            raise PydanticCustomError("entry", "{text}", {"text": str(error)}) from None
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        written = core_schema.plain_serializer_function_ser_schema(self.canonical)
-        return core_schema.with_info_plain_validator_function(self._validated, serialization=written)
-
-    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchema:
-        return self.schema()
 
 
 def _unchanged(value: Any) -> Any:

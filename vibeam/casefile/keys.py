@@ -53,7 +53,8 @@ class CaseKeys:
 
     @classmethod
     def _of_content(cls, plain: dict[str, Any], changed: Mapping[str, Any], path: Path, read: Any) -> CaseKeys:
-        return cls(read_tables(plain), {name: read_tables(each) for name, each in changed.items()}, path, read)
+        own = {name: read_tables(each)[0] for name, each in changed.items()}
+        return cls(read_tables(plain)[0], own, path, read)
 
     def model(self, fidelity: str) -> KeyedModel:
         """Model of one fidelity."""
@@ -104,7 +105,7 @@ class KeyedModel(Model):
 
     @classmethod
     def _of_content(cls, plain: dict[str, Any], name: str, path: Path) -> KeyedModel:
-        return cls(read_tables(plain), name, path)
+        return cls(read_tables(plain)[0], name, path)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, KeyedModel) and self.__reduce__() == other.__reduce__()
@@ -158,11 +159,11 @@ class KeyedModel(Model):
 
 def _plain(tables: Any, fidelity: str) -> dict[str, Any]:
     """Plain data of a fidelity's tables that decide its numbers; what it sets, its rig has."""
-    own = tables.fidelity[fidelity].model_copy(update={"set": None})
-    return {"units": "SI"} | content(tables.model_copy(update={"fidelity": {fidelity: own}}), "numbers")
+    own = tables.fidelity[fidelity].with_(set=None)
+    return {"units": "SI"} | content(tables.with_(fidelity={fidelity: own}), "numbers")
 
 
 def model_of(declared: Any, changed: Mapping[str, Any], path: Path, fidelity: str) -> KeyedModel:
     """Model of a fidelity of a ``declared`` case, of which others than it are ``changed``."""
     own = changed.get(fidelity, declared)
-    return KeyedModel(own.model_copy(update={"fidelity": {fidelity: declared.fidelity[fidelity]}}), fidelity, path)
+    return KeyedModel(own.with_(fidelity={fidelity: declared.fidelity[fidelity]}), fidelity, path)

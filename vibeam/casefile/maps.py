@@ -31,7 +31,7 @@ from vibeam.casefile.quantities import POSITIVE, SI, UnitSystem, with_unit
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.maps import PLANES, count_of, picture_complaints, random_complaints
 from vibeam.casefile.tables.table import Frequency, named_fidelity
-from vibeam.casefile.validation import entry_of, units_of
+from vibeam.casefile.validation import units_of
 from vibeam.exchange.faults import CaseError, Complaint, KeyPath, as_shown_in_message
 from vibeam_models.keys import keys_of
 
@@ -53,26 +53,26 @@ class _Key:
         return int(value) if isinstance(value, float) else value
 
 
-def map_complaints(case: SimpleNamespace, model: type[AnyCase]) -> Iterator[Complaint]:
+def map_complaints(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about every [map.NAME]; None in place of what could not be read."""
     for name, table in case.map.items():
         path: KeyPath = ("map", name)
         for index, fidelity in enumerate(table.fidelities or ()):
             yield from named_fidelity(case, (*path, "fidelities", index), fidelity)
         yield from KINDS[case.kind].output_complaints(case, (*path, "output"), table.output)
-        yield from _axes(case, path, table, model)
+        yield from _axes(case, path, table)
         yield from random_complaints(path, table)
         yield from picture_complaints(case, path, table)
 
 
-def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: type[AnyCase]) -> Iterator[Complaint]:
+def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
     if not table.axes:
         yield (*path, "axes"), 'has no axis: write axes = [{ key = "sweep.frequency", from = …, to = …, points = … }]'
         return
     for index, axis in enumerate(table.axes):
         at: KeyPath = (*path, "axes", index)
         if axis.key_ is not None:
-            key = key_of(axis.key_, case, model)
+            key = key_of(axis.key_, case)
             if key.fault:
                 yield (*at, "key"), key.fault
             else:
@@ -90,7 +90,7 @@ def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: t
         yield (*path, "axes"), f"{count} points are more than {LARGEST:.0e}: take fewer"
 
 
-def key_of(name: str, case: Any, model: type[AnyCase]) -> _Key:
+def key_of(name: str, case: Any) -> _Key:
     """Reading of the values of an axis."""
     if name == FREQUENCY:
         return _Key(Frequency, "Hz")
@@ -103,8 +103,8 @@ def key_of(name: str, case: Any, model: type[AnyCase]) -> _Key:
     parts = name.split(".")
     if len(parts) == 3 and parts[0] == "fidelity" and parts[2] == "modes" and parts[1] in case.fidelity:
         return _Key(Count(1, 2 * MOST_ELEMENTS))
-    field, fault = field_at(model, name)
-    entry = None if field is None else entry_of(field)
+    field, fault = field_at(type(case), name)
+    entry = None if field is None else field.entry
     entry = entry.each if isinstance(entry, OneOrSeveral) else entry
     if fault:
         return _Key(fault=fault)
@@ -160,7 +160,7 @@ def value_complaints(declared: AnyCase, model: Callable[[str], Model]) -> Iterat
         for index, axis in enumerate(table.axes):
             if axis.key_ in (FREQUENCY, SHARE, *STARTS):
                 continue
-            numbers = axis_values(axis, key_of(axis.key_, declared, type(declared)), units_of(declared.units))
+            numbers = axis_values(axis, key_of(axis.key_, declared), units_of(declared.units))
             for place, value in {0: numbers[0], len(numbers) - 1: numbers[-1]}.items():
                 where = ("values", place) if axis.values else ("to" if place else "from",)
                 found: dict[tuple[str, str], str] = {}
@@ -178,16 +178,16 @@ def value_complaints(declared: AnyCase, model: Callable[[str], Model]) -> Iterat
 def maps_in_si(case: Any) -> dict[str, Any]:
     """The tables [map.NAME] of a checked case, the numbers of their axes without a unit with that of SI."""
     return {
-        name: table.model_copy(update={"axes": tuple(_axis_in_si(axis, case) for axis in table.axes)})
+        name: table.with_(axes=tuple(_axis_in_si(axis, case) for axis in table.axes))
         for name, table in case.map.items()
     }
 
 
 def _axis_in_si(axis: Any, case: Any) -> Any:
-    key, units = key_of(axis.key_, case, type(case)), units_of(case.units)
+    key, units = key_of(axis.key_, case), units_of(case.units)
     if axis.values:
-        return axis.model_copy(update={"values": tuple(key.written(value, units) for value in axis.values)})
-    return axis.model_copy(update={name: key.written(getattr(axis, name), units) for name in ("from_", "to")})
+        return axis.with_(values=tuple(key.written(value, units) for value in axis.values))
+    return axis.with_(**{name: key.written(getattr(axis, name), units) for name in ("from_", "to")})
 
 
 def axis_values(axis: Any, key: _Key, units: UnitSystem | None = SI) -> tuple[float, ...]:
@@ -206,7 +206,7 @@ def map_plans(declared: AnyCase, sweep: SweepPlan) -> Mapping[str, MapPlan]:
 
 def _plan(name: str, table: Any, declared: AnyCase, sweep: SweepPlan) -> MapPlan:
     keys = [axis.key_ for axis in table.axes]
-    known = [key_of(each, declared, type(declared)) for each in keys]
+    known = [key_of(each, declared) for each in keys]
     axes = [AxisPlan(axis.key_, axis_values(axis, key), key.unit) for axis, key in zip(table.axes, known, strict=True)]
     given = {key: getattr(table, key) for key in keys_of(MapPlan) if key not in ("picture", "fidelities")}
     chosen = () if table.picture in PLANES else tuple(declared.fidelity)

@@ -16,7 +16,6 @@ from typing import Any
 from vibeam.case.study_plans import FitKey, FitPlan, Uncertain
 from vibeam.casefile.fidelity_changes import entry_at, field_at
 from vibeam.casefile.fields import Quantity
-from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import RATIO, Range, to_si, with_unit
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.table import not_there
@@ -27,9 +26,9 @@ from vibeam.exchange.faults import Complaint, as_shown_in_message
 OF_UNCERTAIN, OF_FIT = ("uncertain may be", "uncertain"), ("a fit changes", "estimated")  # in words of faults
 
 
-def number_entry(key: str, model: Any, words: tuple[str, str]) -> Quantity:
+def number_entry(key: str, case: Any, words: tuple[str, str]) -> Quantity:
     """Entry of a key that holds one number; ValueError, in ``words``, where it holds none."""
-    entry, fault = entry_at(model, key)
+    entry, fault = entry_at(type(case), key)
     if fault:
         raise ValueError(fault.replace("a fidelity changes", words[0]))
     if not isinstance(entry, Quantity):
@@ -69,19 +68,19 @@ def uncertain_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about [uncertain]: keys that hold no number or have no value; distributions that are none."""
     for key, text in (case.uncertain or {}).items():
         try:
-            read_uncertain(key, text, KINDS[case.kind].declaration(), case)
+            read_uncertain(key, text, case)
         except ValueError as fault:
             yield ("uncertain", key), str(fault)
 
 
 def uncertain_inputs(case: AnyCase) -> tuple[Uncertain, ...]:
     """All uncertain inputs of a declared case."""
-    return tuple(read_uncertain(key, text, type(case), case) for key, text in (case.uncertain or {}).items())
+    return tuple(read_uncertain(key, text, case) for key, text in (case.uncertain or {}).items())
 
 
-def read_uncertain(key: str, text: Any, model: Any, case: Any) -> Uncertain:
+def read_uncertain(key: str, text: Any, case: Any) -> Uncertain:
     """One uncertain input; ``case``: the declared case, or what could be read of it. ValueError if it is none."""
-    entry = number_entry(key, model, OF_UNCERTAIN)
+    entry = number_entry(key, case, OF_UNCERTAIN)
     own = value_at(case, key)
     if not isinstance(own, int | float) or isinstance(own, bool):
         raise ValueError("has no number in this case: write the key itself first")
@@ -96,10 +95,7 @@ def read_uncertain(key: str, text: Any, model: Any, case: Any) -> Uncertain:
 
 def uncertain_in_si(case: Any) -> dict[str, str]:
     """[uncertain] of a checked case, its numbers without a unit with that of SI."""
-    return {
-        key: _in_si(text, number_entry(key, type(case), OF_UNCERTAIN), case)
-        for key, text in (case.uncertain or {}).items()
-    }
+    return {key: _in_si(text, number_entry(key, case, OF_UNCERTAIN), case) for key, text in case.uncertain.items()}
 
 
 def _in_si(text: str, entry: Quantity, case: Any) -> str:
@@ -148,10 +144,9 @@ def fit_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about [fit]: keys that are none or hold no number, bounds that are none, references not there."""
     if getattr(case, "fit", None) is None:
         return
-    model = KINDS[case.kind].declaration()
     for name, bounds in (case.fit.keys or {}).items():
         try:
-            read_key(name, bounds, model, case)
+            read_key(name, bounds, case)
         except ValueError as fault:
             yield ("fit", "keys", name), str(fault)
     for part in ("references", "unstable"):
@@ -172,14 +167,13 @@ def fit_plan(case: Any) -> FitPlan | None:
     if case.fit is None:
         return None
     usual = (name for name, each in case.reference.items() if each.quantity in (*READ_OFF, None))
-    model = KINDS[case.kind].declaration()
-    keys = tuple(read_key(name, bounds, model, case) for name, bounds in case.fit.keys.items())
+    keys = tuple(read_key(name, bounds, case) for name, bounds in case.fit.keys.items())
     return FitPlan(keys, tuple(case.fit.references or usual), case.fit.unstable or ())
 
 
-def read_key(name: str, bounds: Any, model: Any, case: Any) -> FitKey:
+def read_key(name: str, bounds: Any, case: Any) -> FitKey:
     """One estimated key with its bounds in SI; ValueError if it is none."""
-    entry, own = number_entry(name, model, OF_FIT), value_at(case, name)
+    entry, own = number_entry(name, case, OF_FIT), value_at(case, name)
     if not isinstance(own, int | float) or isinstance(own, bool):
         raise ValueError("has no number in this case: write the key itself, with a value to start from")
     if not isinstance(bounds, list | tuple) or len(bounds) != 2:
@@ -193,21 +187,19 @@ def read_key(name: str, bounds: Any, model: Any, case: Any) -> FitKey:
 
 def fit_in_si(case: Any) -> Any:
     """[fit] of a checked case, its numbers without a unit with that of SI."""
-    if case.fit is None:
-        return None
     units = units_of(case.units)
-    kinds = {name: number_entry(name, KINDS[case.kind].declaration(), OF_FIT).kind for name in case.fit.keys}
+    kinds = {name: number_entry(name, case, OF_FIT).kind for name in case.fit.keys}
     keys = {name: [with_unit(each, kinds[name], units) for each in bounds] for name, bounds in case.fit.keys.items()}
-    return case.fit.model_copy(update={"keys": keys})
+    return case.fit.with_(keys=keys)
 
 
 Models = Mapping[str, Any]  # the cases of those fidelities that change the rig, as declared
 
 
-def chosen_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+def chosen_checks(case: AnyCase) -> Iterator[Complaint]:
     """Complaints about [chosen_by]: keys that are none of the rig, names of no measured number."""
     for key, names in (case.chosen_by or {}).items():
-        if fault := field_at(KINDS[case.kind].declaration(), key)[1]:
+        if fault := field_at(type(case), key)[1]:
             yield ("chosen_by", key), fault.replace("a fidelity changes", "a measured number chooses")
         elif not isinstance(names, list) or not names or not all(isinstance(each, str) for each in names):
             shown = "an empty list" if names == [] else as_shown_in_message(names)

@@ -5,19 +5,20 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
 from vibeam.casefile.fields import Count, Several
 from vibeam.casefile.quantities import SI
 from vibeam.casefile.tables.cases import case_table
 from vibeam.casefile.tables.table import content
-from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_parts, too_deep
+from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_lines, key_parts, too_deep
 from vibeam.casefile.toml_writing import name_of
-from vibeam.casefile.validation import complaints, entry_of, fields_of, lists_of
+from vibeam.casefile.validation import ALIKE, MAP, Reading
 from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, as_shown_in_message, shortened
 
 _INDEX = re.compile("[0-9]{1,9}")
@@ -27,22 +28,26 @@ class OverrideError(ValueError):
     """An override that has no place in the case."""
 
 
-def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False) -> KeyPath:
-    """Set (None: take away) one key in ``tables``, in place; returns its path. OverrideError if that cannot be.
+def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False) -> tuple[dict[str, Any], KeyPath]:
+    """The tables with one key set (None: taken away), and its path; OverrideError if that cannot be.
 
     ``literal``: the value is a case's already; else text that is a TOML value is read as one.
     """
     parts = _parts(key)
     _require_list(tables, parts)
-    *above, last = parts
-    place: Any = tables
-    path: KeyPath = ()
-    for part in above:
-        path = (*path, _where(place, part))
-        place = _inside(place, path[-1])
-    where = _where(place, last)
-    _put(place, where, value, literal)
-    return (*path, where)
+    made, path = _overridden(tables, parts, value, literal)
+    return made, path
+
+
+def _overridden(place: Any, parts: list[str], value: Any, literal: bool) -> tuple[Any, KeyPath]:
+    """As ``override``, of a table or list and the path in it."""
+    where, made = _where(place, parts[0]), copy(place)
+    if not parts[1:]:
+        _put(made, where, value, literal)
+        return made, (where,)
+    inner = place.get(where, {}) if isinstance(place, dict) else place[where]
+    made[where], path = _overridden(inner, parts[1:], value, literal)
+    return made, (where, *path)
 
 
 def _parts(key: str) -> list[str]:
@@ -58,7 +63,8 @@ def _parts(key: str) -> list[str]:
 
 def _require_list(tables: dict[str, Any], parts: list[str]) -> None:
     """OverrideError for an index into a list of tables that the case does not have."""
-    if parts[0] in lists_of(case_table("beam")) and parts[0] not in tables and _INDEX.fullmatch("".join(parts[1:2])):
+    field = case_table("beam").KEYS.get(parts[0])
+    if field and field.many is tuple and parts[0] not in tables and _INDEX.fullmatch("".join(parts[1:2])):
         raise OverrideError(f"the case has no [[{parts[0]}]]: give the whole list, {parts[0]} = [{{ … }}]")
 
 
@@ -78,10 +84,6 @@ def _where(place: Any, part: str) -> str | int:
 def _indices(place: list[Any]) -> str:
     indices = "index 0 alone" if len(place) == 1 else f"the indices 0 to {len(place) - 1}"
     return f"the list has {indices}" if place else "the list is empty"
-
-
-def _inside(place: Any, where: str | int) -> Any:
-    return place.setdefault(where, {}) if isinstance(place, dict) else place[where]
 
 
 def _put(place: Any, where: str | int, value: Any, literal: bool) -> None:
@@ -138,44 +140,28 @@ def _from_text(text: str) -> Any:
     return found["value"] if list(found) == ["value"] and "\n" not in text else text
 
 
-MAP = "map"
-
-
-def name_map(tables: dict[str, Any]) -> bool:
-    """Give the map that [map] is, where it has keys that are no tables, the name "map", in place; whether there is one.
-
-    No key of a map is a table, so that whatever is one is a map with a name. A name that is taken stays as it was.
-    """
-    given = tables.get(MAP)
-    if not isinstance(given, dict):
-        return False
-    own = {key: value for key, value in given.items() if not isinstance(value, dict)}
-    if not own or MAP in given:
-        return False
-    tables[MAP] = {MAP: own} | {key: value for key, value in given.items() if key not in own}
-    return True
-
-
-def as_written(path: KeyPath) -> KeyPath:
-    """The path of a key of the map without a name as the file has it."""
-    return (MAP, *path[2:]) if path[:2] == (MAP, MAP) else path
-
-
 @dataclass(frozen=True)
 class Places:
-    """Origins of the keys of a case: lines of the file, or overrides."""
+    """Origins of the keys of a case: lines of the file's text, or overrides."""
 
     file: str
-    lines: Mapping[KeyPath, int]
+    text: str
     overridden: set[KeyPath]
     unnamed_map: bool
+
+    @cached_property
+    def lines(self) -> Mapping[KeyPath, int]:
+        """Line of each key of the text."""
+        return key_lines(self.text)
 
     def fault(self, complaint: Complaint) -> Fault:
         """The fault of a key at its line, or in the override that set it."""
         path, message = complaint
-        path = as_written(path) if self.unnamed_map else path
+        path = (MAP, *path[2:]) if self.unnamed_map and path[:2] == (MAP, MAP) else path
         key = ".".join(name_of(shortened(str(part))) for part in path)
-        places = [path[:length] for length in range(len(path), 0, -1)]
+        spelt, name = ALIKE.get(str(path[0]), ("", ""))
+        written = tuple(spelt if part == name else part for part in path)
+        places = [each[:length] for length in range(len(path), 0, -1) for each in (path, written)]
         if self.overridden.intersection(places):
             return Fault(OVERRIDE, None, key, message)
         for place in places:
@@ -206,28 +192,29 @@ def _replaced(table: Any, path: Sequence[str], value: float) -> Any:
     if isinstance(table, tuple):
         at = int(first) if first.isdigit() else len(table)
         return (*table[:at], _replaced(table[at], rest, value), *table[at + 1 :])
-    field = fields_of(type(table))[first]
-    name = first if field.alias is None else f"{first}_"
-    entry, inner = entry_of(field), getattr(table, name)
+    field = table.KEYS[first]
+    name, entry = field.attribute, field.entry
+    inner = getattr(table, name)
     if rest and inner is None:
         raise LookupError(first)
     if rest:
-        return table.model_copy(update={name: _replaced(inner, rest, value)})
+        return table.with_(**{name: _replaced(inner, rest, value)})
     if entry is None:
         raise LookupError(first)
     given = int(value) if isinstance(entry, Count) and value.is_integer() else value
     alone = isinstance(entry, Several) and isinstance(inner, tuple) and len(inner) == 1
-    return table.model_copy(update={name: entry.read([given] if alone else given, SI)})
+    return table.with_(**{name: entry.read([given] if alone else given, SI)})
 
 
 def _read_with(tables: Any, key: str, value: float) -> Any:
     """Tables with a key that was not there, read anew; CaseError where they cannot be read with it."""
     plain = content(tables)
     try:
-        override(plain, key, int(value) if value.is_integer() else value, literal=True)
-        return type(tables).model_validate(plain, context=SI)
+        plain, _ = override(plain, key, int(value) if value.is_integer() else value, literal=True)
     except OverrideError as fault:
         raise CaseError([Fault(OVERRIDE, None, key, str(fault))]) from None
-    except ValidationError as error:
-        wrong = complaints(error, type(tables))[0]
-        raise CaseError(Fault(OVERRIDE, None, ".".join(map(str, path)), said) for path, said in wrong) from None
+    reading = Reading(SI)
+    made = reading.table(type(tables), plain)
+    if reading.complaints:
+        raise CaseError(Fault(OVERRIDE, None, ".".join(map(str, path)), said) for path, said in reading.complaints)
+    return made

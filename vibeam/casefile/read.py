@@ -31,7 +31,7 @@ from vibeam.casefile.tables.sweep import APPLIED, fidelity_of, model_named
 from vibeam.casefile.tables.table import content, digest, plan_of
 from vibeam.casefile.toml import parsed, read_text
 from vibeam.casefile.toml_writing import toml_text
-from vibeam.exchange.faults import CaseError, Fault, KeyPath
+from vibeam.exchange.faults import CaseError, Fault
 from vibeam.figures import COMMON, FIGURES
 from vibeam.observe.measuring_chain import Chain, LowPass
 from vibeam_models.registry import loaded
@@ -55,7 +55,7 @@ def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] |
         return parse(read_text(Path(path)), path, set)
     file = Path("case.toml")
     try:
-        return _case(tables_of(path), {}, file, set or {})
+        return case_of(tables_of(path), file, set or {})
     except OverrideError as error:
         raise CaseError([Fault(str(file), None, "", str(error))]) from None
 
@@ -63,16 +63,12 @@ def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] |
 def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, Any] | None = None) -> Case:
     """The case that ``text`` says, as ``load``; ``path`` is what faults call it, references lie in its folder."""
     file = Path(path)
-    return _case(*parsed(text, file), file, set or {})
+    return case_of(parsed(text, file), file, set or {}, text)
 
 
-def case_of(tables: dict[str, Any], path: Path, set: Mapping[str, Any]) -> Case:
-    """The case of ``tables`` as a case file has them, which are changed in place; otherwise as ``load``."""
-    return _case(tables, {}, path, set)
-
-
-def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: Path, overrides: Mapping[str, Any]) -> Case:
-    declared, changed, place = checked(tables, lines, file, overrides)
+def case_of(tables: dict[str, Any], file: Path, set: Mapping[str, Any], text: str = "") -> Case:
+    """The case of ``tables`` as a case file has them, whose ``text`` has their lines; otherwise as ``load``."""
+    declared, changed, place = checked(tables, text, file, set)
     folder, numbers = file.parent, _numbers(declared, changed, file.parent)
     swept = None if declared.sweep is None else _sweep(declared.sweep)
     inputs = _inputs(declared, changed, folder)

@@ -68,7 +68,7 @@ def varied_complaints(declared: Any, model: Callable[[str], Model]) -> Iterator[
     """
     if declared.record is None or declared.record.over in SCALES:
         return
-    entry, key = varied(declared, type(declared))[0], declared.record.over
+    entry, key = varied(declared)[0], declared.record.over
     for place, value in enumerate(declared.record.values):
         number = _read(entry, value, declared)
         for name in declared.fidelity:
@@ -83,7 +83,7 @@ def varied_complaints(declared: Any, model: Callable[[str], Model]) -> Iterator[
 
 def _numbers_at(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about numbers compared at values that are not run."""
-    entry = varied(case, KINDS[case.kind].declaration())[0]
+    entry = varied(case)[0]
     values = [number for each in case.record.values or () if (number := _read(entry, each, case)) is not None]
     for kind in NUMBERS:
         for name, each in getattr(case, kind).items():
@@ -144,11 +144,11 @@ def _plan(case: SimpleNamespace) -> Iterator[Complaint]:
     yield from _over(case)
 
 
-def varied(case: Any, model: Any) -> tuple[Entry | None, str]:
+def varied(case: Any) -> tuple[Entry | None, str]:
     """The entry that reads the values of what is varied, or what is wrong with it."""
     if case.record.over in SCALES:
         return Quantity(units.RATIO, POSITIVE if case.record.over == "speed" else ANY), ""
-    entry, fault = entry_at(model, case.record.over)
+    entry, fault = entry_at(type(case), case.record.over)
     if fault:
         return None, f"{fault}; or level, speed"
     if not isinstance(entry, Quantity):
@@ -163,7 +163,7 @@ def _over(case: SimpleNamespace) -> Iterator[Complaint]:
     for name, fidelity in case.fidelity.items():
         if record.over in dict(flat(fidelity.set or {})):
             yield ("fidelity", name, "set"), f"keeps {record.over} at one value, and record.over varies it: take it out"
-    entry, fault = varied(case, KINDS[case.kind].declaration())
+    entry, fault = varied(case)
     if fault:
         yield ("record", "over"), fault.replace("a fidelity changes", "record.over may be")
         return
@@ -193,10 +193,10 @@ def _solvers(case: SimpleNamespace) -> Iterator[Complaint]:
 
 def _of_sweeps(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about tables and keys without a meaning for an input over time."""
-    usual = KINDS[case.kind].declaration().model_fields
+    usual = case.KEYS
     for name, instead in OF_SWEEPS.items():
         asked = getattr(case, name, None)
-        if asked is not None and asked != {} and not _is_usual(asked, usual[name].default):
+        if asked not in (None, {}) and asked != usual[name].default:
             yield (name,), f"is of a [sweep]: take it away; {instead}"
     for name in OF_FREQUENCY:
         if getattr(case.stop, name, None) is not None:
@@ -214,14 +214,9 @@ def _of_sweeps(case: SimpleNamespace) -> Iterator[Complaint]:
             )
 
 
-def _is_usual(asked: Any, usual: Any) -> bool:
-    """Test whether a table says what its absence says."""
-    return bool(usual) and all(getattr(asked, name, None) == value for name, value in usual)
-
-
 def record_plan(case: Any, inputs: InputPlan) -> RecordPlan:
     """The plan of [record] of a checked case; without a duration its file is read, CaseError for a faulty one."""
-    entry, _ = varied(case, type(case))
+    entry, _ = varied(case)
     assert entry is not None
     values = tuple(float(entry.parse(value)) for value in case.record.values)
     first = inputs.seed or 0
@@ -232,7 +227,7 @@ def record_plan(case: Any, inputs: InputPlan) -> RecordPlan:
 
 def start_plan(case: Any) -> StartPlan:
     """The plan of [start] of a checked case."""
-    return StartPlan(**dict(case.start or ()), settled=_settled)
+    return StartPlan(**vars(case.start) if case.start else {}, settled=_settled)
 
 
 def _settled(system: Any) -> Any:
@@ -245,24 +240,19 @@ def located(case: Any, numbers: Mapping[str, T]) -> dict[str, T]:
     """Numbers compared by name, with ``at`` in SI, of a checked case."""
     if case.record is None:
         return dict(numbers)
-    entry = varied(case, type(case))[0]
+    entry = varied(case)[0]
     found: Any = {name: (each, _read(entry, each.at, case)) for name, each in cast(Any, numbers).items()}
     return {name: each if at is None else replace(each, at=at) for name, (each, at) in found.items()}
 
 
 def record_in_si(case: Any, tables: dict[str, Any]) -> dict[str, Any]:
     """``tables`` and [record] of a checked case, the values of what is varied with their SI unit."""
-    if case.record is None:
-        return tables
-    entry, system = varied(case, type(case))[0], units_of(case.units)
+    entry, system = varied(case)[0], units_of(case.units)
     kind = entry.kind if isinstance(entry, Quantity) else None
 
     def written(value: Any) -> Any:
         return with_unit(value, kind, system) if kind and value is not None else value
 
     values = tuple(written(value) for value in case.record.values)
-    numbers = {
-        part: {name: each.model_copy(update={"at": written(each.at)}) for name, each in tables[part].items()}
-        for part in NUMBERS
-    }
-    return tables | numbers | {"record": case.record.model_copy(update={"values": values})}
+    numbers = {part: {name: each.with_(at=written(each.at)) for name, each in tables[part].items()} for part in NUMBERS}
+    return tables | numbers | {"record": case.record.with_(values=values)}

@@ -10,7 +10,6 @@ from typing import Any
 from vibeam.casefile.tables.cases import case_table
 from vibeam.casefile.tables.stop import law_keys, stop_table
 from vibeam.casefile.tables.table import NAME, declared_entry
-from vibeam.casefile.validation import fields_of, keys_of, table_of
 from vibeam_models.effects import EFFECTS
 from vibeam_models.keys import Key
 from vibeam_models.keys import keys_of as declared_keys
@@ -45,10 +44,8 @@ def register_effect(effect: type[Effect], repeated: bool = False) -> Registratio
     faults = list(_kind_faults(effect, Effect))
     if not faults:
         above, _, key = effect.name.rpartition(".")
-        known = fields_of(case_table("beam"))
-        faults += _name_faults(
-            key, keys_of(table_of(known[above]) if above in ("beam", "mass") else case_table("beam"))
-        )
+        case = case_table("beam")
+        faults += _name_faults(key, (case.KEYS[above].table if above in ("beam", "mass") else case).KEYS)
         if above not in ("", "beam", "mass") or not NAME.fullmatch(key):
             faults.append(f"the name {effect.name!r} must be letters, digits, - or _, after beam. or mass. for a key")
         elif above and [field.name for field in fields(effect)] != [key]:
@@ -122,7 +119,7 @@ def _key_faults(kind: type[Any]) -> Iterator[str]:
 
 
 def _shared_faults(form: type[ContactLaw]) -> Iterator[str]:
-    known, others = law_keys(), keys_of(stop_table())
+    known, others = law_keys(), stop_table().KEYS
     for field in fields(form):
         if field.name in known and field.metadata.get("key") != known[field.name]:
             yield f"{field.name}: another law has this key with another meaning: take that one, or another name"

@@ -95,7 +95,7 @@ def base_of(case: AnyCase, **own: float | None) -> Base:
 
 def stop_of(table: Any, position: float, beam: Any = None) -> Stop:
     """The stop with its law, whose own keys are the law's."""
-    own = {name: value for name, value in dict(table).items() if name in keys_of(Stop)}
+    own = {name: value for name, value in vars(table).items() if name in keys_of(Stop)}
     return Stop(**own | {"position": position, "law": contact_law(table, beam)})
 
 

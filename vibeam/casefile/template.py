@@ -9,14 +9,11 @@ from itertools import groupby
 from textwrap import wrap
 from typing import Any
 
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
-
 from vibeam.casefile.documentation import default_of
 from vibeam.casefile.examples import WHOSE, tables
 from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.tables.declared import Field, Table
 from vibeam.casefile.toml_writing import to_toml
-from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
 
 COLUMN = 44  # where the comments begin
 WIDTH = 120
@@ -70,14 +67,14 @@ def template() -> str:
 
 def short() -> str:
     """The same rig in some 25 lines: what a first run needs."""
-    fields_by_table = fields_of(KINDS["beam"].declaration())
+    fields_by_table = KINDS["beam"].declaration().KEYS
     lines = [
         "# a cantilever with an attached mass, the DTU rig",
         "# every key: vibeam new; those of one table: vibeam keys stop",
     ]
     known = _given() | {"drive.amplitude": "0.1 mm"} | FIRST
     for table, keys in groupby([*NEEDED.split(), *FIRST], key=lambda key: key.partition(".")[0]):
-        fields = fields_of(table_of(fields_by_table[table]) or BaseModel)
+        fields = fields_by_table[table].table.KEYS
         lines.append(f"[{table}]")
         for path in keys:
             key = path.partition(".")[2]
@@ -89,35 +86,34 @@ def short() -> str:
 
 def _with_few_words(text: str, field: Any) -> str:
     """A key with its meaning, less what is said of its absence, of other values and of other keys."""
-    whole = (field.description or "").removeprefix("effect: ")
+    whole = field.description.removeprefix("effect: ")
     meaning = re.split("; |, instead|, on the|, and the|, whose| on the beam where|, absent|, in \\(", whole)[0]
     line = _commented(text, meaning)
     return line if "\n" not in line and len(line) <= 100 else _commented(text, re.split(": |, ", meaning)[0])
 
 
 def _lines() -> Iterator[str]:
-    fields = fields_of(KINDS["beam"].declaration())
-    yield from (_line("", name, field) for name, field in fields.items() if entry_of(field))
+    fields = KINDS["beam"].declaration().KEYS
+    yield from (_line("", name, field) for name, field in fields.items() if field.entry)
     for name, field in fields.items():
-        table = table_of(field)
-        if table:
-            yield from _section(name, table, field)
+        if field.table:
+            yield from _section(name, field.table, field)
 
 
-def _section(name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[str]:
+def _section(name: str, table: type[Table], field: Field) -> Iterator[str]:
     """A table, or each of several that the template shows; commented out if the case does without."""
     there = name in _given() and name not in SHOWN
-    aside = "" if field.is_required() or there else "# "
+    aside = "" if field.required or there else "# "
     yield ""
     yield from wrap(" ".join((table.__doc__ or "").split()), WIDTH, initial_indent="# ", subsequent_indent="# ")
-    if name in SHOWN or is_repeated(field):
+    if name in SHOWN or field.many:
         explained: set[str] = set()
         for heading, own in _several(name):
             yield f"{aside}{heading}"
             yield from _named(name, table, own, aside, explained)
     else:
         yield f"{aside}[{name}]"
-        yield from (_line(f"{name}.", inner, key, aside) for inner, key in fields_of(table).items())
+        yield from (_line(f"{name}.", inner, key, aside) for inner, key in table.KEYS.items())
 
 
 def _several(name: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
@@ -128,12 +124,10 @@ def _several(name: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
         yield from ((f"[[{name}]]", own) for own in _given().get(name, [{}]))
 
 
-def _named(
-    above: str, table: type[BaseModel], own: Mapping[str, Any], aside: str, explained: set[str]
-) -> Iterator[str]:
+def _named(above: str, table: type[Table], own: Mapping[str, Any], aside: str, explained: set[str]) -> Iterator[str]:
     """One of several tables: the first explains every key, those after it show what they have."""
     first = not explained
-    for name, field in fields_of(table).items():
+    for name, field in table.KEYS.items():
         if name in own:
             meaning = "" if name in explained else meaning_of(field)
             yield _commented(f"{aside}{name} = {to_toml(own[name])}", meaning)
@@ -142,13 +136,13 @@ def _named(
         explained.add(name)
 
 
-def _line(above: str, name: str, field: FieldInfo, aside: str = "") -> str:
+def _line(above: str, name: str, field: Field, aside: str = "") -> str:
     own = _given().get(above + name)
-    example = example_of(field) if own is None else to_toml(own)
-    written = own is not None or example == default_of(entry_of(field), field)
+    example = to_toml(field.example) if own is None else to_toml(own)
+    written = own is not None or example == default_of(field)
     text = _commented(f"{aside or ('' if written else '# ')}{name} = {example}", meaning_of(field))
-    inner = table_of(field)
-    within = [f"#   {key}: {meaning_of(each)}" for key, each in fields_of(inner).items()] if inner else []
+    inner = field.table.KEYS.items() if field.table else ()
+    within = [f"#   {key}: {meaning_of(each)}" for key, each in inner]
     return "\n".join([*within, text])
 
 
@@ -160,8 +154,7 @@ def _commented(text: str, meaning: str) -> str:
     return "\n".join([*wrap(meaning, WIDTH, initial_indent="# ", subsequent_indent="# "), text])
 
 
-def meaning_of(field: FieldInfo) -> str:
+def meaning_of(field: Field) -> str:
     """Meaning of a key and, in brackets, what it may hold."""
-    entry = entry_of(field)
-    kind = entry.describe() if entry and not table_of(field) else ""
-    return f"{field.description} [{kind}]" if kind and kind != "text" else field.description or ""
+    kind = field.entry.describe() if field.entry and not field.table else ""
+    return f"{field.description} [{kind}]" if kind and kind != "text" else field.description

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import tomllib
 from bisect import bisect_right
-from collections.abc import Iterable
 from pathlib import Path as File
 from typing import Any
 
@@ -175,15 +174,16 @@ def read_text(file: File) -> str:
         raise _refusal(file, f"is not text: byte {error.start + 1} is not UTF-8; a case is a TOML file") from None
 
 
-def parsed(text: str, file: File) -> tuple[dict[str, Any], dict[KeyPath, int]]:
-    """The tables of a TOML text, and the line of each key; CaseError if it is no TOML or empty."""
+def parsed(text: str, file: File) -> dict[str, Any]:
+    """The tables of a TOML text; CaseError if it is no TOML or empty."""
     if len(text) > LARGEST:
         raise _too_large(file, len(text))
     if long := LONG_KEY.search(text):  # the parser's time grows with the square of the parts
         raise CaseError([Fault(str(file), text.count("\n", 0, long.start()) + 1, "", TOO_DEEP)])
     try:
         tables = tomllib.loads(text)
-        lines = key_lines(text)
+        deep = too_deep(tables)
+        line = key_lines(text).get(deep[:1]) if deep else None
     except tomllib.TOMLDecodeError as error:
         raise CaseError([_syntax(file, text, str(error))]) from None
     except RecursionError:
@@ -192,22 +192,22 @@ def parsed(text: str, file: File) -> tuple[dict[str, Any], dict[KeyPath, int]]:
         raise _refusal(file, "holds a number of thousands of digits") from None
     if not tables:
         raise _refusal(file, "is empty: a case has [beam] or [sdof], [stop], [drive], [sweep] and [fidelity.NAME]")
-    if deep := too_deep(tables):
-        raise CaseError([Fault(str(file), lines.get(deep[:1]), str(deep[0]), TOO_DEEP)])
-    return tables, lines
+    if deep:
+        raise CaseError([Fault(str(file), line, str(deep[0]), TOO_DEEP)])
+    return tables
 
 
 def too_deep(value: Any) -> KeyPath:
     """The path to a table or list that lies deeper in a value than any of a case; empty: none does."""
     level: list[tuple[KeyPath, Any]] = [((), value)]
     for _ in range(DEEPEST):
-        level = [((*path, key), inner) for path, one in level for key, inner in _items(one)]
-        level = [(path, one) for path, one in level if isinstance(one, dict | list)]
+        level = [
+            ((*path, key), inner)
+            for path, one in level
+            for key, inner in (one.items() if isinstance(one, dict) else enumerate(one))
+            if isinstance(inner, dict | list)
+        ]
     return level[0][0] if level else ()
-
-
-def _items(value: Any) -> Iterable[tuple[str | int, Any]]:
-    return value.items() if isinstance(value, dict) else enumerate(value)
 
 
 def _content(file: File) -> bytes:

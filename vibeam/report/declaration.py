@@ -142,7 +142,7 @@ def register_study(declaration: StudyDeclaration) -> None:
         return
     from vibeam.casefile.tables.cases import case_table
 
-    if declaration.name in case_table("beam").model_fields:
+    if declaration.name in case_table("beam").KEYS:
         STUDIES.remove(declaration.name)
         raise ValueError(f"study {declaration.name!r}: a case has a table of that name: choose another name")
     STUDY_PLANS.add(Home(declaration.name, declaration.asks))

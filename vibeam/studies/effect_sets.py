@@ -10,20 +10,18 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel
-from pydantic.fields import FieldInfo
 
 from vibeam.case.case import Case
 from vibeam.case.fineness import plain
-from vibeam.casefile.tables.table import note
-from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
+from vibeam.casefile.tables.declared import Table
+from vibeam.casefile.validation import physics_keys
 from vibeam.system.curves import evenly
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
 from vibeam_models.effects import parts_of
 
 
-def effects_of(declared: BaseModel) -> tuple[str, ...]:
+def effects_of(declared: Table) -> tuple[str, ...]:
     """Dotted keys of the effects in a declared case, in its order; of several tables of a kind each by its index.
 
     Effects at their neutral value (None, or the default) are left out.
@@ -31,38 +29,33 @@ def effects_of(declared: BaseModel) -> tuple[str, ...]:
     return tuple(name for field in physics_keys(type(declared)) for name in _named(declared, field))
 
 
-def is_effect(field: FieldInfo) -> bool:
-    """Test whether a key or table is declared as an effect."""
-    return bool(note(field, "effect"))
-
-
-def companions(declared: BaseModel, name: str) -> tuple[str, ...]:
+def companions(declared: Table, name: str) -> tuple[str, ...]:
     """Keys of a declared case that are meaningless without an effect: beside it, or tables that are on it."""
     table, _, key = name.partition(".")
     carried = () if key else tuple(_on(declared, name))
     if carried:
         return carried
     inner = getattr(declared, table, None)
-    if not (key and isinstance(inner, BaseModel)):
+    if not (key and isinstance(inner, Table)):
         return ()
-    beside = [other for other, field in fields_of(type(inner)).items() if note(field, "of") == key]
+    beside = [other for other, field in inner.KEYS.items() if field.of == key]
     return tuple(f"{table}.{each}" for each in beside if getattr(inner, each) is not None)
 
 
-def _on(declared: BaseModel, name: str) -> Iterator[str]:
+def _on(declared: Table, name: str) -> Iterator[str]:
     """Effects, tables of which there are several, with ``on`` = ``name``, and its parts: that beam carries them."""
     yield from (part for part in parts_of(name) if getattr(declared, part, None) is not None)
     for field in physics_keys(type(declared)):
-        if is_repeated(fields_of(type(declared))[field]):
+        if declared.KEYS[field].many:
             carried = [getattr(each, "on", None) == name for each in getattr(declared, field) or ()]
             yield from (effect for effect, is_on in zip(_named(declared, field), carried, strict=False) if is_on)
 
 
-def _named(declared: BaseModel, name: str) -> Iterator[str]:
-    field, value = fields_of(type(declared))[name], getattr(declared, name)
-    if not is_effect(field):
+def _named(declared: Table, name: str) -> Iterator[str]:
+    field, value = declared.KEYS[name], getattr(declared, name)
+    if not field.effect:
         yield from (f"{name}.{key}" for key in _keys(value))
-    elif is_repeated(field):
+    elif field.many:
         yield from ([name] if len(value) == 1 else [f"{name}.{index}" for index in range(len(value))])
     elif value is not None:
         yield name
@@ -70,9 +63,9 @@ def _named(declared: BaseModel, name: str) -> Iterator[str]:
 
 def _keys(table: object) -> Iterator[str]:
     """Effects among a table's own keys."""
-    if isinstance(table, BaseModel):
-        for key, field in fields_of(type(table)).items():
-            if is_effect(field) and getattr(table, key) != field.default:
+    if isinstance(table, Table):
+        for key, field in table.KEYS.items():
+            if field.effect and getattr(table, key) != field.default:
                 yield key
 
 

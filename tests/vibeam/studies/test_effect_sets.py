@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from math import inf, isinf
-from typing import Any
 
 import numpy as np
 import pytest
@@ -27,10 +26,11 @@ from stand_in import RIG, SDOF, same
 
 import vibeam
 from vibeam.casefile.documentation import reference_table
+from vibeam.casefile.fields import TEXT
 from vibeam.casefile.read import parse
-from vibeam.casefile.tables.table import key, table
+from vibeam.casefile.tables.declared import key, table
 from vibeam.report.effects import details, lines
-from vibeam.studies.effect_sets import effects_of, is_effect, smallest, subsets
+from vibeam.studies.effect_sets import effects_of, smallest, subsets
 from vibeam.studies.effects import influence
 from vibeam.studies.variants import ensembles
 
@@ -62,11 +62,11 @@ def test_what_says_the_rig_is_no_effect_of_it(place: str) -> None:
 
 
 def test_a_key_or_table_is_an_effect_by_its_declaration_not_by_its_words() -> None:
-    told = table("Told", "Effect: in words alone.", {"ghost": (Any, key("effect: in words alone", 1, None))})
-    meant = table("Meant", "Haunts the beam.", {"ghost": (Any, key("haunts the beam", 1, None, effect=True))})
-    assert not is_effect(told.model_fields["ghost"])
-    assert is_effect(meant.model_fields["ghost"])
-    assert meant.model_fields["ghost"].description == "effect: haunts the beam"
+    told = table("Told", "Effect: in words alone.", {"ghost": key(TEXT, "effect: in words alone", "boo", None)})
+    meant = table("Meant", "Haunts the beam.", {"ghost": key(TEXT, "haunts the beam", "boo", None, effect=True)})
+    assert not told.KEYS["ghost"].effect
+    assert meant.KEYS["ghost"].effect
+    assert meant.KEYS["ghost"].description == "effect: haunts the beam"
 
 
 # --- sets of effects --------------------------------------------------------------------------------------------------

@@ -5,19 +5,20 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
 from vibeam.case.study_plans import MOST_ELEMENTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Count, Quantity, Several, Word
 from vibeam.casefile.kinds import MODELS
 from vibeam.casefile.quantities import POSITIVE, Range
+from vibeam.casefile.tables.declared import Table, key, table
 from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks
 from vibeam.casefile.tables.outputs import output_checks
 from vibeam.casefile.tables.sweep import model_named
-from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
+from vibeam.casefile.tables.table import Length, Ratio, declared_key, plan_keys
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.beams.shapes import SHAPES, foreign_dimensions
@@ -110,28 +111,33 @@ def _shape_keys() -> dict[str, Any]:
 
 
 class _Along(Table):
-    length: Annotated[float, Length] = key("length, from x = 0 to the tip", "180 mm")
-    shape: Annotated[str | None, Word(tuple(SHAPES))] = key("of the section; absent = rectangle", "tube", None)
+    length = key(Length, "length, from x = 0 to the tip", "180 mm")
+    shape = key(Word(tuple(SHAPES)), "of the section; absent = rectangle", "tube", None)
 
 
 class _Made(Table):
-    youngs_modulus: Annotated[float, Quantity(units.PRESSURE, POSITIVE)] = key("modulus of elasticity", "210 GPa")
-    density: Annotated[float, Quantity(units.DENSITY, POSITIVE)] = key("mass per volume", "7850 kg/m^3")
-    poissons_ratio: Annotated[float | None, Quantity(units.RATIO, Range(0, 0.5))] = key(
-        "of theory timoshenko, torsion, a solid, and of a stop that yields by shape and materials", 0.3, None
+    youngs_modulus = key(Quantity(units.PRESSURE, POSITIVE), "modulus of elasticity", "210 GPa")
+    density = key(Quantity(units.DENSITY, POSITIVE), "mass per volume", "7850 kg/m^3")
+    poissons_ratio = key(
+        Quantity(units.RATIO, Range(0, 0.5)),
+        "of theory timoshenko, torsion, a solid, and of a stop that yields by shape and materials",
+        0.3,
+        None,
     )
-    damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
+    damping_ratio = key(
+        Several(Ratio, alone=True),
         "of the first elastic mode; for rayleigh a list of two, of elastic modes 1 and 2; absent where damping is one",
         0.017,
         None,
     )
-    damping: Annotated[str | tuple[float, ...], Several(Ratio, words=("constant", "stiffness", "rayleigh"))] = key(
+    damping = key(
+        Several(Ratio, words=("constant", "stiffness", "rayleigh")),
         "constant: the same ratio in every mode; stiffness: in proportion to the frequency; rayleigh: mass and "
         "stiffness; or the ratios of the elastic modes one by one (rigid-body modes have none)",
         "constant",
         "constant",
     )
-    elements: Annotated[int, Count(1, MOST_ELEMENTS)] = key("finite elements along the beam", 36, 36)
+    elements = key(Count(1, MOST_ELEMENTS), "finite elements along the beam", 36, 36)
 
 
 BeamTable: Any = table("BeamTable", "The beam, clamped at 0 unless ends says otherwise.", _Along, _shape_keys(), _Made)

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import Any, ClassVar
 
+from vibeam.case.plans import RecordPlan, StartPlan
 from vibeam.case.study_plans import STUDY_PLANS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import settings
@@ -15,18 +16,18 @@ from vibeam.casefile.fields import TEXT, Quantity, Word
 from vibeam.casefile.kinds import MODELS, ModelDeclaration
 from vibeam.casefile.quantities import POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
+from vibeam.casefile.tables.declared import Field, Later, Table, key, table
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
-from vibeam.casefile.tables.effects import EffectTable, effect_tables, with_effects
+from vibeam.casefile.tables.effects import effect_tables, own_table, with_effects
 from vibeam.casefile.tables.expectations import ExpectTable, MeasuredTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, show_table
-from vibeam.casefile.tables.maps import MapTable, SdofMapTable
+from vibeam.casefile.tables.maps import LEVELS, MapTable, SdofMapTable
 from vibeam.casefile.tables.outputs import OutputTable
-from vibeam.casefile.tables.record import RecordTable, SdofStartTable, StartTable
 from vibeam.casefile.tables.references import ReferenceTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import BeamFidelityTable, FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
-from vibeam.casefile.tables.table import Ratio, Table, key, plan_keys, table
+from vibeam.casefile.tables.table import Ratio, less, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import FIGURES
 from vibeam_models.effects import EFFECTS
@@ -48,11 +49,21 @@ def sdof_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Ite
 class SdofTable(Table):
     """A single degree of freedom in place of beam, mass and sensor: the paper's model, nondimensional."""
 
-    natural_frequency: Annotated[float, Quantity(units.ANGULAR_FREQUENCY, POSITIVE)] = key(
-        "of free motion, with its unit; 1 rad/s = nondimensional time", "1 rad/s", 1.0
+    natural_frequency = key(
+        Quantity(units.ANGULAR_FREQUENCY, POSITIVE),
+        "of free motion, with its unit; 1 rad/s = nondimensional time",
+        "1 rad/s",
+        1.0,
     )
-    damping_ratio: Annotated[float, Ratio] = key("β, of critical", 0.015)
+    damping_ratio = key(Ratio, "β, of critical", 0.015)
 
+
+_RECORD = """The run of every fidelity through one input over time, in place of [sweep]: how long, what is kept,
+realisations, what is varied."""
+_START = "The state at the start of a [record]: plucked, moving or dropped; absent = settled, in static equilibrium."
+RecordTable: Any = table("RecordTable", _RECORD, plan_keys(RecordPlan, values=LEVELS))
+StartTable: Any = table("StartTable", _START, plan_keys(StartPlan))
+SdofStartTable: Any = less(StartTable, "SdofStartTable", _START, "height", plain=True)
 
 ASIDE: Any = {"physics": False, "numbers": False}  # no part of the rig, nor of what its sweeps compute
 
@@ -62,17 +73,12 @@ class AnyCase(Table):
 
     kind: ClassVar[str] = "beam"
 
-    if TYPE_CHECKING:  # the tables of its kind
-
-        def __getattr__(self, name: str) -> Any: ...
-
-    title: Annotated[str, TEXT] = key(
-        "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", "", **ASIDE
+    title = key(
+        TEXT, "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", "", **ASIDE
     )
-    source: Annotated[str, TEXT] = key(
-        "where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "", **ASIDE
-    )
-    units: Annotated[str | None, Word(tuple(UNIT_SYSTEMS))] = key(
+    source = key(TEXT, "where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "", **ASIDE)
+    units = key(
+        Word(tuple(UNIT_SYSTEMS)),
         "units of the numbers that are written without one, SI: m, kg, s, N, Pa, Hz; absent = every number with a "
         "dimension needs its unit, 0 alone does not",
         "SI",
@@ -81,17 +87,17 @@ class AnyCase(Table):
     )
 
 
-Parts = dict[str, tuple[Any, Any]]  # keys of a case: annotation and ``key`` of each
+Parts = dict[str, Field]  # keys of a case
 
 
 def _measured(measurement: Any, sweep: Any, start: Any, fidelity: Any) -> Parts:
     """The tables of what is run on a rig, and how it is seen."""
     return {
-        "measurement": (measurement | None, key("the measuring chain", None, None, numbers=False)),
-        "sweep": (sweep | None, key("the sweep of every fidelity", None, None, physics=False)),
-        "record": (RecordTable | None, key("the run through an input over time", None, None, physics=False)),
-        "start": (start | None, key("the state at its start", None, None)),
-        "fidelity": (dict[str, fidelity], key("models of the rig", physics=False)),
+        "measurement": key(measurement, "the measuring chain", None, None, numbers=False),
+        "sweep": key(sweep, "the sweep of every fidelity", None, None, physics=False),
+        "record": key(RecordTable, "the run through an input over time", None, None, physics=False),
+        "start": key(start, "the state at its start", None, None),
+        "fidelity": key(fidelity, "models of the rig", physics=False, many=dict),
     }
 
 
@@ -104,55 +110,50 @@ def _asked(show: Any, map_: Any) -> Parts:
     inputs = {"mass.mass": "± 2 g", "stop.restitution": "0.6 … 0.8"}
     fit = "what vibeam fit estimates, and from what"
     return {
-        "reference": (dict[str, ReferenceTable], key("curves to check against", None, {}, **ASIDE)),
-        "expect": (dict[str, ExpectTable], key("numbers to check against", None, {}, **ASIDE)),
-        "measured": (dict[str, MeasuredTable], key("numbers that were measured", None, {}, **ASIDE)),
-        "chosen_by": (
-            Annotated[Any, settings("[names]")],
-            key(chosen, {"platform.mass": ["decay", "peak"]}, None, **ASIDE),
-        ),
-        "show": (dict[str, show], key("further figures", None, {}, **ASIDE)),
-        "map": (dict[str, map_], key("maps over keys of the case", None, {}, **ASIDE)),
-        "uncertain": (Annotated[Any, settings()], key(uncertain, inputs, None, **ASIDE)),
-        "figure": (FigureTable, key("how figures are written", None, FigureTable(), **ASIDE)),
-        "cost": (CostTable, key("what vibeam verdict --only solvers does", None, CostTable(), **ASIDE)),
-        "fit": (FitTable | None, key(fit, None, None, **ASIDE)),
+        "reference": key(ReferenceTable, "curves to check against", None, {}, many=dict, **ASIDE),
+        "expect": key(ExpectTable, "numbers to check against", None, {}, many=dict, **ASIDE),
+        "measured": key(MeasuredTable, "numbers that were measured", None, {}, many=dict, **ASIDE),
+        "chosen_by": key(settings("[names]"), chosen, {"platform.mass": ["decay", "peak"]}, None, **ASIDE),
+        "show": key(show, "further figures", None, {}, many=dict, **ASIDE),
+        "map": key(map_, "maps over keys of the case", None, {}, many=dict, **ASIDE),
+        "uncertain": key(settings(), uncertain, inputs, None, **ASIDE),
+        "figure": key(FigureTable, "how figures are written", None, FigureTable(), **ASIDE),
+        "cost": key(CostTable, "what vibeam verdict --only solvers does", None, CostTable(), **ASIDE),
+        "fit": key(FitTable, fit, None, None, **ASIDE),
     } | {name: _study(name, home) for name, home in STUDY_PLANS.items()}
 
 
-def _study(name: str, home: Home) -> tuple[Any, Any]:
+def _study(name: str, home: Home) -> Field:
     """The table of a study that has a plan."""
     keys = plan_keys(home.load())
     made = table(f"{name.capitalize()}Table", f"Plan of vibeam {name}.", keys)
-    if any(field.is_required() for _, field in keys.values()):
-        return made | None, key(f"what vibeam {name} does", None, None, **ASIDE)
-    return made, key(f"what vibeam {name} does", None, made(), **ASIDE)
+    needed = any(field.required for field in keys.values())
+    return Field(made, f"what vibeam {name} does", None, None if needed else made(), **ASIDE)
 
 
 def _influence() -> Parts:
-    return {
-        "influence": (InfluenceTable, key("what vibeam verdict --only effects does", None, InfluenceTable(), **ASIDE))
-    }
+    told = "what vibeam verdict --only effects does"
+    return {"influence": key(InfluenceTable, told, None, InfluenceTable(), **ASIDE)}
 
 
-def _model(model: ModelDeclaration) -> Any:
-    """Annotation of the table of a model."""
-    return Annotated[Any, EffectTable(Home(model.name, model.table), own=True)]
+def _model(model: ModelDeclaration) -> Later:
+    """Table of a model, declared where a case first names it."""
+    return Later(lambda: own_table(Home(model.name, model.table)))
 
 
 def _beam() -> type[AnyCase]:
-    mass = with_effects("mass", MassTable) | None, key("attached to the beam; absent = a bare beam", None, None)
-    outputs = dict[str, OutputTable] | None, key("further outputs", None, None)
+    mass = key(with_effects("mass", MassTable), "attached to the beam; absent = a bare beam", None, None)
+    outputs = key(OutputTable, "further outputs", None, None, many=dict)
     show = show_table("ShowTable", tuple(FIGURES))
     return _case(
         "beam",
         "A beam on the bench.",
-        {"beam": (with_effects("beam", BeamTable), ...), "mass": mass},
+        {"beam": key(with_effects("beam", BeamTable)), "mass": mass},
         effect_tables("beam"),
-        {"stop": (stop_table(), ...)},
-        {"sensor": (SensorTable, ...), "output": outputs, "drive": (DriveTable, ...)},
+        {"stop": key(stop_table())},
+        {"sensor": key(SensorTable), "output": outputs, "drive": key(DriveTable)},
         effect_tables("base"),
-        {name: (_model(each), key(each.meaning, None, None)) for name, each in MODELS.items()},
+        {name: key(_model(each), each.meaning, None, None) for name, each in MODELS.items()},
         _measured(MeasurementTable, SweepTable, StartTable, BeamFidelityTable),
         _asked(show, MapTable),
         _influence(),
@@ -160,16 +161,13 @@ def _beam() -> type[AnyCase]:
 
 
 def _sdof() -> type[AnyCase]:
-    title = (
-        Annotated[Any, TEXT],
-        key("what the case is; absent = the name of its file", "single degree of freedom", "", **ASIDE),
-    )
-    source = Annotated[Any, TEXT], key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "", **ASIDE)
+    title = key(TEXT, "what the case is; absent = the name of its file", "single degree of freedom", "", **ASIDE)
+    source = key(TEXT, "where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "", **ASIDE)
     return _case(
         "sdof",
         "A single degree of freedom by itself.",
-        {"title": title, "source": source, "sdof": (SdofTable, ...)},
-        {"stop": (sdof_stop_table(), ...), "drive": (SdofDriveTable, ...)},
+        {"title": title, "source": source, "sdof": key(SdofTable)},
+        {"stop": key(sdof_stop_table()), "drive": key(SdofDriveTable)},
         _measured(SdofMeasurementTable, SdofSweepTable, SdofStartTable, SdofFidelityTable),
         _asked(show_table("ShowTable", tuple(FIGURES)), SdofMapTable),
     )
@@ -185,7 +183,7 @@ def _given(kind: str, doc: str, own: Any) -> type[AnyCase]:
     return _case(
         kind,
         doc,
-        {kind: (own, ...), "stop": (given_stop_table(), ...), "drive": (GivenDriveTable, ...)},
+        {kind: key(own), "stop": key(given_stop_table()), "drive": key(GivenDriveTable)},
         effect_tables("base"),
         _measured(MeasurementTable, GivenSweepTable, StartTable, FidelityTable),
         _asked(given_show_table(), MapTable),
@@ -206,8 +204,7 @@ def _modes() -> type[AnyCase]:
 
 
 def _case(kind: str, doc: str, *parts: Parts) -> type[AnyCase]:
-    made: type[AnyCase] = table(f"{kind.capitalize()}Case", doc, AnyCase, *parts)
-    made.kind = kind
+    made: type[AnyCase] = table(f"{kind.capitalize()}Case", doc, AnyCase, *parts, kind=kind)
     return made
 
 

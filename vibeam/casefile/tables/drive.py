@@ -11,8 +11,9 @@ from vibeam.case.input_plan import InputPlan
 from vibeam.casefile.field_tables import flat
 from vibeam.casefile.fields import Entry, OneOrSeveral, Quantity, Several
 from vibeam.casefile.quantities import ANY
+from vibeam.casefile.tables.declared import table
 from vibeam.casefile.tables.input import COLUMN, LOADS, PEAKS, START, DensityEntry
-from vibeam.casefile.tables.table import Frequency, declared_entry, less, plan_keys, table
+from vibeam.casefile.tables.table import Frequency, declared_entry, less, plan_keys
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.figures import FIGURES
 from vibeam.solvers import SOLVERS

@@ -3,51 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import lru_cache
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter
-from pydantic_core import CoreSchema, core_schema
-from pydantic_core.core_schema import ValidationInfo
-
-from vibeam.casefile.tables.table import Table, declared_key, plan_keys, table
+from vibeam.casefile.tables.declared import Field, Later, Table, table
+from vibeam.casefile.tables.table import declared_key, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.effects import EFFECTS, keys_in, tables
 from vibeam_models.registry import Home
 from vibeam_models.scene import Effect
 
 EFFECT = "Effect: "
-
-
-@dataclass(frozen=True)
-class EffectTable:
-    """The table of an effect, or the list of its tables: declared where a case first names it.
-
-    ``own``: its home is the table itself, or a dataclass that declares its keys, which is no effect's.
-    """
-
-    home: Home
-    own: bool = False
-
-    @property
-    def table(self) -> type[Table]:
-        """One table."""
-        found: Any = self.home.load()
-        return found if issubclass(found, Table) else effect_table(found, "" if self.own else EFFECT)
-
-    def read(self, value: Any, info: ValidationInfo) -> Any:
-        """The value as the table, or as a tuple of them; pydantic's ValidationError."""
-        kind: Any = tuple[self.table, ...] if self.home.repeated else self.table  # type: ignore[name-defined]
-        return TypeAdapter(kind).validate_python(value, context=info.context)
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.with_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        one = handler(self.table.__pydantic_core_schema__)
-        return {"type": "array", "items": one} if self.home.repeated else one
 
 
 @lru_cache(maxsize=64)
@@ -59,15 +27,21 @@ def effect_table(effect: type[Any], said: str = EFFECT) -> type[Table]:
     return made
 
 
-def effect_tables(on: str) -> dict[str, Any]:
+def own_table(home: Home) -> type[Table]:
+    """The table at a home, or the one that a dataclass there declares."""
+    found: Any = home.load()
+    return found if issubclass(found, Table) else effect_table(found, "")
+
+
+def effect_tables(on: str) -> dict[str, Field]:
     """The tables of the effects on the beam, or on its base, as fields of a case."""
     homes = sorted((name, home) for name, home in tables().items() if home.on == on)
     return {name: _optional(home) for name, home in homes}
 
 
-def _optional(home: Home) -> tuple[Any, Any]:
-    kind = tuple[Any, ...] if home.repeated else Any
-    return Annotated[kind, EffectTable(home)], Field(() if home.repeated else None, json_schema_extra={"effect": True})
+def _optional(home: Home) -> Field:
+    one, many = Later(lambda: effect_table(home.load())), tuple if home.repeated else None
+    return Field(one, default=() if home.repeated else None, many=many, effect=True)
 
 
 def with_effects(name: str, model: type[Table]) -> Any:

@@ -15,9 +15,10 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Entry, Word
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE, SI, Dimension, Range, UnitSystem
+from vibeam.casefile.tables.declared import table
 from vibeam.casefile.tables.maps import LEVEL
 from vibeam.casefile.tables.outputs import main_output, of_displacement, quantity_named
-from vibeam.casefile.tables.table import NAME, QUANTITIES, named_fidelity, plan_keys, plan_of, table
+from vibeam.casefile.tables.table import NAME, QUANTITIES, named_fidelity, plan_keys, plan_of
 from vibeam.casefile.tables.transient_numbers import (
     ENERGY,
     swept_number_checks,
@@ -144,16 +145,13 @@ def amount_checks(case: SimpleNamespace) -> Iterator[Complaint]:
 
 def amounts_in_si(case: Any) -> dict[str, Any]:
     """The comparing tables of a checked case, by name, their amounts in SI."""
-    return {
-        kind: {name: _in_si(case, reading, keys) for name, reading in getattr(case, kind).items()}
-        for kind, keys in AMOUNTS.items()
-    }
-
-
-def _in_si(case: Any, reading: Any, keys: tuple[str, ...]) -> Any:
-    kind = dimension_read(case, reading)
-    amounts = {key: amount for key in keys if (amount := getattr(reading, key)) is not None}
-    return reading.model_copy(update={key: amount.of(kind) for key, amount in amounts.items()})
+    found = {kind: dict(getattr(case, kind)) for kind in AMOUNTS}
+    for kind, keys in AMOUNTS.items():
+        for name, reading in found[kind].items():
+            wanted = dimension_read(case, reading)
+            amounts = {key: amount.of(wanted) for key in keys if (amount := getattr(reading, key)) is not None}
+            found[kind][name] = reading.with_(**amounts)
+    return found
 
 
 def dimension_read(case: Any, reading: Any) -> Dimension:

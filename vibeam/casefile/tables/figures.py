@@ -5,25 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import lru_cache
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
 from vibeam.case.plans import FigurePlan, ShowPlan
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import TEXT, Count, Each, Quantity, Several, Word
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import POSITIVE
+from vibeam.casefile.tables.declared import Field, Table, key, table
 from vibeam.casefile.tables.outputs import OUTPUT_NAME, shown_output
-from vibeam.casefile.tables.table import (
-    QUANTITIES,
-    Frequency,
-    Length,
-    Table,
-    declared_key,
-    key,
-    named_fidelity,
-    plan_keys,
-    table,
-)
+from vibeam.casefile.tables.table import QUANTITIES, Frequency, Length, declared_key, named_fidelity, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import COMMON, FIGURES, OF_OUTPUT, own_keys, quantities_shown
 from vibeam.figures.declaration import FigureKind
@@ -123,10 +114,10 @@ def measurement_checks(chain: SimpleNamespace | None) -> Iterator[Complaint]:
 
 
 @lru_cache(maxsize=8)
-def show_table(name: str, kinds: tuple[str, ...], output: tuple[Any, Any] | None = None) -> Any:
+def show_table(name: str, kinds: tuple[str, ...], output: Field | None = None) -> Any:
     """The table of a further figure, with the ``kinds`` that are registered now and their keys.
 
-    ``output``: annotation and key, in place of those of a beam's outputs.
+    ``output``: field in place of that of a beam's outputs.
     """
     meaning = "; ".join(f"{each}: {FIGURES[each].meaning}" for each in kinds)
     known = plan_keys(
@@ -137,7 +128,7 @@ def show_table(name: str, kinds: tuple[str, ...], output: tuple[Any, Any] | None
         output=OUTPUT_NAME,
     )
     own = {each: declared_key(declared, None) for each, declared in own_keys().items()}
-    first = {"kind": (Annotated[str, Word(kinds)], key(meaning, "portrait"))}
+    first = {"kind": key(Word(kinds), meaning, "portrait")}
     given = {} if output is None else {"output": output}
     doc = "A further figure beside the frequency-response curves, one table each."
     return table(name, doc, first | known | own | given)
@@ -153,31 +144,28 @@ class MeasurementTable(Table):
     are exact. Velocities are central differences of the record.
     """
 
-    sampling: Annotated[float, Frequency] = key("samples a second", "5 kHz")
-    low_pass: Annotated[str | None, Word(FAMILIES)] = key(
-        "analog filter before sampling; absent = none", "bessel", None
+    sampling = key(Frequency, "samples a second", "5 kHz")
+    low_pass = key(Word(FAMILIES), "analog filter before sampling; absent = none", "bessel", None)
+    order = key(Count(1, HIGHEST_ORDER), "of the filter", 4, None)
+    cut_off = key(
+        Frequency, "of the filter: gain 1/√2, or of an elliptic one where it leaves the ripple", "500 Hz", None
     )
-    order: Annotated[int | None, Count(1, HIGHEST_ORDER)] = key("of the filter", 4, None)
-    cut_off: Annotated[float | None, Frequency] = key(
-        "of the filter: gain 1/√2, or of an elliptic one where it leaves the ripple", "500 Hz", None
-    )
-    ripple: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "dB, of an elliptic filter's pass band; absent = 0.1", 0.1, None
-    )
-    attenuation: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "dB, of an elliptic filter's stop band; absent = 60", 60, None
-    )
-    quantisation: Annotated[float | None, Length] = key("step of the converter; absent = none", "1 µm", None)
-    noise: Annotated[float | None, Length] = key("rms, white, on the samples; absent = none", "1 µm", None)
-    seed: Annotated[int | None, Count(0, 2**31 - 1)] = key("of the noise, which needs one", 1, None)
+    ripple = key(Quantity(units.RATIO, POSITIVE), "dB, of an elliptic filter's pass band; absent = 0.1", 0.1, None)
+    attenuation = key(Quantity(units.RATIO, POSITIVE), "dB, of an elliptic filter's stop band; absent = 60", 60, None)
+    quantisation = key(Length, "step of the converter; absent = none", "1 µm", None)
+    noise = key(Length, "rms, white, on the samples; absent = none", "1 µm", None)
+    seed = key(Count(0, 2**31 - 1), "of the noise, which needs one", 1, None)
 
 
 class SdofMeasurementTable(MeasurementTable):
     """The measuring chain of the single degree of freedom."""
 
-    quantisation: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "step of the converter, in the unit of the motion; absent = none", 1e-6, None
+    quantisation = key(
+        Quantity(units.RATIO, POSITIVE), "step of the converter, in the unit of the motion; absent = none", 1e-6, None
     )
-    noise: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "rms, white, on the samples, in the unit of the motion; absent = none", 1e-6, None
+    noise = key(
+        Quantity(units.RATIO, POSITIVE),
+        "rms, white, on the samples, in the unit of the motion; absent = none",
+        1e-6,
+        None,
     )

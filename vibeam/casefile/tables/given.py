@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
 from vibeam.casefile.field_tables import MATRIX_FILE, ROWS, SHAPE, SHAPES, row
 from vibeam.casefile.fields import TEXT, Quantity, Several, Word
 from vibeam.casefile.quantities import MASS, POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import damping_checks
+from vibeam.casefile.tables.declared import Table, key
 from vibeam.casefile.tables.drive import MOTIONS, DriveTable, drive_checks, list_checks
 from vibeam.casefile.tables.effects import effect_checks, platform_output
 from vibeam.casefile.tables.figures import show_table
 from vibeam.casefile.tables.stop import stop_table
 from vibeam.casefile.tables.sweep import SWEPT, sweep_table
-from vibeam.casefile.tables.table import NAME, Frequency, Ratio, Table, key, less
+from vibeam.casefile.tables.table import NAME, Frequency, Ratio, less
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.figures import FIGURES
@@ -59,7 +60,6 @@ def given_rules(case: SimpleNamespace, kind: str) -> Iterator[Complaint]:
     for name in table.outputs or {}:
         if name in OWN or not NAME.fullmatch(name):
             yield (kind, "outputs", name), f"must be letters, digits, - or _, and none of {', '.join(OWN)}"
-    vars(case.drive).update(dict.fromkeys(OF_BEAM))
     if table.base is not None and table.force is not None:
         yield (kind, "force"), f"the drive is said twice: keep {kind}.base, of a base that moves, or {kind}.force"
     elif case.record is None and table.force is not None:
@@ -121,14 +121,14 @@ def given_stop_table() -> type[Table]:
     return made
 
 
-_READ = key("whose displacement is read: sensor, contact, or one of outputs", "sensor", "sensor")
-GivenSweepTable = sweep_table("GivenSweepTable", SWEPT, output=(Annotated[Any, TEXT], _READ))
+_READ = key(TEXT, "whose displacement is read: sensor, contact, or one of outputs", "sensor", "sensor")
+GivenSweepTable = sweep_table("GivenSweepTable", SWEPT, output=_READ)
 
 
 def given_show_table() -> Any:
     """The table of a further figure, whose output is one of those that the case names."""
     meaning = "whose motion is shown: sensor, contact, or one of outputs; absent = the sweep's"
-    return show_table("GivenShowTable", tuple(FIGURES), (Annotated[Any, TEXT], key(meaning, "sensor", None)))
+    return show_table("GivenShowTable", tuple(FIGURES), key(TEXT, meaning, "sensor", None))
 
 
 _SYSTEMS = " or ".join(map(to_toml, UNIT_SYSTEMS))
@@ -162,37 +162,39 @@ class MatricesTable(Table):
     as rows of the matrices; where a file has nodes, they may be said by node and direction.
     """
 
-    mass: Annotated[dict[str, str], MATRIX_FILE] = key(
-        "file of M, and the matrix's name where it holds several", "M.mtx"
+    mass = key(MATRIX_FILE, "file of M, and the matrix's name where it holds several", "M.mtx")
+    stiffness = key(MATRIX_FILE, "file of K", "K.mtx")
+    damping_matrix = key(MATRIX_FILE, "file of C, instead of damping ratios", "C.mtx", None)
+    damping_ratio = key(
+        Several(Ratio, alone=True),
+        "of the first mode; for rayleigh a list of two, of modes 1 and 2; left away where damping is a list",
+        0.01,
+        None,
     )
-    stiffness: Annotated[dict[str, str], MATRIX_FILE] = key("file of K", "K.mtx")
-    damping_matrix: Annotated[dict[str, str] | None, MATRIX_FILE] = key(
-        "file of C, instead of damping ratios", "C.mtx", None
-    )
-    damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
-        "of the first mode; for rayleigh a list of two, of modes 1 and 2; left away where damping is a list", 0.01, None
-    )
-    damping: Annotated[str | tuple[float, ...], Several(Ratio, words=("constant", "stiffness", "rayleigh"))] = key(
+    damping = key(
+        Several(Ratio, words=("constant", "stiffness", "rayleigh")),
         "constant: the same ratio in every mode; stiffness: in proportion to the frequency; rayleigh: mass and "
         "stiffness; or the ratios mode by mode",
         "constant",
         "constant",
     )
-    units: Annotated[str | None, Word(tuple(UNIT_SYSTEMS))] = key(
-        "consistent units of the matrices: of length, force, time, mass; absent = those of the case", "SI", None
+    units = key(
+        Word(tuple(UNIT_SYSTEMS)),
+        "consistent units of the matrices: of length, force, time, mass; absent = those of the case",
+        "SI",
+        None,
     )
-    contact: Annotated[Any, row()] = key("what meets the stop, positive toward it", 2)
-    sensor: Annotated[Any, row()] = key("the sensor of the displacement; absent = the contact", 1, None)
-    outputs: Annotated[dict[str, Any], ROWS] = key("further outputs, each a row", {"foot": 1}, {})
-    base: Annotated[Any, row(("all", "x", "y", "z"))] = key(
+    contact = key(row(), "what meets the stop, positive toward it", 2)
+    sensor = key(row(), "the sensor of the displacement; absent = the contact", 1, None)
+    outputs = key(ROWS, "further outputs, each a row", {"foot": 1}, {})
+    base = key(
+        row(("all", "x", "y", "z")),
         "what each coordinate reads when the base moves by 1 unit of length, r of the load −M r; all = 1 in each",
         "all",
         None,
     )
-    force: Annotated[Any, row()] = key("where drive.force acts, instead of a moving base", 2, None)
-    moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key(
-        "that a platform carries; absent = rᵀM r", "3 kg", None
-    )
+    force = key(row(), "where drive.force acts, instead of a moving base", 2, None)
+    moving_mass = key(Quantity(MASS, POSITIVE), "that a platform carries; absent = rᵀM r", "3 kg", None)
 
 
 def modes_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -211,24 +213,28 @@ class ModesTable(Table):
     (Nastran's .op2; universal, data set 55: pip install 'vibeam[lab]'), a node and its direction.
     """
 
-    file: Annotated[str | None, TEXT] = key("file with the modes; absent = they stand here", "rig.uff", None)
-    skip: Annotated[tuple[float, ...] | None, Several(Frequency)] = key("modes of the file to omit", ["9.3 Hz"], None)
-    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
-        "natural frequencies; absent = the file's", ["5.2754 Hz", "12.398 Hz"], None
+    file = key(TEXT, "file with the modes; absent = they stand here", "rig.uff", None)
+    skip = key(Several(Frequency), "modes of the file to omit", ["9.3 Hz"], None)
+    frequency = key(
+        Several(Frequency, ascending=True), "natural frequencies; absent = the file's", ["5.2754 Hz", "12.398 Hz"], None
     )
-    damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
-        "of each mode, or one of all; absent = the file's", [0.01, 0.012], None
+    damping_ratio = key(
+        Several(Ratio, alone=True), "of each mode, or one of all; absent = the file's", [0.01, 0.012], None
     )
-    modal_mass: Annotated[tuple[float, ...] | None, Several(Quantity(MASS, POSITIVE), alone=True)] = key(
-        "of each mode, or one of all, in the scale of the shapes; absent = 1 kg, or the file's", "1 kg", None
+    modal_mass = key(
+        Several(Quantity(MASS, POSITIVE), alone=True),
+        "of each mode, or one of all, in the scale of the shapes; absent = 1 kg, or the file's",
+        "1 kg",
+        None,
     )
-    contact: Annotated[Any, SHAPE] = key("shapes where it meets the stop, positive toward it, kg^-½", [0.6755, 0.4586])
-    sensor: Annotated[Any, SHAPE] = key("shapes at the sensor; absent = at the contact", [0.3972, -0.585], None)
-    outputs: Annotated[dict[str, Any], SHAPES] = key("further outputs, each shapes", {"foot": [0.3972, -0.585]}, {})
-    base: Annotated[Any, SHAPE] = key(
+    contact = key(SHAPE, "shapes where it meets the stop, positive toward it, kg^-½", [0.6755, 0.4586])
+    sensor = key(SHAPE, "shapes at the sensor; absent = at the contact", [0.3972, -0.585], None)
+    outputs = key(SHAPES, "further outputs, each shapes", {"foot": [0.3972, -0.585]}, {})
+    base = key(
+        SHAPE,
         "what a moving base does to each mode, its participation φᵀM r, kg^½ (vibeam modes calls it load)",
         [1.8077, -0.482],
         None,
     )
-    force: Annotated[Any, SHAPE] = key("shapes where drive.force acts, no base then", [0.6755, 0.4586], None)
-    moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key("that a platform carries", "3.5 kg", None)
+    force = key(SHAPE, "shapes where drive.force acts, no base then", [0.6755, 0.4586], None)
+    moving_mass = key(Quantity(MASS, POSITIVE), "that a platform carries", "3.5 kg", None)

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Annotated, Any
-
-from pydantic import Field
+from typing import Any
 
 from vibeam.case.grid_keys import FREQUENCY, STARTS, MapPlan
 from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile.fields import TEXT, Count, Each, ValueEntry
+from vibeam.casefile.tables.declared import Field, Table, key, table
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
-from vibeam.casefile.tables.table import Table, declared_key, key, plan_keys, table
+from vibeam.casefile.tables.table import declared_key, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.keys import keys_of
 
@@ -36,27 +35,27 @@ LEVELS = ValueEntry(_levels, "list of values of the key", {"type": "array", "ite
 class AxisTable(Table):
     """Axis of a map: a key of the case and its values."""
 
-    key_: Annotated[str, TEXT] = Field(
-        alias="key",
-        description="a dotted key of the rig, sweep.frequency, fidelity.NAME.modes, start.displacement or .velocity",
-        examples=["stop.gap"],
+    key_ = key(
+        TEXT,
+        "a dotted key of the rig, sweep.frequency, fidelity.NAME.modes, start.displacement or .velocity",
+        "stop.gap",
     )
-    from_: Annotated[Any, LEVEL] = Field(None, alias="from", description="first value", examples=["-0.1 mm"])
-    to: Annotated[Any, LEVEL] = key("last value, itself included", "0.1 mm", None)
-    points: Annotated[int | None, Count(1, MOST_POINTS)] = key("how many, evenly spaced", 61, None)
-    values: Annotated[tuple[Any, ...] | None, LEVELS] = key(
-        "the values themselves, in place of from, to and points", ["-0.1 mm", "0 mm", "0.1 mm"], None
-    )
+    from_ = key(LEVEL, "first value", "-0.1 mm", None)
+    to = key(LEVEL, "last value, itself included", "0.1 mm", None)
+    points = key(Count(1, MOST_POINTS), "how many, evenly spaced", 61, None)
+    values = key(LEVELS, "the values themselves, in place of from, to and points", ["-0.1 mm", "0 mm", "0.1 mm"], None)
 
 
-def _map_table(name: str, **own: tuple[Any, Any]) -> Any:
-    """The table of a map; ``own``: annotation and key of what is another in a kind of case."""
+def _map_table(name: str, **own: Field) -> Any:
+    """The table of a map; ``own``: fields that are others in a kind of case."""
     axes = key(
+        AxisTable,
         "the last is swept and lies across, the one before upward, of one more each value has a panel",
         [{"key": "stop.gap", "values": ["0 mm", "0.1 mm"]}, {"key": "sweep.frequency", "values": ["15 Hz", "16 Hz"]}],
+        many=tuple,
     )
     keys = plan_keys(MapPlan, fidelities=Each(TEXT, alone=True, called="fidelities"), output=OUTPUT_NAME)
-    return table(name, MEANING, {"axes": (tuple[AxisTable, ...], axes)} | keys | own)
+    return table(name, MEANING, {"axes": axes} | keys | own)
 
 
 MEANING = (

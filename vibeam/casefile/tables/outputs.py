@@ -7,8 +7,9 @@ from types import SimpleNamespace
 from typing import Any
 
 from vibeam.casefile.fields import TEXT, ValueEntry, Word
+from vibeam.casefile.tables.declared import table
 from vibeam.casefile.tables.effects import platform_output
-from vibeam.casefile.tables.table import NAME, OUTPUTS, declared_key, plan_keys, table
+from vibeam.casefile.tables.table import NAME, OUTPUTS, declared_key, plan_keys
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggestion
 from vibeam.figures import OF_OUTPUT
 from vibeam.figures.declaration import FigureKind

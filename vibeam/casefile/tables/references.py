@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
 from vibeam.case.plans import Direction, Reference
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import JsonSchema, Several, ValueEntry, Word
 from vibeam.casefile.quantities import ANY, NUMBER_WITH_UNIT, POSITIVE
-from vibeam.casefile.tables.expectations import Amount, AmountEntry, si_unit, swept_checks
-from vibeam.casefile.tables.table import QUANTITIES, Frequency, Table, key, named_fidelity, plan_keys, plan_of, table
+from vibeam.casefile.tables.declared import Table, key, table
+from vibeam.casefile.tables.expectations import AmountEntry, si_unit, swept_checks
+from vibeam.casefile.tables.table import QUANTITIES, Frequency, named_fidelity, plan_keys, plan_of
 from vibeam.exchange.curves.record import QUANTITIES as OF_CURVES
 from vibeam.exchange.curves.record import ROLES, ReferenceForm
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
@@ -84,28 +85,27 @@ SIGNS = {"semicolon": ";", "comma": ",", "tab": "\t", "bar": "|", "blank": " "}
 
 
 class _Form(Table):
-    columns: Annotated[dict[str, Any] | None, HEADS] = key(
-        "heads of the file's columns, or their numbers from 1; variables, datasets, number of the data set 58",
+    columns = key(
+        HEADS, "heads of the file's columns, or their numbers from 1; variables, datasets, number of the data set 58",
         {"frequency": "f [Hz]", "amplitude": "x [mm]", "uncertainty": "u [mm]"}, None,
     )  # fmt: skip
-    units: Annotated[dict[str, str] | None, COLUMN_UNITS] = key(
-        "units of columns whose heads do not say them; absent = SI", {"amplitude": "mm"}, None
-    )
-    separator: Annotated[str | None, Word(tuple(SIGNS))] = key(
-        "between the cells of a line of text; absent = found out", "semicolon", None
-    )
-    decimal: Annotated[str | None, Word((".", ","))] = key("decimal sign in text; absent = found out", ",", None)
-    scale: Annotated[tuple[float, str] | None, SCALE] = key(
-        "factor of the values, with a unit where it is a sensor's", "2 mm/V", None
-    )
-    offset: Annotated[Amount | None, AmountEntry(ANY)] = key("added to the values after scale", "0.05 mm", None)
-    window: Annotated[tuple[float, ...] | None, Several(Frequency, limit=2, ascending=True)] = key(
-        "lowest and highest frequency compared; absent = all", ["14 Hz", "17 Hz"], None
-    )
-    uncertainty: Annotated[Amount | None, AmountEntry(POSITIVE)] = key(
-        "standard uncertainty of every value, in its unit or as a percentage of it, where no column gives it", "2 %",
+    units = key(COLUMN_UNITS, "units of columns whose heads do not say them; absent = SI", {"amplitude": "mm"}, None)
+    separator = key(Word(tuple(SIGNS)), "between the cells of a line of text; absent = found out", "semicolon", None)
+    decimal = key(Word((".", ",")), "decimal sign in text; absent = found out", ",", None)
+    scale = key(SCALE, "factor of the values, with a unit where it is a sensor's", "2 mm/V", None)
+    offset = key(AmountEntry(ANY), "added to the values after scale", "0.05 mm", None)
+    window = key(
+        Several(Frequency, limit=2, ascending=True),
+        "lowest and highest frequency compared; absent = all",
+        ["14 Hz", "17 Hz"],
         None,
-    )  # fmt: skip
+    )
+    uncertainty = key(
+        AmountEntry(POSITIVE),
+        "standard uncertainty of every value, in its unit or as a percentage of it, where no column gives it",
+        "2 %",
+        None,
+    )
 
 
 _AFTER = ("measured", "source")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Any
 
 from vibeam.casefile.field_tables import by_name
 from vibeam.casefile.fields import TEXT, Each, Entry, Several, ValueEntry, Word
 from vibeam.casefile.quantities import LENGTH, UnitSystem, to_si
-from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
+from vibeam.casefile.tables.declared import Table, key, table
+from vibeam.casefile.tables.table import Length, Ratio, declared_key, plan_keys
 from vibeam.exchange.faults import as_shown_in_message, suggest
 from vibeam_models.keys import keys_of
 from vibeam_models.solid.plan import SURFACE_DIRECTIONS, GroupMass, GroupMaterial, Solid
@@ -67,23 +68,19 @@ def _length_unit(value: Any) -> str | None:
 LENGTH_UNIT = ValueEntry(_length_unit, "unit of a length", {"type": "string"})
 
 _BODY = {name: declared_key(each, None) for name, each in keys_of(Solid).items()}
-_BODY["contact"] = (
-    Annotated[Any, PatchEntry()],
-    key(
-        f"{keys_of(Solid)['contact'].meaning}; of a mesh the group of facets that meets the stop, absent = the group "
-        "contact, read along its outward normal",
-        ["6 mm", "20 mm"],
-        None,
-    ),
+_BODY["contact"] = key(
+    PatchEntry(),
+    f"{keys_of(Solid)['contact'].meaning}; of a mesh the group of facets that meets the stop, absent = the group "
+    "contact, read along its outward normal",
+    ["6 mm", "20 mm"],
+    None,
 )
-_BODY["clamp"] = (
-    Annotated[Any, Each(TEXT, alone=True, called="groups")],
-    key(
-        f"{keys_of(Solid)['clamp'].meaning}; of a mesh the groups that are held in all directions, absent = the group "
-        "clamp",
-        "held",
-        None,
-    ),
+_BODY["clamp"] = key(
+    Each(TEXT, alone=True, called="groups"),
+    f"{keys_of(Solid)['clamp'].meaning}; of a mesh the groups that are held in all directions, absent = the group "
+    "clamp",
+    "held",
+    None,
 )
 
 MaterialTable: Any = table("GroupMaterialTable", GroupMaterial.__doc__ or "", plan_keys(GroupMaterial))
@@ -91,53 +88,55 @@ GroupMassTable: Any = table("GroupMassTable", GroupMass.__doc__ or "", plan_keys
 
 
 class _Mesh(Table):
-    mesh: Annotated[str | None, TEXT] = key(
+    mesh = key(
+        TEXT,
         "file of a mesh of your own (Gmsh, Abaqus, CalculiX, Nastran, VTK, VTU, MED, Medit): beside [beam] what "
         "fidelities of a solid fly in place of the beam with all that is on it, without [beam] the whole rig",
         "rig.msh",
         None,
     )
-    mesh_unit: Annotated[str | None, LENGTH_UNIT] = key("unit of its coordinates", "mm", None)
-    extent: Annotated[float | None, Length] = key(
-        "of a mesh its longest side as you know it, to check mesh_unit by", "180 mm", None
+    mesh_unit = key(LENGTH_UNIT, "unit of its coordinates", "mm", None)
+    extent = key(Length, "of a mesh its longest side as you know it, to check mesh_unit by", "180 mm", None)
+    merge = key(
+        Length, "of a mesh: nodes nearer than this become one, of bodies that touch; absent = none", "1 µm", None
     )
-    merge: Annotated[float | None, Length] = key(
-        "of a mesh: nodes nearer than this become one, of bodies that touch; absent = none", "1 µm", None
-    )
-    sensor: Annotated[Any, SURFACE_MOTION] = key(
+    sensor = key(
+        SURFACE_MOTION,
         "of a mesh the group whose mean the sensor reads, absent = the contact; along the contact's direction unless "
         "it says another",
         "sensor",
         None,
     )
-    outputs: Annotated[dict[str, Any] | None, by_name(SURFACE_MOTION, SURFACE)] = key(
-        "of a mesh further outputs, each a group", {"tip": "end"}, None
+    outputs = key(by_name(SURFACE_MOTION, SURFACE), "of a mesh further outputs, each a group", {"tip": "end"}, None)
+    opposite = key(
+        SURFACE_MOTION, "of a mesh of two bodies the group of the second that the contact meets", "anvil", None
     )
-    opposite: Annotated[Any, SURFACE_MOTION] = key(
-        "of a mesh of two bodies the group of the second that the contact meets", "anvil", None
+    base = key(
+        Word(SURFACE_DIRECTIONS[1:]),
+        "of a mesh the direction in which the base moves; absent = that of the contact",
+        "z",
+        None,
     )
-    base: Annotated[str | None, Word(SURFACE_DIRECTIONS[1:])] = key(
-        "of a mesh the direction in which the base moves; absent = that of the contact", "z", None
+    force = key(SURFACE_MOTION, "of a mesh the group on which drive.force acts", "load", None)
+    symmetry = key(TEXT, "of a mesh of one half the group of facets in the plane of symmetry", "middle", None)
+    damping_ratio = key(Several(Ratio, alone=True), "of a mesh without [beam], as beam.damping_ratio", 0.01, None)
+    damping = key(
+        Several(Ratio, words=("constant", "stiffness", "rayleigh")),
+        "of a mesh without [beam], as beam.damping; absent = constant",
+        "constant",
+        None,
     )
-    force: Annotated[Any, SURFACE_MOTION] = key("of a mesh the group on which drive.force acts", "load", None)
-    symmetry: Annotated[str | None, TEXT] = key(
-        "of a mesh of one half the group of facets in the plane of symmetry", "middle", None
-    )
-    damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
-        "of a mesh without [beam], as beam.damping_ratio", 0.01, None
-    )
-    damping: Annotated[str | tuple[float, ...] | None, Several(Ratio, words=("constant", "stiffness", "rayleigh"))] = (
-        key("of a mesh without [beam], as beam.damping; absent = constant", "constant", None)
-    )
-    material: tuple[MaterialTable, ...] = key(
+    material = key(
+        MaterialTable,
         "materials of a mesh, each of a group; absent = the beam's",
         [{"youngs_modulus": "210 GPa", "density": "7850 kg/m^3"}],
         (),
+        many=tuple,
     )
-    mass: tuple[GroupMassTable, ...] = key("masses on a mesh's groups", [{"group": "block", "mass": "0.2 kg"}], ())
+    mass = key(GroupMassTable, "masses on a mesh's groups", [{"group": "block", "mass": "0.2 kg"}], (), many=tuple)
 
 
-OF_MESH = tuple(name for name in _Mesh.model_fields if name not in ("mesh", "damping", "damping_ratio"))
+OF_MESH = tuple(name for name in _Mesh.KEYS if name not in ("mesh", "damping", "damping_ratio"))
 OF_BODY = tuple(name for name in _BODY if name not in ("contact", "clamp"))
 
 SolidTable: Any = table(

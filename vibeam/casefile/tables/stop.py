@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import lru_cache
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
 from vibeam.casefile.fields import Word
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.tables.table import Table, declared_entry, declared_key, key, less, plan_keys, table
+from vibeam.casefile.tables.declared import Table, key, table
+from vibeam.casefile.tables.table import declared_entry, declared_key, less, plan_keys
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS
@@ -141,7 +142,7 @@ def sdof_stop_table() -> type[Table]:
 @lru_cache(maxsize=8)
 def _stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
     meaning = "what the stop does; absent = restitution, the same at every velocity"
-    keys = {"law": (Annotated[Any, Word(tuple(LAWS))], key(meaning, "linear", None))}
+    keys = {"law": key(Word(tuple(LAWS)), meaning, "linear", None)}
     keys |= {name: declared_key(each, None, "law") for name, each in law_keys().items() if name != "restitution"}
     doc = "The stop: what it is depends on its law; keys of other laws are refused."
     own = plan_keys(Stop) | {"position": declared_key(keys_of(Stop)["position"], None)}

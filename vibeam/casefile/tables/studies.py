@@ -9,7 +9,8 @@ from typing import Any
 from vibeam.case.study_plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.casefile.field_tables import settings
 from vibeam.casefile.fields import Each, Word
-from vibeam.casefile.tables.table import named_fidelity, plan_keys, table
+from vibeam.casefile.tables.declared import table
+from vibeam.casefile.tables.table import named_fidelity, plan_keys
 from vibeam.exchange.faults import Complaint
 from vibeam.solvers import SOLVERS
 

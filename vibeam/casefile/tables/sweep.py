@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Annotated, Any
-
-from pydantic import Field
+from typing import Any
 
 from vibeam.case.fidelity import Fidelity
 from vibeam.case.plans import SweepPlan
@@ -16,8 +14,9 @@ from vibeam.case.study_plans import MOST_POINTS
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
 from vibeam.casefile.fields import TEXT, Count, Each, Several, Word
 from vibeam.casefile.kinds import KINDS, MODELS
+from vibeam.casefile.tables.declared import Field, Table, key, table
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
-from vibeam.casefile.tables.table import Frequency, Table, declared_key, key, plan_keys, plan_of, table
+from vibeam.casefile.tables.table import Frequency, declared_key, plan_keys, plan_of
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.solvers import SOLVERS
@@ -81,25 +80,25 @@ def _parameters(path: KeyPath, fidelity: Any, declared: ReductionDeclaration) ->
 class GridTable(Table):
     """Evenly spaced drive frequencies."""
 
-    from_: Annotated[float, Frequency] = Field(alias="from", description="first frequency", examples=["14 Hz"])
-    to: Annotated[float, Frequency] = key("last frequency, itself included", "17 Hz")
-    points: Annotated[int, Count(1, MOST_POINTS)] = key("how many", 121)
+    from_ = key(Frequency, "first frequency", "14 Hz")
+    to = key(Frequency, "last frequency, itself included", "17 Hz")
+    points = key(Count(1, MOST_POINTS), "how many", 121)
 
 
 FrequencyGrid = TableOr(GridTable, Several(Frequency, limit=MOST_POINTS, ascending=True))
 
 
-def sweep_table(name: str, meaning: str, **own: tuple[Any, Any]) -> Any:
-    """The table of the sweep; ``own``: annotation and key of what is another in a kind of case."""
+def sweep_table(name: str, meaning: str, **own: Field) -> Any:
+    """The table of the sweep; ``own``: fields that are others in a kind of case."""
     told = "drive frequencies: from, to and points, or an ascending list of Hz"
-    grid = key(told, {"from": "14 Hz", "to": "17 Hz", "points": 121})
+    grid = key(FrequencyGrid, told, {"from": "14 Hz", "to": "17 Hz", "points": 121})
     keys = plan_keys(SweepPlan, output=OUTPUT_NAME)
-    return table(name, meaning, {"frequency": (Annotated[Any, FrequencyGrid], grid)} | keys | own)
+    return table(name, meaning, {"frequency": grid} | keys | own)
 
 
 SWEPT = "The sweep that every fidelity runs: drive frequencies and, at each, periods to settle and to hold."
 SweepTable = sweep_table("SweepTable", SWEPT)
-_MOTION = Annotated[Any, Word(("sensor", "contact"))], key("both are the one motion", "sensor", "sensor")
+_MOTION = key(Word(("sensor", "contact")), "both are the one motion", "sensor", "sensor")
 SdofSweepTable = sweep_table("SdofSweepTable", "The sweep of the single degree of freedom.", output=_MOTION)
 
 
@@ -110,11 +109,14 @@ _REDUCTION |= {name: declared_key(each, None, entry=_ENTRIES.get(name)) for name
 
 
 class _Changes(Table):
-    set: Annotated[dict[str, Any] | None, settings()] = key(
-        "physics that is this fidelity's own: dotted keys and their values", {"stop.restitution": 0.6}, None
+    set = key(
+        settings(), "physics that is this fidelity's own: dotted keys and their values", {"stop.restitution": 0.6}, None
     )
-    without: Annotated[tuple[str, ...] | None, Each(TEXT, called="dotted keys")] = key(
-        "optional keys, or whole optional tables, of the physics that it leaves out", ["mass.rotary_inertia"], None
+    without = key(
+        Each(TEXT, called="dotted keys"),
+        "optional keys, or whole optional tables, of the physics that it leaves out",
+        ["mass.rotary_inertia"],
+        None,
     )
 
 
@@ -124,13 +126,15 @@ FidelityTable: Any = table(
 )
 _SAID = "".join(f", or {each.meaning}, as [{name}] says" for name, each in MODELS.items())
 _MODEL = {
-    "model": (
-        Annotated[Any, Word(("beam", *MODELS))],
-        key(f"what is reduced: the beam{_SAID}", next(iter(MODELS), "beam"), None),
+    "model": key(
+        Word(("beam", *MODELS)),
+        f"what is reduced: the beam{_SAID}",
+        next(iter(MODELS), "beam"),
+        None,
     )
 }
 BeamFidelityTable: Any = table("BeamFidelityTable", FidelityTable.__doc__, _MODEL, _REDUCTION, *_SOLUTION)
-_ONE_MODE = {"reduction": (Annotated[Any, Word(("static_mode",))], key("one mode", "static_mode", "static_mode"))}
+_ONE_MODE = {"reduction": key(Word(("static_mode",)), "one mode", "static_mode", "static_mode")}
 SdofFidelityTable: Any = table(
     "SdofFidelityTable",
     "A fidelity of the single degree of freedom, which is one mode already; the table may be empty.",

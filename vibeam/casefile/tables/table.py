@@ -9,73 +9,16 @@ from dataclasses import replace
 from hashlib import sha256
 from math import inf
 from types import SimpleNamespace
-from typing import Annotated, Any, TypeVar, cast
-
-from pydantic import BaseModel, ConfigDict, Field, create_model
-from pydantic.fields import FieldInfo
+from typing import Any, TypeVar, cast
 
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import FLAG, TEXT, Count, Each, Entry, Quantity, Several, Word
 from vibeam.casefile.quantities import NOT_NEGATIVE, POSITIVE, Range
+from vibeam.casefile.tables.declared import Field, Table, table
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam_models.keys import Key, defaults_of, keys_of
 
 T = TypeVar("T")
-Plain = tuple[str, Any]  # meaning and example of a key where the case is nondimensional
-
-
-NOTES = ("effect", "of", "plain", "physics", "numbers")  # what ``key`` says beyond pydantic's field
-
-
-def key(
-    meaning: str,
-    example: Any = None,
-    default: Any = ...,
-    *,
-    effect: bool = False,
-    of: str = "",
-    plain: Plain | None = None,
-    physics: bool = True,
-    numbers: bool = True,
-) -> Any:
-    """A key: what it means, an example for the template, its default.
-
-    ``effect``: it declares an optional effect; ``of``: the effect in the same table without which it means nothing.
-    ``physics``: part of the rig, which a fidelity may change; ``numbers``: part of what the sweeps compute.
-    """
-    extra: Any = dict(zip(NOTES, (effect, of, plain, physics, numbers), strict=True))
-    examples = None if example is None else [example]
-    return Field(default, description=_said(meaning, effect), examples=examples, json_schema_extra=extra)
-
-
-def _said(meaning: str, effect: bool) -> str:
-    return f"effect: {meaning}" if effect else meaning
-
-
-def note(field: FieldInfo, name: str) -> Any:
-    """Note of a field by ``key``, one of ``NOTES``; None for a field without."""
-    extra = field.json_schema_extra
-    return extra.get(name) if isinstance(extra, dict) else None
-
-
-class Table(BaseModel):
-    """Base class of all tables: frozen, without unknown keys."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
-
-
-def table(name: str, meaning: str, *parts: type[Table] | dict[str, Any]) -> Any:
-    """A table made of parts, whose keys stand in the order of the parts: tables, or {key: (annotation, ``key``)}."""
-    bases, own = list[type[Table]](), dict[str, Any]()
-    for part in parts:
-        if isinstance(part, dict):
-            own |= part
-            continue
-        bases += [create_model(f"{name}Part", __base__=Table, **own)] if own else []
-        bases, own = [*bases, part], {}
-    joined: Any = create_model(name, __base__=tuple(reversed(bases)) or Table, **own)
-    joined.__doc__ = meaning
-    return joined
 
 
 def declared_entry(declared: Key) -> Entry:
@@ -98,16 +41,16 @@ def declared_entry(declared: Key) -> Entry:
 
 def declared_key(
     declared: Key, default: Any = ..., of: str = "", effect: bool = False, entry: Entry | None = None
-) -> tuple[Any, Any]:
-    """The annotation and the ``key`` of a declaration's key; ``entry``: what reads one of more than a number."""
+) -> Field:
+    """The field of a declaration's key; ``entry``: what reads one of more than a number."""
     plain = declared.plain and (declared.plain[0] or declared.meaning, declared.plain[1])
     notes: Any = {"effect": effect or declared.effect, "of": of or declared.of, "plain": plain}
-    field = key(declared.meaning, declared.example, default, **notes, numbers=declared.numbers)
-    return Annotated[Any, entry or declared_entry(declared)], field
+    reads = entry or declared_entry(declared)
+    return Field(reads, declared.meaning, declared.example, default, numbers=declared.numbers, **notes)
 
 
-def plan_keys(kind: type[Any], **entries: Entry) -> dict[str, tuple[Any, Any]]:
-    """The keys of a plan, each with its annotation and ``key``; ``entries``: what reads those of more than numbers."""
+def plan_keys(kind: type[Any], **entries: Entry) -> dict[str, Field]:
+    """The fields of a plan by key; ``entries``: what reads those of more than numbers."""
     keys, usual = keys_of(kind), defaults_of(kind)
     return {name: declared_key(each, usual.get(name, ...), entry=entries.get(name)) for name, each in keys.items()}
 
@@ -134,27 +77,18 @@ def plan_with(plan: T, settings: Mapping[str, Any]) -> T:
 
 
 def less(model: type[Table], name: str, meaning: str, *keys: str, plain: bool = False) -> Any:
-    """The keys of a table without some of them; ``plain``: and without their units."""
-    fields = {each: field for each, field in model.model_fields.items() if each not in keys}
-    made = _plain if plain else _same
-    return table(name, meaning, {each: made(_entry(field), field) for each, field in fields.items()})
+    """The keys of a table without some of them, which are None; ``plain``: and without their units."""
+    kept = {each: _plain(field) if plain else field for each, field in model.KEYS.items() if each not in keys}
+    return table(name, meaning, KEYS=kept, **dict.fromkeys(keys))
 
 
-def _entry(field: FieldInfo) -> Entry:
-    return next(part for part in field.metadata if isinstance(part, Entry))
-
-
-def _same(entry: Entry, field: FieldInfo, **changed: Any) -> tuple[Any, Any]:
-    said = {"description": field.description, "examples": field.examples, "json_schema_extra": field.json_schema_extra}
-    return Annotated[Any, entry], Field(... if field.is_required() else field.default, **said | changed)
-
-
-def _plain(entry: Entry, field: FieldInfo) -> tuple[Any, Any]:
-    plain, own = note(field, "plain"), entry.nondimensional()
-    if plain:
-        return _same(own, field, description=_said(plain[0], note(field, "effect")), examples=[plain[1]])
-    examples = [each if own == entry else entry.parse(each) for each in field.examples or ()]
-    return _same(own, field, examples=examples or None)
+def _plain(field: Field) -> Field:
+    """The key without its unit."""
+    own, example = field.kind.nondimensional(), field.example
+    if field.plain:
+        return replace(field, kind=own, meaning=field.plain[0], example=field.plain[1])
+    same = own == field.kind or example is None
+    return replace(field, kind=own, example=example if same else field.kind.parse(example))
 
 
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
@@ -165,27 +99,33 @@ Ratio = Quantity(units.RATIO, NOT_NEGATIVE)
 Frequency = Quantity(units.FREQUENCY, POSITIVE)
 
 
-def content(table: BaseModel, *parts: str, without: Collection[str] = ()) -> dict[str, Any]:
+def content(table: Table, *parts: str, without: Collection[str] = ()) -> dict[str, Any]:
     """Keys of a table that belong to all of ``parts`` (``"physics"``, ``"numbers"``), less those in ``without``."""
-    aside = _outside(table, parts) | dict.fromkeys(without, True)
-    return table.model_dump(mode="json", by_alias=True, exclude_none=True, exclude=aside)
-
-
-def _outside(table: BaseModel, parts: Collection[str]) -> dict[str, Any]:
-    """Keys that do not belong to all of ``parts``, as pydantic excludes them."""
-    found: dict[str, Any] = {}
-    for name, field in type(table).model_fields.items():
-        value = getattr(table, name)
-        for each in value if isinstance(value, tuple) else ():
-            if isinstance(each, BaseModel):
-                each.model_rebuild()  # pydantic 2.6 to 2.12 dump none of a list that is not built yet
-        absent = note(field, "effect") and value == ()  # a list of tables of which the case names none
-        if absent or any(note(field, part) is False for part in parts):
-            found[name] = True
-        elif isinstance(value, dict):
-            named = {key: _outside(each, parts) for key, each in value.items() if isinstance(each, BaseModel)}
-            found |= {name: named} if any(named.values()) else {}
+    found = {}
+    for name, field in table.KEYS.items():
+        value = getattr(table, field.attribute)
+        none = value is None or (field.effect and value == ())  # a list of tables of which the case names none
+        if not none and name not in without and all(getattr(field, part) for part in parts):
+            found[name] = _plain_data(value, field, parts)
     return found
+
+
+def _plain_data(value: Any, field: Field, parts: Collection[str]) -> Any:
+    """Plain data of the value of a key, of its table, or of several."""
+    if isinstance(value, Table):
+        return content(value, *parts)
+    if field.entry is not None:
+        return _with_lists(field.entry.canonical(value))
+    if isinstance(value, Mapping):
+        return {name: content(each, *parts) for name, each in value.items()}
+    return [content(each, *parts) for each in value]
+
+
+def _with_lists(value: Any) -> Any:
+    """Plain data with lists in place of tuples."""
+    if isinstance(value, Mapping):
+        return {name: _with_lists(each) for name, each in value.items()}
+    return [_with_lists(each) for each in value] if isinstance(value, list | tuple) else value
 
 
 def digest(*content: Any) -> str:
