@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 
 from vibeam.periodic.continuation import Runners
-from vibeam.periodic.motion_at import motion_at
+from vibeam.periodic.motion_at import Way, motion_at, touching
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.orbit_search import orbits
 from vibeam.periodic.stroboscopic import StroboscopicMap
@@ -26,6 +26,7 @@ SEARCHES = 3  # of a line
 KEPT = 2  # motions of a point
 SAME = 1e-6  # share of the impact velocity within which two motions of a point are one
 NEWTON = 8  # steps from a neighbour's motion: one that takes more has gone elsewhere
+WAYS = (Way.CLOSED_FORM, Way.SHOT, Way.FOLLOWED)
 
 
 @dataclass
@@ -75,7 +76,7 @@ class ShotLine:
         section = StroboscopicMap(system, drive, runner=self.runners.of(system, drive))
         for start in starts:
             with suppress(ValueError):  # no such motion, or none near enough
-                found = motion_at(section, start, self.periods, NEWTON)
+                found = motion_at(section, start, self.periods, ways=WAYS, alike=touching, steps=NEWTON)
                 self._add(found, at)
 
     def _look(self, at: int) -> None:

@@ -1,25 +1,28 @@
-"""The motion of a system at a drive that a motion of this or another model leads to, by the cheapest exact way.
+"""The motion of a system at a drive that a start leads to, by the cheapest exact way.
 
-Ways, cheapest first, and what shows that each has led to the motion asked for:
+A start is a state, or a periodic motion of this or of another model. Ways, cheapest first, and what shows that each has
+led to the motion asked for:
 
 | way | takes | checked |
 |---|---|---|
 | closed form | a plain system, a motion with one impact in the same periods | the nearer root; its flight certified |
-| shot | any, of other modes by its contact forces; also a state | back to round-off, not sooner; contacts |
+| shot | any: from the start's state, of other modes by its contact forces | back to round-off, not sooner; contacts |
 | followed | a motion of the same modes: drive and gap go on from its own in steps | each step as shot |
+| simulated | a state, a motion, or none, which is static equilibrium | what is settled on, as shot |
 
-Over a whole grid closed forms are arrays (``orbit_map``), and
+Of contacts a shot motion has some if its start has. Over a whole grid closed forms are arrays (``orbit_map``), and
 branches with what they meet are ``follow``'s.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from enum import Enum
 
 import numpy as np
 
-from vibeam.flight.equilibrium import Contacts
+from vibeam.flight.equilibrium import Contacts, equilibrium
 from vibeam.flight.kernels import layout
 from vibeam.periodic.closed_orbits import closed_orbits
 from vibeam.periodic.continuation import Runners
@@ -34,13 +37,22 @@ from vibeam_models.arrays import Array
 
 TRIES = 11  # steps from a motion to another drive, at most
 SHORTER, LONGER = 4, 2  # factors by which a step is shortened where it fails, and grows where it does not
-SETTLE = 300  # drive periods simulated before a motion is looked for
+SETTLE = 300  # drive periods flown before a motion is looked for
 RETURNS, NEAREST = 200, 4  # periods in which a motion is watched for returns, and how many of them are taken
 SETTLED = 1e-4  # share of the motion's size by which a settled one misses itself
 MODES = ("omega", "zeta", "load", "static", "coupling")
 
 
 Alike = Callable[[Orbit, Orbit], bool]  # whether a motion is of the kind of its start
+
+
+class Way(Enum):
+    """Ways to a motion, cheapest first."""
+
+    CLOSED_FORM = "closed form"
+    SHOT = "shot"
+    FOLLOWED = "followed"
+    SIMULATED = "simulated"
 
 
 def akin(found: Orbit, start: Orbit) -> bool:
@@ -61,20 +73,26 @@ def touching(found: Orbit, start: Orbit) -> bool:
     return bool(len(found.times)) == bool(len(start.times))
 
 
-def motion_at(section: StroboscopicMap, start: Orbit, periods: int, steps: int = NEWTON) -> Orbit:
-    """The motion of a section's system at its drive that an orbit leads to, by the first way there.
+def motion_at(
+    section: StroboscopicMap, start: State | Orbit | None = None, periods: int = 1, *,
+    ways: Sequence[Way] = tuple(Way), alike: Alike = akin, steps: int = NEWTON, kept: bool = False,
+) -> Orbit:  # fmt: skip
+    """The motion of a section's system at its drive that repeats after ``periods``, by the first of ``ways`` there.
 
-    It repeats after ``periods`` and has contacts where the orbit has some. ``steps``: of Newton's method, at most.
-    NoOrbit, with the last reason, where no way leads to one.
+    ``start``: at the section's time, or an orbit, which the motion has to be ``alike``. ``steps``: of Newton's method,
+    at most; ``kept``: see ``shoot``. NoOrbit, with the last reason, where no way leads to one.
     """
-    ways: list[Callable[[], Orbit]] = [lambda: shot(section, start, periods, touching, steps)]
-    if _plain(section, start, periods):
-        ways.insert(0, lambda: _closed(section, start))
-    if same_modes(section, start):
-        ways.append(lambda: _followed(section, start, periods, steps))
+    refused = NoOrbit(Reason.DIVERGED, "no way from such a start")
     for way in ways:
         try:
-            return way()
+            if way is Way.SIMULATED:
+                return _simulated(section, start, periods, steps)
+            if way is Way.SHOT and start is not None:
+                return shot(section, start, periods, alike, steps, kept)
+            if way is Way.CLOSED_FORM and isinstance(start, Orbit) and _plain(section, start, periods):
+                return _closed(section, start)
+            if way is Way.FOLLOWED and isinstance(start, Orbit) and same_modes(section, start):
+                return _followed(section, start, periods, alike, steps)
         except NoOrbit as reason:
             refused = reason
     raise refused
@@ -136,7 +154,7 @@ def lifted_to(section: StroboscopicMap, orbit: Orbit) -> tuple[StroboscopicMap, 
     return section.at(time), state if several is None else several.joined(state, time)
 
 
-def _followed(section: StroboscopicMap, start: Orbit, periods: int, steps: int) -> Orbit:
+def _followed(section: StroboscopicMap, start: Orbit, periods: int, alike: Alike, steps: int) -> Orbit:
     """The motion that an orbit leads to as frequency, drive and gap go on together from its own."""
     system, drive, runners = section.system, section.drive, Runners()
     first, last = (np.array([a.omega, a.amplitude, b.gap]) for a, b in ((start.drive, start.system), (drive, system)))
@@ -148,13 +166,31 @@ def _followed(section: StroboscopicMap, start: Orbit, periods: int, steps: int) 
             moved, driven = replace(system, gap=gap) if first[2] != last[2] else system, Drive(omega, amplitude)
             there = StroboscopicMap(moved, driven, runner=runners.of(moved, driven))
         try:
-            orbit = shot(there, orbit, periods, touching, steps)
+            orbit = shot(there, orbit, periods, alike, steps)
         except NoOrbit as reason:
             step, refused = step / SHORTER, reason
             continue
         if share == 1.0:
             return orbit
         done, step = share, LONGER * step
+    raise refused
+
+
+def _simulated(section: StroboscopicMap, start: State | Orbit | None, periods: int, steps: int) -> Orbit:
+    """The motion that a flight from the start settles on, or passes nearest to."""
+    if isinstance(start, Orbit):
+        section, begin = _beside(section, start)
+    else:
+        begin = section.entered(equilibrium(section.system) if start is None else start)
+    refused = NoOrbit(Reason.DRIFTS)
+    try:
+        for state in returns(section, section.flown(begin, -section.time / section.period % 1.0).state, periods):
+            try:
+                return shoot(*section.at(0.0).in_flight(state, periods), periods, steps)
+            except NoOrbit as reason:
+                refused = reason
+    except MotionEnded as end:
+        raise NoOrbit(Reason.ENDED, str(end)) from None
     raise refused
 
 

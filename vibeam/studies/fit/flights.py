@@ -10,7 +10,7 @@ import numpy as np
 
 from vibeam.case.fidelity import system
 from vibeam.flight.solver import ExactSolver, exact_solver, reading_of
-from vibeam.periodic.motion_at import shot
+from vibeam.periodic.motion_at import Way, motion_at
 from vibeam.periodic.orbit import Orbit
 from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.studies.fit.surface import Forward
@@ -90,7 +90,7 @@ class FlyingModel:
     def orbit(self, omega: float, start: State, periods: int) -> Orbit:
         """The motion that a state at the drive's phase 0 leads to, its own state there; NoOrbit without."""
         section = StroboscopicMap(self.system, self.drive(omega), runner=self.solver)
-        return shot(section, start, periods, steps=ITERATIONS, kept=True)
+        return motion_at(section, start, periods, ways=(Way.SHOT,), steps=ITERATIONS, kept=True)
 
     def tangent(self, orbit: Orbit) -> Array:
         """Tangent map of a motion over its span (2n, 2n), in the units and with the signs of the model."""
