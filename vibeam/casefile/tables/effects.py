@@ -21,8 +21,7 @@ def effect_table(effect: type[Effect]) -> type[Table]:
     """The table that an effect declares."""
     meaning = effect.__doc__ or ""
     doc = f"Effect: {meaning[:1].lower()}{meaning[1:]}"
-    made: type[Table] = table(f"{effect.__name__}Table", doc, plan_keys(effect))
-    return made
+    return table(f"{effect.__name__}Table", doc, plan_keys(effect))
 
 
 def effect_tables(on: str) -> dict[str, Field]:
@@ -42,7 +41,7 @@ def with_effects(name: str, model: type[Table]) -> Any:
         each: declared_key(declared, False if declared.flag else None, effect=each != "ends")  # which is the rig itself
         for each, declared in keys_in(name).items()
     }
-    return table(model.__name__, model.__doc__ or "", model, keys)
+    return table(model.__name__, model.__doc__, model, keys)
 
 
 def effects_in(case: Any) -> Iterator[tuple[KeyPath, type[Effect], Any]]:
