@@ -215,6 +215,7 @@ def test_all_faults_come_at_once_in_the_order_of_lines():
         ("nothing", 1, "nothing: unknown key; known here: title, source, units, beam, mass, added_mass, clamp, further_stop, gravity, leaf, opposite, plate, section, support, torsion, stop, sensor, output, drive, platform, shaker, solid, measurement, sweep, record, start, fidelity, reference, expect, measured, chosen_by, show, map, uncertain, figure, cost, fit, derive, modes_needed, uncertainty, verdict, influence"),
         ("fidelity.more.reduction", "modal", 'fidelity.more.modes: missing: reduction = "modal" needs how many; write modes = 8'),
         ("mass.rotary_inertia", None, "mass.rotary_inertia: cannot be taken away: it is not in the case"),
+        ("measurement.seed", None, "measurement.seed: cannot be taken away: it is not in the case"),
         ("mass.position", object(), "mass.position: a object is no value of a case"),
         ("fidelity", {"\n": 1}, 'fidelity."\\n": must be a table, [fidelity."\\n"], not 1'),
         ("a..b", 1, "a..b: 'a..b' is not a key such as sweep.frequency.points"),

@@ -140,8 +140,8 @@ class _Made(Table):
     elements = key(Count(1, MOST_ELEMENTS), "finite elements along the beam", 36, 36)
 
 
-BeamTable: Any = table("BeamTable", "The beam, clamped at 0 unless ends says otherwise.", _Along, _shape_keys(), _Made)
+BeamTable = table("BeamTable", "The beam, clamped at 0 unless ends says otherwise.", _Along, _shape_keys(), _Made)
 
 
-MassTable: Any = table("MassTable", Mass.__doc__ or "", plan_keys(Mass))
-SensorTable: Any = table("SensorTable", Sensor.__doc__ or "", plan_keys(Sensor))
+MassTable = table("MassTable", Mass.__doc__, plan_keys(Mass))
+SensorTable = table("SensorTable", Sensor.__doc__, plan_keys(Sensor))

@@ -61,9 +61,9 @@ class SdofTable(Table):
 _RECORD = """The run of every fidelity through one input over time, in place of [sweep]: how long, what is kept,
 realisations, what is varied."""
 _START = "The state at the start of a [record]: plucked, moving or dropped; absent = settled, in static equilibrium."
-RecordTable: Any = table("RecordTable", _RECORD, plan_keys(RecordPlan, values=LEVELS))
-StartTable: Any = table("StartTable", _START, plan_keys(StartPlan))
-SdofStartTable: Any = less(StartTable, "SdofStartTable", _START, "height", plain=True)
+RecordTable = table("RecordTable", _RECORD, plan_keys(RecordPlan, values=LEVELS))
+StartTable = table("StartTable", _START, plan_keys(StartPlan))
+SdofStartTable = less(StartTable, "SdofStartTable", _START, "height", plain=True)
 
 ASIDE: Any = {"physics": False, "numbers": False}  # no part of the rig, nor of what its sweeps compute
 
@@ -204,7 +204,7 @@ def _modes() -> type[AnyCase]:
 
 
 def _case(kind: str, doc: str, *parts: Parts) -> type[AnyCase]:
-    made: type[AnyCase] = table(f"{kind.capitalize()}Case", doc, AnyCase, *parts, kind=kind)
+    made: type[Any] = table(f"{kind.capitalize()}Case", doc, AnyCase, *parts, kind=kind)
     return made
 
 

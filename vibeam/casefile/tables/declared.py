@@ -107,7 +107,7 @@ class Table(SimpleNamespace):
         return type(self)(**vars(self) | values)
 
 
-def table(name: str, meaning: str, *parts: type[Table] | Mapping[str, Field], **own: Any) -> Any:
+def table(name: str, meaning: str | None, *parts: type[Table] | Mapping[str, Field], **own: Any) -> type[Table]:
     """A table made of parts, tables or fields by key, whose keys stand in the order of the parts.
 
     ``own``: further attributes of the class.

@@ -235,5 +235,5 @@ _SIGNED = {name: replace(_NUMBERS[name], range=ANY) for name in PEAKS}  # a puls
 _LISTS: dict[str, Entry] = {name: OneOrSeveral(each) for name, each in (_NUMBERS | _SIGNED).items()}
 _FREQUENCY = Several(Frequency, alone=True, ascending=True)
 _INPUT = plan_keys(InputPlan, column=COLUMN, time=COLUMN, start=START, density=DensityEntry())
-DriveTable: Any = table("DriveTable", DRIVE, plan_keys(Base, frequency=_FREQUENCY, **_LISTS), _INPUT)
-SdofDriveTable: Any = less(DriveTable, "SdofDriveTable", SDOF_DRIVE, "voltage", "gain", *LOADS, "at", plain=True)
+DriveTable = table("DriveTable", DRIVE, plan_keys(Base, frequency=_FREQUENCY, **_LISTS), _INPUT)
+SdofDriveTable = less(DriveTable, "SdofDriveTable", SDOF_DRIVE, "voltage", "gain", *LOADS, "at", plain=True)

@@ -23,8 +23,7 @@ def effect_table(effect: type[Any], said: str = EFFECT) -> type[Table]:
     """The table that an effect, or another dataclass of keys, declares; ``said`` before its meaning."""
     meaning = effect.__doc__ or ""
     doc = f"{said}{meaning[:1].lower()}{meaning[1:]}" if said else meaning
-    made: type[Table] = table(f"{effect.__name__}Table", doc, plan_keys(effect))
-    return made
+    return table(f"{effect.__name__}Table", doc, plan_keys(effect))
 
 
 def own_table(home: Home) -> type[Table]:
@@ -50,7 +49,7 @@ def with_effects(name: str, model: type[Table]) -> Any:
         each: declared_key(declared, False if declared.flag else None, effect=each != "ends")  # which is the rig itself
         for each, declared in keys_in(name).items()
     }
-    return table(model.__name__, model.__doc__ or "", model, keys)
+    return table(model.__name__, model.__doc__, model, keys)
 
 
 def effects_in(case: Any) -> Iterator[tuple[KeyPath, type[Effect], Any]]:

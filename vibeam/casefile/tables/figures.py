@@ -134,9 +134,7 @@ def show_table(name: str, kinds: tuple[str, ...], output: Field | None = None) -
     return table(name, doc, first | known | own | given)
 
 
-FigureTable: Any = table(
-    "FigureTable", "Format of all figures of the case; absent = the defaults.", plan_keys(FigurePlan)
-)
+FigureTable = table("FigureTable", "Format of all figures of the case; absent = the defaults.", plan_keys(FigurePlan))
 
 
 class MeasurementTable(Table):

@@ -104,7 +104,7 @@ def given_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> It
         yield from platform_output(case, path, output)
 
 
-GivenDriveTable: Any = less(
+GivenDriveTable = less(
     DriveTable,
     "GivenDriveTable",
     "The drive, harmonic or an input over time. With [sweep] a base motion by amplitude, velocity or acceleration, or "
@@ -117,8 +117,7 @@ GivenDriveTable: Any = less(
 
 def given_stop_table() -> type[Table]:
     """The stop of a given structure: where it is says the contact row."""
-    made: type[Table] = less(stop_table(), "GivenStopTable", stop_table().__doc__ or "", "position")
-    return made
+    return less(stop_table(), "GivenStopTable", stop_table().__doc__, "position")
 
 
 _READ = key(TEXT, "whose displacement is read: sensor, contact, or one of outputs", "sensor", "sensor")

@@ -30,7 +30,7 @@ OUTPUT_NAME = ValueEntry(
 )
 
 
-OutputTable: Any = table(
+OutputTable = table(
     "OutputTable",
     "A further output, one table each: what a sensor reads at a place, relative to the base but for absolute.",
     plan_keys(Output) | {"absolute": declared_key(keys_of(Output)["absolute"], None)},

@@ -112,7 +112,7 @@ _AFTER = ("measured", "source")
 _KEYS = plan_keys(Reference, quantity=Word(QUANTITIES))
 _BEFORE = {name: each for name, each in _KEYS.items() if name not in _AFTER}
 MEANING = "A curve that a fidelity is checked against, one table each."
-ReferenceTable: Any = table("ReferenceTable", MEANING, _BEFORE, _Form, {name: _KEYS[name] for name in _AFTER})
+ReferenceTable = table("ReferenceTable", MEANING, _BEFORE, _Form, {name: _KEYS[name] for name in _AFTER})
 
 
 def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:

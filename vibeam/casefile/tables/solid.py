@@ -83,8 +83,8 @@ _BODY["clamp"] = key(
     None,
 )
 
-MaterialTable: Any = table("GroupMaterialTable", GroupMaterial.__doc__ or "", plan_keys(GroupMaterial))
-GroupMassTable: Any = table("GroupMassTable", GroupMass.__doc__ or "", plan_keys(GroupMass))
+MaterialTable = table("GroupMaterialTable", GroupMaterial.__doc__, plan_keys(GroupMaterial))
+GroupMassTable = table("GroupMassTable", GroupMass.__doc__, plan_keys(GroupMass))
 
 
 class _Mesh(Table):
@@ -139,7 +139,7 @@ class _Mesh(Table):
 OF_MESH = tuple(name for name in _Mesh.KEYS if name not in ("mesh", "damping", "damping_ratio"))
 OF_BODY = tuple(name for name in _BODY if name not in ("contact", "clamp"))
 
-SolidTable: Any = table(
+SolidTable = table(
     "SolidTable",
     'The rig as a three-dimensional body, which fidelities with model = "solid" fly: meshed, or a mesh of your own.',
     _BODY,

@@ -147,12 +147,10 @@ def _stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
     doc = "The stop: what it is depends on its law; keys of other laws are refused."
     own = plan_keys(Stop) | {"position": declared_key(keys_of(Stop)["position"], None)}
     at_rest = {name: own.pop(name) for name in AT_REST}
-    made: type[Table] = table("StopTable", doc, at_rest, keys, own)
-    return made
+    return table("StopTable", doc, at_rest, keys, own)
 
 
 @lru_cache(maxsize=8)
 def _sdof_stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
     doc = "The stop of the single degree of freedom."
-    made: type[Table] = less(stop_table(), "SdofStopTable", doc, *OF_RIG, *OF_BODIES, plain=True)
-    return made
+    return less(stop_table(), "SdofStopTable", doc, *OF_RIG, *OF_BODIES, plain=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import Any
 
 from vibeam.case.study_plans import CostPlan, FitPlan, InfluencePlan
 from vibeam.casefile.field_tables import settings
@@ -28,14 +27,14 @@ def _numbers(case: SimpleNamespace) -> Iterator[Complaint]:
         yield ("uncertainty", "samples"), f"{number} is no power of two: write {1 << (number.bit_length() - 1)}"
 
 
-CostTable: Any = table(
+CostTable = table(
     "CostTable",
     "Plan of vibeam verdict --only solvers; absent = the defaults.",
     plan_keys(CostPlan, solvers=Each(Word(SOLVERS))),
 )
-InfluenceTable: Any = table(
+InfluenceTable = table(
     "InfluenceTable", "Plan of vibeam verdict --only effects; absent = the defaults.", plan_keys(InfluencePlan)
 )
 
 
-FitTable: Any = table("FitTable", "Plan of vibeam fit.", plan_keys(FitPlan, keys=settings()))
+FitTable = table("FitTable", "Plan of vibeam fit.", plan_keys(FitPlan, keys=settings()))

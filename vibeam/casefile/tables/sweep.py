@@ -121,7 +121,7 @@ class _Changes(Table):
 
 
 _SOLUTION = {name: _OWN.pop(name) for name in ("solver", "options")}, _Changes, _OWN
-FidelityTable: Any = table(
+FidelityTable = table(
     "FidelityTable", "A fidelity, one table each: which model of the rig is swept.", _REDUCTION, *_SOLUTION
 )
 _SAID = "".join(f", or {each.meaning}, as [{name}] says" for name, each in MODELS.items())
@@ -133,9 +133,9 @@ _MODEL = {
         None,
     )
 }
-BeamFidelityTable: Any = table("BeamFidelityTable", FidelityTable.__doc__, _MODEL, _REDUCTION, *_SOLUTION)
+BeamFidelityTable = table("BeamFidelityTable", FidelityTable.__doc__, _MODEL, _REDUCTION, *_SOLUTION)
 _ONE_MODE = {"reduction": key(Word(("static_mode",)), "one mode", "static_mode", "static_mode")}
-SdofFidelityTable: Any = table(
+SdofFidelityTable = table(
     "SdofFidelityTable",
     "A fidelity of the single degree of freedom, which is one mode already; the table may be empty.",
     _ONE_MODE,

@@ -76,7 +76,7 @@ def plan_with(plan: T, settings: Mapping[str, Any]) -> T:
     return cast("T", replace(cast(Any, plan), **found))
 
 
-def less(model: type[Table], name: str, meaning: str, *keys: str, plain: bool = False) -> Any:
+def less(model: type[Table], name: str, meaning: str | None, *keys: str, plain: bool = False) -> type[Table]:
     """The keys of a table without some of them, which are None; ``plain``: and without their units."""
     kept = {each: _plain(field) if plain else field for each, field in model.KEYS.items() if each not in keys}
     return table(name, meaning, KEYS=kept, **dict.fromkeys(keys))
