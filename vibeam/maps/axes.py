@@ -12,6 +12,7 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.quantities import UnitError, to_si
 from vibeam.exchange.faults import CaseError
 from vibeam.periodic.modal_sums import sums
+from vibeam.runs.transient.motions import SCALED
 from vibeam.system.number_text import with_unit
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def axes_over(
     if len(points) not in (1, len(order)):
         raise ValueError(f"--points: {len(points)} numbers for {len(order)} axes")
     count = dict(zip(order, points if len(points) > 1 else [*points] * len(order), strict=True))
-    found = [_axis(case, key, low, high, count[key], fidelity) for key in others]
+    found = [axis_of(case, key, low, high, count[key], _usual(case, key, fidelity)) for key in others]
     if FREQUENCY not in order:
         return tuple(found)
     ends = (low, high) if not others else (None, None)
@@ -121,14 +122,18 @@ def _frequencies(case: Case, low: str | float | None, high: str | float | None, 
     return AxisPlan(FREQUENCY, tuple(np.linspace(ends[0], ends[1], count).tolist()), "Hz")
 
 
-def _axis(
-    case: Case, key: str, low: str | float | None, high: str | float | None, count: int, fidelity: str
+def axis_of(
+    case: Case, key: str, low: str | float | None, high: str | float | None, count: int, usual: tuple[float, float]
 ) -> AxisPlan:
+    """Axis of a key from ``low`` to ``high``, with its unit; None: as is ``usual``, NaN where nothing is.
+
+    ValueError names the option.
+    """
     try:
-        unit = "" if key == SHARE else case.keys.unit(key)
+        unit = unit_of_key(case, key)
     except ValueError as fault:
         raise ValueError(f"--over: {fault}") from None
-    usual, ends = _usual(case, key, fidelity), []
+    ends = []
     for flag, given, default in (("--from", low, usual[0]), ("--to", high, usual[1])):
         if given is None and np.isnan(default):
             raise ValueError(f"{flag}: missing, for {key} has no usual range: write {flag} with its unit")
@@ -140,8 +145,17 @@ def _axis(
     return AxisPlan(key, tuple(np.linspace(ends[0], ends[1], count).tolist()), unit)
 
 
+def unit_of_key(case: Case, key: str) -> str:
+    """Unit of a key's values, SI; empty of what scales the case's own load."""
+    return "" if key in _scaling(case) else case.keys.unit(key)
+
+
+def _scaling(case: Case) -> tuple[str, ...]:
+    return (SHARE,) if case.record is None else SCALED
+
+
 def _value(case: Case, flag: str, given: str | float, key: str) -> float:
-    kinds = {FREQUENCY: units.FREQUENCY, SHARE: units.RATIO}
+    kinds = {FREQUENCY: units.FREQUENCY, **dict.fromkeys(_scaling(case), units.RATIO)}
     try:
         return to_si(given, kinds[key]) if key in kinds else case.keys.number(key, given)
     except (ValueError, UnitError) as fault:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.grid_keys import AxisPlan
-from vibeam.casefile.quantities import RATIO, UnitError, to_si
 from vibeam.exchange.faults import suggest
+from vibeam.maps.axes import SHORT, axis_of, unit_of_key
 from vibeam.runs.transient.motions import SCALED
 from vibeam.studies.recorded_numbers import AskedNumber
 from vibeam.studies.variants import Told, asked_number, ensembles
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 USUAL = (31, 15)  # values of one key, and of each of two
-SHORT = {"gap": "stop.gap", "restitution": "stop.restitution"}
 AROUND = (0.2, 2.0)  # usual range of the level and the speed
 
 
@@ -67,7 +66,7 @@ def record_map(
     names = list(fidelities or case.fidelities)
     if unknown := [name for name in names if name not in case.fidelities]:
         raise ValueError(f"--fidelity: no fidelity {unknown[0]!r}; {suggest(unknown[0], case.fidelities)}")
-    made = tuple(AxisPlan(key, tuple(map(float, each)), _unit(case, key)) for key, each in axes.items())
+    made = tuple(AxisPlan(key, tuple(map(float, each)), unit_of_key(case, key)) for key, each in axes.items())
     points = [_settings(dict(zip(axes, point, strict=True))) for point in product(*axes.values())]
     variants = [(own.with_keys(each), name) for name in names for own in (case.alone(name),) for each in points]
     found = ensembles(variants, [number], told)
@@ -87,10 +86,6 @@ def _settings(point: Mapping[str, float]) -> dict[str, Any]:
     return {"record.over": over, "record.values": [value], **others}
 
 
-def _unit(case: Case, key: str) -> str:
-    return "" if key in SCALED else case.keys.unit(key)
-
-
 def axes_asked(
     case: Case, over: str | None, low: str | None, high: str | None, points: Sequence[int] | None
 ) -> dict[str, tuple[float, ...]]:
@@ -104,17 +99,12 @@ def axes_asked(
     ends = [_ends(flag, given, len(keys)) for flag, given in (("--from", low), ("--to", high))]
     counts = list(points or USUAL[len(keys) - 1 :][:1])
     counts = counts * len(keys) if len(counts) == 1 else counts
-    for key in keys:
-        try:
-            _unit(case, key)
-        except ValueError as fault:
-            raise ValueError(f"--over: {fault}") from None
     if len(counts) != len(keys):
         raise ValueError(f"--points: {len(counts)} numbers for {len(keys)} keys")
     return {
-        key: _values(case, key, first, last, count)
+        key: axis_of(case, key, first, last, count, AROUND if key in SCALED else (np.nan, np.nan)).values
         for key, first, last, count in zip(keys, *ends, counts, strict=True)
-    }  # fmt: skip
+    }
 
 
 def _ends(flag: str, given: str | None, count: int) -> list[str | None]:
@@ -124,21 +114,3 @@ def _ends(flag: str, given: str | None, count: int) -> list[str | None]:
     if len(found) != count:
         raise ValueError(f"{flag}: {len(found)} values for {count} keys: write one each, with commas between")
     return found
-
-
-def _values(case: Case, key: str, low: str | None, high: str | None, count: int) -> tuple[float, ...]:
-    found = []
-    for flag, given, usual in (("--from", low, AROUND[0]), ("--to", high, AROUND[1])):
-        if given is None and key not in SCALED:
-            raise ValueError(f"{flag}: missing, for {key} has no usual range: write {flag} with its unit")
-        try:
-            found.append(usual if given is None else _number(case, key, given))
-        except (ValueError, UnitError) as fault:
-            raise ValueError(f"{flag}: {fault}") from None
-    if not found[0] < found[1]:
-        raise ValueError(f"--from, --to: {key} must ascend, not go from {low} to {high}")
-    return tuple(np.linspace(found[0], found[1], count).tolist())
-
-
-def _number(case: Case, key: str, given: str) -> float:
-    return float(to_si(given, RATIO) if key in SCALED else case.keys.number(key, given))
