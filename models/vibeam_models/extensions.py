@@ -35,6 +35,7 @@ OURS = {
         "averaging", "mapping", "zhuravlev", "ivanov", "coordinates", "boundaries", "least_stable_reach", "largest_gap",
         "physical_jump", "unfolded_jump",
     ),
+    "solid": ("solid",),
 }  # fmt: skip
 
 

@@ -125,7 +125,7 @@ def test_two_declarations_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatc
 
 ABSENT = {
     "fidelity.sdof.solver=averaging": "fidelity.sdof.solver: 'averaging'",
-    "mode_share.speed=1": "mode_share.speed",
+    "mode_share.speed=1": "--set mode_share: unknown key",
     'expect.a={ fidelity = "sdof", quantity = "largest_gap", value = "1 mm", tolerance = "1 %", source = "x" }':
         "expect.a.quantity: 'largest_gap'",
 }  # fmt: skip

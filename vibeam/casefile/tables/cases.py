@@ -12,7 +12,7 @@ from vibeam.case.study_plans import STUDY_PLANS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import settings
 from vibeam.casefile.fields import TEXT, Quantity, Word
-from vibeam.casefile.kinds import MODELS, ModelDeclaration
+from vibeam.casefile.kinds import KINDS, MODELS
 from vibeam.casefile.quantities import POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
@@ -135,9 +135,9 @@ def _influence() -> Parts:
     }
 
 
-def _model(model: ModelDeclaration) -> Any:
-    """Annotation of the table of a model."""
-    return Annotated[Any, EffectTable(Home(model.name, model.table), own=True)]
+def _own(name: str, home: str | type[Any]) -> Any:
+    """Annotation of a table that is declared elsewhere."""
+    return Annotated[Any, EffectTable(Home(name, home), own=True)]
 
 
 def _beam() -> type[AnyCase]:
@@ -152,7 +152,7 @@ def _beam() -> type[AnyCase]:
         {"stop": (stop_table(), ...)},
         {"sensor": (SensorTable, ...), "output": outputs, "drive": (DriveTable, ...)},
         effect_tables("base"),
-        {name: (_model(each), key(each.meaning, None, None)) for name, each in MODELS.items()},
+        {name: (_own(name, each.table), key(each.meaning, None, None)) for name, each in MODELS.items()},
         _measured(MeasurementTable, SweepTable, StartTable, BeamFidelityTable),
         _asked(show, MapTable),
         _influence(),
@@ -173,10 +173,6 @@ def _sdof() -> type[AnyCase]:
         _measured(SdofMeasurementTable, SdofSweepTable, SdofStartTable, SdofFidelityTable),
         _asked(show_table("ShowTable", tuple(FIGURES)), SdofMapTable),
     )
-
-
-def _solid() -> type[AnyCase]:
-    return _given("solid", "A structure by a mesh of its body.", _model(MODELS["solid"]))
 
 
 def _given(kind: str, doc: str, own: Any) -> type[AnyCase]:
@@ -211,7 +207,7 @@ def _case(kind: str, doc: str, *parts: Parts) -> type[AnyCase]:
     return made
 
 
-CASES = {"beam": _beam, "sdof": _sdof, "matrices": _matrices, "modes": _modes, "solid": _solid}
+CASES = {"beam": _beam, "sdof": _sdof, "matrices": _matrices, "modes": _modes}
 
 
 def case_table(kind: str) -> type[AnyCase]:
@@ -223,7 +219,9 @@ def case_table(kind: str) -> type[AnyCase]:
 def _declared(
     kind: str, effects: Registered, laws: Registered, studies: Registered, figures: tuple[str, ...]
 ) -> type[AnyCase]:
-    return CASES[kind]()
+    if kind in CASES:
+        return CASES[kind]()
+    return _given(kind, KINDS[kind].meaning, _own(kind, KINDS[kind].table))
 
 
 Registered = tuple[tuple[str, Home], ...]
