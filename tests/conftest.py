@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -16,6 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["VIBEAM_CACHE"] = ""  # a reduced solid of another run would hide a change
 
 BROWSERS = {"browser", "firefox"}  # fixtures that open pages in one
+EXTENSIONS = Path(__file__).parent / "vibeam" / "extensions"
 SLOW_LIMIT = 3600  # seconds that a slow test may take; others: pyproject.toml
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
@@ -30,13 +32,20 @@ if os.environ.get("VIBEAM_TEST_ULP"):  # before a test takes solve_ivp by its na
     nudged.install()
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """The mark of tests that need an extension: all of ``vibeam/extensions``, and others one by one."""
+    config.addinivalue_line("markers", "extension: needs an extension that comes with vibeam")
+
+
 @pytest.hookimpl(tryfirst=True)  # before tests are chosen by their marks
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The mark ``browser``, and limits of time: an hour for slow tests, all by ``VIBEAM_TEST_PATIENCE``."""
+    """The marks ``browser`` and ``extension``, and limits of time: an hour for slow tests, all by a patience."""
     patience = float(os.environ.get("VIBEAM_TEST_PATIENCE", "1"))
     for item in items:
         if BROWSERS & set(getattr(item, "fixturenames", ())):
             item.add_marker("browser")
+        if EXTENSIONS in item.path.parents:
+            item.add_marker("extension")
         marked = item.get_closest_marker("timeout")
         limit = marked.args[0] if marked else SLOW_LIMIT if item.get_closest_marker("slow") else None
         if limit is not None or patience != 1:

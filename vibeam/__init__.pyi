@@ -53,8 +53,6 @@ from vibeam.system.rows import TimeDerivative as TimeDerivative
 from vibeam.system.several_harmonics import Harmonic as Harmonic
 from vibeam.system.several_harmonics import SeveralHarmonics as SeveralHarmonics
 from vibeam.system.state import State as State
-from vibeam_models.laws.dictionary import contact_terms as contact_terms
-from vibeam_models.laws.dictionary import restitution_in as restitution_in
 from vibeam_models.memory import large_memory as large_memory
 from vibeam_models.structure import Structure as Structure
 from vibeam_reductions.declaration import ReductionDeclaration as ReductionDeclaration

@@ -21,18 +21,21 @@ KINDS = (
     "effect", "contact law", "reduction", "solver", "model", "kind of case", "kind of figure", "plan of a study",
     "study", "command", "section of a page", "format of matrices",
 )  # fmt: skip
-#: what the extensions of this package bring, by the name that a case or a command has for it: said where one is absent
-OURS = {"vibeam fit FILE": "identification"} | {
-    name: extension
-    for extension, names in {
-        "explore": ("vibeam explore", "vibeam.explore"),
-        "paper": (
-            "averaging", "mapping", "zhuravlev", "ivanov", "coordinates", "boundaries", "least_stable_reach",
-            "largest_gap",
-        ),
-        "identification": tuple(f"vibeam.identify_{each}" for each in ("decay", "spectrum", "response")),
-    }.items()
-    for name in names
+#: what the extensions of this package bring, by the names that cases, commands and programs have: of one that is absent
+OURS = {
+    "dictionary": (
+        "mode_share", "vibeam mode_share", "vibeam.mode_share", "vibeam.contact_terms", "vibeam.restitution_in",
+    ),
+    "explore": ("vibeam explore", "vibeam.explore"),
+    "identification": (
+        "vibeam fit FILE", "vibeam.identify_decay", "vibeam.identify_frequency_response", "vibeam.identify_response",
+        "vibeam.identify_spectrum",
+    ),
+    "paper": (
+        "averaging", "mapping", "zhuravlev", "ivanov", "coordinates", "boundaries", "least_stable_reach", "largest_gap",
+        "physical_jump", "unfolded_jump",
+    ),
+    "solid": ("solid",),
 }  # fmt: skip
 
 
@@ -135,9 +138,7 @@ def brought(kind: str) -> Iterator[tuple[ExtensionPoint, Any]]:
 
 def absent(name: str) -> str:
     """Sentence on a name that an extension of this package brings which is not registered; else empty."""
-    extension = OURS.get(name, "")
+    extension = next((each for each, names in OURS.items() if name in names), "")
     if not extension or any(each.name == extension and each.package == OWN for each in entry_points()):
         return ""
-    return (
-        f"it comes with the extension {extension!r}, which is not registered here: install vibeam again (pip install)"
-    )
+    return f"it comes with the extension {extension!r}, which is not registered: install vibeam again (pip install)"

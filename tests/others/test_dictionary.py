@@ -13,7 +13,7 @@ import vibeam
 from tests.others import dictionary_book
 from tests.others.dictionary_book import ITS_OWN, MASS, RESULTS, SHOWN, SPEED, SPEEDS, TIME, requests, worst
 from tests.others.program_contacts import FORCES, IMPACT_MATERIAL, ProgramContact, impact
-from vibeam_models.laws.dictionary import FORMS
+from vibeam.extensions.dictionary.terms import FORMS
 
 ROUND_OFF = 1e-11  # of the integrations, 2e-12 at most
 LASTING = 2e-9  # of contact times, which the dictionary integrates to 1e-9

@@ -192,12 +192,8 @@ class UncertaintyPlan:
 
 @dataclass(frozen=True)
 class DerivePlan:
-    """Plan of ``vibeam derive``: ``contact_time`` s of an impact on the stop, at a ``speed`` m/s; None: no choice."""
+    """Plan of ``vibeam derive``: the ``speed`` m/s of an impact on the stop; None: no choice."""
 
-    contact_time: float | None = declare.quantity(
-        "s", "how long an impact on the rigid stop lasts: what its restitution is in terms of other programs then",
-        "0.5 ms", None, above=0,
-    )  # fmt: skip
     speed: float | None = declare.quantity(
         "m/s", "of the impact; absent = the law's, else 0.1 m/s", "0.1 m/s", None, above=0
     )

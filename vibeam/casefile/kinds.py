@@ -26,7 +26,9 @@ class CaseKind:
       gives them (case, folder);
     - ``sources`` tells the digests of the files that it is made of (declared case, folder; empty: of none).
 
-    ``plain``: its numbers have no dimension; ``one_mode``: it is one mode.
+    ``plain``: its numbers have no dimension; ``one_mode``: it is one mode. Of a given structure that is no kind of
+    vibeam's own ``table`` is the dataclass of the keys of its table and ``meaning`` what it is; where that may stand
+    beside [beam] too, ``needs`` is the key by which it is the whole rig.
     """
 
     name: str
@@ -37,6 +39,9 @@ class CaseKind:
     sources: str = ""
     plain: bool = False
     one_mode: bool = False
+    table: str | type[Any] = ""
+    meaning: str = ""
+    needs: str = ""
 
     def declaration(self) -> Any:
         """Its tables and keys, with the effects and contact laws that are registered now: a class of ``AnyCase``."""
@@ -99,14 +104,6 @@ KINDS = Registry(
         "vibeam.casefile.tables.given:most_modes",
         "vibeam.casefile.tables.given:sources",
     ),
-    CaseKind(
-        "solid",
-        "vibeam.casefile.solids:mesh_rules",
-        "vibeam.casefile.tables.given:given_output",
-        "vibeam.casefile.solids:mesh_scene",
-        sources="vibeam.casefile.solids:sources",
-        most_modes="vibeam.casefile.solids:most_modes",
-    ),
 )
 
 
@@ -127,26 +124,16 @@ class ModelDeclaration:
     sources: str = ""
 
 
-MODELS = Registry(
-    "model",
-    ModelDeclaration(
-        "solid",
-        "the rig as a three-dimensional body",
-        "vibeam.casefile.tables.solid:SolidTable",
-        "vibeam.casefile.solids:solid_scene",
-        "vibeam.casefile.solids:solid_rules",
-        "vibeam.casefile.solids:sources",
-    ),
-)
+MODELS: Registry[ModelDeclaration] = Registry("model")
 
 
 def kind_of(tables: Mapping[str, Any]) -> CaseKind:
-    """The kind of case that a file's tables are: beside [beam] a [solid] is what some of its fidelities fly."""
+    """The kind of case that a file's tables are; one whose table may stand beside [beam] is the whole rig without."""
     others = (kind for name, kind in KINDS.items() if name != "beam" and name in tables)
-    return next((kind for kind in others if kind.name != "solid" or _is_whole(tables)), KINDS["beam"])
+    return next((kind for kind in others if not kind.needs or _is_whole(tables, kind)), KINDS["beam"])
 
 
-def _is_whole(tables: Mapping[str, Any]) -> bool:
-    """Test whether [solid] is all of the rig: a mesh, and no beam."""
-    said = tables["solid"]
-    return "beam" not in tables and isinstance(said, Mapping) and "mesh" in said
+def _is_whole(tables: Mapping[str, Any], kind: CaseKind) -> bool:
+    """Test whether the table of a kind is all of the rig."""
+    said = tables[kind.name]
+    return "beam" not in tables and isinstance(said, Mapping) and kind.needs in said

@@ -115,7 +115,6 @@ STUDIES: Registry[StudyDeclaration] = Registry(
     _own(
         "derive", "derive", "derive", "SDOF parameters from geometry, beside finite elements",
         "vibeam derive mine.toml --set mass.mass='0.5 kg' --json",
-        "vibeam derive mine.toml --contact-time '0.5 ms'  # the stop's restitution in other programs' terms",
     ),
     _own("cost", "cost.study", "cost", "error against CPU time of every solver", "vibeam study cost mine.toml"),
     _own(

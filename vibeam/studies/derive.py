@@ -17,7 +17,6 @@ from vibeam_models.scene import AnyScene, Mass, Scene
 
 if TYPE_CHECKING:
     from vibeam.studies.contact_time import ContactAtSpeed
-    from vibeam.studies.mode_share import SharedImpact
     from vibeam_models.sdof import SdofModel
 
 
@@ -45,14 +44,12 @@ class DerivedParameter:
 class DerivedTable(ValueRecord, ViewedTable):
     """Rows of the table, by order or by name; ``notes``: the rows left out, and why.
 
-    ``contacts``: with a stop that yields, at three speeds. ``impact``: what mode 1 sees of one, in models with more and
-    more modes, and its contact in the terms of other programs.
+    ``contacts``: with a stop that yields, at three speeds.
     """
 
     rows: tuple[DerivedParameter, ...]
     notes: tuple[str, ...] = ()
     contacts: tuple[ContactAtSpeed, ...] = ()
-    impact: SharedImpact | None = None
 
     def __iter__(self) -> Iterator[DerivedParameter]:
         return iter(self.rows)
@@ -85,9 +82,7 @@ class _FirstMode:
 
 
 @of_source
-def derive(
-    case_or_scene: Any, *, contact_time: float | str | None = None, speed: float | str | None = None
-) -> DerivedTable:
+def derive(case_or_scene: Any, *, speed: float | str | None = None) -> DerivedTable:
     """Derive the paper's eq. 44–47 for a Scene (or an object with one as ``.scene``), with finite-element values.
 
     The reference is the first mode of bending of the finite-element model with all effects of the scene, on a base held
@@ -96,28 +91,19 @@ def derive(
     frequency otherwise, there is no one drive to be derived. A bare beam has the rows that no attached mass comes into,
     in its static deflection under a load at the contact; and where the beam outweighs the mass by far, those that
     neglect the beam have no meaning and are left out, as ``notes`` says. A stop that yields adds its ``contacts``.
-    ``contact_time`` and ``speed``: of an impact, in SI or with units, in place of the case's ``DerivePlan``. TypeError
-    for another object; ValueError for a SdofScene: it *is* the SDOF model.
+    ``speed``: of an impact, in SI or with a unit, in place of the case's ``DerivePlan``. TypeError for another object;
+    ValueError for a SdofScene: it *is* the SDOF model.
 
     >>> import vibeam
     >>> table = vibeam.derive("cases/dtu_neutral.toml")
     >>> round(table["stiffness"].value), round(table["stiffness"].error, 3)  # N/m, against finite elements
     (1219, -0.004)
-    >>> four = table.impact.shares[2]  # four modes: R₁ that R = 0.72 at the contact shows, R that R₁ = 0.72 needs
-    >>> four.modes, round(four.seen, 3), round(four.needed, 3)
-    (4, 0.628, 0.818)
     """
     from vibeam.casefile.tables.table import plan_with
 
     asked = getattr(case_or_scene, "asked", {}).get("derive") or DerivePlan()
-    plan = plan_with(asked, {"contact_time": contact_time, "speed": speed})
-    scene = getattr(case_or_scene, "scene", case_or_scene)
-    if isinstance(scene, AnyScene) and scene.no_beam:
-        raise ValueError(f"nothing to derive: {scene.no_beam} to derive it from")
-    if not isinstance(scene, Scene):
-        raise TypeError(f"derive takes a case or a scene, not {type(scene).__name__}")
-    if scene.in_three_dimensions:
-        raise ValueError("nothing to derive: closed forms are of a beam, and this is a solid: add a fidelity of one")
+    plan = plan_with(asked, {"speed": speed})
+    scene = beam_of(case_or_scene)
     if structure_of(scene).modes(1).omega[0] == 0:
         return _with_contacts(DerivedTable((), (FREE_BODY,)), scene, plan)
     exact = _first_mode(scene)
@@ -125,15 +111,29 @@ def derive(
     return _with_contacts(replace(table, rows=tuple(_explained(row, scene) for row in table)), scene, plan)
 
 
-def _with_contacts(table: DerivedTable, scene: Scene, plan: DerivePlan) -> DerivedTable:
-    """Table with an impact, and the contacts of a stop that yields with what is doubtful about them."""
-    from vibeam.studies.contact_time import contacts, doubts
-    from vibeam.studies.mode_share import shared_impact
+def beam_of(case_or_scene: Any) -> Scene:
+    """Scene of a beam; errors as ``derive`` for anything else."""
+    scene = getattr(case_or_scene, "scene", case_or_scene)
+    if isinstance(scene, AnyScene) and scene.no_beam:
+        raise ValueError(f"nothing to derive: {scene.no_beam} to derive it from")
+    if not isinstance(scene, Scene):
+        raise TypeError(f"derive takes a case or a scene, not {type(scene).__name__}")
+    if scene.in_three_dimensions:
+        raise ValueError("nothing to derive: closed forms are of a beam, and this is a solid: add a fidelity of one")
+    return scene
 
-    speed = plan.speed or getattr(scene.stop.law, "velocity", None) or USUAL_SPEED
-    found = contacts(scene, speed)
-    impact = shared_impact(scene, plan.contact_time, speed, found[1] if found else None)
-    return replace(table, contacts=found, impact=impact, notes=(*table.notes, *(doubts(scene, found) if found else ())))
+
+def speed_of(scene: Scene, asked: float | None) -> float:
+    """Speed of an impact, m/s: that ``asked`` for, the law's, or the usual one."""
+    return asked or getattr(scene.stop.law, "velocity", None) or USUAL_SPEED
+
+
+def _with_contacts(table: DerivedTable, scene: Scene, plan: DerivePlan) -> DerivedTable:
+    """Table with the contacts of a stop that yields, and what is doubtful about them."""
+    from vibeam.studies.contact_time import contacts, doubts
+
+    found = contacts(scene, speed_of(scene, plan.speed))
+    return replace(table, contacts=found, notes=(*table.notes, *(doubts(scene, found) if found else ())))
 
 
 def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> DerivedTable:

@@ -121,3 +121,89 @@ def test_two_declarations_of_one_name_are_refused(monkeypatch: pytest.MonkeyPatc
     assert list(Registry[Home]("effect", Home("b", int))) == ["b", "a", "taken"]
     with pytest.raises(ExtensionError, match="'mine': effect 'taken' is declared already: uninstall one"):
         list(Registry[Home]("effect", Home("taken", int)))
+
+
+ABSENT = {
+    "fidelity.sdof.solver=averaging": "fidelity.sdof.solver: 'averaging'",
+    "mode_share.speed=1": "--set mode_share: unknown key",
+    'expect.a={ fidelity = "sdof", quantity = "largest_gap", value = "1 mm", tolerance = "1 %", source = "x" }':
+        "expect.a.quantity: 'largest_gap'",
+}  # fmt: skip
+
+
+@pytest.fixture
+def hidden(tmp_path: Path) -> Path:
+    """Folder of an installation of vibeam that registers no extension, as one that is older than the checkout."""
+    made = tmp_path / "older" / "vibeam-0.1.0.dist-info"
+    made.mkdir(parents=True)
+    (made / "METADATA").write_text("Metadata-Version: 2.1\nName: vibeam\nVersion: 0.1.0\n", encoding="utf-8")
+    return made.parent
+
+
+@pytest.mark.parametrize(("setting", "said"), ABSENT.items())
+def test_a_case_that_names_what_an_absent_extension_brings_is_told_the_cure(
+    setting: str, said: str, hidden: Path
+) -> None:
+    case = str(ROOT / "cases" / "dtu_neutral.toml")
+    done = command(hidden, "run", case, "--set", setting, path=hidden)
+    assert (done.returncode, "Traceback" in done.stderr) == (2, False)
+    (line,) = [each for each in done.stderr.splitlines() if "extension" in each]
+    assert said in line
+    assert line.endswith(", which is not registered: install vibeam again (pip install)")
+
+
+def test_commands_of_absent_extensions_are_told_with_the_cure(hidden: Path) -> None:
+    case = str(ROOT / "cases" / "dtu_neutral.toml")
+    (hidden / "a.csv").write_text("t,x\n0,1\n", encoding="utf-8")
+    for words, name in ((["explore", case], "explore"), (["mode_share", case], "dictionary"),
+                        (["fit", "a.csv"], "identification")):  # fmt: skip
+        done = command(hidden, *words, path=hidden)
+        assert (done.returncode, "Traceback" in done.stderr) == (2, False)
+        assert f"the extension {name!r}, which is not registered: install vibeam again" in done.stderr
+    assert "explore" not in command(hidden, "-h", path=hidden).stdout
+    assert command(hidden, "derive", case, path=hidden).returncode == 0
+
+
+def test_what_is_said_of_absent_extensions_is_what_they_bring() -> None:
+    """Names of their declarations, and those that programs have of them."""
+    brought: dict[str, set[str]] = {}
+    for kind in extensions.KINDS:
+        for point, each in extensions.brought(kind):
+            names = {"command": {f"vibeam {each.name}"}, "section of a page": set()}.get(kind, {each.name})
+            read = {*each.quantities, *each.reads} if kind == "kind of figure" else set()
+            if point.package == extensions.OWN:
+                brought.setdefault(point.name, set()).update(names | read)
+    brought["identification"] = {"vibeam fit FILE"}
+    for name in dir(vibeam):
+        home = vibeam._homes.get(name, "").split(".")  # type: ignore[attr-defined]
+        if home[:2] == ["vibeam", "extensions"]:
+            brought[home[2]].add(f"vibeam.{name}")
+    assert {name: set(said) for name, said in extensions.OURS.items()} == brought
+
+
+WITHOUT = """
+import sys
+from vibeam.__main__ import main
+sys.argv = ["vibeam", *{words!r}]
+try:
+    main()
+except SystemExit:
+    pass
+own = {{name for name in sys.modules if name.startswith("vibeam.extensions.")}}
+print("LOADED", sorted(name for name in own if name.count(".") > 2))
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "loaded"),
+    [
+        (["-h"], {"declared"}),
+        (["derive", "cases/dtu_neutral.toml", "-q"], {"declared", "figures", "solvers", "plan"}),
+        (["run", "cases/dtu_neutral.toml", "--out", "OUT", *SHORT], {"declared", "figures", "solvers", "plan"}),
+    ],
+)
+def test_a_command_of_the_core_loads_the_declarations_alone(words: list[str], loaded: set[str], tmp_path: Path) -> None:
+    asked = [each.replace("OUT", str(tmp_path / "a.h5")) for each in words]
+    done = subprocess.run([sys.executable, "-c", WITHOUT.format(words=asked)], cwd=ROOT, capture_output=True, text=True)
+    found = done.stdout.splitlines()[-1].partition("LOADED ")[2]
+    assert {each.strip("' ").rpartition(".")[2] for each in found.strip("[]").split(",")} <= loaded

@@ -14,7 +14,7 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
-from vibeam.extensions.paper.boundaries_figure import limits
+from vibeam.extensions.paper.boundaries_figure import numbers as limits
 from vibeam.figures import FIGURES
 from vibeam.report.figures import figure, write_shown
 from vibeam.runs.store.file import read

@@ -10,7 +10,7 @@ from stand_in import SI
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
-from vibeam.figures import FIGURES, READ
+from vibeam.figures import FIGURES
 from vibeam.figures.sheet import module_of
 from vibeam.solvers import SOLVERS
 from vibeam.studies.regression import check as expect
@@ -125,6 +125,7 @@ def test_what_is_declared_is_there() -> None:
         methods = {"exact": "simulate", "samples": "motion"}
         assert {name for name, method in methods.items() if hasattr(made, method)} == {declared.motion} - {"none"}
         assert declared.curves == hasattr(made, "curves")
-    assert len(set(READ)) == len(READ)
+    read = [(name, unit) for kind in FIGURES.values() for name, unit in kind.reads.items()]
+    assert len(dict(read)) == len(read)  # each is of one kind alone
     case = free(HARMONICS)
     assert module_of(case.shows["it"]).__name__ == FIGURES["harmonics"].home

@@ -13,7 +13,7 @@ from vibeam.case.study_plans import STUDY_PLANS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_tables import settings
 from vibeam.casefile.fields import TEXT, Quantity, Word
-from vibeam.casefile.kinds import MODELS, ModelDeclaration
+from vibeam.casefile.kinds import KINDS, MODELS
 from vibeam.casefile.quantities import POSITIVE, UNIT_SYSTEMS
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.declared import Field, Later, Table, key, table
@@ -136,9 +136,9 @@ def _influence() -> Parts:
     return {"influence": key(InfluenceTable, told, None, InfluenceTable(), **ASIDE)}
 
 
-def _model(model: ModelDeclaration) -> Later:
-    """Table of a model, declared where a case first names it."""
-    return Later(lambda: own_table(Home(model.name, model.table)))
+def _own(name: str, home: str | type[Any]) -> Later:
+    """Table that is declared elsewhere, where a case first names it."""
+    return Later(lambda: own_table(Home(name, home)))
 
 
 def _beam() -> type[AnyCase]:
@@ -153,7 +153,7 @@ def _beam() -> type[AnyCase]:
         {"stop": key(stop_table())},
         {"sensor": key(SensorTable), "output": outputs, "drive": key(DriveTable)},
         effect_tables("base"),
-        {name: key(_model(each), each.meaning, None, None) for name, each in MODELS.items()},
+        {name: key(_own(name, each.table), each.meaning, None, None) for name, each in MODELS.items()},
         _measured(MeasurementTable, SweepTable, StartTable, BeamFidelityTable),
         _asked(show, MapTable),
         _influence(),
@@ -171,10 +171,6 @@ def _sdof() -> type[AnyCase]:
         _measured(SdofMeasurementTable, SdofSweepTable, SdofStartTable, SdofFidelityTable),
         _asked(show_table("ShowTable", tuple(FIGURES)), SdofMapTable),
     )
-
-
-def _solid() -> type[AnyCase]:
-    return _given("solid", "A structure by a mesh of its body.", _model(MODELS["solid"]))
 
 
 def _given(kind: str, doc: str, own: Any) -> type[AnyCase]:
@@ -208,7 +204,7 @@ def _case(kind: str, doc: str, *parts: Parts) -> type[AnyCase]:
     return made
 
 
-CASES = {"beam": _beam, "sdof": _sdof, "matrices": _matrices, "modes": _modes, "solid": _solid}
+CASES = {"beam": _beam, "sdof": _sdof, "matrices": _matrices, "modes": _modes}
 
 
 def case_table(kind: str) -> type[AnyCase]:
@@ -220,7 +216,9 @@ def case_table(kind: str) -> type[AnyCase]:
 def _declared(
     kind: str, effects: Registered, laws: Registered, studies: Registered, figures: tuple[str, ...]
 ) -> type[AnyCase]:
-    return CASES[kind]()
+    if kind in CASES:
+        return CASES[kind]()
+    return _given(kind, KINDS[kind].meaning, _own(kind, KINDS[kind].table))
 
 
 Registered = tuple[tuple[str, Home], ...]

@@ -15,11 +15,11 @@ from vibeam.casefile.tables.beam import damping_checks
 from vibeam.casefile.tables.effects import effects_in, effects_of_scene
 from vibeam.casefile.tables.given import given_rules
 from vibeam.casefile.tables.outputs import main_output, quantity_named
-from vibeam.casefile.tables.solid import OF_BODY, OF_MESH
 from vibeam.casefile.tables.sweep import model_named
 from vibeam.casefile.tables.table import plan_of
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath
+from vibeam.extensions.solid.table import OF_BODY, OF_MESH
 from vibeam_models.beams.beam import Beam
 from vibeam_models.given import GivenScene, GivenStructure
 from vibeam_models.keys import keys_of

@@ -12,10 +12,10 @@ from scipy.integrate import solve_ivp
 
 import vibeam
 from tests.models.bench import RIG
-from vibeam.report.derive import share_table, sheet, term_table
+from vibeam.extensions.dictionary.mode_share import counts_up_to, mode_share, yielding_shares
+from vibeam.extensions.dictionary.sheets import share_table, sheet, term_table
 from vibeam.report.tables import height
 from vibeam.studies.derive import derive
-from vibeam.studies.mode_share import counts_up_to, yielding_shares
 from vibeam_models.base import Base
 from vibeam_models.beam import assemble
 from vibeam_models.laws.compliant import LinearStop
@@ -23,7 +23,7 @@ from vibeam_models.laws.yielding import Damped, Linear
 from vibeam_models.stop import Stop
 from vibeam_models.structure import Structure
 
-CASES = Path(__file__).parents[3] / "cases"
+CASES = Path(__file__).parents[4] / "cases"
 NEUTRAL = CASES / "dtu_neutral.toml"
 BRIEF = 2e-7  # s: a contact that moves all modes
 
@@ -43,22 +43,22 @@ def structure() -> Structure:
     ],
 )
 def test_each_number_of_modes_is_a_row_once(case: str, settings: dict[str, Any], numbers: list[int]) -> None:
-    found = derive(vibeam.load(CASES / case, settings)).impact
+    found = mode_share(vibeam.load(CASES / case, settings))
     assert [row.modes for row in found.shares] == numbers
 
 
 def test_a_rigid_stop_by_an_impulse_on_the_modes() -> None:
-    table = derive(NEUTRAL)
+    impact = mode_share(NEUTRAL)
     modes = assemble(replace(vibeam.load(NEUTRAL).scene, base=Base())).modes()
     contact = modes.shapes.T @ assemble(replace(vibeam.load(NEUTRAL).scene, base=Base())).contact
-    for row in table.impact.shares:
+    for row in impact.shares:
         own = contact[: row.modes]
         for restitution, seen in ((0.72, row.seen), (row.needed, 0.72)):
             before = np.eye(len(own))[0] / own[0]  # contact at 1 m/s
             after = before - own * (1 + restitution) / (own @ own)
             assert -(own @ after) == pytest.approx(restitution)
             assert -after[0] / before[0] == pytest.approx(seen)
-    assert [row.modes for row in table.impact.shares] == [1, 2, 4, 8, 16, 32, len(contact)]
+    assert [row.modes for row in impact.shares] == [1, 2, 4, 8, 16, 32, len(contact)]
 
 
 def test_counts() -> None:
@@ -126,7 +126,7 @@ def test_hunt_crossley_s_contact_that_a_measured_restitution_needs(structure: St
 
 
 def test_a_contact_as_brief_as_none_is_the_rigid_one() -> None:
-    rigid, brief = derive(RIG).impact, derive(RIG, contact_time=BRIEF).impact
+    rigid, brief = mode_share(RIG), mode_share(RIG, contact_time=BRIEF)
     counted = {row.modes: row for row in rigid.shares}
     for row in brief.shares[:4]:
         assert row.seen == pytest.approx(counted[row.modes].seen, abs=2e-3)
@@ -135,12 +135,12 @@ def test_a_contact_as_brief_as_none_is_the_rigid_one() -> None:
 
 def test_terms_are_of_the_contact_that_the_last_share_has() -> None:
     """R held at mode 1: they have the damping with which eight modes show it; held at the contact: its own."""
-    held = derive(NEUTRAL, contact_time="0.5 ms", speed="0.2 m/s").impact
+    held = mode_share(NEUTRAL, contact_time="0.5 ms", speed="0.2 m/s")
     linear = held.terms["linear"]
     assert held.terms["mujoco"].restitution == pytest.approx(held.shares[-1].needed)
     assert linear.parameters["damping"] == pytest.approx(held.shares[-1].damping, rel=1e-3)
     assert (held.speed, held.contact_time) == (0.2, 0.0005)
-    own = derive(replace(RIG, stop=Stop(0.132, 1e-4, 0.6)), contact_time=5e-4).impact
+    own = mode_share(replace(RIG, stop=Stop(0.132, 1e-4, 0.6)), contact_time=5e-4)
     assert own.terms["chrono"].restitution == pytest.approx(0.6)
     stop = LinearStop(**own.terms["linear"].parameters)
     found = stop.free_impact(own.shares[-1].mass, 0.1)
@@ -149,41 +149,44 @@ def test_terms_are_of_the_contact_that_the_last_share_has() -> None:
 
 def test_a_stop_that_yields_has_its_own_contact_time() -> None:
     soft = CASES / "rigs" / "elastic_stop.toml"
-    table = derive(soft)
-    assert table.impact.contact_time == table.contacts[1].duration
-    assert table.impact.terms["linear"].parameters["stiffness"] == pytest.approx(2e4, rel=1e-8)
-    assert table.impact.terms["linear"].parameters["damping"] == pytest.approx(1.113, rel=1e-3)  # as its note says
+    impact = mode_share(soft)
+    assert impact.contact_time == derive(soft).contacts[1].duration
+    assert impact.terms["linear"].parameters["stiffness"] == pytest.approx(2e4, rel=1e-8)
+    assert impact.terms["linear"].parameters["damping"] == pytest.approx(1.113, rel=1e-3)  # as its note says
     with pytest.raises(ValueError, match=r"this stop yields, and lasts 1\.123 ms by itself"):
-        derive(soft, contact_time=1e-3)
-    assert np.isnan(derive(CASES / "rigs" / "afm_tip.toml").impact.shares[0].seen)  # no impact: it stays in contact
+        mode_share(soft, contact_time=1e-3)
+    assert np.isnan(mode_share(CASES / "rigs" / "afm_tip.toml").shares[0].seen)  # no impact: it stays in contact
 
 
 def test_no_damping_is_needed_where_even_an_elastic_stop_shows_less() -> None:
-    shares = derive(CASES / "rigs" / "elastic_stop.toml").impact.shares
+    shares = mode_share(CASES / "rigs" / "elastic_stop.toml").shares
     assert [bool(np.isnan(row.needed)) for row in shares] == [False, True, True, True]
 
 
 def test_the_sheet_says_modes_and_both_coefficients_and_fits_a_screen(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    case = vibeam.load(NEUTRAL, {"derive.contact_time": "0.5 ms"})
-    table = derive(case)
-    shown, last = sheet(table, case), table.impact.shares[-1]
+    case = vibeam.load(NEUTRAL, {"mode_share.contact_time": "0.5 ms"})
+    impact = mode_share(case)
+    shown, last = sheet(impact, case), impact.shares[-1]
     assert shown.answer == (
         f"R = {last.needed:.4f} at a contact of 0.5 ms, which moves {last.modes} modes, {1e3 * last.mass:.4g} g in "
         "all, is R₁ = 0.7200 of mode 1 at a sensor."
     )
     assert sum(height(each.brief()) for each in shown.tables) <= 37
     usual = vibeam.load(NEUTRAL)
-    assert [str(table.title) for table in sheet(derive(usual), usual).tables][-1] == "Restitution of contact and sensor"
-    held = vibeam.load(NEUTRAL, {"derive.contact_time": "0.5 ms", "stop.restitution_of": "contact"})
-    found = derive(held)
+    rigid = sheet(mode_share(usual), usual)
+    assert [str(table.title) for table in rigid.tables] == ["Restitution of contact and sensor"]
+    assert rigid.answer.startswith("R = 0.8")
+    assert rigid.answer.endswith("modes, is R₁ = 0.7200 of mode 1 at a sensor.")
+    held = vibeam.load(NEUTRAL, {"mode_share.contact_time": "0.5 ms", "stop.restitution_of": "contact"})
+    found = mode_share(held)
     answer = sheet(found, held).answer
     assert answer.startswith("R = 0.7200 at a contact of 0.5 ms")
-    assert answer.endswith(f"is R₁ = {found.impact.shares[-1].seen:.4f} of mode 1 at a sensor.")
+    assert answer.endswith(f"is R₁ = {found.shares[-1].seen:.4f} of mode 1 at a sensor.")
 
 
 def test_what_a_form_does_not_reach_is_said() -> None:
-    low = derive(replace(RIG, stop=Stop(0.132, 1e-4, 0.1)), contact_time=5e-4).impact
+    low = mode_share(replace(RIG, stop=Stop(0.132, 1e-4, 0.1)), contact_time=5e-4)
     rows = dict(zip(*(list(column.cells) for column in term_table(low).columns[:2]), strict=True))
     assert rows["Chrono SMC Hertz"] == "out of reach"
     assert rows["LAMMPS hooke"].endswith("e 0.1")

@@ -13,12 +13,16 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from vibeam.case.source import of_source
+from vibeam.casefile.tables.table import plan_with
+from vibeam.extensions.dictionary.plan import ModeSharePlan
+from vibeam.extensions.dictionary.terms import ContactTerm, contact_terms
 from vibeam.solvers.collision import struck
-from vibeam.studies.contact_time import NODE, counting
+from vibeam.studies.contact_time import NODE, contacts, counting
+from vibeam.studies.derive import beam_of, speed_of
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.base import Base
 from vibeam_models.beam import assemble
-from vibeam_models.laws.dictionary import ContactTerm, contact_terms
 from vibeam_models.laws.restitution import first_mode_restitution, needed_restitution
 from vibeam_models.laws.yielding import Linear
 
@@ -66,6 +70,27 @@ class SharedImpact:
     restitution: float
     shares: tuple[ModeShare, ...]
     terms: Mapping[str, ContactTerm] = field(default_factory=dict)
+
+
+@of_source
+def mode_share(
+    case_or_scene: Any, *, contact_time: float | str | None = None, speed: float | str | None = None
+) -> SharedImpact:
+    """Share of mode 1 in an impact on the stop of a case or a scene, in models with more and more modes.
+
+    ``contact_time`` and ``speed``: of the impact, in SI or with units, in place of the case's ``ModeSharePlan``.
+    TypeError and ValueError as ``derive``; ValueError for the contact time of a stop that yields, which has its own.
+
+    >>> import vibeam
+    >>> four = vibeam.mode_share("cases/dtu_neutral.toml").shares[2]  # R₁ by R = 0.72 at the contact, R for R₁ = 0.72
+    >>> four.modes, round(four.seen, 3), round(four.needed, 3)
+    (4, 0.628, 0.818)
+    """
+    asked = getattr(case_or_scene, "asked", {}).get("mode_share") or ModeSharePlan()
+    plan, scene = plan_with(asked, {"contact_time": contact_time, "speed": speed}), beam_of(case_or_scene)
+    rate = speed_of(scene, plan.speed)
+    found = contacts(scene, rate)
+    return shared_impact(scene, plan.contact_time, rate, found[1] if found else None)
 
 
 def shared_impact(scene: Scene, contact_time: float | None, speed: float, own: ContactAtSpeed | None) -> SharedImpact:
