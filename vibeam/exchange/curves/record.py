@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
+from vibeam.exchange.units import factor as factor  # by which a column and its scale become SI
 from vibeam_models.arguments import shown
 from vibeam_models.arrays import Array
 
