@@ -114,15 +114,6 @@ def legend(figure: Figure, entries: Sequence[Any] | Mapping[str, Any], remark: s
     )  # fmt: skip
 
 
-def handles_of(made: Figure) -> dict[str, Any]:
-    """Labelled curves of all panels, each label once."""
-    found: dict[str, Any] = {}
-    for axes in made.axes:
-        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-            found.setdefault(label, handle)
-    return found
-
-
 def _wide(widths: Sequence[float], columns: int) -> float:
     """Width of a legend in inches, its entries put column by column as matplotlib does: the first columns longer."""
     return float(sum(max(column) for column in np.array_split(widths, columns) if len(column)))

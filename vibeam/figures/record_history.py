@@ -10,18 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from vibeam.case.case import plan_of_record
-from vibeam.figures.page import blank_page, handles_of, legend, titled
 from vibeam.figures.panels import is_empty, labelled, say
-from vibeam.figures.record import (
-    COLUMNS,
-    RecordResult,
-    drawn_motion,
-    input_of,
-    kept_place,
-    label_of,
-    signals_of_all,
-    unit_of_signal,
-)
+from vibeam.figures.record import COLUMNS, RecordResult, input_of, kept_place, label_of, signals_of_all, unit_of_signal
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import with_unit
 from vibeam.observe.decimation import History, hardest_impacts
@@ -32,16 +22,6 @@ SIZE = (8.4, 6.0)
 ROW, REST = 1.25, 1.1  # height of a row and of title, legend and axis beside all rows, inches
 CLOSE, MET = 1 / 40, 4  # share of the record around its largest value, and impacts to either side, that are shown
 INK, PALE = "0.2", 0.15  # PALE: opacity of an area
-
-
-def record_figure(result: RecordResult, columns: int = COLUMNS) -> Figure:
-    """Figure of the histories of all fidelities of a record case, with at most so many ``columns`` a panel."""
-    case = result.case
-    made = blank_page(SIZE, case.figure)
-    draw_histories(made, result, list(result), plan_of_record(case).outputs[0], columns=columns)
-    titled(made, case.figure, case.title, drawn_motion(result))
-    legend(made, handles_of(made))
-    return made
 
 
 def draw_histories(

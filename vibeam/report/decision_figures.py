@@ -130,8 +130,9 @@ class Decision:
 
 def times_figure(found: Decision) -> Figure:
     """Errors of all models over the CPU time of a point."""
-    from vibeam.figures.page import blank_page, handles_of, legend, titled
+    from vibeam.figures.page import blank_page, legend, titled
     from vibeam.report.error_panels import error_panels
+    from vibeam.report.record_figure import handles_of
 
     figure = blank_page(HIGH if any(each.solver for each in found.errors) else SMALL, found.case.figure)
     error_panels(figure, shown_in(found.errors), found.errors, found.asked, found.reference_seconds)
@@ -145,8 +146,9 @@ def times_figure(found: Decision) -> Figure:
 
 def responses_figure(found: Decision) -> Figure:
     """The models shown over the reference, their largest errors marked where they are."""
-    from vibeam.figures.page import blank_page, handles_of, legend, titled
+    from vibeam.figures.page import blank_page, legend, titled
     from vibeam.figures.style import COLOURS
+    from vibeam.report.record_figure import handles_of
 
     output, shown = found.case.sweep.output, found.shown
     largest = max((float(np.nanmax(each, initial=0.0)) for _, each in found.curves.values()), default=0.0)

@@ -33,7 +33,7 @@ def write_figures(result: Any, path: Path) -> list[Path]:
 
         own = paths_of(path, result.case.figure)
         if result.case.record is not None:
-            from vibeam.figures.record_history import record_figure
+            from vibeam.report.record_figure import record_figure
 
             write_page(partial(record_figure, result), own, mark=mark)
         else:
@@ -69,8 +69,9 @@ def write_shown(result: Comparison, path: Path, mark: str | None = None) -> list
 
 def figure(result: Comparison, plan: ShowPlan) -> Figure:
     """Figure of one table."""
-    from vibeam.figures.page import blank_page, handles_of, legend, titled
+    from vibeam.figures.page import blank_page, legend, titled
     from vibeam.figures.panels import name_faults
+    from vibeam.report.record_figure import handles_of
 
     made, shown = blank_page(_size(plan), result.case.figure), result.shown.get(plan.name, ())
     module_of(plan).draw(made, result, plan, shown)

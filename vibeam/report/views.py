@@ -73,7 +73,7 @@ def _result(result: Result) -> StudySheet:
 
 
 def _transient(result: TransientResult) -> StudySheet:
-    from vibeam.figures.record_history import record_figure
+    from vibeam.report.record_figure import record_figure
     from vibeam.report.transient import transient_report
 
     return replace(transient_report(result), draw=lambda: record_figure(result))

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 import vibeam
 from tests.vibeam.figures.test_figures import responses
 from vibeam.figures.page import composed
-from vibeam.figures.record_history import record_figure
 from vibeam.figures.response_curve import frc
 from vibeam.figures.style import COLOURS
 from vibeam.report.figures import figure
+from vibeam.report.record_figure import record_figure
 from vibeam.runs.result import Result
 
 RIG: dict[str, Any] = {

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.figures.record_history import record_figure
 from vibeam.report.figures import figure
 from vibeam.report.page.page import page
 from vibeam.report.page.record_charts import record_data
+from vibeam.report.record_figure import record_figure
 from vibeam.studies.stored import stored
 
 HOSTILE = "</script><img src=x onerror=alert(1)> & {{ 7 * 7 }}"

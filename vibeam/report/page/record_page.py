@@ -13,12 +13,12 @@ from vibeam.exchange.faults import CaseError
 from vibeam.figures.kinds import impact_velocities
 from vibeam.figures.page import blank_page
 from vibeam.figures.record import drawn_motion, kept_place, unit_of_signal
-from vibeam.figures.record_history import record_figure
 from vibeam.figures.style import name_of
 from vibeam.figures.units import with_unit
 from vibeam.report.page.parts import Picture, as_csv, as_json, picture, rendered
 from vibeam.report.page.record_charts import record_data
 from vibeam.report.page.standing import PAGE_BYTES, standing
+from vibeam.report.record_figure import record_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
