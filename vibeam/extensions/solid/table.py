@@ -9,8 +9,8 @@ from vibeam.casefile.fields import TEXT, Each, Entry, Several, ValueEntry, Word
 from vibeam.casefile.quantities import LENGTH, UnitSystem, to_si
 from vibeam.casefile.tables.table import Length, Ratio, Table, declared_key, key, plan_keys, table
 from vibeam.exchange.faults import as_shown_in_message, suggest
+from vibeam.extensions.solid.elasticity.plan import SURFACE_DIRECTIONS, GroupMass, GroupMaterial, Solid
 from vibeam_models.keys import keys_of
-from vibeam_models.solid.plan import SURFACE_DIRECTIONS, GroupMass, GroupMaterial, Solid
 
 SURFACE = '"GROUP" | { group = "GROUP", direction = "z" }'
 
