@@ -121,10 +121,10 @@ def _asked(show: Any, map_: Any) -> Parts:
 
 
 def _study(name: str, home: Home) -> tuple[Any, Any]:
-    """The table of a study that has a plan."""
+    """The table of a study that has a plan; of an extension's study no case has it that does not say it."""
     keys = plan_keys(home.load())
     made = table(f"{name.capitalize()}Table", f"Plan of vibeam {name}.", keys)
-    if any(field.is_required() for _, field in keys.values()):
+    if name not in STUDY_PLANS.own or any(field.is_required() for _, field in keys.values()):
         return made | None, key(f"what vibeam {name} does", None, None, **ASIDE)
     return made, key(f"what vibeam {name} does", None, made(), **ASIDE)
 
