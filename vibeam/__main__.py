@@ -21,7 +21,7 @@ def main() -> None:
         signal.signal(signal.SIGINT, outside)
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # tiny matrices: more threads take hundreds of times as long
         gc.set_threshold(10_000)  # what imports make is no garbage: the usual 700 search it over and over
-        from vibeam.cli.main import main as command
+        from vibeam.cli.entry import main as command
 
         signal.signal(signal.SIGINT, usual)
         try:

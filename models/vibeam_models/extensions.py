@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -19,7 +19,7 @@ GROUP = f"{OWN}.extensions"
 #: kinds of declarations, as the registries call them
 KINDS = (
     "effect", "contact law", "reduction", "solver", "model", "kind of case", "kind of figure", "plan of a study",
-    "study", "command", "section of a page", "format of matrices",
+    "study", "stage of a verdict", "command", "section of a page", "format of matrices",
 )  # fmt: skip
 #: what the extensions of this package bring, by the names that cases, commands and programs have: of one that is absent
 OURS = {
@@ -35,7 +35,7 @@ OURS = {
         "averaging", "mapping", "zhuravlev", "ivanov", "coordinates", "boundaries", "least_stable_reach", "largest_gap",
         "physical_jump", "unfolded_jump",
     ),
-    "solid": ("solid",),
+    "solid": ("solid", "vibeam.SolidVerdict", "vibeam.solid_verdict"),
 }  # fmt: skip
 
 
@@ -134,6 +134,15 @@ def brought(kind: str) -> Iterator[tuple[ExtensionPoint, Any]]:
     for point in entry_points():
         for each in point.brought(kind):
             yield point, each
+
+
+def no_such_name(package: str, name: str, known: Iterable[str]) -> str:
+    """Sentence on a public name that a package does not have: what is meant, or which absent extension brings it."""
+    from difflib import get_close_matches
+
+    near = [f"did you mean {each!r}?" for each in get_close_matches(name, known, 1)]
+    meant = [f"; {each}" for each in (absent(f"{package}.{name}"), *near) if each]
+    return f"{package} has no name {name!r}{''.join(meant[:1])}"
 
 
 def absent(name: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from math import nan
-from typing import TYPE_CHECKING
+from typing import Any
 
 from vibeam_models.base import Base
 from vibeam_models.beam import structure_of
@@ -15,17 +15,14 @@ from vibeam_models.scene import Effect, RigScene
 from vibeam_models.stop import Stop
 from vibeam_models.structure import Structure
 
-if TYPE_CHECKING:
-    from vibeam_models.solid.body import SolidBody
-
 
 @dataclass(frozen=True)
 class GivenStructure:
     """A structure from elsewhere: ``digest`` stands for its content, by which two of them are compared.
 
     ``made``: the structure, or what makes it. ``damping``: by modal ratios, None where C has it. ``carried``: mass in
-    kg that a base would move with it, None where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or
-    ``"solid"``, a mesh, which is that of the ``body`` made. ``assumed``: as of a scene.
+    kg that a base would move with it, None where that is not known. ``kind``: ``"matrices"``, ``"modes"`` or another.
+    ``assumed``, ``spatial``: as of a scene; of a spatial one ``body`` makes the body.
     """
 
     digest: str
@@ -34,7 +31,8 @@ class GivenStructure:
     damping: Damping | None = field(default=None, compare=False)
     carried: float | None = field(default=None, compare=False)
     assumed: tuple[str, ...] = field(default=(), compare=False)
-    body: Callable[[], SolidBody] | None = field(default=None, compare=False, repr=False)
+    spatial: str = field(default="", compare=False)
+    body: Callable[[], Any] | None = field(default=None, compare=False, repr=False)
 
     @property
     def structure(self) -> Structure:
@@ -54,7 +52,7 @@ class GivenScene(RigScene):
     @property
     def no_beam(self) -> str:
         """As ``AnyScene.no_beam``."""
-        given = "a mesh" if self.given.kind == "solid" else self.given.kind
+        given = "a mesh" if self.spatial else self.given.kind
         return f"this case gives {given} in place of a beam, there is no beam"
 
     @property
@@ -63,9 +61,9 @@ class GivenScene(RigScene):
         return self.given.kind != "modes"
 
     @property
-    def in_three_dimensions(self) -> bool:
-        """As ``AnyScene.in_three_dimensions``."""
-        return self.given.kind == "solid"
+    def spatial(self) -> str:
+        """As ``AnyScene.spatial``."""
+        return self.given.spatial
 
     @property
     def assumed(self) -> tuple[str, ...]:

@@ -54,9 +54,17 @@ class AnyScene(ABC):
         return ""
 
     @property
+    def spatial(self) -> str:
+        """Module that knows the body of which its structure is: of three-dimensional elasticity; empty of any other.
+
+        It has ``solid_shapes``, ``solid_system`` and the files of reduced bodies: ``place_of``, ``keep``, ``kept``.
+        """
+        return ""
+
+    @property
     def in_three_dimensions(self) -> bool:
         """Test whether its structure is a body of three-dimensional elasticity."""
-        return False
+        return bool(self.spatial)
 
     @property
     def assumed(self) -> tuple[str, ...]:

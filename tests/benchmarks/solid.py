@@ -21,8 +21,8 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.extensions.solid.elasticity.elasticity import SolidElements
 from vibeam_models.beams.stretch import Material
-from vibeam_models.solid.elasticity import SolidElements
 from vibeam_models.sparse import SparseStructure
 
 HERE = Path(__file__).parent

@@ -11,8 +11,8 @@ import skfem
 from elastic_forms import torsion_constant
 from solid_bodies import components, frequencies, hexahedra, matrices, plane
 
+from vibeam.extensions.solid.elasticity.elasticity import SolidElements
 from vibeam_models.beams.stretch import Material
-from vibeam_models.solid.elasticity import SolidElements
 
 PUBLISHED = json.loads((Path(__file__).parent / "nafems.json").read_text(encoding="utf-8"))
 PLATE = Material(**PUBLISHED["material"])

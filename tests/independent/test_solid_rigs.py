@@ -12,6 +12,8 @@ from make_solid_rigs import RIGS, SIZES
 from scipy.sparse.linalg import spsolve as solve_sparse
 from solid_rigs import answer
 
+from vibeam.extensions.solid.elasticity.plan import Solid
+from vibeam.extensions.solid.elasticity.scene import SolidScene
 from vibeam_models.base import Base
 from vibeam_models.beam import structure_of
 from vibeam_models.beams.beam import Beam, Damping
@@ -20,8 +22,6 @@ from vibeam_models.effects.masses import RigidZone, RotaryInertia
 from vibeam_models.effects.sections import BondedPlate, Section
 from vibeam_models.effects.supports import BeamEnds
 from vibeam_models.scene import Mass, Sensor
-from vibeam_models.solid.plan import Solid
-from vibeam_models.solid.scene import SolidScene
 from vibeam_models.stop import Stop
 from vibeam_reductions.modes import modal, residual_flexibility
 from vibeam_reductions.static_shapes import craig_bampton

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from vibeam_models.solid.own_mesh import HEX_EDGES, HEX_FACES, TET_EDGES
+from vibeam.extensions.solid.elasticity.own_mesh import HEX_EDGES, HEX_FACES, TET_EDGES
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], float)
 SIZE = np.array([30.0, 20.0, 10.0])

@@ -14,8 +14,8 @@ import meshio
 import numpy as np
 from box_meshes import end_face, nodes_of
 
-from vibeam.exchange.meshes.own import own_structure
-from vibeam_models.solid.plan import GroupMaterial, OwnMesh, SurfaceMotion
+from vibeam.extensions.solid.elasticity.plan import GroupMaterial, OwnMesh, SurfaceMotion
+from vibeam.extensions.solid.meshes.own import own_structure
 
 ROOM = 2 << 30  # bytes
 POINTS, CELLS = nodes_of("hexahedron")

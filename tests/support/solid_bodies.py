@@ -6,8 +6,8 @@ import numpy as np
 import skfem
 from scipy.sparse.linalg import eigsh, spsolve
 
+from vibeam.extensions.solid.elasticity.elasticity import SolidElements
 from vibeam_models.beams.stretch import Material
-from vibeam_models.solid.elasticity import SolidElements
 
 STEEL = Material(210e9, 7850.0, 0.3)
 SIDES = np.array([0.1, 0.08, 0.05])

@@ -1,6 +1,6 @@
 """Reduced structure of a scene, kept for the next case with the same one; the flight that some reductions are made of.
 
-Gap, law and size of the drive are no part of it. That of a solid is kept on disk too (``kept_structures``).
+Gap, law and size of the drive are no part of it. That of a solid is kept on disk too.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
+from vibeam_models.registry import loaded
 from vibeam_models.scene import RigScene
 from vibeam_models.structure import Structure
 from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
@@ -50,14 +51,13 @@ def reduced_structure(
 def _kept(
     scene: RigScene, declared: ReductionDeclaration, modes: int | None, parameters: Parameters
 ) -> tuple[Structure, float]:
-    if not scene.in_three_dimensions:
+    if not scene.spatial:
         return _made(*_kept_structure(scene), declared, modes, parameters)
-    from vibeam.case.kept_structures import keep, kept, place_of
-
-    place = place_of(scene, declared.name, modes, parameters)
-    known = kept(place)
+    files = loaded(scene.spatial)
+    place = files.place_of(scene, declared.name, modes, parameters)
+    known: tuple[Structure, float] | None = files.kept(place)
     if known is None:
-        keep(place, *(known := _made(*_kept_structure(scene), declared, modes, parameters)))
+        files.keep(place, *(known := _made(*_kept_structure(scene), declared, modes, parameters)))
     return known
 
 

@@ -141,9 +141,26 @@ class FitPlan:
     )
 
 
-STAGES = ("modes", "effects", "solvers", "map", "solid")
+@dataclass(frozen=True)
+class StageDeclaration:
+    """Stage of a verdict that an extension brings: its ``question``, and the stem ``file`` of its files.
+
+    ``run`` (case, plan, progress) gives its record, ``sheet`` (record) the sheet: ``"module:function"``, imported when
+    it is asked for. ``spatial``: it joins the usual stages where a fidelity is a body of three-dimensional elasticity.
+    """
+
+    name: str
+    question: str
+    file: str
+    run: str
+    sheet: str
+    spatial: bool = False
+
+
+FURTHER_STAGES: Registry[StageDeclaration] = Registry("stage of a verdict")
+USUAL_STAGES = ("modes", "effects", "solvers", "map")
+STAGES = (*USUAL_STAGES, *FURTHER_STAGES)
 STAGE_BUDGET = 20.0  # s of CPU time that a stage may take where nothing is said
-USUAL_STAGES = STAGES[:-1]  # the last joins them where a fidelity is a solid
 
 
 @dataclass(frozen=True)

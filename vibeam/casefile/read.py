@@ -34,6 +34,7 @@ from vibeam.casefile.toml_writing import toml_text
 from vibeam.exchange.faults import CaseError, Fault
 from vibeam.figures import COMMON, FIGURES
 from vibeam.observe.measuring_chain import Chain, LowPass
+from vibeam_models.keys import defaults_of, keys_of
 from vibeam_models.registry import loaded
 from vibeam_models.scene import AnyScene
 
@@ -106,9 +107,9 @@ def case_of(tables: dict[str, Any], file: Path, set: Mapping[str, Any], text: st
         cost=plan_of(CostPlan, declared.cost),
         influence=plan_of(InfluencePlan, getattr(declared, "influence", InfluencePlan())),
         asked={
-            name: plan_of(home.load(), getattr(declared, name))
+            name: plan
             for name, home in STUDY_PLANS.items()
-            if getattr(declared, name, None) is not None
+            if (plan := _asked(home.load(), getattr(declared, name, None))) is not None
         },
         figure=plan_of(FigurePlan, declared.figure),
         chain=_chain(declared),
@@ -122,6 +123,13 @@ def case_of(tables: dict[str, Any], file: Path, set: Mapping[str, Any], text: st
         keys=CaseKeys(declared, changed, file, case_of),
         locate=place.fault,
     )
+
+
+def _asked(plan: type[Any], table: Any) -> Any:
+    """Plan of a study that a table says, the usual one without; None where that has keys that must be said."""
+    if table is not None:
+        return plan_of(plan, table)
+    return plan() if keys_of(plan).keys() == defaults_of(plan).keys() else None
 
 
 def _scene(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> AnyScene:

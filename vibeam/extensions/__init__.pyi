@@ -6,3 +6,5 @@ from vibeam.extensions.identification.decay import identify_decay as identify_de
 from vibeam.extensions.identification.response import identify_frequency_response as identify_frequency_response
 from vibeam.extensions.identification.response import identify_response as identify_response
 from vibeam.extensions.identification.response import identify_spectrum as identify_spectrum
+from vibeam.extensions.solid.verdict.study import SolidVerdict as SolidVerdict
+from vibeam.extensions.solid.verdict.study import solid_verdict as solid_verdict

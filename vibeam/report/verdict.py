@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from vibeam.case.case import Case
-from vibeam.case.study_plans import USUAL_STAGES, VerdictPlan
+from vibeam.case.study_plans import FURTHER_STAGES, USUAL_STAGES, VerdictPlan
 from vibeam.report import cost, effects, modes_needed
 from vibeam.report.maps import verdict as fidelity_map
 from vibeam.report.maps.page import map_figure
@@ -14,15 +14,17 @@ from vibeam.report.output import SheetPicture, StudySheet
 from vibeam.report.tables import ReportTable, blank
 from vibeam.report.transient import by_value
 from vibeam.studies.verdict import Stage, Verdict, plan_of_modes, require_plane
+from vibeam_models.registry import loaded
 
 QUESTIONS = {
     "modes": "How many modes?",
     "effects": "Which effects?",
     "solvers": "Which solver?",
     "map": "Where on the plane?",
-    "solid": "Is the beam enough?",
+    **{name: each.question for name, each in FURTHER_STAGES.items()},
 }
-FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map", "solid": "solid"}
+FILES = {"modes": "modes_needed", "effects": "influence", "solvers": "cost", "map": "fidelity_map"}
+FILES |= {name: each.file for name, each in FURTHER_STAGES.items()}
 
 
 @dataclass(frozen=True)
@@ -97,10 +99,9 @@ def stage_sheet(stage: Stage, case: Case, accuracy: float) -> StudySheet:
     """Sheet of one stage: of its study, or why it has no answer."""
     if stage.why:
         return StudySheet(f"Not answered: {stage.why}", data={"why": stage.why})
-    if stage.name == "solid":
-        from vibeam.report import solid
-
-        return solid.sheet(stage.record)
+    if stage.name in FURTHER_STAGES:
+        made: StudySheet = loaded(FURTHER_STAGES[stage.name].sheet)(stage.record)
+        return made
     if stage.name == "effects":
         return effects.sheet(stage.record)
     if stage.name == "modes":

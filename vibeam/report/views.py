@@ -43,8 +43,8 @@ def rows(record: Any) -> tuple[list[dict[str, Any]], Mapping[str, str], Mapping[
 
 
 def sheet_of(record: Any) -> StudySheet:
-    """Sheet of a record."""
-    made: StudySheet = loaded(SHEETS[type(record).__name__])(record)
+    """Sheet of a record; of an extension's class that which it names as ``shown_by``."""
+    made: StudySheet = loaded(SHEETS.get(type(record).__name__) or record.shown_by)(record)
     return made
 
 
@@ -191,7 +191,6 @@ SHEETS: dict[str, Callable[[Any], StudySheet] | str] = {
     **{f"{name}Study": f"vibeam.report.{name.lower()}:sheet" for name in ("Fit", "Uncertainty")},
     "ModesNeeded": "vibeam.report.modes_needed:sheet",
     "Stability": _map, "FidelityMap": _map, "Verdict": "vibeam.report.verdict:sheet",
-    "SolidVerdict": "vibeam.report.solid:sheet",
 }  # fmt: skip
 ROOT_MASS = dict.fromkeys(("contact", "sensor"), "kg^-½")
 UNITS: dict[str, Callable[[Any], Mapping[str, str]]] = {

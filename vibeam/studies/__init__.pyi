@@ -13,8 +13,6 @@ from vibeam.studies.modes_needed import modes_needed as modes_needed
 from vibeam.studies.record.plane import record_map as record_map
 from vibeam.studies.regression.check import check as check
 from vibeam.studies.regression.check import compare_measured as compare_measured
-from vibeam.studies.solid.study import SolidVerdict as SolidVerdict
-from vibeam.studies.solid.study import solid_verdict as solid_verdict
 from vibeam.studies.stability import stability as stability
 from vibeam.studies.stored import read as read
 from vibeam.studies.uncertainty.study import uncertainty as uncertainty

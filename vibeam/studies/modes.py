@@ -20,12 +20,12 @@ from vibeam_models.arguments import whole
 from vibeam_models.arrays import Array, ValueRecord
 from vibeam_models.beam import structure_of
 from vibeam_models.laws.restitution import first_mode_restitution, needed_restitution
+from vibeam_models.registry import loaded
 from vibeam_models.scene import AnyScene, RigScene, Scene
 from vibeam_models.structure import Modes, Structure
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.solid_shape import SolidShape
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class ModeTable(ValueRecord, ViewedTable):
     notes: tuple[str, ...] = ()
     load_unit: str = "kg^½"
     beams: Fields = field(default_factory=dict)
-    bodies: Mapping[str, SolidShape] = field(default_factory=dict, compare=False)
+    bodies: Mapping[str, Any] = field(default_factory=dict, compare=False)
 
 
 LOAD_UNITS = {None: "kg^½", 0: "kg^-½", 1: "kg^-½ m^-1"}  #: of a base that moves, of a force, of a moment
@@ -117,10 +117,8 @@ def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
     return ModeTable(tuple(rows), first.positions, first.deflection, _notes(rig, rows), unit, beams, bodies)
 
 
-def _bodies(scene: AnyScene, modes: Modes) -> dict[str, SolidShape]:
-    from vibeam.case.solid_shape import solid_shapes
-
-    return {name: body.by(modes.shapes) for name, body in solid_shapes(scene).items()}
+def _bodies(scene: AnyScene, modes: Modes) -> dict[str, Any]:
+    return {name: body.by(modes.shapes) for name, body in loaded(scene.spatial).solid_shapes(scene).items()}
 
 
 def _shaped(beam: BeamField, modes: Modes) -> BeamField:
@@ -210,7 +208,7 @@ def _fields(table: ModeTable, name: str, index: int) -> dict[str, Array]:
     return centre_line(beam.positions, 0.0, beam.deflection[:, index] / scale, beam.slope[:, index] / scale)
 
 
-def _moved(table: ModeTable, body: SolidShape, index: int) -> Array:
+def _moved(table: ModeTable, body: Any, index: int) -> Array:
     """Displacement (k, 3) of a solid in one mode, over its largest."""
     return np.asarray(body.displacement(np.eye(len(table.rows))[index]) / _largest(table, index))
 

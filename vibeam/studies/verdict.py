@@ -1,8 +1,8 @@
 """Verdict on a case: how much model it needs, in stages, the cheap ones first.
 
 ``modes``: how many suffice, from closed forms as far as they go; ``effects``: which ones the scene needs; ``solvers``:
-error against time; ``map``: where on the plane of the drive frequency and another key each fidelity suffices;
-``solid``: whether the beam is enough beside three-dimensional elasticity of the same rig.
+error against time; ``map``: where on the plane of the drive frequency and another key each fidelity suffices; further
+ones of extensions.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 
 from vibeam.case.case import Case
 from vibeam.case.source import of_source
-from vibeam.case.study_plans import STAGES, USUAL_STAGES, ModesNeededPlan, VerdictPlan
+from vibeam.case.study_plans import FURTHER_STAGES, STAGES, USUAL_STAGES, ModesNeededPlan, VerdictPlan
 from vibeam.casefile.tables.table import plan_with
 from vibeam.exchange.faults import CaseError, suggest
 from vibeam.maps.axes import axes_over
@@ -25,6 +25,7 @@ from vibeam.studies.modes_needed import modes_needed
 from vibeam.studies.variants import require_usual
 from vibeam.system.labelled import ViewedTable
 from vibeam.system.progress import telling
+from vibeam_models.registry import loaded
 
 Tell = Callable[[str], None]
 Progress = Callable[[int, int], None]
@@ -112,7 +113,8 @@ def _names(case: Case, plan: VerdictPlan) -> list[str]:
     if unknown:
         raise ValueError("; ".join(f"only: no stage {name!r}; {suggest(name, STAGES)}" for name in unknown))
     solid = any(case.scene_of(name).in_three_dimensions for name in case.fidelities)
-    joins = ("solid",) if solid and tuple(plan.only) == USUAL_STAGES else ()
+    usual = solid and tuple(plan.only) == USUAL_STAGES
+    joins = [name for name, each in FURTHER_STAGES.items() if usual and each.spatial]
     return [name for name in STAGES if name in (*plan.only, *joins)]
 
 
@@ -130,13 +132,8 @@ def _stage(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progress
 
 
 def _record(name: str, case: Case, plan: VerdictPlan, tell: Tell | None, progress: Progress | bool | None) -> Any:
-    if name == "solid":
-        from vibeam.studies.solid.study import solid_verdict
-
-        return solid_verdict(
-            case, accuracy=plan.accuracy, frequency_accuracy=plan.frequency_accuracy, progress=progress,
-            budget=plan.allowed,
-        )  # fmt: skip
+    if name in FURTHER_STAGES:
+        return loaded(FURTHER_STAGES[name].run)(case, plan, progress)
     if case.record is not None:
         require_usual("verdict", plan, "over", "points")
     if name == "effects":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from importlib import import_module
+from os.path import exists
 
 TYPE_CHECKING = False  # typing itself is not loaded before the command's first line
 if TYPE_CHECKING:
@@ -23,17 +24,12 @@ class Namespace(ModuleType):
 
     def __getattr__(self, name: str) -> object:
         if name not in self._homes:
-            from difflib import get_close_matches
+            from vibeam_models.extensions import no_such_name
 
-            from vibeam_models.extensions import absent
-
-            near = [f"did you mean {each!r}?" for each in get_close_matches(name, self._homes, 1)]
-            meant = [f"; {each}" for each in [absent(f"{self.__name__}.{name}"), *near] if each][:1]
-            raise AttributeError(f"{self.__name__} has no name {name!r}{''.join(meant)}")
+            raise AttributeError(no_such_name(self.__name__, name, self._homes))
         home = self._homes[name]
         found = import_module(f"{home}.{name}") if home == self.__name__ else getattr(import_module(home), name)
-        self.__dict__[name] = found
-        return found
+        return self.__dict__.setdefault(name, found)
 
     def __setattr__(self, name: str, value: object) -> None:
         if not isinstance(value, ModuleType) or self._homes.get(name, self.__name__) == self.__name__:
@@ -55,14 +51,12 @@ def homes_of(package_file: str) -> dict[str, str]:
 
     Of ``from package.room import *`` these are the names in the stub of that room.
     """
-    try:
-        with open(package_file + "i", encoding="utf-8") as stub:
-            words = [line.split() for line in stub if line.startswith("from ")]
-    except FileNotFoundError:  # of extensions, which need not be there
-        return {}
+    with open(package_file + "i", encoding="utf-8") as stub:
+        words = [line.split() for line in stub if line.startswith("from ")]
     found = {line[3]: line[1] for line in words if line[3] != "*"}
-    for room in (line[1].rpartition(".")[2] for line in words if line[3] == "*"):
-        found |= homes_of(f"{package_file.removesuffix('__init__.py')}{room}/__init__.py")
+    names = (line[1].rpartition(".")[2] for line in words if line[3] == "*")
+    for room in filter(exists, (f"{package_file.removesuffix('__init__.py')}{name}/__init__.py" for name in names)):
+        found |= homes_of(room)  # extensions need not be there
     return found
 
 

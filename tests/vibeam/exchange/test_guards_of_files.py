@@ -15,7 +15,7 @@ import vibeam
 from vibeam.exchange import hdf5, mat
 from vibeam.exchange.files import NUMBERS, FormatError, lines_of, require_room, text_of
 from vibeam.exchange.matrices.declaration import read_matrix
-from vibeam.exchange.meshes.read import read_mesh
+from vibeam.extensions.solid.meshes.read import read_mesh
 from vibeam.system.record_samples import MOST_SAMPLES
 
 K = np.array([[2.0, -1.0], [-1.0, 1.0]])

@@ -124,11 +124,11 @@ def _asked(show: Any, map_: Any) -> Parts:
 
 
 def _study(name: str, home: Home) -> Field:
-    """The table of a study that has a plan."""
+    """The table of a study that has a plan; of an extension's study no case has it that does not say it."""
     keys = plan_keys(home.load())
     made = table(f"{name.capitalize()}Table", f"Plan of vibeam {name}.", keys)
-    needed = any(field.required for field in keys.values())
-    return Field(made, f"what vibeam {name} does", None, None if needed else made(), **ASIDE)
+    absent = name not in STUDY_PLANS.own or any(field.required for field in keys.values())
+    return Field(made, f"what vibeam {name} does", None, None if absent else made(), **ASIDE)
 
 
 def _influence() -> Parts:

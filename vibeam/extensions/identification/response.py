@@ -280,7 +280,7 @@ def _by_names(fit: Fit, order: Any, wanted: _Wanted) -> tuple[Array, Array]:
 
 
 def _method(fit: Fit) -> str:
-    """Words for what was fitted to what."""
+    """Method: what was fitted to what."""
     terms = {(): "no residual term", (-2,): "a lower residual", (0,): "an upper residual"}
     rest = terms.get(fit.terms, "lower and upper residual")
     to = "moduli" if fit.data.moduli else "real and imaginary parts"

@@ -159,7 +159,7 @@ def _responses(among: Sequence[str], heads: Sequence[str], at: str | int, named:
 
 
 def _label(head: str, form: re.Pattern[str]) -> str:
-    """Rest of a head without the word for the part."""
+    """Head without the word for the part."""
     found = form.fullmatch(_plain(head))
     return "" if found is None else f"{found[1] or ''}{found.groups()[-1] or ''}".strip(" _()")
 

@@ -5,5 +5,9 @@ from __future__ import annotations
 from vibeam_models.extensions import Extension
 
 EXTENSION = Extension(
-    {"model": "vibeam.extensions.solid.declared:MODELS", "kind of case": "vibeam.extensions.solid.declared:KINDS"}
+    {
+        "model": "vibeam.extensions.solid.declared:MODELS",
+        "kind of case": "vibeam.extensions.solid.declared:KINDS",
+        "stage of a verdict": "vibeam.extensions.solid.stages:STAGES",
+    }
 )

@@ -19,17 +19,17 @@ from vibeam.casefile.tables.sweep import model_named
 from vibeam.casefile.tables.table import plan_of
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.exchange.faults import Complaint, KeyPath
+from vibeam.extensions.solid.elasticity.plan import CLAMPS, GroupMass, GroupMaterial, OwnMesh, Solid, SurfaceMotion
+from vibeam.extensions.solid.elasticity.scene import SolidScene
 from vibeam.extensions.solid.table import OF_BODY, OF_MESH
 from vibeam_models.beams.beam import Beam
 from vibeam_models.given import GivenScene, GivenStructure
 from vibeam_models.keys import keys_of
 from vibeam_models.outputs import DISPLACEMENT
 from vibeam_models.scene import Scene
-from vibeam_models.solid.plan import CLAMPS, GroupMass, GroupMaterial, OwnMesh, Solid, SurfaceMotion
-from vibeam_models.solid.scene import SolidScene
 
 if TYPE_CHECKING:
-    from vibeam.exchange.meshes.body import OwnFault
+    from vibeam.extensions.solid.meshes.body import OwnFault
 
 OURS = "vibeam_models."  # effects of this package, which a solid knows
 ON_BASE = ("platform", "shaker")  # effects that a mesh leaves to the case
@@ -202,8 +202,8 @@ def _mesh_faults(case: Any, folder: File) -> Iterator[Complaint]:
 
 def _own(case: Any, folder: File) -> tuple[GivenStructure | None, tuple[OwnFault, ...]]:
     """Structure of a case's mesh, and its faults; that it has none is kept on disk, and it is not read again."""
-    from vibeam.case.kept_structures import note, noted
-    from vibeam.exchange.meshes.own import own_structure
+    from vibeam.extensions.solid.kept_structures import note, noted
+    from vibeam.extensions.solid.meshes.own import own_structure
 
     return own_structure(own_mesh(case), folder, noted, note)
 

@@ -10,8 +10,8 @@ from vibeam.casefile.quantities import LENGTH, UnitSystem, to_si
 from vibeam.casefile.tables.declared import Table, key, table
 from vibeam.casefile.tables.table import Length, Ratio, declared_key, plan_keys
 from vibeam.exchange.faults import as_shown_in_message, suggest
+from vibeam.extensions.solid.elasticity.plan import SURFACE_DIRECTIONS, GroupMass, GroupMaterial, Solid
 from vibeam_models.keys import keys_of
-from vibeam_models.solid.plan import SURFACE_DIRECTIONS, GroupMass, GroupMaterial, Solid
 
 SURFACE = '"GROUP" | { group = "GROUP", direction = "z" }'
 

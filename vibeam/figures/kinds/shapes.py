@@ -28,6 +28,7 @@ from vibeam.figures.style import name_of
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
+from vibeam_models.registry import loaded
 from vibeam_models.scene import AnyScene, Scene
 
 MOST = 4  # modes of a fidelity
@@ -48,9 +49,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 def _columns(scene: AnyScene, fidelity: Fidelity) -> Columns:
     found = dict[str, Column]()
     if scene.in_three_dimensions:
-        from vibeam.case.solid_shape import solid_system
-
-        system, pointed, bodies = solid_system(scene, fidelity)
+        system, pointed, bodies = loaded(scene.spatial).solid_system(scene, fidelity)
         order = np.argsort(system.omega)[:MOST]
         surfaces = [body.surface for body in bodies.values()]
         points = np.concatenate([each.points for each in surfaces])

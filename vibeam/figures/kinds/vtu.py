@@ -23,10 +23,10 @@ from vibeam.figures.sheet import Column, Columns, NoMotion, Sheet
 from vibeam.flight.trajectory import Trajectory
 from vibeam.observe.periodicity import repetition, strobe_time
 from vibeam_models.arrays import Array
+from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.solid_shape import SolidShape
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import Scene
 
@@ -93,14 +93,13 @@ def branch(case: Case, name: str, frequency: float, plan: ShowPlan) -> list[floa
 
 
 @lru_cache(maxsize=8)
-def _field_system(case: Case, name: str) -> tuple[ImpactSystem, Scene, Mapping[str, SolidShape]]:
+def _field_system(case: Case, name: str) -> tuple[ImpactSystem, Scene, Mapping[str, Any]]:
     """System whose outputs hold the fields, scene with its points, and of a solid its bodies by the system's modes."""
     scene, fidelity = case.scene_of(name), case.fidelities[name]
     if not scene.in_three_dimensions:
         return (*field_system(scene, fidelity), {})
-    from vibeam.case.solid_shape import solid_system
-
-    return solid_system(scene, fidelity)
+    made: tuple[ImpactSystem, Scene, Mapping[str, Any]] = loaded(scene.spatial).solid_system(scene, fidelity)
+    return made
 
 
 def _frames_for(periods: int) -> int:
@@ -145,7 +144,7 @@ def _frames(motion: Recorded, shapes: Fields, periods: int, each: int) -> Column
     return found
 
 
-def _bodies(motion: Recorded, bodies: Mapping[str, SolidShape], periods: int, each: int) -> Columns:
+def _bodies(motion: Recorded, bodies: Mapping[str, Any], periods: int, each: int) -> Columns:
     """Nodes and cells of a solid's bodies, displacements by modes, and the modes at each frame."""
     if not bodies:
         return {}
