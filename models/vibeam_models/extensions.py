@@ -20,6 +20,7 @@ GROUP = f"{OWN}.extensions"
 KINDS = (
     "effect", "contact law", "reduction", "solver", "model", "kind of case", "kind of figure", "plan of a study",
     "study", "stage of a verdict", "command", "section of a page", "format of matrices",
+    "reader of meshes",
 )  # fmt: skip
 #: what the extensions of this package bring, by the names that cases, commands and programs have: of one that is absent
 OURS = {

@@ -9,5 +9,6 @@ EXTENSION = Extension(
         "model": "vibeam.extensions.solid.declared:MODELS",
         "kind of case": "vibeam.extensions.solid.declared:KINDS",
         "stage of a verdict": "vibeam.extensions.solid.stages:STAGES",
+        "reader of meshes": "vibeam.extensions.solid.declared:READERS",
     }
 )

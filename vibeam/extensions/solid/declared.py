@@ -29,3 +29,4 @@ KINDS = (
         needs="mesh",
     ),
 )
+READERS = (f"{HOME}.meshes.read:read_mesh",)
