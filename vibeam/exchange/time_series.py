@@ -26,7 +26,6 @@ from vibeam.exchange.curves.columns import (
     split_head,
     taken_column,
 )
-from vibeam.exchange.curves.measured_curve import MeasuredCurve, label
 from vibeam.exchange.curves.record import Taken, tell
 from vibeam.exchange.curves.waves import SHARES
 from vibeam.exchange.faults import CaseError, fault_in
@@ -96,7 +95,7 @@ def record_of_file(
     try:
         numbers = {"scale": scale, "start": None if start == FIRST else start, "since": since, "until": until}
         _require_keys(quantity, {"column": column, "time": time}, unit, numbers)
-        found, unit, value, clock = _samples(path, column, time, quantity, unit, rate, scale)
+        found, unit, value, clock = samples_of_file(path, column, time, quantity, unit, rate, scale)
         kept = _stretch(clock, since, until)
     except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quote))]) from None
@@ -137,19 +136,7 @@ def _record_of(path: Path, state: State, quote: bool, form: tuple[tuple[str, Any
     return record_of_file(path, quote=quote, **dict(form), **more)
 
 
-def curve_in_run(path: Path, duration: float, kept: Taken, said: Mapping[str, Any]) -> MeasuredCurve:
-    """All samples of a file by the keys of a case; used are those that were ``kept``, in a run of ``duration`` s."""
-    quantity = said.get("quantity", "acceleration")
-    keys = (said.get(each) for each in ("unit", "rate", "scale"))
-    _, _, value, clock = _samples(path, said.get("column"), said.get("time"), quantity, *keys)
-    zero = kept.zero or 0.0
-    first, last = max(kept.start, zero), min(kept.end, zero + duration * (1 + EVEN / len(clock)))
-    used = (clock >= first) & (clock <= last)
-    labels = label("time", "s"), label(kept.columns[0].head or quantity, UNITS[quantity])
-    return MeasuredCurve(clock, value, used, None, labels, kept.file, True)
-
-
-def _samples(
+def samples_of_file(
     path: Path, column: str | int | None, time: str | int | None, quantity: str, unit: str | None, rate: float | None,
     scale: float | None,
 ) -> tuple[Columns, str | None, Array, Array]:  # fmt: skip

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.exchange.curves.measured_curve import MeasuredCurve
 from vibeam.report.output import SheetPicture
 from vibeam.studies.measured_curves import measured_curves, measured_files
-from vibeam.studies.measured_panel import Orders, draw_curve, draw_orders
+from vibeam.studies.measured_panel import MeasuredCurve, Orders, draw_curve, draw_orders
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

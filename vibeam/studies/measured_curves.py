@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.case.input_plan import WAYS, InputPlan
-from vibeam.exchange.curves.measured_curve import MeasuredCurve, label
-from vibeam.exchange.curves.record import taken_told
-from vibeam.exchange.time_series import curve_in_run
+from vibeam.exchange.curves.record import Taken, taken_told
+from vibeam.exchange.time_series import EVEN, UNITS, samples_of_file
+from vibeam.studies.measured_panel import MeasuredCurve, label
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -50,4 +51,16 @@ def _of_input(plan: InputPlan, case: Case) -> MeasuredCurve:
     assert case.record is not None
     duration = case.record.duration * (max(case.record.values) if case.record.over == "speed" else 1.0)
     kept = plan.measured(duration).taken
-    return curve_in_run(Path(plan.file or ""), duration, kept, plan.said(*WAYS["file"]))
+    return _in_run(Path(plan.file or ""), duration, kept, plan.said(*WAYS["file"]))
+
+
+def _in_run(path: Path, duration: float, kept: Taken, said: Mapping[str, Any]) -> MeasuredCurve:
+    """All samples of a file by the keys of a case; used are those that were ``kept``, in a run of ``duration`` s."""
+    quantity = said.get("quantity", "acceleration")
+    keys = (said.get(each) for each in ("unit", "rate", "scale"))
+    _, _, value, clock = samples_of_file(path, said.get("column"), said.get("time"), quantity, *keys)
+    zero = kept.zero or 0.0
+    first, last = max(kept.start, zero), min(kept.end, zero + duration * (1 + EVEN / len(clock)))
+    used = (clock >= first) & (clock <= last)
+    labels = label("time", "s"), label(kept.columns[0].head or quantity, UNITS[quantity])
+    return MeasuredCurve(clock, value, used, None, labels, kept.file, True)

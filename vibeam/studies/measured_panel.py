@@ -1,20 +1,53 @@
-"""Panel of a measured curve: all points, in grey those that are cut, the fit over those that are used."""
+"""Measured curve as it was read, and its panel: all points, in grey those that are cut, the fit over the others."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.exchange.curves.measured_curve import MeasuredCurve
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST = 20_000  # points drawn of a curve; of more the least and the greatest of each of many stretches
 Orders = Sequence[Sequence[tuple[float, float]]]
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredCurve:
+    """Curve as it was read, for a picture: ``value`` (n,), or (m, n) of several, at ``at`` (n,), in SI.
+
+    ``used`` (n,): points that are not cut. ``fit``: places (k,), and what was fitted there. ``labels``: of the axes,
+    heads with units. ``timed``: over time, not frequency.
+    """
+
+    at: Array
+    value: Array
+    used: Any
+    fit: tuple[Array, Array] | None = None
+    labels: tuple[str, str] = ("", "")
+    name: str = ""
+    timed: bool = False
+
+    @property
+    def cut(self) -> int:
+        """Number of points that are not used."""
+        return len(self.used) - int(sum(self.used))
+
+    @property
+    def title(self) -> str:
+        """Name, and how many points are cut."""
+        return f"{self.name}: {self.cut} of {len(self.used)} points are cut" if self.cut else self.name
+
+
+def label(head: str, unit: str) -> str:
+    """Label of an axis: the head of a column, and its unit where it has one."""
+    return f"{head} in {unit.replace('^2', '²')}" if unit not in ("", "1") else head
 
 
 def draw_curve(axes: Axes, curve: MeasuredCurve, colours: Sequence[str]) -> dict[str, Any]:

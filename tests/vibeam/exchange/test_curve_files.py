@@ -275,10 +275,9 @@ def test_whatever_a_file_holds_it_is_read_or_told(tmp_path: Path) -> None:
 
 
 def test_other_programs_import_readers_by_these_names() -> None:
-    from vibeam.exchange.meshes.read import read_mesh
-
     from vibeam.exchange.curves import columns, read, record
     from vibeam.exchange.matrices.declaration import read_matrix
+    from vibeam.exchange.meshes.read import read_mesh
     from vibeam.exchange.uff import read_modes
 
     assert read.read_columns is columns.read_columns

@@ -190,7 +190,7 @@ def test_of_many_points_no_extreme_is_lost() -> None:
 
 
 def vibeam_curve(value: Any) -> Any:
-    from vibeam.exchange.curves.measured_curve import MeasuredCurve
+    from vibeam.studies.measured_panel import MeasuredCurve
 
     return MeasuredCurve(np.arange(len(value)), value, np.ones(len(value), dtype=bool), timed=True)
 

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.exchange.curves.measured_curve import MeasuredCurve
 from vibeam.extensions.identification.response import (
     CORRELATED,
     RANGE,
@@ -28,6 +27,7 @@ from vibeam.extensions.identification.response import (
     usable,
 )
 from vibeam.studies.fit.linear_estimates import Identification, by_logarithms, correlation, estimates, spread_of
+from vibeam.studies.measured_panel import MeasuredCurve
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 

@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.exchange.curves.measured_curve import MeasuredCurve
 from vibeam.exchange.faults import suggest
 from vibeam.extensions.identification.residues import MOST, Fit, ModalResponses, fitted
 from vibeam.studies.fit.linear_estimates import Estimate, Identification, correlation, estimates, spread_of
+from vibeam.studies.measured_panel import MeasuredCurve
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
 from vibeam_models.memory import check_room

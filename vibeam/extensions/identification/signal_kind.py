@@ -21,7 +21,6 @@ import numpy as np
 
 from vibeam.casefile.quantities import FREQUENCY, RATIO, TIME, suits, to_si
 from vibeam.exchange.curves.columns import size_in
-from vibeam.exchange.curves.measured_curve import MeasuredCurve, label
 from vibeam.exchange.curves.record import tell
 from vibeam.exchange.units import TIME as OF_TIME
 from vibeam.exchange.units import unit_size
@@ -37,6 +36,7 @@ from vibeam.extensions.identification.response import (
 )
 from vibeam.extensions.identification.signals import NAMES, UNITS, Signal, ascends, name_in, read_signal
 from vibeam.studies.fit.linear_estimates import Identification
+from vibeam.studies.measured_panel import MeasuredCurve, label
 from vibeam_models.arrays import Array
 
 KINDS = ("decay", "spectrum", "response", *FORMS)

@@ -17,7 +17,7 @@ from math import inf, log, nan
 
 import numpy as np
 
-from vibeam.exchange.curves.measured_curve import MeasuredCurve
+from vibeam.studies.measured_panel import MeasuredCurve
 from vibeam_models.arrays import Array
 
 UNKNOWN = log(2.0)  # half-width of an interval in the logarithm from which on a direction is not determined
