@@ -53,7 +53,7 @@ def _shape(beam: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the dimensions of the section."""
     kind = SHAPES[beam.shape or "rectangle"]
     own = keys_of(kind)
-    for name in own.keys() - defaults_of(kind).keys():
+    for name in [each for each in own if each not in defaults_of(kind)]:
         if getattr(beam, name) is None:
             yield ("beam", name), f"missing ({own[name].meaning}): write {name} = {to_fill_in(own[name].example)}"
     faults = (*foreign_dimensions(beam, kind.name), *kind.faults(beam))

@@ -53,7 +53,7 @@ def contact_law(stop: Any, beam: Any = None) -> ContactLaw | None:
 def _law(stop: SimpleNamespace, with_units: bool, beam: Any) -> Iterator[Complaint]:
     law = law_of(stop)
     own, named = keys_of(law), f'law = "{law.name}"'
-    for name in own.keys() - defaults_of(law).keys():
+    for name in [each for each in own if each not in defaults_of(law)]:
         if getattr(stop, name) is None:
             yield ("stop", name), _missing(name, own[name], with_units)
     for name, of in law.of_beam.items():
