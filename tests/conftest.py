@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["VIBEAM_CACHE"] = ""  # a reduced solid of another run would hide a change
 
 BROWSERS = {"browser", "firefox"}  # fixtures that open pages in one
+PACKAGE = "vibeam.extensions"
+SUPPORT = Path(__file__).parent / "support"
 EXTENSIONS = Path(__file__).parent / "vibeam" / "extensions"
 SLOW_LIMIT = 3600  # seconds that a slow test may take; others: pyproject.toml
 
@@ -35,6 +38,15 @@ if os.environ.get("VIBEAM_TEST_ULP"):  # before a test takes solve_ivp by its na
 def pytest_configure(config: pytest.Config) -> None:
     """The mark of tests that need an extension: all of ``vibeam/extensions``, and others one by one."""
     config.addinivalue_line("markers", "extension: needs an extension that comes with vibeam")
+
+
+def pytest_ignore_collect(collection_path: Path) -> bool | None:
+    """Leave out the files that import an extension where there is none: the core is tested by itself."""
+    if collection_path.suffix != ".py" or find_spec(PACKAGE) is not None:
+        return None
+    text = collection_path.read_text(encoding="utf-8")
+    helpers = [each.stem for each in SUPPORT.glob("*.py") if PACKAGE in each.read_text(encoding="utf-8")]
+    return PACKAGE in text or any(f"from {name} import" in text for name in helpers) or None
 
 
 @pytest.hookimpl(tryfirst=True)  # before tests are chosen by their marks

@@ -58,6 +58,7 @@ def test_a_small_run_needs_no_confirmation(monkeypatch: pytest.MonkeyPatch) -> N
     assert max(seen) < 1e8
 
 
+@pytest.mark.extension
 def test_a_fit_to_millions_of_points_is_refused() -> None:
     time = np.broadcast_to(0.0, (7_000_000,))
     with pytest.raises(ValueError, match=r"a fit to 7000000 points: needs 8\.4 GB of memory"):

@@ -293,6 +293,7 @@ def test_check_without_a_reference_says_so(command: Command, sdof: Path) -> None
     assert (found["schema"], found["rows"], found["missed"]) == ("vibeam.check/1", [], 0)
 
 
+@pytest.mark.extension
 def test_check_refuses_what_run_would(command: Command, sdof: Path) -> None:
     linear = 'stop={law = "linear", stiffness = 100.0, restitution = 0.9, gap = 0.0}'
     words = ("--set", linear, "--set", 'fidelity.sdof.solver="mapping"')
@@ -694,7 +695,7 @@ def test_linear_algebra_has_one_thread_unless_more_are_asked_for(
     if given is None:
         monkeypatch.delenv("OPENBLAS_NUM_THREADS")
     seen = list[str]()
-    monkeypatch.setattr("vibeam.cli.main.main", lambda: seen.append(os.environ["OPENBLAS_NUM_THREADS"]))
+    monkeypatch.setattr("vibeam.cli.entry.main", lambda: seen.append(os.environ["OPENBLAS_NUM_THREADS"]))
     import_module("vibeam.__main__").main()
     assert seen == [given or "1"]
 

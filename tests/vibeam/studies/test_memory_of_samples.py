@@ -53,7 +53,10 @@ def points_between_those_of_a_sweep(count: int) -> Any:
     return _off_grid(case, "laser", case, False)
 
 
-@pytest.mark.parametrize("made", [decay, response, spectrum, words_of_a_fit, points_between_those_of_a_sweep])
+SIGNALS = [pytest.param(each, marks=pytest.mark.extension) for each in (decay, response, spectrum)]
+
+
+@pytest.mark.parametrize("made", [*SIGNALS, words_of_a_fit, points_between_those_of_a_sweep])
 def test_memory_is_in_proportion_to_the_samples(made: Callable[[int], Any]) -> None:
     made(100)  # what is imported and kept is no part of it
     tracemalloc.start()
