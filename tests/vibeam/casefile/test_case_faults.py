@@ -212,7 +212,7 @@ def test_all_faults_come_at_once_in_the_order_of_lines():
         ("beam.length", "1 kg", "beam.length: '1 kg' is a mass, not a length"),
         ("beam.length", "nan", "beam.length: nan is not a finite number"),
         ("beam.length.x", 1, "beam.length.x: there is no 'x' in '180 mm'"),
-        ("nothing", 1, "nothing: unknown key; known here: title, source, units, beam, mass, added_mass, clamp, further_stop, gravity, leaf, opposite, plate, section, support, torsion, stop, sensor, output, drive, platform, shaker, solid, measurement, sweep, record, start, fidelity, reference, expect, measured, chosen_by, show, map, uncertain, figure, cost, fit, derive, modes_needed, uncertainty, verdict, influence"),
+        ("nothing", 1, "nothing: unknown key; known here: title, source, units, beam, mass, added_mass, clamp, further_stop, gravity, leaf, opposite, plate, section, support, torsion, stop, sensor, output, drive, platform, shaker, solid, measurement, sweep, record, start, fidelity, reference, expect, measured, chosen_by, show, map, uncertain, figure, cost, fit, derive, modes_needed, uncertainty, verdict, mode_share, influence"),
         ("fidelity.more.reduction", "modal", 'fidelity.more.modes: missing: reduction = "modal" needs how many; write modes = 8'),
         ("mass.rotary_inertia", None, "mass.rotary_inertia: cannot be taken away: it is not in the case"),
         ("measurement.seed", None, "measurement.seed: cannot be taken away: it is not in the case"),

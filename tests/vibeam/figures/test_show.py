@@ -125,8 +125,9 @@ def test_everything_is_kept_and_not_made_again(tmp_path: Path, monkeypatch: pyte
     def never(*_: Any) -> None:
         raise AssertionError("made again")
 
-    for made in ("history.columns", "portrait.columns", "section.columns", "boundaries.sheets"):
-        monkeypatch.setattr(f"vibeam.figures.kinds.{made}", never)
+    kinds = [f"figures.kinds.{each}.columns" for each in ("history", "portrait", "section")]
+    for made in (*kinds, "extensions.paper.boundaries_figure.sheets"):
+        monkeypatch.setattr(f"vibeam.{made}", never)
     again = vibeam.run(case, out)
     for name in ("history", "portrait", "section", "gaps"):
         for one, other in zip(first.shown[name], again.shown[name], strict=True):
