@@ -169,7 +169,9 @@ def test_what_is_said_of_absent_extensions_is_what_they_bring() -> None:
     brought: dict[str, set[str]] = {}
     for kind in extensions.KINDS:
         for point, each in extensions.brought(kind):
-            names = {"command": {f"vibeam {each.name}"}, "section of a page": set()}.get(kind, {each.name})
+            names = {"command": {f"vibeam {each.name}"}, "section of a page": set(), "reader of meshes": set()}.get(
+                kind, {each.name}
+            )
             read = {*each.quantities, *each.reads} if kind == "kind of figure" else set()
             if point.package == extensions.OWN:
                 brought.setdefault(point.name, set()).update(names | read)

@@ -7,11 +7,10 @@ from typing import Any
 
 from vibeam.exchange.files import FormatError
 from vibeam_models.extensions import brought
-from vibeam_models.registry import loaded
 
 
 def read_mesh(path: Path) -> Any:
     """The mesh of a file; FormatError where none can be read of it, or nothing here reads meshes."""
     for _, read in brought("reader of meshes"):
-        return loaded(read)(path)
+        return read.load()(path)
     raise FormatError("is a mesh, and no extension that reads meshes is registered: install vibeam again")

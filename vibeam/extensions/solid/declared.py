@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from vibeam.casefile.kinds import CaseKind, ModelDeclaration
+from vibeam_models.registry import Home
 
 HOME = "vibeam.extensions.solid"
 TABLE, SOURCES = f"{HOME}.table:SolidTable", f"{HOME}.rules:sources"
@@ -29,4 +30,4 @@ KINDS = (
         needs="mesh",
     ),
 )
-READERS = (f"{HOME}.meshes.read:read_mesh",)
+READERS = (Home("meshes", f"{HOME}.meshes.read:read_mesh"),)
