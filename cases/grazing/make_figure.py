@@ -15,7 +15,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import vibeam
-from vibeam.periodic.resonant_grazing import boundary_drives
+from vibeam.periodic.modal_sums import sums
+from vibeam.periodic.resonant_grazing import _doubling, _fold, _turn
 
 HERE = Path(__file__).parent
 TURN = 2 * np.pi
@@ -29,6 +30,16 @@ def grazing(system: vibeam.ImpactSystem, omega: np.ndarray) -> np.ndarray:
     w, zeta = system.omega[:, None], system.zeta[:, None]
     response = (system.contact * system.load) @ (omega**2 / (w**2 - omega**2 + 2j * zeta * w * omega))
     return system.gap / np.abs(response)
+
+
+def boundary_drives(system: vibeam.ImpactSystem, omega: np.ndarray) -> list[np.ndarray]:
+    """Drives B/B_g of fold and doubling (points,) at frequencies ``omega``, rad/s; NaN where no impact pushes."""
+    total, rows = sums(system, omega, 1), []
+    for share in (_fold, _doubling):
+        numerator, denominator = share(system, total)
+        q = numerator / denominator
+        rows.append(np.where(q < 0, np.hypot(1 - q * total.g0, q * _turn(system, total)), np.nan))
+    return rows
 
 
 def stable(system: vibeam.ImpactSystem, omega: np.ndarray, share: float) -> np.ndarray:
