@@ -75,7 +75,7 @@ def draw_orders(axes: Axes, orders: Orders) -> dict[str, Any]:
     (crosses,) = axes.plot(*places, "k+", zorder=4)
     axes.set_yticks(range(len(orders) + 2))
     axes.set_ylabel("modes in the fit")
-    return {"mode of a fit with so many modes": crosses}
+    return {"modes of each fit": crosses}
 
 
 def _shown(value: Any) -> Any:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from vibeam.exchange.faults import suggest
 from vibeam.exchange.units import factor as factor  # by which a column and its scale become SI
-from vibeam_models.arguments import shown
+from vibeam_models.arguments import counted, shown
 from vibeam_models.arrays import Array
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
@@ -75,7 +75,7 @@ class Taken:
     zero: float | None = None
 
     def __str__(self) -> str:
-        span = f"{self.samples} points from {grouped(self.start)} to {grouped(self.end)} {self.over}"
+        span = f"{counted(self.samples, 'point')} from {grouped(self.start)} to {grouped(self.end)} {self.over}"
         if self.rate is not None:
             span = f"{grouped(self.rate)} Hz from {grouped(self.start)} {self.over}"
         if self.zero is not None:

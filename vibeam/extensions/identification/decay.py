@@ -120,7 +120,7 @@ def _checked(time: ArrayLike, displacement: ArrayLike) -> tuple[Array, Array]:
         raise ValueError(f"time {t.shape} and displacement {x.shape} must be of one shape (n,)")
     require_room(len(t), A_SAMPLE)
     if len(t) < LEAST:
-        raise ValueError(f"a decay of {len(t)} samples is too short: {LEAST} are needed")
+        raise ValueError(f"a decay of {counted(len(t), 'sample')} is too short: {LEAST} are needed")
     if not (usable(t) and usable(x)):
         raise ValueError(f"every time and displacement must be a finite number{RANGE}")
     if not (np.diff(t) > 0).all():

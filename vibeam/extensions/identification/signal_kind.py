@@ -114,10 +114,10 @@ def _curve(whole: Signal, fitted: MeasuredCurve, kind: str, power: bool) -> Meas
     assert fitted.fit is not None
     at, model = fitted.fit
     fit = at, (1.0 if kind in FORMS else size) * model
-    head = f"modulus of {' and '.join(whole.parts)}" if whole.parts else whole.heads[1]
+    named = kind if len(whole.parts) > 2 else " and ".join(whole.parts)
     labels = (
         label(*(("time", "s") if fitted.timed else ("frequency", "Hz"))),
-        label(f"{'root of ' * power}{head}", unit),
+        label(f"{'root of ' * power}{f'modulus of {named}' if named else whole.heads[1]}", unit),
     )
     return MeasuredCurve(
         whole.at, size * value, np.isin(whole.at, fitted.at[fitted.used]), fit, labels, timed=fitted.timed
