@@ -166,7 +166,7 @@ def _checked(
     if f.ndim != 1 or a.ndim != 2 or a.shape[1] != len(f):
         raise ValueError(f"frequency {f.shape} and response {np.shape(response)} must be of one shape (n,)")
     if len(f) < least:
-        raise ValueError(f"{counted(len(f), 'point')} of {least} that are needed")
+        raise ValueError(f"{counted(len(f), 'point')}: too few, {least} are needed")
     require_room(a.size)
     negative = not np.iscomplexobj(a) and (a < 0).any()
     if not (usable(f) and usable(a) and (f >= 0).all()) or negative:
